@@ -1,0 +1,1 @@
+"""tribocosim: FMU packaging."""

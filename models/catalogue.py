@@ -1,0 +1,19 @@
+"""The components by name, as scenarios and FMU builds ask for them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from .component import Component
+from .contact.ehl_contact import ehl_contact
+from .flywheel import flywheel
+from .valve_train.camshaft import camshaft
+from .valve_train.valve_spring import valve_spring
+
+# Each factory takes its structural sizes by keyword, e.g. valve_spring(coil_masses=8).
+CATALOGUE: Mapping[str, Callable[..., Component]] = {
+    "camshaft": camshaft,
+    "valve_spring": valve_spring,
+    "ehl_contact": ehl_contact,
+    "flywheel": flywheel,
+}

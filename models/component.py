@@ -1,0 +1,170 @@
+"""A component: the types and kernels of one subsystem, and everything its adapters need.
+
+One definition serves in-process runs, FMUs, the monolithic reference and studies: they all call the
+flat kernels made here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from .integrator import INPUT_COEFFICIENTS, make_advance, taylor, work_size
+from .kernel import kernel
+from .quantities import Layout, Vector
+
+# Indices of what an energy kernel writes, in J, W and W.
+STORED, DISSIPATED_POWER, SOURCE_POWER = 0, 1, 2
+
+
+@dataclass(frozen=True)
+class PowerBond:
+    """Power into the component is sign * (variable `effort`) * (variable `flow`).
+
+    Each variable is an input or an output of the component.
+    """
+
+    effort: str
+    flow: str
+    sign: int
+
+
+@dataclass(frozen=True)
+class Events:
+    """What a component with impacts or changes of mode adds to its derivative.
+
+    guards(t, x, u, p, g): an event happens where an element of g falls from >= 0 to below zero.
+    transition(k, t, x, u, p): changes the record x when guard k has fallen (impact map, change of mode);
+    afterwards guard k must not be negative.
+    """
+
+    count: int
+    guards: Any
+    transition: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Component:
+    """One subsystem.
+
+    Kernels take records: derivative(t, x, u, p, dx), output(t, x, u, p, y), energy(t, x, u, p, e) with
+    e = [stored energy (J), dissipated power (W), power of internal sources (W)].
+    `feedthrough` lists, for each output, the inputs it depends on at the same instant.
+    `advance_maker`, if given, replaces the standard integrator: (component) -> advance kernel.
+    """
+
+    name: str
+    description: str
+    parameters: Layout
+    state: Layout
+    inputs: Layout
+    outputs: Layout
+    derivative: Any
+    output: Any
+    energy: Any
+    feedthrough: Mapping[str, Sequence[str]]
+    bonds: Sequence[PowerBond] = ()
+    events: Events | None = None
+    check: Callable[[Any], Sequence[str]] = field(default=lambda parameters: ())
+    advance_maker: Callable[[Component], Any] | None = None
+    structure: Mapping[str, int] = field(default_factory=dict)
+
+    @cached_property
+    def flat_derivative(self) -> Any:
+        """(t, x, u, p, dx) on float vectors."""
+        return _flatten(self.derivative, self.state, self.inputs, self.parameters, self.state)
+
+    @cached_property
+    def flat_output(self) -> Any:
+        """(t, x, u, p, y) on float vectors."""
+        return _flatten(self.output, self.state, self.inputs, self.parameters, self.outputs)
+
+    @cached_property
+    def flat_energy(self) -> Any:
+        """(t, x, u, p, e) on float vectors; e has three elements."""
+        function = self.energy
+        X, U, P = self.state.dtype, self.inputs.dtype, self.parameters.dtype
+
+        @kernel
+        def flat_energy(t: float, x: Any, u: Any, p: Any, e: Any) -> None:
+            function(t, x.view(X)[0], u.view(U)[0], p.view(P)[0], e)
+
+        return flat_energy
+
+    @cached_property
+    def flat_guards(self) -> Any:
+        """(t, x, u, p, g) on float vectors; None without events."""
+        if self.events is None:
+            return None
+        function = self.events.guards
+        X, U, P = self.state.dtype, self.inputs.dtype, self.parameters.dtype
+
+        @kernel
+        def flat_guards(t: float, x: Any, u: Any, p: Any, g: Any) -> None:
+            function(t, x.view(X)[0], u.view(U)[0], p.view(P)[0], g)
+
+        return flat_guards
+
+    @cached_property
+    def flat_transition(self) -> Any:
+        """(k, t, x, u, p) on float vectors; changes x. None without events."""
+        if self.events is None:
+            return None
+        function = self.events.transition
+        X, U, P = self.state.dtype, self.inputs.dtype, self.parameters.dtype
+
+        @kernel
+        def flat_transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
+            function(k, t, x.view(X)[0], u.view(U)[0], p.view(P)[0])
+
+        return flat_transition
+
+    @cached_property
+    def step(self) -> Any:
+        """step(t, h, x, U, p, scale, work, u, y) -> status.
+
+        Advances x in place over [t, t + h] with the inputs' polynomials U, then leaves the inputs and
+        outputs at the end in u and y. x is unchanged if the status is not OK.
+        """
+        maker = self.advance_maker
+        advance = maker(self) if maker else make_advance(self.flat_derivative, self.state, self.inputs)
+        output = self.flat_output
+
+        @kernel
+        def step(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any, u: Any, y: Any) -> int:
+            status = advance(t, h, x, U, p, scale, work)
+            taylor(U, h, u)
+            output(t + h, x, u, p, y)
+            return status
+
+        return step
+
+    @property
+    def work_size(self) -> int:
+        """Length of the scratch vector for `step`."""
+        return work_size(self.state, self.inputs)
+
+    def parameter_faults(self, p: Vector) -> list[str]:
+        """Messages for parameters outside their ranges, alone or together."""
+        faults = self.parameters.faults(p)
+        return faults or list(self.check(self.parameters.view(p)))
+
+    def input_polynomial(self) -> Vector:
+        """Taylor coefficients for `step`: row 0 the start values, the rest zero."""
+        U = np.zeros((INPUT_COEFFICIENTS, self.inputs.size))
+        U[0] = self.inputs.start
+        return U
+
+
+def _flatten(function: Any, state: Layout, inputs: Layout, parameters: Layout, result: Layout) -> Any:
+    X, U, P, R = state.dtype, inputs.dtype, parameters.dtype, result.dtype
+
+    @kernel
+    def flat(t: float, x: Any, u: Any, p: Any, out: Any) -> None:
+        function(t, x.view(X)[0], u.view(U)[0], p.view(P)[0], out.view(R)[0])
+
+    return flat

@@ -1,0 +1,1 @@
+"""Lubricated line contact: Hertz deflection, film formulas, friction estimate."""

@@ -1,0 +1,288 @@
+"""Lubricated finite line contact: Hertzian load of the approach, film thickness by a relaxation equation.
+
+Kushwaha et al. 2000 (K), equations (5)-(10), (37)-(39). K (10) with its squeeze term, solved for dh/dt,
+is the relaxation dh/dt = -(|u|/C) ln(h/h_ss(W, u, R)), C = 96.775 (K (37) has the opposite sign of its
+own text). As u -> 0 the film is kept. Other film formulas enter as h_ss.
+
+Two forms: *compliant* (approach in, load and film out): the film fills the gap, so the elastic
+deflection is delta = approach - retreat + h and W = W_Hertz(delta) (1 + c delta'/W_ref) >= 0; and
+*adherence* (`load_is_given`): load in, film out.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, NamedTuple
+
+from ..component import Component, PowerBond
+from ..kernel import kernel
+from ..quantities import Layout, Quantity, Vector
+from .films import FILMS, film_by_number
+from .films.groups import groups
+from .friction import fluid_share, viscous_shear_stress
+from .hertz import deflection, elastic_compliance, elastic_energy, half_width, load_of, maximum_pressure
+
+# Ranges of the groups in the regression behind K (10) (K Table 3), with E = pi / compliance.
+TABLE_3 = {
+    "material": (5700.0, 9650.0),
+    "squeeze": (-0.005, 0.0),
+    "load": (0.34e-6, 0.56e-5),
+    "speed": (0.63e-11, 3.3e-11),
+}
+G_LOW, G_HIGH = TABLE_3["material"]
+SQUEEZE_LOW, SQUEEZE_HIGH = TABLE_3["squeeze"]
+W_LOW, W_HIGH = TABLE_3["load"]
+U_LOW, U_HIGH = TABLE_3["speed"]
+
+FILM_IS_DRY = float(list(FILMS).index("dry"))
+
+
+@dataclass
+class ContactParameters:
+    """Defaults: the set `kushwaha2000`; damping ratio 0.05 of the 6.7 kHz contact mode at 450 N."""
+
+    film_model: Annotated[float, Quantity("1", "film thickness formula", choices=tuple(FILMS))] = 0.0
+    load_is_given: Annotated[float, Quantity("1", "adherence form: the load is an input", boolean=True)] = 0.0
+    length: Annotated[
+        float, Quantity("m", "contact length L_c", nominal=1e-2, positive=True, display_unit="mm")
+    ] = 12e-3
+    youngs_modulus_1: Annotated[
+        float, Quantity("Pa", "Young's modulus of body 1 (cam)", nominal=1e11, positive=True)
+    ] = 207e9
+    poissons_ratio_1: Annotated[
+        float, Quantity("1", "Poisson's ratio of body 1", minimum=0.0, maximum=0.5)
+    ] = 0.3
+    youngs_modulus_2: Annotated[
+        float, Quantity("Pa", "Young's modulus of body 2 (follower)", nominal=1e11, positive=True)
+    ] = 207e9
+    poissons_ratio_2: Annotated[
+        float, Quantity("1", "Poisson's ratio of body 2", minimum=0.0, maximum=0.5)
+    ] = 0.3
+    viscosity: Annotated[
+        float, Quantity("Pa.s", "viscosity eta0 of the lubricant", nominal=1e-2, positive=True)
+    ] = 0.036
+    pressure_viscosity: Annotated[
+        float, Quantity("1/Pa", "pressure-viscosity coefficient alpha", nominal=1e-8, positive=True)
+    ] = 1.8e-8
+    squeeze_constant: Annotated[
+        float, Quantity("1", "constant C of the squeeze term (K 10)", nominal=100.0, positive=True)
+    ] = 96.775
+    film_load_floor: Annotated[
+        float, Quantity("N", "least load that the film formula is given", positive=True)
+    ] = 1.0
+    contact_damping: Annotated[
+        float, Quantity("N.s/m", "damping c of the contact at the reference load", nominal=1e3, minimum=0.0)
+    ] = 920.0
+    damping_reference_load: Annotated[
+        float,
+        Quantity("N", "load at which the damping is c; it grows with the load", nominal=500.0, positive=True),
+    ] = 450.0
+    roughness: Annotated[
+        float, Quantity("m", "composite rms roughness", nominal=1e-7, positive=True, display_unit="um")
+    ] = 0.2e-6
+    boundary_friction_coefficient: Annotated[
+        float, Quantity("1", "friction coefficient of asperities", nominal=0.1, minimum=0.0)
+    ] = 0.1
+    limiting_shear_coefficient: Annotated[
+        float, Quantity("1", "limiting shear stress over mean pressure", nominal=0.1, minimum=0.0)
+    ] = 0.07
+
+
+@dataclass
+class ContactState:
+    film_thickness: Annotated[
+        float, Quantity("m", "lubricant film thickness h", nominal=1e-6, positive=True, display_unit="um")
+    ] = 1e-6
+
+
+@dataclass
+class ContactInputs:
+    approach: Annotated[
+        float,
+        Quantity(
+            "m", "position of surface 1 towards surface 2, overlap positive", nominal=1e-3, display_unit="mm"
+        ),
+    ] = 0.0
+    approach_rate: Annotated[float, Quantity("m/s", "velocity of surface 1 towards surface 2")] = 0.0
+    retreat: Annotated[
+        float,
+        Quantity("m", "position of surface 2 away from surface 1", nominal=1e-3, display_unit="mm"),
+    ] = 0.0
+    retreat_rate: Annotated[float, Quantity("m/s", "velocity of surface 2 away from surface 1")] = 0.0
+    applied_load: Annotated[float, Quantity("N", "load of the adherence form", nominal=500.0)] = 0.0
+    entraining_velocity: Annotated[float, Quantity("m/s", "mean surface velocity u")] = 0.0
+    sliding_velocity: Annotated[float, Quantity("m/s", "velocity of surface 1 over surface 2")] = 0.0
+    radius_of_curvature: Annotated[
+        float,
+        Quantity("m", "reduced radius R of the contact", nominal=1e-2, positive=True, display_unit="mm"),
+    ] = 0.02
+
+
+@dataclass
+class ContactOutputs:
+    load: Annotated[float, Quantity("N", "contact load W", nominal=500.0)] = 0.0
+    film_thickness: Annotated[
+        float, Quantity("m", "lubricant film thickness h", nominal=1e-6, display_unit="um")
+    ] = 0.0
+    squeeze_velocity: Annotated[float, Quantity("m/s", "dh/dt, positive when separating", nominal=1e-3)] = 0.0
+    steady_film_thickness: Annotated[
+        float, Quantity("m", "film thickness h_ss of the formula", nominal=1e-6, display_unit="um")
+    ] = 0.0
+    deflection: Annotated[
+        float, Quantity("m", "elastic approach of the bodies", nominal=1e-6, display_unit="um")
+    ] = 0.0
+    half_width: Annotated[
+        float, Quantity("m", "half width b of the contact", nominal=1e-4, display_unit="um")
+    ] = 0.0
+    maximum_pressure: Annotated[
+        float, Quantity("Pa", "largest Hertz pressure p0", nominal=1e8, display_unit="MPa")
+    ] = 0.0
+    friction_force: Annotated[
+        float, Quantity("N", "friction of surface 2 on 1, against its sliding (estimate)", nominal=10.0)
+    ] = 0.0
+    viscous_friction: Annotated[float, Quantity("N", "viscous share of the friction", nominal=10.0)] = 0.0
+    boundary_friction: Annotated[float, Quantity("N", "boundary share of the friction", nominal=10.0)] = 0.0
+    separated: Annotated[float, Quantity("1", "the contact carries no load", boolean=True)] = 0.0
+    material_in_range: Annotated[float, Quantity("1", "G inside K Table 3", boolean=True)] = 0.0
+    squeeze_in_range: Annotated[float, Quantity("1", "w_s inside K Table 3", boolean=True)] = 0.0
+    load_in_range: Annotated[float, Quantity("1", "W inside K Table 3", boolean=True)] = 0.0
+    speed_in_range: Annotated[float, Quantity("1", "U inside K Table 3", boolean=True)] = 0.0
+
+
+class Contact(NamedTuple):
+    """What the state and inputs say about the contact at an instant."""
+
+    compliance: float
+    film: float
+    steady_film: float
+    film_rate: float
+    deflection: float
+    deflection_rate: float
+    elastic_load: float
+    load: float
+
+
+@kernel
+def relaxation_rate(film: float, steady_film: float, velocity: float, squeeze_constant: float) -> float:
+    """dh/dt = -(|u|/C) ln(h/h_ss): K (10) solved for its squeeze velocity; 0 at u = 0."""
+    if velocity == 0.0 or steady_film <= 0.0:
+        return 0.0
+    return -abs(velocity) / squeeze_constant * math.log(film / steady_film)
+
+
+@kernel
+def contact(x: ContactState, u: ContactInputs, p: ContactParameters) -> Contact:
+    """Deflection, load and film rate. The film sees the elastic load, which keeps the law explicit."""
+    compliance = elastic_compliance(
+        p.youngs_modulus_1, p.poissons_ratio_1, p.youngs_modulus_2, p.poissons_ratio_2
+    )
+    radius = u.radius_of_curvature
+    film = 0.0 if p.film_model == FILM_IS_DRY else x.film_thickness
+    if p.load_is_given != 0.0:
+        elastic_load = max(0.0, u.applied_load)
+        delta = deflection(elastic_load, radius, p.length, compliance)
+    else:
+        delta = u.approach - u.retreat + film
+        elastic_load = load_of(delta, radius, p.length, compliance)
+    steady = film_by_number(
+        p.film_model, max(elastic_load, p.film_load_floor), abs(u.entraining_velocity), radius, p.length,
+        compliance, p.viscosity, p.pressure_viscosity,
+    )  # fmt: skip
+    film_rate = relaxation_rate(x.film_thickness, steady, u.entraining_velocity, p.squeeze_constant)
+    delta_rate = u.approach_rate - u.retreat_rate + film_rate
+    if p.load_is_given != 0.0:
+        load = u.applied_load
+    else:
+        load = elastic_load * max(0.0, 1.0 + p.contact_damping * delta_rate / p.damping_reference_load)
+    return Contact(compliance, film, steady, film_rate, delta, delta_rate, elastic_load, load)
+
+
+@kernel
+def derivative(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, dx: ContactState) -> None:
+    dx.film_thickness = contact(x, u, p).film_rate
+
+
+@kernel
+def inside(value: float, low: float, high: float) -> float:
+    return 1.0 if low <= value <= high else 0.0
+
+
+@kernel
+def output(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, y: ContactOutputs) -> None:
+    c = contact(x, u, p)
+    radius, speed = u.radius_of_curvature, abs(u.entraining_velocity)
+    y.load = c.load
+    y.film_thickness = c.film
+    y.squeeze_velocity = c.film_rate
+    y.steady_film_thickness = c.steady_film
+    y.deflection = c.deflection
+    load = max(0.0, c.load)
+    y.half_width = half_width(load, radius, p.length, c.compliance)
+    y.maximum_pressure = maximum_pressure(load, radius, p.length, c.compliance)
+    mean_pressure = math.pi / 4.0 * y.maximum_pressure
+    share = fluid_share(c.film / p.roughness)
+    stress = viscous_shear_stress(
+        p.viscosity, p.pressure_viscosity, mean_pressure, u.sliding_velocity, c.film,
+        p.limiting_shear_coefficient,
+    )  # fmt: skip
+    direction = 1.0 if u.sliding_velocity > 0.0 else (-1.0 if u.sliding_velocity < 0.0 else 0.0)
+    y.viscous_friction = direction * share * stress * 2.0 * y.half_width * p.length
+    y.boundary_friction = direction * (1.0 - share) * p.boundary_friction_coefficient * load
+    y.friction_force = y.viscous_friction + y.boundary_friction
+    y.separated = 1.0 if c.load <= 0.0 else 0.0
+    g = groups(math.pi / c.compliance, load, speed, radius, p.length, p.viscosity, p.pressure_viscosity)
+    y.material_in_range = inside(g.material, G_LOW, G_HIGH)
+    # At rest the squeeze ratio has no value: out of range.
+    y.squeeze_in_range = inside(c.film_rate / speed, SQUEEZE_LOW, SQUEEZE_HIGH) if speed > 0.0 else 0.0
+    y.load_in_range = inside(g.load, W_LOW, W_HIGH)
+    y.speed_in_range = inside(g.speed, U_LOW, U_HIGH)
+
+
+@kernel
+def energy(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, e: Vector) -> None:
+    """Stored: elastic. Dissipated: contact damping. Source: the film growing under the load (the
+    entrainment's work, negative while it is squeezed); a changing radius adds dE/dR dR/dt."""
+    c = contact(x, u, p)
+    e[0] = elastic_energy(c.elastic_load, u.radius_of_curvature, p.length, c.compliance)
+    e[1] = (c.load - c.elastic_load) * c.deflection_rate
+    e[2] = c.load * c.film_rate if p.film_model != FILM_IS_DRY else 0.0
+
+
+def ehl_contact() -> Component:
+    """The lubricated line contact, compliant or in adherence form."""
+    inputs = Layout(ContactInputs)
+    surfaces = tuple(name for name in inputs.names if name != "sliding_velocity")
+    statics = ("approach", "retreat", "applied_load", "radius_of_curvature")
+    rated = ("entraining_velocity", "applied_load", "radius_of_curvature", "approach", "retreat")
+    friction = inputs.names
+    return Component(
+        name="ehl_contact",
+        description="Elastohydrodynamic finite line contact: load and film thickness",
+        parameters=Layout(ContactParameters),
+        state=Layout(ContactState),
+        inputs=inputs,
+        outputs=Layout(ContactOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            "load": surfaces,
+            "squeeze_velocity": rated,
+            "steady_film_thickness": rated,
+            "deflection": statics,
+            "half_width": surfaces,
+            "maximum_pressure": surfaces,
+            "friction_force": friction,
+            "viscous_friction": friction,
+            "boundary_friction": friction,
+            "separated": surfaces,
+            "squeeze_in_range": rated,
+            "load_in_range": surfaces,
+            "speed_in_range": ("entraining_velocity", "radius_of_curvature"),
+        },
+        bonds=(
+            PowerBond("load", "approach_rate", +1),
+            PowerBond("load", "retreat_rate", -1),
+        ),
+    )

@@ -1,0 +1,65 @@
+"""Film thickness formulas for line contacts. To add one: a file with `film` (a kernel), listed here.
+
+Each kernel is film(load, velocity, radius, length, compliance, viscosity, pressure_viscosity) -> m, for
+positive load, |entraining velocity| and reduced radius.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...kernel import kernel
+from . import (
+    dowson_higginson,
+    dowson_toyoda,
+    dry,
+    kushwaha,
+    kushwaha_negative,
+    moes_venner,
+    pan_hamrock_central,
+    pan_hamrock_minimum,
+)
+
+# The order is the number of the film model in FMUs: append only.
+FILMS: dict[str, Any] = {
+    "kushwaha": kushwaha.film,
+    "kushwaha_negative": kushwaha_negative.film,
+    "dowson_higginson": dowson_higginson.film,
+    "dowson_toyoda": dowson_toyoda.film,
+    "pan_hamrock_minimum": pan_hamrock_minimum.film,
+    "pan_hamrock_central": pan_hamrock_central.film,
+    "moes_venner": moes_venner.film,
+    "dry": dry.film,
+}
+
+
+def _choose(number: int, film: Any, others: Any) -> Any:
+    @kernel
+    def chosen(
+        model: float, load: float, velocity: float, radius: float, length: float, compliance: float,
+        viscosity: float, pressure_viscosity: float,
+    ) -> float:  # fmt: skip
+        if model == number:
+            return film(load, velocity, radius, length, compliance, viscosity, pressure_viscosity)
+        return others(model, load, velocity, radius, length, compliance, viscosity, pressure_viscosity)
+
+    return chosen
+
+
+@kernel
+def _unknown(
+    model: float, load: float, velocity: float, radius: float, length: float, compliance: float,
+    viscosity: float, pressure_viscosity: float,
+) -> float:  # fmt: skip
+    return 0.0
+
+
+def _film_by_number() -> Any:
+    film = _unknown
+    for number, one in reversed(list(enumerate(FILMS.values()))):
+        film = _choose(number, one, film)
+    return film
+
+
+# film_by_number(model, load, velocity, radius, length, compliance, viscosity, pressure_viscosity) -> m
+film_by_number = _film_by_number()

@@ -1,0 +1,147 @@
+"""Flywheel: the rotor that drives the mechanisms, free under torques or at a prescribed speed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+from .component import Component, PowerBond
+from .kernel import kernel
+from .quantities import Layout, Quantity, Vector, per_element
+
+FREE, PRESCRIBED = 0.0, 1.0
+LINEAR, SMOOTH = 0.0, 1.0
+
+
+@dataclass
+class FlywheelParameters:
+    motion: Annotated[
+        float,
+        Quantity("1", "free under its torques, or turning as prescribed", choices=("free", "prescribed")),
+    ] = PRESCRIBED
+    inertia: Annotated[float, Quantity("kg.m2", "moment of inertia", nominal=0.1, positive=True)] = 0.1
+    initial_speed: Annotated[
+        float,
+        Quantity("rad/s", "prescribed speed before the ramp", nominal=100.0, display_unit="rpm"),
+    ] = 1000.0 * math.pi / 30.0
+    final_speed: Annotated[
+        float,
+        Quantity("rad/s", "prescribed speed after the ramp", nominal=100.0, display_unit="rpm"),
+    ] = 1000.0 * math.pi / 30.0
+    ramp_start: Annotated[float, Quantity("s", "time at which the ramp begins")] = 0.0
+    ramp_duration: Annotated[float, Quantity("s", "length of the ramp", positive=True)] = 1.0
+    ramp_shape: Annotated[
+        float,
+        Quantity("1", "linear in time, or smooth (3 r^2 - 2 r^3)", choices=("linear", "smooth")),
+    ] = LINEAR
+
+
+@dataclass
+class FlywheelState:
+    angle: Annotated[float, Quantity("rad", "angle of the shaft", display_unit="deg")] = 0.0
+    speed: Annotated[
+        float, Quantity("rad/s", "speed of the free shaft", nominal=100.0, display_unit="rpm")
+    ] = 1000.0 * math.pi / 30.0
+
+
+@dataclass
+class FlywheelInputs:
+    drive_torque: Annotated[float, Quantity("N.m", "torque on the free shaft", nominal=10.0)] = 0.0
+    load_torque: Annotated[
+        Vector, Quantity("N.m", "torque taken by a driven mechanism", nominal=10.0, size="loads")
+    ] = per_element()
+
+
+@dataclass
+class FlywheelOutputs:
+    angle: Annotated[float, Quantity("rad", "angle of the shaft", display_unit="deg")] = 0.0
+    speed: Annotated[float, Quantity("rad/s", "speed of the shaft", nominal=100.0, display_unit="rpm")] = 0.0
+    acceleration: Annotated[float, Quantity("rad/s2", "angular acceleration of the shaft", nominal=100.0)] = (
+        0.0
+    )
+    supplied_torque: Annotated[
+        float, Quantity("N.m", "torque that the drive gives (what the prescribed motion needs)", nominal=10.0)
+    ] = 0.0
+
+
+def flywheel(loads: int = 1) -> Component:
+    """J w' = T_drive - sum of load torques when free; w(t) given by the ramp when prescribed."""
+
+    @kernel
+    def ramp_speed(t: float, p: FlywheelParameters) -> float:
+        r = min(1.0, max(0.0, (t - p.ramp_start) / p.ramp_duration))
+        if p.ramp_shape == SMOOTH:
+            r = r * r * (3.0 - 2.0 * r)
+        return p.initial_speed + (p.final_speed - p.initial_speed) * r
+
+    @kernel
+    def ramp_acceleration(t: float, p: FlywheelParameters) -> float:
+        r = (t - p.ramp_start) / p.ramp_duration
+        if r < 0.0 or r >= 1.0:
+            return 0.0
+        slope = 6.0 * r * (1.0 - r) if p.ramp_shape == SMOOTH else 1.0
+        return (p.final_speed - p.initial_speed) * slope / p.ramp_duration
+
+    @kernel
+    def load(u: FlywheelInputs) -> float:
+        total = 0.0
+        for i in range(loads):
+            total += u.load_torque[i]
+        return total
+
+    @kernel
+    def acceleration(t: float, u: FlywheelInputs, p: FlywheelParameters) -> float:
+        if p.motion == PRESCRIBED:
+            return ramp_acceleration(t, p)
+        return (u.drive_torque - load(u)) / p.inertia
+
+    @kernel
+    def shaft_speed(t: float, x: FlywheelState, p: FlywheelParameters) -> float:
+        return ramp_speed(t, p) if p.motion == PRESCRIBED else x.speed
+
+    @kernel
+    def derivative(
+        t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, dx: FlywheelState
+    ) -> None:
+        dx.angle = shaft_speed(t, x, p)
+        dx.speed = acceleration(t, u, p)
+
+    @kernel
+    def supplied_torque(t: float, u: FlywheelInputs, p: FlywheelParameters) -> float:
+        if p.motion == PRESCRIBED:
+            return p.inertia * ramp_acceleration(t, p) + load(u)
+        return u.drive_torque
+
+    @kernel
+    def output(
+        t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, y: FlywheelOutputs
+    ) -> None:
+        y.angle = x.angle
+        y.speed = shaft_speed(t, x, p)
+        y.acceleration = acceleration(t, u, p)
+        y.supplied_torque = supplied_torque(t, u, p)
+
+    @kernel
+    def energy(t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, e: Vector) -> None:
+        speed = shaft_speed(t, x, p)
+        e[0] = 0.5 * p.inertia * speed**2
+        e[1] = 0.0
+        e[2] = supplied_torque(t, u, p) * speed
+
+    sizes = {"loads": loads}
+    inputs = Layout(FlywheelInputs, sizes)
+    return Component(
+        name="flywheel",
+        description="Rotor under drive and load torques, or at a prescribed speed",
+        parameters=Layout(FlywheelParameters),
+        state=Layout(FlywheelState),
+        inputs=inputs,
+        outputs=Layout(FlywheelOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={"acceleration": inputs.names, "supplied_torque": inputs.names},
+        bonds=tuple(PowerBond(name, "speed", -1) for name in inputs.names if name != "drive_torque"),
+        structure=sizes,
+    )

@@ -1,0 +1,153 @@
+"""Physical quantities: the metadata of every parameter, state, input and output, and their layout.
+
+A *record* is a dataclass whose fields are annotated with a `Quantity`. A `Layout` turns a record type
+into a flat vector of doubles and back; compiled kernels see the same memory as a structured record
+(`x.view(layout.dtype)[0].velocity`), integrators and FMI see the vector.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a number means: unit (SI symbols), description, nominal size and allowed range.
+
+    `positive` excludes zero, which `minimum` alone cannot. `choices` makes the number an index into
+    names, `boolean` a truth value, `count` a whole number. `size` names the structural size of a
+    vector-valued field.
+    """
+
+    unit: str
+    description: str
+    nominal: float = 1.0
+    minimum: float = -math.inf
+    maximum: float = math.inf
+    positive: bool = False
+    display_unit: str = ""
+    choices: tuple[str, ...] = ()
+    boolean: bool = False
+    count: bool = False
+    size: str = ""
+
+    @property
+    def discrete(self) -> bool:
+        """True for truth values, counts and choices."""
+        return self.boolean or self.count or bool(self.choices)
+
+    def allowed(self) -> str:
+        """The allowed range in words."""
+        if self.choices:
+            return "one of " + ", ".join(self.choices)
+        if self.boolean:
+            return "true or false"
+        low = "> 0" if self.positive else (f">= {self.minimum:g}" if self.minimum > -math.inf else "")
+        high = f"<= {self.maximum:g}" if self.maximum < math.inf else ""
+        return " and ".join(part for part in (low, high) if part) or "any finite number"
+
+    def fault(self, name: str, value: float) -> str | None:
+        """A message naming the quantity, its value and the allowed range, or None if it is allowed."""
+        whole = not self.discrete or float(value).is_integer()
+        low = max(self.minimum, 0.0) if (self.boolean or self.choices) else self.minimum
+        high = 1.0 if self.boolean else (len(self.choices) - 1.0 if self.choices else self.maximum)
+        inside = math.isfinite(value) and whole and low <= value <= high
+        if inside and not (self.positive and value <= 0.0):
+            return None
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{name} = {value:g}{unit} ({self.description}): must be {self.allowed()}"
+
+
+def per_element(start: float = 0.0) -> Vector:
+    """Default of a vector-valued field: every element begins with `start`."""
+    made: Vector = field(default_factory=lambda: np.zeros(0), metadata={"start": start})
+    return made
+
+
+@dataclass(frozen=True)
+class Field:
+    """One scalar of a layout: its name (vectors are numbered from 1), quantity and start value."""
+
+    name: str
+    quantity: Quantity
+    start: float
+
+
+class Layout:
+    """The fields of a record type as a flat vector of doubles.
+
+    `sizes` gives the structural sizes of vector fields, by the name their quantity states.
+    """
+
+    def __init__(self, record: type, sizes: Mapping[str, int] | None = None) -> None:
+        self.record = record
+        hints = get_type_hints(record, include_extras=True)
+        formats: list[tuple[str, str, tuple[int, ...]]] = []
+        scalars: list[Field] = []
+        for item in fields(record):
+            quantity = _quantity_of(record, item.name, hints[item.name])
+            start = float(item.metadata["start"] if item.default is MISSING else item.default)
+            if quantity.size:
+                count = (sizes or {})[quantity.size]
+                formats.append((item.name, "f8", (count,)))
+                scalars += [Field(f"{item.name}[{i + 1}]", quantity, start) for i in range(count)]
+            else:
+                formats.append((item.name, "f8", ()))
+                scalars.append(Field(item.name, quantity, start))
+        self.dtype = np.dtype((np.record, formats))
+        self.fields = tuple(scalars)
+        self.names = tuple(scalar.name for scalar in scalars)
+        self.size = len(scalars)
+        self.start: Vector = np.array([scalar.start for scalar in scalars], dtype=np.float64)
+        self.nominal: Vector = np.array([scalar.quantity.nominal for scalar in scalars], dtype=np.float64)
+        self._index = {name: i for i, name in enumerate(self.names)}
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._index
+
+    def index(self, name: str) -> int:
+        """Position of a scalar in the vector; KeyError with the known names if there is none."""
+        try:
+            return self._index[name]
+        except KeyError:
+            raise KeyError(f"{name!r} is not one of {', '.join(self.names)}") from None
+
+    def field(self, name: str) -> Field:
+        """The field called `name`."""
+        return self.fields[self.index(name)]
+
+    def vector(self, values: Mapping[str, float] | None = None) -> Vector:
+        """A vector of start values, with `values` put in their places."""
+        vector = self.start.copy()
+        for name, value in (values or {}).items():
+            vector[self.index(name)] = float(value)
+        return vector
+
+    def named(self, vector: Vector) -> dict[str, float]:
+        """The vector's elements by name."""
+        return {name: float(value) for name, value in zip(self.names, vector, strict=True)}
+
+    def view(self, vector: Vector) -> Any:
+        """The record that shares the vector's memory."""
+        return vector.view(self.dtype)[0]
+
+    def faults(self, vector: Vector) -> list[str]:
+        """Messages for every element outside its allowed range."""
+        found = (f.quantity.fault(f.name, float(v)) for f, v in zip(self.fields, vector, strict=True))
+        return [message for message in found if message]
+
+
+def _quantity_of(record: type, name: str, hint: Any) -> Quantity:
+    if get_origin(hint) is Annotated:
+        for note in get_args(hint)[1:]:
+            if isinstance(note, Quantity):
+                return note
+    raise TypeError(f"{record.__name__}.{name} has no Quantity")

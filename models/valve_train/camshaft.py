@@ -1,0 +1,303 @@
+"""Camshaft: cam at the end of an elastic shaft element whose other end is driven.
+
+Kushwaha et al. 2000 (K), section 4.2 and equation (33) with the lost sign of the stiffness term; K's "2
+per cent" damping is read as a modal damping ratio (taken as 0.02 s times K it would be a ratio of 31).
+The element's two directions that the contact load does not excite (axial, and bending out of the
+plane) are left out. Contact load bends the shaft by W and twists it by W s'.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, NamedTuple
+
+from ..component import Component, PowerBond
+from ..kernel import kernel
+from ..quantities import Layout, Quantity, Vector
+from .cam_profile import (
+    Lift,
+    cycloidal_lift,
+    entraining_velocity,
+    radius_of_curvature,
+    sliding_velocity,
+    smallest_radius_of_curvature,
+)
+
+
+@dataclass
+class CamshaftParameters:
+    """Defaults: the set `kushwaha2000`."""
+
+    lift: Annotated[
+        float, Quantity("m", "largest lift S", nominal=1e-2, positive=True, display_unit="mm")
+    ] = 8e-3
+    base_radius: Annotated[
+        float, Quantity("m", "base circle radius R0", nominal=1e-2, positive=True, display_unit="mm")
+    ] = 2.610272395869072 * 8e-3
+    rise_angle: Annotated[
+        float, Quantity("rad", "cam angle of the rise B", positive=True, maximum=math.pi, display_unit="deg")
+    ] = math.radians(88.66608103115016)
+    dwell_half_width: Annotated[
+        float,
+        Quantity(
+            "rad", "half width d of the dwell at the nose", minimum=0.0, maximum=math.pi, display_unit="deg"
+        ),
+    ] = math.radians(1.333918968849847)
+    drive_ratio: Annotated[
+        float, Quantity("1", "cam angle over drive angle (0.5 behind a four-stroke crankshaft)")
+    ] = 1.0
+    phase: Annotated[
+        float, Quantity("rad", "cam angle at drive angle zero; the nose is at pi", display_unit="deg")
+    ] = 0.0
+    flexible: Annotated[float, Quantity("1", "the shaft bends and twists; false: rigid", boolean=True)] = 0.0
+    mass: Annotated[float, Quantity("kg", "mass at the cam", nominal=0.4, positive=True)] = 0.425
+    polar_inertia: Annotated[
+        float, Quantity("kg.m2", "moment of inertia about the shaft", nominal=1e-4, positive=True)
+    ] = 3.00e-4
+    transverse_inertia: Annotated[
+        float, Quantity("kg.m2", "moment of inertia about a diameter", nominal=1e-4, positive=True)
+    ] = 1.42e-4
+    shaft_length: Annotated[
+        float, Quantity("m", "length l of the field element", nominal=0.1, positive=True, display_unit="mm")
+    ] = 0.1
+    shaft_diameter: Annotated[
+        float, Quantity("m", "diameter of the shaft", nominal=1e-2, positive=True, display_unit="mm")
+    ] = 0.02
+    youngs_modulus: Annotated[
+        float, Quantity("Pa", "Young's modulus of the shaft", nominal=1e11, positive=True)
+    ] = 207e9
+    poissons_ratio: Annotated[
+        float, Quantity("1", "Poisson's ratio of the shaft", minimum=0.0, maximum=0.5)
+    ] = 0.3
+    shaft_damping_ratio: Annotated[
+        float,
+        Quantity("1", "damping ratio of every mode of the shaft", nominal=1e-2, minimum=0.0, maximum=1.0),
+    ] = 0.02
+
+
+@dataclass
+class CamshaftState:
+    """All stay at zero when the shaft is rigid."""
+
+    twist: Annotated[
+        float, Quantity("rad", "cam angle less driven angle", nominal=1e-4, display_unit="deg")
+    ] = 0.0
+    twist_rate: Annotated[float, Quantity("rad/s", "rate of twist")] = 0.0
+    bending: Annotated[
+        float, Quantity("m", "cam axis displacement towards the follower", nominal=1e-4, display_unit="mm")
+    ] = 0.0
+    bending_rate: Annotated[float, Quantity("m/s", "cam axis velocity towards the follower", nominal=0.1)] = (
+        0.0
+    )
+    slope: Annotated[float, Quantity("rad", "slope of the shaft at the cam", nominal=1e-3)] = 0.0
+    slope_rate: Annotated[float, Quantity("rad/s", "rate of the slope at the cam")] = 0.0
+
+
+@dataclass
+class CamshaftInputs:
+    drive_angle: Annotated[float, Quantity("rad", "angle of the drive", display_unit="deg")] = 0.0
+    drive_speed: Annotated[
+        float, Quantity("rad/s", "speed of the drive", nominal=100.0, display_unit="rpm")
+    ] = 0.0
+    drive_acceleration: Annotated[
+        float, Quantity("rad/s2", "angular acceleration of the drive", nominal=100.0)
+    ] = 0.0
+    contact_load: Annotated[float, Quantity("N", "load W of the follower on the cam", nominal=500.0)] = 0.0
+    friction_force: Annotated[
+        float, Quantity("N", "friction on the cam against its sliding", nominal=10.0)
+    ] = 0.0
+
+
+@dataclass
+class CamshaftOutputs:
+    surface_position: Annotated[
+        float, Quantity("m", "cam surface towards the follower, s + bending", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    surface_velocity: Annotated[
+        float, Quantity("m/s", "velocity of the cam surface towards the follower")
+    ] = 0.0
+    radius_of_curvature: Annotated[
+        float, Quantity("m", "radius of the cam at the contact", nominal=1e-2, display_unit="mm")
+    ] = 0.0
+    entraining_velocity: Annotated[
+        float, Quantity("m/s", "mean surface velocity relative to the contact")
+    ] = 0.0
+    sliding_velocity: Annotated[float, Quantity("m/s", "velocity of cam over follower surface")] = 0.0
+    drive_torque: Annotated[float, Quantity("N.m", "torque taken from the drive", nominal=10.0)] = 0.0
+    cam_angle: Annotated[
+        float, Quantity("rad", "angle of the cam; the nose is at pi", display_unit="deg")
+    ] = 0.0
+    cam_speed: Annotated[float, Quantity("rad/s", "speed of the cam", nominal=100.0, display_unit="rpm")] = (
+        0.0
+    )
+    cam_lift: Annotated[float, Quantity("m", "lift s of the profile", nominal=1e-3, display_unit="mm")] = 0.0
+    contact_offset: Annotated[
+        float, Quantity("m", "offset s' of the contact along the follower", nominal=1e-2, display_unit="mm")
+    ] = 0.0
+
+
+class Shaft(NamedTuple):
+    """Stiffness and damping of the element: torsion, and bending in (bending, slope)."""
+
+    twist_stiffness: float
+    twist_damping: float
+    k11: float
+    k12: float
+    k22: float
+    c11: float
+    c12: float
+    c22: float
+
+
+@kernel
+def shaft_element(p: CamshaftParameters) -> Shaft:
+    """K (33) at the cam's node, and a damping matrix that gives every mode the same ratio.
+
+    Bending: C = 2 zeta sqrt(M) sqrt(A) sqrt(M) with A = M^-1/2 K M^-1/2; the root of a 2 x 2 matrix is
+    (A + sqrt(det A) I) / sqrt(tr A + 2 sqrt(det A)).
+    """
+    second_moment = math.pi * p.shaft_diameter**4 / 64.0
+    shear_modulus = p.youngs_modulus / (2.0 * (1.0 + p.poissons_ratio))
+    twist_stiffness = shear_modulus * 2.0 * second_moment / p.shaft_length
+    twist_damping = 2.0 * p.shaft_damping_ratio * math.sqrt(twist_stiffness * p.polar_inertia)
+    EJ = p.youngs_modulus * second_moment
+    k11 = 12.0 * EJ / p.shaft_length**3
+    k12 = -6.0 * EJ / p.shaft_length**2
+    k22 = 4.0 * EJ / p.shaft_length
+    m1, m2 = math.sqrt(p.mass), math.sqrt(p.transverse_inertia)
+    a11, a12, a22 = k11 / p.mass, k12 / (m1 * m2), k22 / p.transverse_inertia
+    root = math.sqrt(a11 * a22 - a12 * a12)
+    factor = 2.0 * p.shaft_damping_ratio / math.sqrt(a11 + a22 + 2.0 * root)
+    c11 = factor * (a11 + root) * p.mass
+    c12 = factor * a12 * m1 * m2
+    c22 = factor * (a22 + root) * p.transverse_inertia
+    return Shaft(twist_stiffness, twist_damping, k11, k12, k22, c11, c12, c22)
+
+
+@kernel
+def cam_angle(x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters) -> float:
+    """psi = ratio * drive angle + phase + twist (wind-up)."""
+    return p.drive_ratio * u.drive_angle + p.phase + x.twist
+
+
+@kernel
+def cam_speed(x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters) -> float:
+    """psi' = ratio * drive speed + twist rate: the twist rate is K's "fictitious" velocity."""
+    return p.drive_ratio * u.drive_speed + x.twist_rate
+
+
+@kernel
+def cam_lift(x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters) -> Lift:
+    return cycloidal_lift(cam_angle(x, u, p), p.lift, p.rise_angle, p.dwell_half_width)
+
+
+@kernel
+def load_torque(cam: Lift, u: CamshaftInputs, p: CamshaftParameters) -> float:
+    """Torque of the contact against the rotation: W s' + F (R0 + s)."""
+    return u.contact_load * cam.ds + u.friction_force * (p.base_radius + cam.s)
+
+
+@kernel
+def derivative(
+    t: float, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters, dx: CamshaftState
+) -> None:
+    """I (theta'' + psi_d'') = -k theta - c theta' - W s' ...; M q'' = -K q - C q' - (W, 0)."""
+    if p.flexible == 0.0:
+        dx.twist = dx.twist_rate = dx.bending = dx.bending_rate = dx.slope = dx.slope_rate = 0.0
+        return
+    e = shaft_element(p)
+    cam = cam_lift(x, u, p)
+    torque = e.twist_stiffness * x.twist + e.twist_damping * x.twist_rate + load_torque(cam, u, p)
+    dx.twist = x.twist_rate
+    dx.twist_rate = -torque / p.polar_inertia - p.drive_ratio * u.drive_acceleration
+    force = e.k11 * x.bending + e.k12 * x.slope + e.c11 * x.bending_rate + e.c12 * x.slope_rate
+    moment = e.k12 * x.bending + e.k22 * x.slope + e.c12 * x.bending_rate + e.c22 * x.slope_rate
+    dx.bending = x.bending_rate
+    dx.bending_rate = -(force + u.contact_load) / p.mass
+    dx.slope = x.slope_rate
+    dx.slope_rate = -moment / p.transverse_inertia
+
+
+@kernel
+def output(t: float, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters, y: CamshaftOutputs) -> None:
+    speed = cam_speed(x, u, p)
+    cam = cam_lift(x, u, p)
+    y.cam_angle = cam_angle(x, u, p)
+    y.cam_speed = speed
+    y.cam_lift = cam.s
+    y.contact_offset = cam.ds
+    y.surface_position = cam.s + x.bending
+    y.surface_velocity = cam.ds * speed + x.bending_rate
+    y.radius_of_curvature = radius_of_curvature(p.base_radius, cam)
+    y.entraining_velocity = entraining_velocity(p.base_radius, cam, speed)
+    y.sliding_velocity = sliding_velocity(p.base_radius, cam, speed)
+    if p.flexible == 0.0:
+        inertia_torque = p.polar_inertia * p.drive_ratio * u.drive_acceleration
+        y.drive_torque = p.drive_ratio * (inertia_torque + load_torque(cam, u, p))
+    else:
+        e = shaft_element(p)
+        y.drive_torque = -p.drive_ratio * (e.twist_stiffness * x.twist + e.twist_damping * x.twist_rate)
+
+
+@kernel
+def energy(t: float, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters, e: Vector) -> None:
+    s = shaft_element(p)
+    elastic = s.twist_stiffness * x.twist**2 + s.k11 * x.bending**2 + s.k22 * x.slope**2
+    elastic += 2.0 * s.k12 * x.bending * x.slope
+    kinetic = p.polar_inertia * cam_speed(x, u, p) ** 2 + p.mass * x.bending_rate**2
+    kinetic += p.transverse_inertia * x.slope_rate**2
+    lost = s.twist_damping * x.twist_rate**2 + s.c11 * x.bending_rate**2 + s.c22 * x.slope_rate**2
+    e[0] = 0.5 * (elastic + kinetic)
+    e[1] = lost + 2.0 * s.c12 * x.bending_rate * x.slope_rate
+    e[2] = 0.0
+
+
+def profile_faults(p: CamshaftParameters) -> Sequence[str]:
+    """The event must fit into a turn, and a flat follower needs a convex cam."""
+    if p.rise_angle + p.dwell_half_width > math.pi:
+        event = math.degrees(2.0 * (p.rise_angle + p.dwell_half_width))
+        return [f"2 (rise_angle + dwell_half_width) = {event:g} deg: must be at most 360 deg"]
+    smallest = smallest_radius_of_curvature(p.base_radius, p.lift, p.rise_angle, p.dwell_half_width)
+    if smallest <= 0.0:
+        return [
+            f"smallest radius of curvature = {1e3 * smallest:.3f} mm: must be > 0 for a flat follower "
+            "(undercut); increase base_radius or rise_angle, or reduce lift"
+        ]
+    return []
+
+
+def camshaft() -> Component:
+    """One cam on its shaft element."""
+    inputs = Layout(CamshaftInputs)
+    angle, speed = ("drive_angle",), ("drive_angle", "drive_speed")
+    return Component(
+        name="camshaft",
+        description="Cycloidal cam for a flat follower on a rigid or flexible shaft",
+        parameters=Layout(CamshaftParameters),
+        state=Layout(CamshaftState),
+        inputs=inputs,
+        outputs=Layout(CamshaftOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            "surface_position": angle,
+            "surface_velocity": speed,
+            "radius_of_curvature": angle,
+            "entraining_velocity": speed,
+            "sliding_velocity": speed,
+            "drive_torque": inputs.names,
+            "cam_angle": angle,
+            "cam_speed": ("drive_speed",),
+            "cam_lift": angle,
+            "contact_offset": angle,
+        },
+        bonds=(
+            PowerBond("drive_torque", "drive_speed", +1),
+            PowerBond("contact_load", "surface_velocity", -1),
+            PowerBond("friction_force", "sliding_velocity", -1),
+        ),
+        check=profile_faults,
+    )

@@ -1,0 +1,254 @@
+"""Valve (with follower) on a spring whose coils are N lumped masses, with seat and lash.
+
+Kushwaha et al. 2000 (K), section 2.3 and equations (1)-(3), (40)-(42), with the corrections: the square
+of f0 in (1) and the signs of (40)-(42), as printed solutions grow. N = 2 is K's spring.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from ..component import Component, PowerBond
+from ..kernel import kernel
+from ..quantities import Layout, Quantity, Vector, per_element
+
+
+@dataclass
+class ValveSpringParameters:
+    """Defaults: the set `kushwaha2000`, whose follower rides on the cam at all times (no seat)."""
+
+    valve_mass: Annotated[
+        float, Quantity("kg", "mass m3 of valve and follower", nominal=0.2, positive=True)
+    ] = 0.22
+    spring_rate: Annotated[
+        float, Quantity("N/m", "static rate k0 of the spring", nominal=3e4, positive=True)
+    ] = 35e3
+    surge_frequency: Annotated[
+        float,
+        Quantity("Hz", "first natural frequency f0 of the clamped spring", nominal=500.0, positive=True),
+    ] = 504.5
+    damping_ratio: Annotated[
+        float,
+        Quantity(
+            "1", "damping ratio of the spring at f0 (stiffness-proportional)", nominal=0.01, minimum=0.0
+        ),
+    ] = 0.02
+    preload: Annotated[float, Quantity("N", "spring force f_p at zero lift", nominal=300.0, minimum=0.0)] = (
+        330.0
+    )
+    lash: Annotated[
+        float,
+        Quantity(
+            "m", "follower position at which the valve sits on its seat", nominal=1e-4, display_unit="mm"
+        ),
+    ] = 0.0
+    seat_stiffness: Annotated[
+        float, Quantity("N/m", "stiffness of the valve seat; 0: no seat", nominal=1e7, minimum=0.0)
+    ] = 0.0
+    seat_damping: Annotated[
+        float, Quantity("N.s/m", "damping of the valve seat while touching", nominal=1e2, minimum=0.0)
+    ] = 0.0
+    clash_clearance: Annotated[
+        float,
+        Quantity("m", "travel after which all coils touch", nominal=1e-2, positive=True, display_unit="mm"),
+    ] = 0.02
+    clash_stiffness: Annotated[
+        float, Quantity("N/m", "added rate between coils that touch", nominal=1e6, minimum=0.0)
+    ] = 0.0
+
+
+@dataclass
+class ValveSpringState:
+    position: Annotated[
+        float, Quantity("m", "follower position y3, zero on the base circle", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    velocity: Annotated[float, Quantity("m/s", "follower velocity")] = 0.0
+    coil_position: Annotated[
+        Vector, Quantity("m", "coil displacement y5, y6, ... from rest", nominal=1e-3, size="coil_masses")
+    ] = per_element()
+    coil_velocity: Annotated[Vector, Quantity("m/s", "coil velocity", size="coil_masses")] = per_element()
+
+
+@dataclass
+class ValveSpringInputs:
+    load: Annotated[float, Quantity("N", "contact load W on the follower", nominal=500.0)] = 0.0
+
+
+@dataclass
+class ValveSpringOutputs:
+    position: Annotated[
+        float, Quantity("m", "follower position y3, zero on the base circle", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    velocity: Annotated[float, Quantity("m/s", "follower velocity")] = 0.0
+    acceleration: Annotated[float, Quantity("m/s2", "follower acceleration", nominal=1e3)] = 0.0
+    valve_lift: Annotated[
+        float, Quantity("m", "valve lift: follower position less lash", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    spring_force: Annotated[
+        float, Quantity("N", "force of the spring on the follower, preload included", nominal=500.0)
+    ] = 0.0
+    seat_force: Annotated[float, Quantity("N", "force of the seat on the valve", nominal=500.0)] = 0.0
+    coil_position: Annotated[
+        Vector, Quantity("m", "coil displacement y5, y6, ... from rest", nominal=1e-3, size="coil_masses")
+    ] = per_element()
+
+
+class Lumping(NamedTuple):
+    """Spring shares by N: end rate/k0, inner rate/k0, mass pi^2 f0^2/k0."""
+
+    end_rate: float
+    inner_rate: float
+    mass: float
+
+
+def lumping(coil_masses: int) -> Lumping:
+    """K's three demands for N equal masses between equal inner and equal end springs.
+
+    The static rate is k0 and the clamped-clamped frequencies begin with f0 and 2 f0. The chain's modes
+    are cos or sin of (n - (N+1)/2) q with frequency proportional to sin(q/2); both end conditions give
+    the end-to-inner ratio, and they must agree for q1 (symmetric) and q2 (antisymmetric). N = 2 gives
+    K (1)-(3): 8/3, 4, 2/3. N = 1 has no second frequency; its one spring is cut in the middle.
+    """
+    if coil_masses < 1:
+        raise ValueError(f"coil_masses = {coil_masses}: must be at least 1")
+    n = coil_masses
+    if n == 1:
+        return Lumping(2.0, 0.0, 1.0)
+
+    def ratios(q1: float) -> tuple[float, float]:
+        q2 = 2.0 * math.asin(2.0 * math.sin(q1 / 2.0))
+        symmetric = 1.0 - math.cos((n + 1) * q1 / 2.0) / math.cos((n - 1) * q1 / 2.0)
+        antisymmetric = 1.0 - math.sin((n + 1) * q2 / 2.0) / math.sin((n - 1) * q2 / 2.0)
+        return symmetric, antisymmetric
+
+    # The root lies near the continuous spring's q1 = pi/N; q2 must exist, so q1 < pi/3.
+    low, high = 0.8 * math.pi / (n + 1), min(math.pi / 3.0, math.pi / n)
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        symmetric, antisymmetric = ratios(middle)
+        low, high = (middle, high) if symmetric > antisymmetric else (low, middle)
+    ratio = ratios(0.5 * (low + high))[0]
+    inner = 2.0 / ratio + n - 1.0
+    return Lumping(ratio * inner, inner, inner * math.sin(0.25 * (low + high)) ** 2)
+
+
+def spring_frequencies(parameters: ValveSpringParameters, coil_masses: int) -> Vector:
+    """Natural frequencies (Hz) of the undamped spring clamped at both ends, ascending."""
+    share = lumping(coil_masses)
+    rates = np.full(coil_masses + 1, share.inner_rate)
+    rates[[0, -1]] = share.end_rate
+    matrix = np.diag(rates[:-1] + rates[1:]) - np.diag(rates[1:-1], 1) - np.diag(rates[1:-1], -1)
+    return np.asarray(parameters.surge_frequency * np.sqrt(np.linalg.eigvalsh(matrix / share.mass) / 4.0))
+
+
+def valve_spring(coil_masses: int = 2) -> Component:
+    """Valve and spring with `coil_masses` coil masses.
+
+    m3 y3'' = W - f_p - [k_e (y3-y5) + c_e (y3'-y5')] + seat force, and for every coil mass
+    m y'' = (force of the segment above) - (force of the segment below); the last segment ends on the
+    fixed head. W is the input `load`.
+    """
+    n = coil_masses
+    end_share, inner_share, mass_share = lumping(n)
+
+    @kernel
+    def segment_force(p: ValveSpringParameters, share: float, compression: float, rate: float) -> float:
+        """k e + c e', and the clash rate where the segment's share of the travel is used up."""
+        stiffness = share * p.spring_rate
+        damping = 2.0 * p.damping_ratio / (2.0 * math.pi * p.surge_frequency) * stiffness
+        clash = max(0.0, compression - p.clash_clearance / share)
+        return stiffness * compression + damping * rate + p.clash_stiffness * clash
+
+    @kernel
+    def seat_force(p: ValveSpringParameters, position: float, velocity: float) -> float:
+        """Unilateral: pushes the valve open while it dips below the seat, never pulls."""
+        dip = p.lash - position
+        if dip <= 0.0:
+            return 0.0
+        return max(0.0, p.seat_stiffness * dip - p.seat_damping * velocity)
+
+    @kernel
+    def spring_on_follower(p: ValveSpringParameters, x: ValveSpringState) -> float:
+        return segment_force(p, end_share, x.position - x.coil_position[0], x.velocity - x.coil_velocity[0])
+
+    @kernel
+    def acceleration(x: ValveSpringState, u: ValveSpringInputs, p: ValveSpringParameters) -> float:
+        seat = seat_force(p, x.position, x.velocity)
+        return (u.load - p.preload - spring_on_follower(p, x) + seat) / p.valve_mass
+
+    @kernel
+    def derivative(
+        t: float, x: ValveSpringState, u: ValveSpringInputs, p: ValveSpringParameters, dx: ValveSpringState
+    ) -> None:
+        coil_mass = mass_share * p.spring_rate / (math.pi * p.surge_frequency) ** 2
+        dx.position = x.velocity
+        dx.velocity = acceleration(x, u, p)
+        above = spring_on_follower(p, x)
+        for i in range(n):
+            if i < n - 1:
+                compression = x.coil_position[i] - x.coil_position[i + 1]
+                rate = x.coil_velocity[i] - x.coil_velocity[i + 1]
+                below = segment_force(p, inner_share, compression, rate)
+            else:
+                below = segment_force(p, end_share, x.coil_position[i], x.coil_velocity[i])
+            dx.coil_position[i] = x.coil_velocity[i]
+            dx.coil_velocity[i] = (above - below) / coil_mass
+            above = below
+
+    @kernel
+    def output(
+        t: float, x: ValveSpringState, u: ValveSpringInputs, p: ValveSpringParameters, y: ValveSpringOutputs
+    ) -> None:
+        y.position = x.position
+        y.velocity = x.velocity
+        y.acceleration = acceleration(x, u, p)
+        y.valve_lift = x.position - p.lash
+        y.spring_force = p.preload + spring_on_follower(p, x)
+        y.seat_force = seat_force(p, x.position, x.velocity)
+        for i in range(n):
+            y.coil_position[i] = x.coil_position[i]
+
+    @kernel
+    def segment_energy(p: ValveSpringParameters, share: float, compression: float) -> float:
+        clash = max(0.0, compression - p.clash_clearance / share)
+        return 0.5 * share * p.spring_rate * compression**2 + 0.5 * p.clash_stiffness * clash**2
+
+    @kernel
+    def energy(
+        t: float, x: ValveSpringState, u: ValveSpringInputs, p: ValveSpringParameters, e: Vector
+    ) -> None:
+        coil_mass = mass_share * p.spring_rate / (math.pi * p.surge_frequency) ** 2
+        damping = 2.0 * p.damping_ratio / (2.0 * math.pi * p.surge_frequency) * p.spring_rate
+        dip = max(0.0, p.lash - x.position)
+        stored = 0.5 * p.valve_mass * x.velocity**2 + p.preload * x.position + 0.5 * p.seat_stiffness * dip**2
+        # What the seat does not give back of k dip^2/2.
+        lost = x.velocity * (p.seat_stiffness * dip - seat_force(p, x.position, x.velocity))
+        above_y, above_v = x.position, x.velocity
+        for i in range(n + 1):
+            share = end_share if i == 0 or i == n else inner_share
+            below_y = x.coil_position[i] if i < n else 0.0
+            below_v = x.coil_velocity[i] if i < n else 0.0
+            stored += segment_energy(p, share, above_y - below_y) + 0.5 * coil_mass * below_v**2
+            lost += share * damping * (above_v - below_v) ** 2
+            above_y, above_v = below_y, below_v
+        e[0], e[1], e[2] = stored, lost, 0.0
+
+    sizes = {"coil_masses": n}
+    return Component(
+        name="valve_spring",
+        description="Valve with follower on a spring of lumped coils, with seat and lash",
+        parameters=Layout(ValveSpringParameters),
+        state=Layout(ValveSpringState, sizes),
+        inputs=Layout(ValveSpringInputs),
+        outputs=Layout(ValveSpringOutputs, sizes),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={"acceleration": ("load",)},
+        bonds=(PowerBond("load", "velocity", +1),),
+        structure=sizes,
+    )

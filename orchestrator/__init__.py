@@ -1,0 +1,1 @@
+"""tribocosim: scenarios, co-simulation masters, results and the command line."""
