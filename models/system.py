@@ -1,0 +1,332 @@
+"""A system: components, their parameters and starts, and the connections between them.
+
+Read by the monolithic solver and by co-simulation masters. Evaluated here as one problem: all outputs
+at an instant follow from the state in an order that respects direct feedthrough; what is left of
+algebraic loops is solved by Newton's method.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .component import Component
+from .kernel import kernel
+from .quantities import Layout, Vector
+
+
+class ModelError(ValueError):
+    """A system that cannot be built or evaluated; the message names the thing and the remedy."""
+
+
+@dataclass(frozen=True)
+class Instance:
+    """A component in a system, with what differs from its defaults.
+
+    `parameters` by name; `start` gives start values of states by name; `inputs` constant values of
+    inputs that nothing drives.
+    """
+
+    component: Component
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    start: Mapping[str, float] = field(default_factory=dict)
+    inputs: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Port:
+    """A variable of an instance."""
+
+    instance: str
+    variable: str
+
+    def __str__(self) -> str:
+        return f"{self.instance}.{self.variable}"
+
+
+@dataclass(frozen=True)
+class Connection:
+    """An output that drives an input."""
+
+    source: Port
+    target: Port
+
+    def __str__(self) -> str:
+        return f"{self.source} -> {self.target}"
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """The end of a message: the nearest known name, or all of them."""
+    names = list(known)
+    close = difflib.get_close_matches(name, names, n=1)
+    return f"did you mean {close[0]}?" if close else f"known: {', '.join(names)}"
+
+
+def parse_port(text: str, instances: Mapping[str, Instance], kind: str) -> Port:
+    """`instance.variable` as a Port; ModelError if there is no such input or output (`kind`)."""
+    instance, dot, variable = text.partition(".")
+    if not dot or instance not in instances:
+        raise ModelError(f"{text}: no component {instance!r}; {suggestion(instance, instances)}")
+    component = instances[instance].component
+    layout = component.outputs if kind == "output" else component.inputs
+    if variable not in layout:
+        raise ModelError(
+            f"{text}: {component.name} has no {kind} {variable!r}; {suggestion(variable, layout.names)}"
+        )
+    return Port(instance, variable)
+
+
+class System:
+    """Connected instances as one problem.
+
+    `connections` maps inputs to the outputs that drive them, both as "instance.variable". The vectors of
+    all instances stand one after the other in the order of `instances`: state `x0`, parameters `p`,
+    inputs and outputs. Raises ModelError for unknown names, unit mismatches, inputs driven twice and
+    values out of range.
+    """
+
+    def __init__(self, instances: Mapping[str, Instance], connections: Sequence[tuple[str, str]]) -> None:
+        if not instances:
+            raise ModelError("the system has no components")
+        self.instances = dict(instances)
+        self.connections = tuple(self._connection(source, target) for source, target in connections)
+        self._check_single_driver()
+        self.state = _Slots({name: i.component.state for name, i in self.instances.items()})
+        self.inputs = _Slots({name: i.component.inputs for name, i in self.instances.items()})
+        self.outputs = _Slots({name: i.component.outputs for name, i in self.instances.items()})
+        self.parameters = _Slots({name: i.component.parameters for name, i in self.instances.items()})
+        self.x0 = self.state.fill({n: i.start for n, i in self.instances.items()}, "state")
+        self.u0 = self.inputs.fill({n: i.inputs for n, i in self.instances.items()}, "input")
+        self.p = self.parameters.fill({n: i.parameters for n, i in self.instances.items()}, "parameter")
+        self._check_values()
+        self.source_index = np.array([self.outputs.index(c.source) for c in self.connections], dtype=np.int64)
+        self.target_index = np.array([self.inputs.index(c.target) for c in self.connections], dtype=np.int64)
+        self.order, self.torn = evaluation_order(self.instances, self.connections)
+
+    def _connection(self, source: str, target: str) -> Connection:
+        out = parse_port(source, self.instances, "output")
+        into = parse_port(target, self.instances, "input")
+        given = self.instances[out.instance].component.outputs.field(out.variable).quantity.unit
+        wanted = self.instances[into.instance].component.inputs.field(into.variable).quantity.unit
+        if given != wanted:
+            raise ModelError(f"{source} -> {target}: unit {given} does not fit {wanted}")
+        return Connection(out, into)
+
+    def _check_single_driver(self) -> None:
+        drivers: dict[Port, Connection] = {}
+        for connection in self.connections:
+            first = drivers.setdefault(connection.target, connection)
+            if first is not connection:
+                raise ModelError(
+                    f"{connection.target} has two sources, {first.source} and {connection.source}: keep one"
+                )
+            if connection.target.variable in self.instances[connection.target.instance].inputs:
+                raise ModelError(
+                    f"{connection.target} has a constant value and the source {connection.source}: keep one"
+                )
+
+    def _check_values(self) -> None:
+        faults: list[str] = []
+        for name, instance in self.instances.items():
+            component = instance.component
+            found = component.parameter_faults(self.p[self.parameters.of(name)])
+            found += component.state.faults(self.x0[self.state.of(name)])
+            found += component.inputs.faults(self.u0[self.inputs.of(name)])
+            faults += [f"{name}.{fault}" for fault in found]
+        if faults:
+            raise ModelError("; ".join(faults))
+
+    def loops(self) -> str:
+        """The variables at which algebraic loops are cut, in words; empty without loops."""
+        return ", ".join(str(port) for port in self.torn)
+
+
+class _Slots:
+    """Where each instance's part of a vector stands."""
+
+    def __init__(self, layouts: Mapping[str, Layout]) -> None:
+        self.layouts = dict(layouts)
+        self._start: dict[str, int] = {}
+        self.size = 0
+        for name, layout in self.layouts.items():
+            self._start[name] = self.size
+            self.size += layout.size
+        self.nominal: Vector = np.concatenate([layout.nominal for layout in self.layouts.values()])
+        self.names = tuple(f"{name}.{item}" for name, layout in self.layouts.items() for item in layout.names)
+
+    def of(self, instance: str) -> slice:
+        start = self._start[instance]
+        return slice(start, start + self.layouts[instance].size)
+
+    def index(self, port: Port) -> int:
+        return self._start[port.instance] + self.layouts[port.instance].index(port.variable)
+
+    def fill(self, values: Mapping[str, Mapping[str, float]], kind: str) -> Vector:
+        """Start values with `values` in their places; ModelError for names that do not exist."""
+        parts = []
+        for name, layout in self.layouts.items():
+            for key in values[name]:
+                if key not in layout:
+                    raise ModelError(f"{name}: no {kind} {key!r}; {suggestion(key, layout.names)}")
+            parts.append(layout.vector(values[name]))
+        return np.concatenate(parts)
+
+
+def evaluation_order(
+    instances: Mapping[str, Instance], connections: Sequence[Connection]
+) -> tuple[tuple[str, ...], tuple[Port, ...]]:
+    """Instances in the order in which to compute outputs (some more than once), and the torn outputs.
+
+    An instance is computed when that makes new outputs valid; where none is left, the output whose
+    assumption makes most others valid is torn (of equals, the one that depends on fewest inputs).
+    """
+    driver = {connection.target: connection.source for connection in connections}
+    outputs = [Port(name, out) for name, i in instances.items() for out in i.component.outputs.names]
+
+    def ready(port: Port, valid: set[Port]) -> bool:
+        inputs = instances[port.instance].component.feedthrough.get(port.variable, ())
+        sources = (driver.get(Port(port.instance, name)) for name in inputs)
+        return all(source is None or source in valid for source in sources)
+
+    def width(port: Port) -> int:
+        return len(instances[port.instance].component.feedthrough.get(port.variable, ()))
+
+    def sweep(assumed: set[Port]) -> tuple[list[str], set[Port]]:
+        order: list[str] = []
+        computed: set[Port] = set()
+        progress = True
+        while progress:
+            progress = False
+            for name in instances:
+                valid = computed | assumed
+                new = {p for p in outputs if p.instance == name and p not in computed and ready(p, valid)}
+                if new:
+                    computed |= new
+                    order.append(name)
+                    progress = True
+        return order, computed
+
+    torn: list[Port] = []
+    order, computed = sweep(set())
+    while len(computed) < len(outputs):
+        sources = sorted({s for s in driver.values() if s not in computed and s not in torn}, key=str)
+        torn.append(max(sources, key=lambda port: (len(sweep({*torn, port})[1]), -width(port))))
+        order, computed = sweep(set(torn))
+    return tuple(order), tuple(torn)
+
+
+@kernel
+def _nothing(t: float, x: Any, u: Any, p: Any, y: Any, source: Any, target: Any) -> None:
+    return
+
+
+def _then_output(before: Any, output: Any, at: tuple[int, ...]) -> Any:
+    """After `before`: copy along the connections, then compute one instance's outputs."""
+    x0, x1, u0, u1, p0, p1, y0, y1 = at
+
+    @kernel
+    def evaluate(t: float, x: Any, u: Any, p: Any, y: Any, source: Any, target: Any) -> None:
+        before(t, x, u, p, y, source, target)
+        for k in range(source.shape[0]):
+            u[target[k]] = y[source[k]]
+        output(t, x[x0:x1], u[u0:u1], p[p0:p1], y[y0:y1])
+
+    return evaluate
+
+
+@kernel
+def _no_derivative(t: float, x: Any, u: Any, p: Any, dx: Any) -> None:
+    return
+
+
+def _then_derivative(before: Any, derivative: Any, at: tuple[int, ...]) -> Any:
+    x0, x1, u0, u1, p0, p1 = at
+
+    @kernel
+    def evaluate(t: float, x: Any, u: Any, p: Any, dx: Any) -> None:
+        before(t, x, u, p, dx)
+        derivative(t, x[x0:x1], u[u0:u1], p[p0:p1], dx[x0:x1])
+
+    return evaluate
+
+
+def _bounds(instance: str, *vectors: _Slots) -> tuple[int, ...]:
+    """Start and stop of the instance's part of each vector."""
+    return tuple(bound for slots in vectors for bound in (slots.of(instance).start, slots.of(instance).stop))
+
+
+class Evaluation:
+    """Outputs, inputs and derivatives of a whole system at an instant.
+
+    After `outputs(t, x)` or `derivative(t, x)`, `u` and `y` hold all inputs and outputs. Torn outputs are
+    found by Newton's method to LOOP_TOLERANCE of their nominal values (loops are linear in the torn
+    variable here, so one iteration does it); ModelError if that fails.
+    """
+
+    LOOP_TOLERANCE = 1e-12
+    LOOP_ITERATIONS = 20
+
+    def __init__(self, system: System) -> None:
+        self.system = system
+        self.u = system.u0.copy()
+        self.y = np.zeros(system.outputs.size)
+        self._dx = np.zeros(system.state.size)
+        self._torn = np.array([system.outputs.index(port) for port in system.torn], dtype=np.int64)
+        evaluate: Any = _nothing
+        for name in system.order:
+            component = system.instances[name].component
+            at = _bounds(name, system.state, system.inputs, system.parameters, system.outputs)
+            evaluate = _then_output(evaluate, component.flat_output, at)
+        self._evaluate = evaluate
+        differentiate: Any = _no_derivative
+        for name, instance in system.instances.items():
+            at = _bounds(name, system.state, system.inputs, system.parameters)
+            differentiate = _then_derivative(differentiate, instance.component.flat_derivative, at)
+        self._differentiate = differentiate
+
+    def outputs(self, t: float, x: Vector) -> Vector:
+        """All outputs at (t, x); shared memory, overwritten by the next call."""
+        s = self.system
+        x = np.ascontiguousarray(x)
+        guess = self.y[self._torn].copy()
+        self._evaluate(t, x, self.u, s.p, self.y, s.source_index, s.target_index)
+        if self._torn.size:
+            self._close_loops(t, x, guess)
+        self.u[s.target_index] = self.y[s.source_index]
+        return self.y
+
+    def derivative(self, t: float, x: Vector) -> Vector:
+        """dx/dt at (t, x); shared memory, overwritten by the next call."""
+        x = np.ascontiguousarray(x)
+        self.outputs(t, x)
+        self._differentiate(t, x, self.u, self.system.p, self._dx)
+        return self._dx
+
+    def _residual(self, t: float, x: Vector, assumed: Vector) -> Vector:
+        s = self.system
+        self.y[self._torn] = assumed
+        self._evaluate(t, x, self.u, s.p, self.y, s.source_index, s.target_index)
+        return np.asarray(self.y[self._torn] - assumed)
+
+    def _close_loops(self, t: float, x: Vector, guess: Vector) -> None:
+        """Newton's method on the torn outputs; the first sweep with `guess` has been done."""
+        nominal = self.system.outputs.nominal[self._torn]
+        residual = self.y[self._torn] - guess
+        for _ in range(self.LOOP_ITERATIONS):
+            # A state that is not finite is the integrator's to reject.
+            if not np.all(np.isfinite(residual)):
+                return
+            if np.all(np.abs(residual) <= self.LOOP_TOLERANCE * (nominal + np.abs(guess))):
+                return
+            columns = []
+            for i, size in enumerate(nominal):
+                moved = guess.copy()
+                moved[i] += size
+                columns.append((self._residual(t, x, moved) - residual) / size)
+            guess = guess - np.linalg.solve(np.column_stack(columns), residual)
+            residual = self._residual(t, x, guess)
+        raise ModelError(f"algebraic loop through {self.system.loops()}: no solution at t = {t:g} s")
