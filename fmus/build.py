@@ -1,0 +1,167 @@
+"""Builds FMUs: `build("valve_spring")` gives the path of the packaged file.
+
+The same sources give the same bytes. What is shipped is described in `sources`, the description in
+`description`, the documentation in `documentation`. Nothing of the shipped code is run here, so that a
+build leaves no trace in the building process.
+"""
+
+from __future__ import annotations
+
+import importlib
+import io
+import os
+import tempfile
+import uuid
+import zipfile
+from collections.abc import Mapping
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import pythonfmu
+
+from models.catalogue import CATALOGUE
+from models.kernel import user_cache_directory
+
+from .description import GUID_PLACE, Experiment, Origin, model_description
+from .documentation import page
+from .sources import digest_of, shipped
+
+HERE = Path(__file__).parent
+
+# Every component that has a folder here.
+NAMES: tuple[str, ...] = tuple(name for name in CATALOGUE if (HERE / name / "__init__.py").is_file())
+
+# Zip files cannot say less; a fixed time makes equal content equal bytes.
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+
+_SCRIPT = '''"""The slave of {name}; see the package for the code."""
+
+import ctypes
+
+from {package}.{module} import {factory} as make_component
+from {package}.models.integrator import FAILURES
+from {package}.slave import slave_class
+
+# The C layer of pythonfmu runs this file anew for every instance, and each time gives back a reference
+# to this namespace that it was only lent.
+ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
+
+try:
+    {name} = globals()["{name}"]
+except KeyError:
+    {name} = slave_class(make_component(**{structure!r}), "{name}", "{package}", FAILURES)
+'''
+
+
+def build(name: str, destination: Path | None = None, structure: Mapping[str, int] | None = None) -> Path:
+    """Build the FMU `name` and return its path.
+
+    `destination` is a file (*.fmu) or a folder; without it the file goes to the user's cache folder under
+    its digest, and is made only if it isn't there. `structure` gives structural sizes, such as
+    {"coil_masses": 8}. Existing files are replaced whole: a reader sees the old or the new one. KeyError
+    with the known names for an unknown one; ValueError for sizes that the component refuses.
+    """
+    content = archive(name, structure)
+    if destination is None:
+        target = user_cache_directory() / "fmus" / f"{name}-{digest_of({'': content})[:16]}.fmu"
+        if target.is_file():
+            return target
+    else:
+        target = Path(destination)
+        if target.suffix != ".fmu":
+            target = target / f"{name}.fmu"
+    target.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(prefix=f".{name}-", suffix=".part", dir=target.parent)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        os.chmod(temporary, 0o644)  # mkstemp makes it readable for its owner only
+        os.replace(temporary, target)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+    return target
+
+
+def archive(name: str, structure: Mapping[str, int] | None = None) -> bytes:
+    """The bytes of the FMU."""
+    files = content_of(name, structure)
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as packed:
+        for path in sorted(files, key=lambda path: (path != "modelDescription.xml", path)):
+            entry = zipfile.ZipInfo(path, _EPOCH)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3  # Unix, wherever it is built
+            entry.external_attr = 0o100644 << 16
+            packed.writestr(entry, files[path])
+    return buffer.getvalue()
+
+
+def content_of(name: str, structure: Mapping[str, int] | None = None) -> dict[str, bytes]:
+    """The FMU's files by path."""
+    if name not in NAMES:
+        raise KeyError(f"FMU {name!r}: must be one of {', '.join(NAMES)}")
+    sizes = {key: int(value) for key, value in sorted((structure or {}).items())}
+    factory = CATALOGUE[name]
+    try:
+        component = factory(**sizes)
+    except TypeError as error:
+        raise ValueError(f"structure of {name}: {error}") from None
+    package, code = shipped(factory)
+    files = {f"resources/{path}": content for path, content in code.items()}
+    script = _SCRIPT.format(
+        name=name,
+        package=package,
+        module=factory.__module__,
+        factory=factory.__name__,
+        structure=sizes,
+    ).encode()
+    stem = f"{name}_{digest_of({package: script})[:16]}"
+    files[f"resources/{stem}.py"] = script
+    files["resources/slavemodule.txt"] = stem.encode()
+    files |= _binaries(name) | _documents(name, component)
+    experiment: Experiment = importlib.import_module(f"fmus.{name}").EXPERIMENT
+    xml = model_description(component, name, experiment, origin())
+    guid = uuid.UUID(digest_of(files | {"modelDescription.xml": xml.encode()})[:32])
+    files["modelDescription.xml"] = xml.replace(GUID_PLACE, f"{{{guid}}}").encode()
+    return files
+
+
+def origin() -> Origin:
+    """Who made the FMUs, from the metadata of this distribution."""
+    version = metadata.version("tribocosim")
+    return Origin(
+        author="tribocosim developers",
+        copyright=_license().splitlines()[2],
+        license="MIT",
+        version=version,
+        tool=f"tribocosim {version} with PythonFMU {pythonfmu.__version__}",
+    )
+
+
+def _license() -> str:
+    """The licence: beside the sources, or in the installed distribution."""
+    beside = HERE.parent / "LICENSE"
+    if beside.is_file():
+        return beside.read_text()
+    return metadata.distribution("tribocosim").read_text("licenses/LICENSE") or ""
+
+
+def _binaries(name: str) -> dict[str, bytes]:
+    """pythonfmu's C layer for every platform that it has one for."""
+    folder = Path(pythonfmu.__file__).parent / "resources" / "binaries"
+    found = sorted(path for path in folder.rglob("*") if path.suffix in (".so", ".dll", ".dylib"))
+    return {f"binaries/{path.parent.name}/{name}{path.suffix}": path.read_bytes() for path in found}
+
+
+def _documents(name: str, component: Any) -> dict[str, bytes]:
+    folder = HERE / name
+    return {
+        "documentation/index.html": page((folder / "README.md").read_text("utf-8"), component).encode(),
+        "documentation/licenses/LICENSE": _license().encode(),
+        "documentation/licenses/pythonfmu.txt": (
+            metadata.distribution("pythonfmu").read_text("licenses/LICENSE") or ""
+        ).encode(),
+        "model.png": (folder / "model.png").read_bytes(),
+    }

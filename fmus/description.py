@@ -1,0 +1,208 @@
+"""modelDescription.xml of a component, generated from the metadata of its quantities."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from .memory import Memory, Variable
+from .units import base, display_factor, per_second
+
+LOG_CATEGORIES = {
+    "logStatusWarning": "Warnings",
+    "logStatusDiscard": "Steps that were discarded",
+    "logStatusError": "Errors: what is wrong, its value and its allowed range",
+    "logStatusFatal": "Errors after which the instance must not be used",
+    "logAll": "All messages",
+}
+
+OPTIONS = {
+    "needsExecutionTool": "true",
+    "canHandleVariableCommunicationStepSize": "true",
+    "canInterpolateInputs": "false",
+    "maxOutputDerivativeOrder": "0",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canNotUseMemoryManagementFunctions": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+    "providesDirectionalDerivative": "false",
+}
+
+GUID_PLACE = "{guid}"
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What a tool offers to run first."""
+
+    stop_time: float
+    step_size: float
+    start_time: float = 0.0
+    tolerance: float = 1e-6
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Who made it, by which licence, in which version, with which tool."""
+
+    author: str
+    copyright: str
+    license: str
+    version: str
+    tool: str
+
+
+def model_description(component: Any, model_name: str, experiment: Experiment, origin: Origin) -> str:
+    """The XML text, with `GUID_PLACE` where the guid belongs."""
+    memory = Memory(component)
+    variables = memory.variables()
+    root = Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=model_name,
+        guid=GUID_PLACE,
+        description=component.description,
+        author=origin.author,
+        version=origin.version,
+        copyright=origin.copyright,
+        license=origin.license,
+        generationTool=origin.tool,
+        variableNamingConvention="structured",
+        numberOfEventIndicators="0",
+    )
+    SubElement(root, "CoSimulation", modelIdentifier=model_name, **OPTIONS)
+    _units(SubElement(root, "UnitDefinitions"), variables)
+    _types(SubElement(root, "TypeDefinitions"), variables)
+    categories = SubElement(root, "LogCategories")
+    for name, text in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", name=name, description=text)
+    SubElement(
+        root,
+        "DefaultExperiment",
+        startTime=_number(experiment.start_time),
+        stopTime=_number(experiment.stop_time),
+        tolerance=_number(experiment.tolerance),
+        stepSize=_number(experiment.step_size),
+    )
+    listed = SubElement(root, "ModelVariables")
+    for variable in variables:
+        _scalar(listed, variable)
+    _structure(SubElement(root, "ModelStructure"), component, variables)
+    indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
+
+
+def unit_of(variable: Variable) -> str:
+    return per_second(variable.unit, variable.derivative_order)
+
+
+def display_unit_of(variable: Variable) -> str:
+    quantity = variable.quantity
+    return quantity.display_unit if quantity is not None and not variable.derivative_order else ""
+
+
+def type_of(variable: Variable) -> str:
+    """Name of the declared type."""
+    if variable.kind == "Enumeration":
+        return f"choice of {', '.join(variable.quantity.choices)}"
+    shown = display_unit_of(variable)
+    return f"quantity in {unit_of(variable)}" + (f", shown in {shown}" if shown else "")
+
+
+def _number(value: float) -> str:
+    """Shortest text that reads back as the same double."""
+    return repr(float(value))
+
+
+def _units(parent: Element, variables: tuple[Variable, ...]) -> None:
+    shown: dict[str, set[str]] = {}
+    for variable in variables:
+        if variable.kind == "Real":
+            shown.setdefault(unit_of(variable), set()).update(filter(None, [display_unit_of(variable)]))
+    for unit in sorted(shown):
+        factor, exponents = base(unit)
+        entry = SubElement(parent, "Unit", name=unit)
+        attributes = {name: str(power) for name, power in exponents.items()}
+        if factor != 1.0:
+            attributes["factor"] = _number(factor)
+        SubElement(entry, "BaseUnit", attributes)
+        for display in sorted(shown[unit]):
+            SubElement(entry, "DisplayUnit", name=display, factor=_number(display_factor(unit, display)))
+
+
+def _types(parent: Element, variables: tuple[Variable, ...]) -> None:
+    examples = {type_of(v): v for v in variables if v.kind in ("Real", "Enumeration")}
+    for name in sorted(examples):
+        variable = examples[name]
+        simple = SubElement(parent, "SimpleType", name=name)
+        if variable.kind == "Real":
+            SubElement(simple, "Real", _unit_attributes(variable))
+        else:
+            choices = SubElement(simple, "Enumeration")
+            for value, choice in enumerate(variable.quantity.choices):
+                SubElement(choices, "Item", name=choice, value=str(value))
+
+
+def _unit_attributes(variable: Variable) -> dict[str, str]:
+    attributes = {"unit": unit_of(variable)}
+    if shown := display_unit_of(variable):
+        attributes["displayUnit"] = shown
+    return attributes
+
+
+def _scalar(parent: Element, variable: Variable) -> None:
+    element = SubElement(
+        parent,
+        "ScalarVariable",
+        name=variable.name,
+        valueReference=str(variable.reference),
+        description=variable.description,
+        causality=variable.causality,
+        variability=variable.variability,
+        initial="calculated" if variable.causality in ("output", "local") else "exact",
+    )
+    if variable.causality == "input":
+        del element.attrib["initial"]  # the standard leaves it out for inputs
+    attributes: dict[str, str] = {}
+    quantity = variable.quantity
+    whole = variable.kind != "Real"
+    if variable.kind in ("Real", "Enumeration"):
+        attributes["declaredType"] = type_of(variable)
+    if variable.kind == "Real":
+        attributes |= _unit_attributes(variable)
+    if variable.kind in ("Real", "Integer") and quantity is not None:
+        low = max(quantity.minimum, 0.0) if quantity.positive else quantity.minimum
+        for key, limit in (("min", low), ("max", quantity.maximum)):
+            if math.isfinite(limit):
+                attributes[key] = str(int(limit)) if whole else _number(limit)
+    if variable.kind == "Enumeration":
+        attributes |= {"min": "0", "max": str(len(quantity.choices) - 1)}
+    if variable.kind == "Real" and quantity is not None and quantity.nominal != 1.0:
+        attributes["nominal"] = _number(quantity.nominal)
+    if variable.start is not None:
+        if variable.kind == "Boolean":
+            attributes["start"] = "true" if variable.start else "false"
+        else:
+            attributes["start"] = str(int(variable.start)) if whole else _number(variable.start)
+    SubElement(element, variable.kind, attributes)
+
+
+def _structure(parent: Element, component: Any, variables: tuple[Variable, ...]) -> None:
+    """Outputs depend on the inputs that their feedthrough names and, at the start, on the parameters."""
+    index = {v.name: v.reference + 1 for v in variables if v.causality == "input"}
+    given = [v.reference + 1 for v in variables if v.causality == "parameter"]
+    outputs, unknowns = SubElement(parent, "Outputs"), SubElement(parent, "InitialUnknowns")
+    for variable in variables:
+        if variable.causality != "output":
+            continue
+        inputs = sorted(index[name] for name in component.feedthrough.get(variable.name, ()))
+        for place, known in ((outputs, inputs), (unknowns, given + inputs)):
+            SubElement(
+                place,
+                "Unknown",
+                index=str(variable.reference + 1),
+                dependencies=" ".join(map(str, known)),
+                dependenciesKind=" ".join(["dependent"] * len(known)),
+            )

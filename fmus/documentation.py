@@ -1,0 +1,81 @@
+"""The documentation inside an FMU: its folder's README.md with the table of variables, as one HTML page."""
+
+from __future__ import annotations
+
+import html
+from typing import Any
+
+from markdown_it import MarkdownIt
+
+from .description import display_unit_of, unit_of
+from .memory import Memory, Variable
+from .units import display_factor
+
+# Where a README has this line, the page has the variables.
+MARKER = "<!-- variables -->"
+
+_STYLE = """body{font:15px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em}
+table{border-collapse:collapse}td,th{border:1px solid #bbb;padding:.2em .6em;text-align:left}
+pre{background:#f4f4f4;padding:.6em;overflow:auto}"""
+
+_DERIVATIVES = """<p>Every continuous input has the optional companions <code>_der1</code>,
+<code>_der2</code>, <code>_der3</code>: its derivatives by time during the next step. Left at zero, the
+input is held.</p>
+"""
+
+_TITLES = {
+    "parameter": "Parameters",
+    "start": "Start values of the states",
+    "input": "Inputs",
+    "output": "Outputs",
+    "local": "Energies",
+}
+
+
+def page(readme: str, component: Any) -> str:
+    """The HTML page of a README and its component. ValueError if the README lacks the marker."""
+    if MARKER not in readme:
+        raise ValueError(f"README of {component.name}: the line {MARKER} must say where the variables go")
+    before, after = readme.split(MARKER)
+    parser = MarkdownIt("commonmark").enable("table")
+    body = parser.render(before) + variables_table(component) + parser.render(after)
+    title = html.escape(component.name)
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
+        f"<style>{_STYLE}</style></head>\n<body>\n{body}</body></html>\n"
+    )
+
+
+def variables_table(component: Any) -> str:
+    """HTML tables of all variables, by their role; the optional derivatives of inputs are one line."""
+    groups: dict[str, list[Variable]] = {title: [] for title in _TITLES}
+    derivatives = False
+    for variable in Memory(component).variables():
+        if variable.derivative_order:
+            derivatives = True
+        else:
+            groups["start" if variable.state_start else variable.causality].append(variable)
+    parts = []
+    for role, title in _TITLES.items():
+        if rows := groups[role]:
+            head = "<tr><th>name</th><th>unit</th><th>default</th><th>allowed</th><th>meaning</th></tr>"
+            lines = "\n".join(map(_row, rows))
+            parts.append(f"<h3>{title}</h3>\n<table>\n{head}\n{lines}\n</table>\n")
+        if role == "input" and derivatives:
+            parts.append(_DERIVATIVES)
+    return "".join(parts)
+
+
+def _row(variable: Variable) -> str:
+    unit, shown = unit_of(variable), display_unit_of(variable)
+    default = "" if variable.start is None else f"{variable.start:g}"
+    if default and shown:
+        default += f" ({variable.start * display_factor(unit, shown):g} {shown})"
+    if default and variable.kind == "Enumeration":
+        default = variable.quantity.choices[int(variable.start)]
+    if default and variable.kind == "Boolean":
+        default = str(bool(variable.start)).lower()
+    given = variable.causality in ("parameter", "input")
+    allowed = variable.quantity.allowed() if given else ""
+    cells = (variable.name, "" if unit == "1" else unit, default, allowed, variable.description)
+    return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"

@@ -1,0 +1,78 @@
+"""Draws the icons of the FMUs (model.png): python -m fmus.icons"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Arc, Circle, Polygon, Rectangle
+
+INK, STEEL, OIL = "#1d3557", "#a8b8c8", "#e9a23b"
+_LINE = {"edgecolor": INK, "linewidth": 2.5}
+
+
+def camshaft(axes: Axes) -> None:
+    angle = np.linspace(0.0, 2.0 * math.pi, 200)
+    radius = 2.2 + 2.0 * np.exp(-(((angle - math.pi / 2.0) / 0.55) ** 2))
+    axes.add_patch(
+        Polygon(np.c_[5 + radius * np.cos(angle), 3.6 + radius * np.sin(angle)], facecolor=STEEL, **_LINE)
+    )
+    axes.add_patch(Circle((5, 3.6), 0.8, facecolor="white", **_LINE))
+    axes.add_patch(Rectangle((2.4, 7.85), 5.2, 0.9, facecolor=OIL, **_LINE))
+
+
+def valve_spring(axes: Axes) -> None:
+    turns = np.linspace(0.0, 1.0, 400)
+    axes.plot(5 + 1.9 * np.sin(turns * 10 * math.pi), 4.2 + 4.2 * turns, color=INK, linewidth=2.5)
+    axes.add_patch(Rectangle((2.4, 8.4), 5.2, 0.8, facecolor=OIL, **_LINE))
+    axes.plot([5, 5], [1.6, 8.4], color=INK, linewidth=4)
+    axes.add_patch(Polygon([(2.4, 0.9), (7.6, 0.9), (5.3, 2.6), (4.7, 2.6)], facecolor=STEEL, **_LINE))
+
+
+def ehl_contact(axes: Axes) -> None:
+    axes.add_patch(Circle((5, 7.4), 3.1, facecolor=STEEL, **_LINE))
+    axes.add_patch(Rectangle((0.7, 0.8), 8.6, 2.7, facecolor=STEEL, **_LINE))
+    axes.add_patch(Rectangle((0.7, 3.5), 8.6, 0.7, facecolor=OIL, edgecolor="none"))
+    axes.add_patch(Arc((5, 7.4), 4.2, 4.2, theta1=200, theta2=340, color=INK, linewidth=2.5))
+    axes.annotate("", (7.1, 7.1), (6.9, 6.4), arrowprops={"arrowstyle": "->", "color": INK, "lw": 2.5})
+
+
+def flywheel(axes: Axes) -> None:
+    axes.add_patch(Circle((5, 5), 4.1, facecolor=STEEL, **_LINE))
+    axes.add_patch(Circle((5, 5), 3.0, facecolor="white", **_LINE))
+    for angle in np.arange(6) * math.pi / 3.0:
+        axes.plot([5, 5 + 3 * math.cos(angle)], [5, 5 + 3 * math.sin(angle)], color=INK, linewidth=3)
+    axes.add_patch(Circle((5, 5), 1.0, facecolor=OIL, **_LINE))
+
+
+def slider_crank(axes: Axes) -> None:
+    axes.add_patch(Circle((2.9, 4), 2.2, facecolor=STEEL, **_LINE))
+    pin, wrist = (2.9 + 1.6 * math.cos(1.0), 4 + 1.6 * math.sin(1.0)), (7.7, 4)
+    axes.plot([pin[0], wrist[0]], [pin[1], wrist[1]], color=INK, linewidth=4)
+    axes.add_patch(Rectangle((6.8, 3.0), 1.9, 2.0, facecolor=OIL, **_LINE))
+    axes.plot([5.8, 9.7], [5.3, 5.3], color=INK, linewidth=2.5)
+    axes.plot([5.8, 9.7], [2.7, 2.7], color=INK, linewidth=2.5)
+    axes.add_patch(Circle(pin, 0.35, facecolor="white", **_LINE))
+    axes.add_patch(Circle(wrist, 0.35, facecolor="white", **_LINE))
+
+
+ICONS: tuple[Callable[[Axes], None], ...] = (camshaft, valve_spring, ehl_contact, flywheel, slider_crank)
+
+
+def draw(icon: Callable[[Axes], None], path: Path) -> None:
+    """Save the icon as a square image with transparent background."""
+    figure = plt.figure(figsize=(1.6, 1.6), dpi=100)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0, 10), ylim=(0, 10), aspect="equal")
+    axes.axis("off")
+    icon(axes)
+    figure.savefig(path, transparent=True, metadata={"Software": None})
+    plt.close(figure)
+
+
+if __name__ == "__main__":
+    for icon in ICONS:
+        draw(icon, Path(__file__).parent / icon.__name__ / "model.png")

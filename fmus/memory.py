@@ -1,0 +1,140 @@
+"""Where each variable of an FMU lies: a value reference is a position in one vector of doubles.
+
+The vector holds, one after the other,
+
+    parameters | state start values | inputs and their three derivatives | outputs | energies | x | u | t
+
+of which the first three may be set and all up to the energies are variables of the FMU; the rest is the
+evolving data (state, inputs in effect, time). A copy of the vector is a copy of the slave.
+
+Shipped inside every FMU, so it knows components only by their attributes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+# Taylor coefficients of an input: value and three derivatives, as the integrator takes them.
+COEFFICIENTS = 4
+
+ENERGIES = (
+    ("stored_energy", "J", "energy stored in the component"),
+    ("dissipated_power", "W", "power lost inside the component"),
+    ("source_power", "W", "power of sources inside the component"),
+)
+
+
+def with_suffix(name: str, suffix: str) -> str:
+    """`name` with a suffix that stands before an index: `torque[2]` and `_der1` give `torque_der1[2]`."""
+    stem, bracket, index = name.partition("[")
+    return stem + suffix + bracket + index
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One scalar variable of an FMU. `kind` is Real, Integer, Boolean or Enumeration.
+
+    `unit` is that of the quantity, also where the variable is its derivative of `derivative_order`.
+    """
+
+    name: str
+    reference: int
+    kind: str
+    causality: str
+    variability: str
+    start: float | None
+    unit: str
+    description: str
+    quantity: Any = None
+    derivative_order: int = 0
+    state_start: bool = False
+
+
+class Memory:
+    """The positions of a component's variables."""
+
+    def __init__(self, component: Any) -> None:
+        self.component = component
+        parameters, states = component.parameters.size, component.state.size
+        inputs, outputs = component.inputs.size, component.outputs.size
+        self.starts = parameters
+        self.inputs = self.starts + states
+        self.outputs = self.inputs + COEFFICIENTS * inputs
+        self.energies = self.outputs + outputs
+        self.end_of_variables = self.energies + len(ENERGIES)
+        self.x = self.end_of_variables
+        self.u = self.x + states
+        self.t = self.u + inputs
+        self.size = self.t + 1
+
+    def variables(self) -> tuple[Variable, ...]:
+        """All variables in the order of their value references."""
+        component = self.component
+        found = [
+            _variable(f.name, i, "parameter", f, "fixed" if f.quantity.discrete else "tunable")
+            for i, f in enumerate(component.parameters.fields)
+        ]
+        for i, f in enumerate(component.state.fields, self.starts):
+            name = with_suffix(f.name, "_start")
+            found.append(
+                _variable(name, i, "parameter", f, "fixed", f"start of {f.name}: ", state_start=True)
+            )
+        for order in range(COEFFICIENTS):
+            for i, f in enumerate(component.inputs.fields, self.inputs + order * component.inputs.size):
+                found.append(_variable(f.name, i, "input", f) if order == 0 else _derivative(f, i, order))
+        for i, f in enumerate(component.outputs.fields, self.outputs):
+            found.append(_variable(f.name, i, "output", f))
+        for i, (name, unit, text) in enumerate(ENERGIES, self.energies):
+            found.append(Variable(name, i, "Real", "local", "continuous", None, unit, text))
+        names = [v.name for v in found]
+        if twice := sorted({name for name in names if names.count(name) > 1}):
+            raise ValueError(f"{component.name}: more than one variable is called {', '.join(twice)}")
+        return tuple(found)
+
+
+def _variable(
+    name: str,
+    reference: int,
+    causality: str,
+    field: Any,
+    variability: str = "",
+    prefix: str = "",
+    state_start: bool = False,
+) -> Variable:
+    quantity = field.quantity
+    kind = "Real"
+    if quantity.choices:
+        kind = "Enumeration"
+    elif quantity.boolean:
+        kind = "Boolean"
+    elif quantity.count:
+        kind = "Integer"
+    return Variable(
+        name,
+        reference,
+        kind,
+        causality,
+        variability or ("discrete" if quantity.discrete else "continuous"),
+        None if causality == "output" else field.start,
+        quantity.unit,
+        prefix + quantity.description,
+        quantity,
+        state_start=state_start,
+    )
+
+
+def _derivative(field: Any, reference: int, order: int) -> Variable:
+    """The optional input for the derivative of an input; held when it stays zero."""
+    text = f"optional: derivative {order} of {field.name} by time, for inputs that vary inside a step"
+    return Variable(
+        with_suffix(field.name, f"_der{order}"),
+        reference,
+        "Real",
+        "input",
+        "discrete" if field.quantity.discrete else "continuous",
+        0.0,
+        field.quantity.unit,
+        text,
+        derivative_order=order,
+    )

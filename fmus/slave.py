@@ -1,0 +1,308 @@
+"""The one slave that makes an FMU (FMI 2.0 co-simulation) of any component.
+
+Shipped inside every FMU beside the physics. It knows components only by their attributes, and of its own
+package only `memory`.
+
+Inputs. An input keeps the value that the master set. During a step it follows the polynomial with the
+coefficients `<input>`, `<input>_der1`, `_der2`, `_der3`; it is held if the derivatives stay zero. After a
+step the outputs are those at the end of the step, with the inputs where the polynomial ends. As soon as
+the master sets an input or a parameter, outputs are those of the values that are set, at the same time:
+this serves initialisation, iterations and events.
+
+State. The evolving data is one vector and two flags; a saved state is a copy as bytes with the identity of
+the code that wrote it. Restored, in this or another instance, it continues to the last bit.
+
+Errors. A step that cannot be made is discarded: the message goes to the host's logger and nothing has
+changed. Parameters or start values out of range, and misuse, give fmi2Fatal, as pythonfmu's C layer offers
+nothing between; they reach the host's logger even where logging is off (see `host`).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import sys
+from typing import Any
+
+import numpy as np
+
+from .host import Host
+from .memory import COEFFICIENTS, Memory
+
+try:  # inside an FMU: the copy that belongs to its binary
+    from .pythonfmu.enums import Fmi2Status
+    from .pythonfmu.fmi2slave import Fmi2Slave
+except ImportError:
+    from pythonfmu.enums import Fmi2Status
+    from pythonfmu.fmi2slave import Fmi2Slave
+
+INSTANTIATED, INITIALIZING, STEPPING = 0, 1, 2
+
+# A step must begin where the last one ended. Masters add up time in different ways, and a million
+# additions lose about 1e-10 of it; what is left over is far below any step that makes sense.
+_TIME_SLACK = 1e-9
+_STEP_SLACK = 1e-6
+
+_STATE_FORMAT = b"tribocosim state 1 "
+
+
+class FmuError(Exception):
+    """A refusal with a message for the user."""
+
+
+def slave_class(component: Any, model_name: str, digest: str, failures: dict[int, str]) -> type[Fmi2Slave]:
+    """The slave of `component`. `digest` identifies the code in saved states; `failures` says in words
+    what a non-zero status of the component's step means."""
+    memory = Memory(component)
+    template = np.zeros(memory.size)
+    template[: memory.starts] = component.parameters.start
+    template[memory.starts : memory.inputs] = component.state.start
+    template[memory.inputs : memory.inputs + component.inputs.size] = component.inputs.start
+    identity = hashlib.sha256(f"{digest} {model_name} {sorted(component.structure.items())}".encode())
+    fixed = frozenset(v.reference for v in memory.variables() if v.variability == "fixed")
+    names = tuple(v.name for v in memory.variables())
+    attributes = {
+        "component": component,
+        "memory": memory,
+        "template": template,
+        "names": names,
+        "fixed": fixed,
+        "failures": failures,
+        "header": _STATE_FORMAT + identity.hexdigest()[:16].encode() + b"\n",
+        "warm": False,
+        "__doc__": component.description,
+        "__module__": __name__,
+    }
+    return type(model_name, (ComponentSlave,), attributes)
+
+
+class ComponentSlave(Fmi2Slave):
+    """See the module. The class attributes are set by `slave_class`."""
+
+    component: Any
+    memory: Memory
+    template: Any
+    names: tuple[str, ...]
+    fixed: frozenset[int]
+    failures: dict[int, str]
+    header: bytes
+    warm: bool
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self._host = Host(self, kwargs.get("logger", 0))
+        component, at = self.component, self.memory
+        n, m = component.state.size, component.inputs.size
+        self._data = data = self.template.copy()
+        self._cells = memoryview(data)
+        self._p = data[: at.starts]
+        self._x_start = data[at.starts : at.inputs]
+        self._U = data[at.inputs : at.outputs].reshape(COEFFICIENTS, m)
+        self._y = data[at.outputs : at.energies]
+        self._energies = data[at.energies : at.end_of_variables]
+        self._x = data[at.x : at.x + n]
+        self._u = data[at.u : at.u + m]
+        self._scale = component.state.nominal
+        self._work = np.zeros(component.work_size)
+        self._phase = INSTANTIATED
+        self._outputs_stale = self._energies_stale = True
+        # Looked at once more before they are used: values that were set and may be out of range.
+        self._parameters_unchecked = self._inputs_unchecked = True
+        if self._host.present:
+            # The C layer prepends it at every instantiation; what it leads to is imported by now.
+            sys.path[:] = [entry for entry in sys.path if entry != self.resources]
+
+    # Initialisation
+
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None = None, tolerance: Any = None
+    ) -> None:
+        self._cells[self.memory.t] = start_time
+        self._outputs_stale = True
+
+    def enter_initialization_mode(self) -> None:
+        self._phase = INITIALIZING
+
+    def exit_initialization_mode(self) -> None:
+        component = self.component
+        faults = component.parameter_faults(self._p)
+        faults += [fault.replace(" ", "_start ", 1) for fault in component.state.faults(self._x_start)]
+        if faults:
+            self._fatal("; ".join(faults))
+        self._refresh()
+        self._phase = STEPPING
+        self._parameters_unchecked = False
+        if not type(self).warm:
+            # Compile now, not in the first step.
+            u, y = self._u.copy(), self._y.copy()
+            t = self._cells[self.memory.t]
+            component.step(t, 0.0, self._x.copy(), self._U, self._p, self._scale, self._work, u, y)
+            type(self).warm = True
+
+    # Stepping
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Advance once by `step_size`; False, with a message and nothing changed, if that fails."""
+        self._host.keep_thread_state()
+        cells, at = self._cells, self.memory
+        t = cells[at.t]
+        if not (
+            step_size >= 0.0
+            and abs(current_time - t) <= _TIME_SLACK * (1.0 + abs(t)) + _STEP_SLACK * step_size
+        ):
+            return self._discard(self._misplaced_step(current_time, step_size, t))
+        if self._parameters_unchecked or self._inputs_unchecked:
+            if faults := self._faults():
+                return self._discard(faults)
+            self._parameters_unchecked = self._inputs_unchecked = False
+        status = self.component.step(
+            current_time, step_size, self._x, self._U, self._p, self._scale, self._work, self._u, self._y
+        )
+        if status != 0:
+            self._outputs_stale = self._energies_stale = True
+            reason = self.failures.get(status, f"status {status}")
+            return self._discard(f"step from t = {t:.9g} s by {step_size:g} s: {reason}")
+        cells[at.t] = current_time + step_size
+        self._outputs_stale, self._energies_stale = False, True
+        return True
+
+    def _misplaced_step(self, current_time: float, step_size: float, t: float) -> str:
+        if not step_size >= 0.0:
+            return f"step size = {step_size:g} s: must not be negative"
+        return f"step from t = {current_time:.12g} s: must begin at {t:.12g} s, where the state is"
+
+    def _faults(self) -> str:
+        faults = self.component.parameter_faults(self._p) if self._parameters_unchecked else []
+        first = self.memory.inputs
+        for i in np.flatnonzero(~np.isfinite(self._data[first : self.memory.outputs])):
+            faults.append(f"{self.names[first + i]} = {self._data[first + i]}: must be finite")
+        return "; ".join(faults)
+
+    def _refresh(self) -> None:
+        """Outputs of the values that are set, at the present time."""
+        if self._phase != STEPPING:
+            self._x[:] = self._x_start
+        self._u[:] = self._U[0]
+        self.component.flat_output(self._cells[self.memory.t], self._x, self._u, self._p, self._y)
+        self._outputs_stale, self._energies_stale = False, True
+
+    def _ready(self, highest: int) -> None:
+        """Compute what is stale, up to the variable `highest`."""
+        if highest < self.memory.outputs:
+            return
+        if self._outputs_stale:
+            self._refresh()
+        if self._energies_stale and highest >= self.memory.energies:
+            t = self._cells[self.memory.t]
+            self.component.flat_energy(t, self._x, self._u, self._p, self._energies)
+            self._energies_stale = False
+
+    # Variables
+
+    def get_real(self, vrs: list[int]) -> list[float]:
+        try:
+            if self._outputs_stale or self._energies_stale:
+                self._ready(max(vrs, default=0))
+            cells = self._cells
+            return [cells[i] for i in vrs]
+        except Exception as error:
+            self._fatal(f"get: {error!r}")
+
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        return [int(value) for value in self.get_real(vrs)]
+
+    def get_boolean(self, vrs: list[int]) -> list[bool]:
+        return [value != 0.0 for value in self.get_real(vrs)]
+
+    def get_string(self, vrs: list[int]) -> list[str]:
+        return self._no_strings(vrs)
+
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        self._outputs_stale = True
+        cells = self._cells
+        lowest, highest = min(vrs, default=0), max(vrs, default=0)
+        if highest >= self.memory.outputs:
+            self._fatal(f"{self._name(highest)} is an output: it cannot be set")
+        if lowest < self.memory.inputs:
+            self._parameters_unchecked = True
+            if self._phase == STEPPING:
+                for i in vrs:
+                    if i in self.fixed:
+                        self._fatal(f"{self._name(i)} is fixed: it cannot be set after initialisation")
+        for i, value in zip(vrs, values, strict=True):
+            cells[i] = value
+        if not math.isfinite(sum(values)):
+            self._inputs_unchecked = True
+
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        self.set_real(vrs, [float(value) for value in values])
+
+    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        self.set_real(vrs, [1.0 if value else 0.0 for value in values])
+
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
+        self._no_strings(vrs)
+
+    def _no_strings(self, vrs: list[int]) -> list[str]:
+        if vrs:
+            self._fatal(f"{self._name(vrs[0])} is not a String")
+        return []
+
+    def _name(self, reference: int) -> str:
+        return self.names[reference] if 0 <= reference < len(self.names) else f"value reference {reference}"
+
+    # State
+
+    def _get_fmu_state(self) -> bytes:
+        flags = (
+            self._phase
+            | self._outputs_stale << 2
+            | self._energies_stale << 3
+            | self._parameters_unchecked << 4
+            | self._inputs_unchecked << 5
+        )
+        return b"".join((self.header, flags.to_bytes(1, "little"), self._cells))
+
+    def _set_fmu_state(self, state: bytes) -> None:
+        header, at = self.header, len(self.header)
+        if state[:at] != header or len(state) != at + 1 + self._data.nbytes:
+            self._fatal(_foreign(state, header))
+        flags = state[at]
+        self._data[:] = np.frombuffer(state, dtype=np.float64, offset=at + 1)
+        self._phase = flags & 3
+        self._outputs_stale, self._energies_stale = bool(flags & 4), bool(flags & 8)
+        self._parameters_unchecked, self._inputs_unchecked = bool(flags & 16), bool(flags & 32)
+
+    # The C layer calls these two on the class; what the bytes mean is checked when they are set, where
+    # an error can be told to the host.
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: bytes) -> bytes:
+        return state
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> bytes:
+        return state
+
+    # Messages
+
+    def _discard(self, message: str) -> bool:
+        self.log(message, Fmi2Status.error, "logStatusError")
+        self._host.let_messages_through()
+        return False
+
+    def _fatal(self, message: str) -> Any:
+        self.log(message, Fmi2Status.error, "logStatusError")
+        self._host.let_messages_through()
+        self._host.survive_exception()
+        raise FmuError(message)
+
+
+def _foreign(state: bytes, header: bytes) -> str:
+    if not state.startswith(_STATE_FORMAT):
+        return "the saved state was not written by this FMU"
+    theirs = state[len(_STATE_FORMAT) : len(header)].decode(errors="replace").strip()
+    ours = header[len(_STATE_FORMAT) :].decode().strip()
+    if theirs != ours:
+        return f"the saved state belongs to another FMU or version ({theirs}, this is {ours})"
+    return "the saved state is damaged: its length is wrong"

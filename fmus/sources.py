@@ -1,0 +1,101 @@
+"""The source files that an FMU ships: a component's module and what it imports, and the slave."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pythonfmu
+
+import models
+
+# What the shipped code may import besides itself and the standard library.
+RUN_TIME = {"numpy", "numba"}
+
+_SLAVE = ("host.py", "memory.py", "slave.py")
+
+
+def shipped(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]:
+    """The name of the package that holds the code of `factory`'s component, and its files by path.
+
+    The name has the digest of the content, so that two versions in one process never share modules.
+    """
+    root = Path(models.__file__).parent
+    module = root.parent / Path(*factory.__module__.split(".")).with_suffix(".py")
+    files = {
+        f"models/{path.relative_to(root).as_posix()}": path.read_bytes() for path in closure(module, root)
+    }
+    files |= {name: (Path(__file__).parent / name).read_bytes() for name in _SLAVE}
+    base = Path(pythonfmu.__file__).parent
+    files |= {
+        f"pythonfmu/{path.name}": path.read_bytes() for path in closure(base / "fmi2slave.py", base, False)
+    }
+    # Its own imports the builder and with it much that a slave has no need of.
+    files["pythonfmu/__init__.py"] = b""
+    files["__init__.py"] = (
+        b'"""Code of an FMU made by tribocosim; the name has the digest of the content."""\n'
+    )
+    package = f"tribocosim_{digest_of(files)[:16]}"
+    return package, {f"{package}/{name}": content for name, content in sorted(files.items())}
+
+
+def digest_of(files: dict[str, bytes]) -> str:
+    """SHA-256 over names and contents."""
+    digest = hashlib.sha256()
+    for name, content in sorted(files.items()):
+        digest.update(f"{name} {len(content)}\n".encode())
+        digest.update(content)
+    return digest.hexdigest()
+
+
+def closure(module: Path, root: Path, packages: bool = True) -> list[Path]:
+    """The files below `root` that `module` needs: itself, what it imports, and (with `packages`) the
+    `__init__.py` of the packages on the way.
+
+    ImportError if one of them imports a package that an FMU must do without.
+    """
+    found: set[Path] = set()
+    waiting = [module]
+    while waiting:
+        file = waiting.pop()
+        if file in found:
+            continue
+        found.add(file)
+        waiting += _imports(file, root)
+        if packages:
+            inits = (folder / "__init__.py" for folder in file.parents if folder.is_relative_to(root))
+            waiting += [init for init in inits if init.is_file()]
+    return sorted(found)
+
+
+def _imports(file: Path, root: Path) -> Iterator[Path]:
+    for node in ast.walk(ast.parse(file.read_bytes(), str(file))):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            folder = file.parents[node.level - 1]
+            base = folder.joinpath(*node.module.split(".")) if node.module else folder
+            yield from _files(base)
+            for name in node.names:
+                yield from _files(base / name.name)
+        elif isinstance(node, (ast.Import, ast.ImportFrom)):
+            names = [node.module] if isinstance(node, ast.ImportFrom) else [name.name for name in node.names]
+            for name in names:
+                _refuse_foreign(str(name).partition(".")[0], file, root)
+
+
+def _files(base: Path) -> Iterator[Path]:
+    for path in (base.with_suffix(".py"), base / "__init__.py"):
+        if path.is_file():
+            yield path
+
+
+def _refuse_foreign(package: str, file: Path, root: Path) -> None:
+    if package not in RUN_TIME and package not in sys.stdlib_module_names:
+        place = file.relative_to(root.parent)
+        allowed = ", ".join(sorted(RUN_TIME))
+        raise ImportError(
+            f"{place} imports {package}: an FMU may import {allowed} and the standard library only"
+        )
