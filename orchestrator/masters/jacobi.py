@@ -1,0 +1,28 @@
+"""Jacobi: all participants advance in parallel, with inputs extrapolated from the past."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..exchange import Exchange
+from ..signals import extrapolate
+from .protocol import degree_of
+
+
+@dataclass(frozen=True)
+class Jacobi:
+    """`extrapolation` of every input over the step: hold, linear or quadratic."""
+
+    extrapolation: str = "linear"
+
+    def __post_init__(self) -> None:
+        degree_of(self.extrapolation)
+
+    def step(self, exchange: Exchange, time: float, step: float) -> int:
+        extrapolate(exchange.history, degree_of(self.extrapolation), exchange.signals)
+        for i, participant in enumerate(exchange.participants):
+            exchange.write(i)
+            participant.advance(time, step)
+        for i in range(len(exchange.participants)):
+            exchange.read(i)
+        return 1

@@ -1,0 +1,7 @@
+"""Participants of a co-simulation: FMUs and components in this process, behind one protocol."""
+
+from .fmu import FmuParticipant as fmu
+from .in_process import InProcessParticipant as in_process
+from .protocol import Participant
+
+__all__ = ["Participant", "fmu", "in_process"]

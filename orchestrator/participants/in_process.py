@@ -1,0 +1,92 @@
+"""A component as participant, without FMI: the same kernels, called directly."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from models.integrator import FAILURES, OK
+from models.quantities import Vector
+from models.system import Instance
+
+from ..errors import ParticipantError
+
+
+class InProcessParticipant:
+    """Implements `Participant` for an instance of a component."""
+
+    def __init__(self, name: str, instance: Instance) -> None:
+        self.name = name
+        self._instance = instance
+        component = instance.component
+        self._component = component
+        self._p = component.parameters.vector(instance.parameters)
+        if faults := component.parameter_faults(self._p):
+            raise ParticipantError(f"{name}: {'; '.join(faults)}")
+        self._x = component.state.vector(instance.start)
+        self._U = component.input_polynomial()
+        self._u = component.inputs.vector(instance.inputs)
+        self._U[0] = self._u
+        self._y = np.zeros(component.outputs.size)
+        self._work = np.zeros(component.work_size)
+        self._scale = component.state.nominal
+        self._t = 0.0
+        self._stale = True
+
+    def connect(
+        self, input_names: Sequence[str], inputs: Vector, output_names: Sequence[str], outputs: Vector
+    ) -> None:
+        self._input_index = np.array([self._component.inputs.index(n) for n in input_names], dtype=np.int64)
+        self._output_index = np.array(
+            [self._component.outputs.index(n) for n in output_names], dtype=np.int64
+        )
+        self._inputs, self._outputs = inputs, outputs
+
+    def initialise(self, start_time: float, stop_time: float) -> None:
+        self._t = start_time
+
+    def finish_initialisation(self) -> None:
+        pass
+
+    def write(self) -> None:
+        self._U[: len(self._inputs), self._input_index] = self._inputs
+        self._u[:] = self._U[0]
+        self._stale = True
+
+    def advance(self, time: float, step: float) -> None:
+        c = self._component
+        status = c.step(time, step, self._x, self._U, self._p, self._scale, self._work, self._u, self._y)
+        if status != OK:
+            raise ParticipantError(f"{self.name}: step from t = {time:.9g} s: {FAILURES[status]}")
+        self._t = time + step
+        self._stale = False
+
+    def _refresh(self) -> None:
+        if self._stale:
+            self._component.flat_output(self._t, self._x, self._u, self._p, self._y)
+            self._stale = False
+
+    def read(self) -> None:
+        self._refresh()
+        np.take(self._y, self._output_index, out=self._outputs)
+
+    def read_all(self, values: Vector) -> None:
+        self._refresh()
+        values[:] = self._y
+
+    def save(self) -> tuple[float, Vector, Vector, Vector]:
+        return self._t, self._x.copy(), self._u.copy(), self._y.copy()
+
+    def restore(self, saved: tuple[float, Vector, Vector, Vector]) -> None:
+        self._t = saved[0]
+        self._x[:] = saved[1]
+        self._u[:] = saved[2]
+        self._y[:] = saved[3]
+        self._stale = False
+
+    def release(self, saved: tuple[float, Vector, Vector, Vector]) -> None:
+        pass
+
+    def close(self) -> None:
+        pass

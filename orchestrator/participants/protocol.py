@@ -1,0 +1,69 @@
+"""What a master needs of a participant."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+from models.quantities import Vector
+
+
+class Participant(Protocol):
+    """One simulation unit.
+
+    Order of calls: `connect`, `initialise`, then any of the rest, `close` last. Vectors handed to
+    `connect` are kept: `inputs` (coefficients x connected inputs) is what the next `advance` or
+    `read` sees after `write`, and `read` fills `outputs`.
+    """
+
+    name: str
+
+    def connect(
+        self, input_names: Sequence[str], inputs: Vector, output_names: Sequence[str], outputs: Vector
+    ) -> None:
+        """Bind the exchanged variables to memory.
+
+        `inputs[k]` holds the k-th time derivative of each connected input at the time of the next
+        `advance` (row 0 the value); a participant that cannot use derivatives holds the value.
+        """
+        ...
+
+    def initialise(self, start_time: float, stop_time: float) -> None:
+        """Apply parameters, start values and constant inputs; afterwards outputs can be read."""
+        ...
+
+    def finish_initialisation(self) -> None:
+        """Initial inputs and outputs are consistent; time may advance now."""
+        ...
+
+    def write(self) -> None:
+        """Take over the bound inputs."""
+        ...
+
+    def advance(self, time: float, step: float) -> None:
+        """Advance from `time` to `time + step`; ParticipantError if that fails."""
+        ...
+
+    def read(self) -> None:
+        """Fill the bound outputs."""
+        ...
+
+    def read_all(self, values: Vector) -> None:
+        """Fill `values` with all outputs, in the order of the component's output layout."""
+        ...
+
+    def save(self) -> Any:
+        """The complete evolving data; valid until `release`."""
+        ...
+
+    def restore(self, saved: Any) -> None:
+        """Back to what `save` returned, bit for bit."""
+        ...
+
+    def release(self, saved: Any) -> None:
+        """The saved data is no longer needed."""
+        ...
+
+    def close(self) -> None:
+        """Free everything; calling it twice does no harm."""
+        ...

@@ -1,0 +1,139 @@
+"""The coupled run: macro steps from start to stop, watched by observers."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from models.quantities import Vector
+from models.system import System
+
+from .errors import RunError, UnstableCouplingError
+from .exchange import Exchange
+from .masters import Master
+from .participants import Participant
+from .signals import predict
+
+
+class Observer(Protocol):
+    """Watches a run; algorithms never write files."""
+
+    def begin(self, names: Sequence[str]) -> None:
+        """Before the first values: the names of all outputs, "participant.variable"."""
+        ...
+
+    def observe(self, time: float, outputs: Vector, iterations: int) -> None:
+        """All outputs at the start (iterations 0) and after each macro step. The array is reused."""
+        ...
+
+    def end(self, complete: bool, message: str) -> None:
+        """After the last values, also when the run failed or was interrupted."""
+        ...
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """What a run took."""
+
+    macro_steps: int
+    rejected_steps: int
+    iterations: int
+    coupled_time_s: float
+
+
+class RunawayGuard:
+    """Names an unstable coupling before it ends in numbers that are not finite.
+
+    In a stable run exchanged values follow their own linear prediction; a value that misses it by more
+    than its nominal size in PATIENCE consecutive steps, alternating about it or growing, does not. An
+    impact misses it in a few steps only.
+    """
+
+    PATIENCE = 20
+
+    def __init__(self, exchange: Exchange, master: Master) -> None:
+        self._exchange = exchange
+        self._master = master
+        self._misses = np.zeros(len(exchange.sources), dtype=np.int64)
+
+    def check(self, time: float, step: float) -> None:
+        """Compare the new values with the prediction; UnstableCouplingError after too many misses."""
+        e = self._exchange
+        miss = np.abs(e.values - predict(e.history, time + step)) > e.nominal
+        if not miss.any():
+            self._misses[:] = 0
+            return
+        self._misses = np.where(miss, self._misses + 1, 0)
+        if self._misses.max() >= self.PATIENCE:
+            worst = e.sources[int(np.argmax(self._misses))]
+            raise UnstableCouplingError(
+                f"{worst}: unstable coupling at t = {time:.6g} s: the value has missed its prediction by "
+                f"more than its nominal size in {self.PATIENCE} macro steps of {step:g} s with {self._master}; "
+                "reduce macro_step or use the iterated master"
+            )
+
+
+def simulate(
+    system: System,
+    participants: Mapping[str, Participant],
+    master: Master,
+    macro_step: float,
+    stop_time: float,
+    observers: Sequence[Observer] = (),
+    start_time: float = 0.0,
+) -> Statistics:
+    """Step `participants` (by instance name) from `start_time` to `stop_time` with `master`.
+
+    The last step is shortened to end at `stop_time`. RunError says what went wrong; observers have then
+    seen everything up to the last good step. Participants are not closed.
+    """
+    if not macro_step > 0.0:
+        raise RunError(f"macro_step = {macro_step:g} s: must be > 0")
+    if not stop_time > start_time:
+        raise RunError(f"stop_time = {stop_time:g} s: must be after the start at {start_time:g} s")
+    exchange = Exchange(system, participants)
+    outputs = np.zeros(system.outputs.size)
+    steps = iterations = 0
+    message, complete = "", False
+    for observer in observers:
+        observer.begin(system.outputs.names)
+    began = clock.perf_counter()
+    try:
+        exchange.initialise(start_time, stop_time)
+        guard = RunawayGuard(exchange, master)
+        _show(observers, exchange, start_time, outputs, 0)
+        # Times are multiples of the step: a sum of steps would drift.
+        total = max(1, round((stop_time - start_time) / macro_step - 1e-9 + 0.5))
+        time = start_time
+        for n in range(1, total + 1):
+            end = stop_time if n == total else start_time + n * macro_step
+            used = master.step(exchange, time, end - time)
+            guard.check(time, end - time)
+            exchange.history.append(end, exchange.values)
+            time, steps, iterations = end, n, iterations + used
+            _show(observers, exchange, time, outputs, used)
+        complete = True
+    except KeyboardInterrupt:
+        message = "interrupted"
+        raise
+    except Exception as error:
+        message = str(error)
+        raise
+    finally:
+        elapsed = clock.perf_counter() - began
+        for observer in observers:
+            observer.end(complete, message)
+    return Statistics(steps, 0, iterations, elapsed)
+
+
+def _show(
+    observers: Sequence[Observer], exchange: Exchange, time: float, outputs: Vector, iterations: int
+) -> None:
+    if observers:
+        exchange.read_all(outputs)
+        for observer in observers:
+            observer.observe(time, outputs, iterations)
