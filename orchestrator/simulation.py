@@ -72,8 +72,8 @@ class RunawayGuard:
             worst = e.sources[int(np.argmax(self._misses))]
             raise UnstableCouplingError(
                 f"{worst}: unstable coupling at t = {time:.6g} s: the value has missed its prediction by "
-                f"more than its nominal size in {self.PATIENCE} macro steps of {step:g} s with {self._master}; "
-                "reduce macro_step or use the iterated master"
+                f"more than its nominal size in {self.PATIENCE} macro steps of {step:g} s with "
+                f"{self._master}; reduce macro_step or use the iterated master"
             )
 
 
@@ -104,6 +104,7 @@ def simulate(
     began = clock.perf_counter()
     try:
         exchange.initialise(start_time, stop_time)
+        began = clock.perf_counter()
         guard = RunawayGuard(exchange, master)
         _show(observers, exchange, start_time, outputs, 0)
         # Times are multiples of the step: a sum of steps would drift.

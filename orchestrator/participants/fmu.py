@@ -15,15 +15,7 @@ from typing import Any
 
 import numpy as np
 from fmpy import extract, read_model_description
-from fmpy.fmi2 import (
-    FMU2Slave,
-    allocateMemory,
-    allocateMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-    freeMemory,
-    freeMemoryTYPE,
-)
+from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 from models.quantities import Quantity, Vector
 from models.system import Instance, suggestion
@@ -75,8 +67,8 @@ class FmuParticipant:
         )
         callbacks = fmi2CallbackFunctions()
         callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
-        callbacks.allocateMemory = allocateMemoryTYPE(allocateMemory)
-        callbacks.freeMemory = freeMemoryTYPE(freeMemory)
+        callbacks.allocateMemory = defaultCallbacks.allocateMemory
+        callbacks.freeMemory = defaultCallbacks.freeMemory
         with self._naming("instantiate"):
             self._slave.instantiate(callbacks=callbacks, loggingOn=False)
         self._instantiated = True

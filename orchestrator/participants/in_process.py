@@ -45,6 +45,9 @@ class InProcessParticipant:
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         self._t = start_time
+        # A step of no length compiles everything before the first one that counts.
+        self.advance(start_time, 0.0)
+        self._stale = True
 
     def finish_initialisation(self) -> None:
         pass

@@ -1,0 +1,246 @@
+"""The scenario: everything that a run depends on. `scenario_files` reads it, `assembly` builds it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+)
+
+from models.component import Component
+from models.system import suggestion
+
+from .masters import MASTERS
+from .units import to_unit
+from .values import Value, component_of, meanings
+
+
+class ScenarioError(ValueError):
+    """A scenario that cannot be run; a line for each fault, which names the key and the remedy."""
+
+
+def _seconds(value: Any) -> Any:
+    """A time in seconds; a text may have another unit. ValueError unless it is positive."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        raise ValueError("must be a time: a number of seconds, or a text such as '2 us'")
+    number = to_unit(value, "s") if isinstance(value, str) else float(value)
+    if not (math.isfinite(number) and number > 0.0):
+        raise ValueError(f"{value}: must be > 0 s")
+    return number
+
+
+def _scalar(value: Any) -> Any:
+    if not isinstance(value, (bool, int, float, str)):
+        raise ValueError("must be a number, a text with a unit, a choice's name, true or false")
+    return value
+
+
+Seconds = Annotated[float, BeforeValidator(_seconds, json_schema_input_type=float | str)]
+Written = Annotated[Value, BeforeValidator(_scalar)]
+Tolerance = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class ComponentTable(_Table):
+    """One component of the system. Values are in SI units, or texts with a unit ("8 mm")."""
+
+    component: str = Field(description="Name of the component in the catalogue")
+    structure: dict[str, int] = Field({}, description="Structural sizes, e.g. coil_masses")
+    participant: str = Field(
+        "fmu",
+        description="fmu: the component's own FMU, built when needed; in-process: without FMI; or the "
+        "path of an .fmu file with the component's variables",
+    )
+    parameters: dict[str, Written] = Field({}, description="Parameters that differ from their defaults")
+    start: dict[str, Written] = Field({}, description="Start values of states")
+    inputs: dict[str, Written] = Field({}, description="Constant values of inputs that nothing drives")
+
+    @field_validator("structure")
+    @classmethod
+    def _sizes(cls, structure: dict[str, int], info: ValidationInfo) -> dict[str, int]:
+        if "component" in info.data:
+            component_of(info.data["component"], tuple(sorted(structure.items())))
+        return structure
+
+    @field_validator("component")
+    @classmethod
+    def _known(cls, name: str) -> str:
+        component_of(name)
+        return name
+
+    @field_validator("participant")
+    @classmethod
+    def _kind(cls, kind: str) -> str:
+        if kind in ("fmu", "in-process") or kind.endswith(".fmu"):
+            return kind
+        raise ValueError(f"{kind!r}: must be fmu, in-process or the path of an .fmu file")
+
+    @field_validator("parameters", "start", "inputs")
+    @classmethod
+    def _values(cls, values: dict[str, Value], info: ValidationInfo) -> dict[str, Value]:
+        if "component" not in info.data or "structure" not in info.data:
+            return values  # the fault is already known
+        component = component_of(info.data["component"], tuple(sorted(info.data["structure"].items())))
+        layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
+        kinds = {"parameters": "parameter", "start": "state", "inputs": "input"}
+        assert info.field_name
+        return meanings(layouts[info.field_name], values, kinds[info.field_name])
+
+    def made(self) -> Component:
+        """The component with these sizes."""
+        return component_of(self.component, tuple(sorted(self.structure.items())))
+
+
+class MasterTable(BaseModel):
+    """The co-simulation master; other keys are options of that master."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+
+    name: str = Field("gauss_seidel", description="Name of the master")
+
+    @field_validator("name")
+    @classmethod
+    def _known(cls, name: str) -> str:
+        if name not in MASTERS:
+            raise ValueError(f"no master {name!r}; {suggestion(name, MASTERS)}")
+        return name
+
+    def made(self) -> Any:
+        """The master with its options; ValidationError or ValueError if they do not fit."""
+        kind = MASTERS[self.name]
+        options = dict(self.model_extra or {})
+        known = [field.name for field in fields(kind)]
+        for key in options:
+            if key not in known:
+                raise ValueError(f"{key}: {self.name} has no such option; {suggestion(key, known)}")
+        return TypeAdapter(kind).validate_python(options)
+
+
+class ReferenceTable(_Table):
+    """The monolithic reference."""
+
+    enabled: bool = Field(True, description="Solve it and compare the coupled run with it")
+    tolerance: Tolerance = Field(1e-10, description="Relative tolerance of the reference's solvers")
+
+
+class Scenario(_Table):
+    """A coupled run and what it is compared with."""
+
+    name: str = Field(description="Name of the scenario; default: that of the file", min_length=1)
+    description: str = Field("", description="What the scenario shows, in a line")
+    stop_time: Seconds = Field(description="End of the run (s, or a text with a unit)")
+    macro_step: Seconds = Field(description="Communication step (s, or a text with a unit)")
+    output_step: Seconds | None = Field(
+        None, description="Time between records, rounded to macro steps; default: every macro step"
+    )
+    start: Literal["equilibrium", "given"] = Field(
+        "equilibrium", description="Start at rest in balance, or from the start values as given"
+    )
+    tolerance: dict[str, Tolerance] = Field(
+        description="Largest relative RMS error allowed, by variable: contact.load = 1e-3", min_length=1
+    )
+    master: MasterTable = MasterTable()
+    reference: ReferenceTable = ReferenceTable()
+    components: dict[str, ComponentTable] = Field(description="The components by instance name", min_length=1)
+    connections: list[str] = Field([], description="Lines 'instance.output -> instance.input'")
+
+    @field_validator("components")
+    @classmethod
+    def _names(cls, components: dict[str, ComponentTable]) -> dict[str, ComponentTable]:
+        for name in components:
+            if not name.isidentifier():
+                raise ValueError(f"{name!r}: an instance is named with letters, digits and _")
+        return components
+
+    @field_validator("connections")
+    @classmethod
+    def _arrows(cls, connections: list[str]) -> list[str]:
+        return [" -> ".join(ends(line)) for line in connections]
+
+    @field_validator("macro_step")
+    @classmethod
+    def _step(cls, step: float, info: ValidationInfo) -> float:
+        if step > info.data.get("stop_time", math.inf):
+            raise ValueError(f"{step:g} s: must not be longer than stop_time = {info.data['stop_time']:g} s")
+        return step
+
+    @field_validator("master")
+    @classmethod
+    def _options(cls, master: MasterTable) -> MasterTable:
+        try:
+            master.made()
+        except ValidationError as error:
+            raise ValueError("\n".join(messages(error))) from None
+        return master
+
+    @property
+    def record_every(self) -> int:
+        """Macro steps from one record to the next."""
+        return max(1, round((self.output_step or self.macro_step) / self.macro_step))
+
+
+def ends(line: str) -> tuple[str, str]:
+    """Source and target of a connection's line; ValueError if it is not one."""
+    source, arrow, target = (part.strip() for part in line.partition("->"))
+    if not arrow or "." not in source or "." not in target:
+        raise ValueError(f"{line!r}: a connection is written 'instance.output -> instance.input'")
+    return source, target
+
+
+def scenario_of(content: dict[str, Any]) -> Scenario:
+    """A Scenario of a file's content; ScenarioError with a line for each fault."""
+    try:
+        return Scenario.model_validate(content)
+    except ValidationError as error:
+        raise ScenarioError("\n".join(messages(error))) from None
+
+
+def messages(error: ValidationError) -> list[str]:
+    """What pydantic found, in the words of the scenario file."""
+    lines: list[str] = []
+    for fault in error.errors():
+        path = ".".join(str(part) for part in fault["loc"])
+        kind, shown = fault["type"], fault["input"]
+        if kind == "extra_forbidden":
+            lines.append(f"{path}: unknown key; {suggestion(str(fault['loc'][-1]), _keys(fault['loc']))}")
+        elif kind == "missing":
+            lines.append(f"{path}: missing")
+        elif kind == "value_error":
+            text = str(fault["ctx"]["error"])
+            lines += [f"{path}.{line}" if _continues(line) else f"{path}: {line}" for line in text.split("\n")]
+        elif kind == "greater_than":
+            lines.append(f"{path} = {shown}: must be > {fault['ctx']['gt']:g}")
+        elif kind == "too_short":
+            lines.append(f"{path}: must have at least one entry")
+        else:
+            text = fault["msg"].replace("Input should be", "must be").replace("a valid dictionary", "a table")
+            lines.append(f"{path} = {shown!r}: {text}" if path else text)
+    return lines
+
+
+def _continues(line: str) -> bool:
+    """The line begins with the name of a variable or option below the path."""
+    head = line.split(":")[0].split(" ")[0]
+    return head.replace("[", "_").replace("]", "_").isidentifier() and head not in ("no", "structure")
+
+
+def _keys(location: tuple[int | str, ...]) -> list[str]:
+    """The keys known where an unknown one was found."""
+    if len(location) == 1:
+        return [*Scenario.model_fields, "extends"]
+    if location[0] == "components":
+        return list(ComponentTable.model_fields)
+    return list(ReferenceTable.model_fields)

@@ -1,0 +1,157 @@
+"""Scenario files: found, extended, overridden, read and written.
+
+A file may extend another (`extends = "valve-train"`, a shipped scenario or a path beside the file): its
+tables are merged into the other's, its connections are added, and options of a master that is replaced
+are dropped.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from models.system import suggestion
+
+from .masters import MASTERS
+from .scenario import Scenario, ScenarioError, scenario_of
+from .values import value_of
+
+SHIPPED = Path(__file__).parent / "scenarios"
+
+
+def shipped() -> dict[str, Path]:
+    """The scenarios that come with the program, by name."""
+    return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+
+
+def find(name: str | Path, beside: Path | None = None) -> Path:
+    """The file of a shipped scenario or a path; ScenarioError if there is neither."""
+    if str(name) in shipped():
+        return shipped()[str(name)]
+    path = (beside or Path()) / Path(name).expanduser()
+    if path.is_file():
+        return path
+    if path.suffix == ".toml" or path.exists():
+        raise ScenarioError(f"{path}: no such scenario file")
+    raise ScenarioError(
+        f"no scenario {str(name)!r}; {suggestion(str(name), shipped())} (or give the path of a .toml file)"
+    )
+
+
+def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
+    """The scenario with `overrides` ("path=value") applied; ScenarioError with a line for each fault."""
+    path = find(name)
+    content = contents(path)
+    for text in overrides:
+        override(content, text)
+    try:
+        return scenario_of(content)
+    except ScenarioError as error:
+        lines = str(error).split("\n")
+        raise ScenarioError("\n".join(f"{path.name}: {line}" for line in lines)) from None
+
+
+def contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
+    """The tables of a file, with what it extends merged in."""
+    path = path.resolve()
+    if path in chain:
+        raise ScenarioError(f"{path.name}: extends itself ({' -> '.join(p.name for p in (*chain, path))})")
+    content = _read(path)
+    base = content.pop("extends", None)
+    content.setdefault("name", path.stem)
+    _resolve_paths(content, path.parent)
+    if base is None:
+        return content
+    if not isinstance(base, str):
+        raise ScenarioError(f"{path.name}: extends = {base!r}: must be the name or path of a scenario")
+    return merged(contents(find(base, path.parent), (*chain, path)), content)
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read ({error.strerror})") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{path}: not a valid TOML file: {error}") from None
+
+
+def _resolve_paths(content: dict[str, Any], folder: Path) -> None:
+    """Paths of .fmu files are relative to the scenario file."""
+    components = content.get("components")
+    for table in components.values() if isinstance(components, dict) else ():
+        kind = table.get("participant") if isinstance(table, dict) else None
+        if isinstance(kind, str) and kind.endswith(".fmu"):
+            table["participant"] = str(folder / Path(kind).expanduser())
+
+
+def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """`over` on top of `base`: tables are merged, connections added, other values replaced."""
+    result = dict(base)
+    for key, value in over.items():
+        below = result.get(key)
+        if key == "connections" and isinstance(below, list) and isinstance(value, list):
+            result[key] = [*below, *value]
+        elif isinstance(below, dict) and isinstance(value, dict):
+            if key == "master" and "name" in value:
+                below = without_foreign_options(below, value["name"])
+            result[key] = merged(below, value)
+        else:
+            result[key] = value
+    return result
+
+
+def without_foreign_options(table: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """A [master] table for the master `name`: options that it does not have are dropped."""
+    if name not in MASTERS:
+        return {"name": name}  # the scenario's check says so
+    known = {field.name for field in fields(MASTERS[name])}
+    same = table.get("name") == name
+    return {key: value for key, value in table.items() if same or key in known} | {"name": name}
+
+
+def override(content: dict[str, Any], text: str) -> None:
+    """Apply "path=value", e.g. components.camshaft.parameters.lift=9 mm. The value is TOML, or a text."""
+    path, equals, written = text.partition("=")
+    path = path.strip()
+    if not equals or not path:
+        raise ScenarioError(f"--set {text}: must be path=value, e.g. --set macro_step=2e-6")
+    try:
+        value = tomllib.loads(f"value = {written.strip()}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = written.strip()
+    keys = path.split(".")
+    known = list(Scenario.model_fields)
+    if keys[0] not in known:
+        raise ScenarioError(f"--set {path}: unknown key {keys[0]!r}; {suggestion(keys[0], known)}")
+    if path == "master.name":
+        content["master"] = without_foreign_options(content.get("master", {}), str(value))
+        return
+    table = content
+    # components.NAME.parameters.VARIABLE; anything else has one table at most, whose keys may have dots.
+    depth = min(3, len(keys) - 1) if keys[0] == "components" else min(1, len(keys) - 1)
+    for i, key in enumerate(keys[:depth]):
+        if i == 1 and key not in table:
+            raise ScenarioError(f"--set {path}: no component {key!r}; {suggestion(key, table)}")
+        table = table.setdefault(key, {})
+        if not isinstance(table, dict):
+            raise ScenarioError(f"--set {path}: {'.'.join(keys[: i + 1])} is not a table")
+    table[".".join(keys[depth:])] = value
+
+
+def written(scenario: Scenario) -> str:
+    """The scenario as TOML with all parameters; reading it gives the same run, bit for bit."""
+    import tomli_w
+
+    content = scenario.model_dump(exclude_none=True)
+    for name, table in scenario.components.items():
+        layout = table.made().parameters
+        values = {f.name: value_of(f.quantity, f.start) for f in layout.fields}
+        content["components"][name]["parameters"] = values | table.parameters
+        for empty in ("structure", "start", "inputs"):
+            if not content["components"][name][empty]:
+                del content["components"][name][empty]
+    return tomli_w.dumps(content)

@@ -1,0 +1,59 @@
+"""Numbers with units as users write them: "8 mm", "1000 rpm", "20 degree"."""
+
+from __future__ import annotations
+
+import functools
+import re
+from typing import Any
+
+
+class UnitError(ValueError):
+    """A text that is not a number with a unit of the wanted kind."""
+
+
+_NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
+
+
+def to_unit(text: str, unit: str) -> float:
+    """The number that `text` means in `unit` (SI symbols as in `Quantity`); UnitError if it does not fit.
+
+    Angles count as a dimension of their own, so that r/min is not taken for Hz. A number without a unit
+    is already in `unit`.
+    """
+    match = _NUMBER_AND_UNIT.fullmatch(text)
+    if match is None:
+        raise UnitError(f"{text!r} is not a number with a unit; write for example '8 mm'")
+    number, given = float(match[1]), match[2]
+    if not given:
+        return number
+    try:
+        units = _registry().Unit(_as_pint(given))
+    except Exception:
+        raise UnitError(f"{text!r}: {given!r} is not a known unit") from None
+    wanted = _registry().Unit("" if unit == "1" else _as_pint(unit))
+    if _kind(units) != _kind(wanted):
+        needed = "a plain number" if unit == "1" else f"a unit like {unit}"
+        raise UnitError(f"{text!r}: the unit {given} does not fit, {needed} is needed")
+    return float(_registry().Quantity(number, units).to(wanted).magnitude)
+
+
+@functools.cache
+def _registry() -> Any:
+    import pint  # slow to import, and most numbers have no unit
+
+    return pint.UnitRegistry()
+
+
+def _as_pint(unit: str) -> str:
+    """FMI's way of writing (N.s/m, kg.m2) and r/min as pint reads them."""
+    unit = unit.replace("r/min", "rpm").replace("°", "degree").replace(".", "*").replace("·", "*")
+    above, slash, below = unit.partition("/")
+    if slash and "*" in below:
+        unit = f"{above}/({below})"
+    return re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", unit)
+
+
+def _kind(units: Any) -> dict[str, float]:
+    """Exponents of the base units, the radian among them."""
+    roots = _registry().get_root_units(units)[1]
+    return {name: float(power) for name, power in roots._units.items() if power}

@@ -1,0 +1,96 @@
+"""Values of parameters, starts and inputs: what a scenario writes, what it means, and back."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Mapping
+from typing import Any
+
+from models.catalogue import CATALOGUE
+from models.component import Component
+from models.quantities import Layout, Quantity
+from models.system import suggestion
+
+from .units import UnitError, to_unit
+
+# A choice by name, a truth value, or a number in the quantity's unit.
+Value = bool | float | str
+
+
+@functools.cache
+def component_of(name: str, structure: tuple[tuple[str, int], ...] = ()) -> Component:
+    """The catalogue's component with these sizes, made once (its kernels are compiled once then).
+
+    ValueError for an unknown component, an unknown size, or one that the component refuses.
+    """
+    if name not in CATALOGUE:
+        raise ValueError(f"no component {name!r}; {suggestion(name, CATALOGUE)}")
+    known = tuple(inspect.signature(CATALOGUE[name]).parameters)
+    for key, size in structure:
+        if key not in known:
+            sizes = suggestion(key, known) if known else "it has no structural sizes"
+            raise ValueError(f"structure: {name} has no size {key!r}; {sizes}")
+        if size < 1:
+            raise ValueError(f"structure: {key} = {size}: must be at least 1")
+    return CATALOGUE[name](**dict(structure))
+
+
+def meaning(quantity: Quantity, value: Any) -> Value:
+    """`value` as it is kept: a choice's name, true or false, a number in `quantity.unit`.
+
+    ValueError without the variable's name, which the caller knows.
+    """
+    if quantity.choices:
+        if value in quantity.choices:
+            return str(value)
+        hint = suggestion(str(value), quantity.choices)
+        raise ValueError(f"must be one of {', '.join(quantity.choices)} ({hint})")
+    if quantity.boolean:
+        if isinstance(value, bool) or value in (0.0, 1.0):
+            return bool(value)
+        raise ValueError("must be true or false")
+    if isinstance(value, bool):
+        raise ValueError("must be a number, not true or false")
+    if isinstance(value, str):
+        try:
+            return to_unit(value, quantity.unit)
+        except UnitError as error:
+            raise ValueError(str(error)) from None
+    return float(value)
+
+
+def number(quantity: Quantity, value: Value) -> float:
+    """The number behind a value that `meaning` returned."""
+    return float(quantity.choices.index(value)) if isinstance(value, str) else float(value)
+
+
+def value_of(quantity: Quantity, stored: float) -> Value:
+    """The inverse of `number`."""
+    if quantity.choices:
+        return quantity.choices[int(stored)]
+    return bool(stored) if quantity.boolean else float(stored)
+
+
+def meanings(layout: Layout, values: Mapping[str, Any], kind: str) -> dict[str, Value]:
+    """`meaning` of every value; one ValueError with a line for each fault."""
+    found: dict[str, Value] = {}
+    faults: list[str] = []
+    for name, value in values.items():
+        if name not in layout:
+            faults.append(f"{name}: no such {kind}; {suggestion(name, layout.names)}")
+            continue
+        quantity = layout.field(name).quantity
+        try:
+            found[name] = meaning(quantity, value)
+        except ValueError as error:
+            shown = f" = {value!r}" if not isinstance(value, str) or quantity.choices else ""
+            faults.append(f"{name}{shown} ({quantity.description}): {error}")
+    if faults:
+        raise ValueError("\n".join(faults))
+    return found
+
+
+def numbers(layout: Layout, values: Mapping[str, Value]) -> dict[str, float]:
+    """What `models` wants of values that `meanings` returned."""
+    return {name: number(layout.field(name).quantity, value) for name, value in values.items()}
