@@ -17,6 +17,7 @@ from .exchange import Exchange
 from .masters import Master
 from .participants import Participant
 from .signals import predict
+from .start_up import probe_start
 
 
 class Observer(Protocol):
@@ -48,32 +49,44 @@ class Statistics:
 class RunawayGuard:
     """Names an unstable coupling before it ends in numbers that are not finite.
 
-    In a stable run exchanged values follow their own linear prediction; a value that misses it by more
-    than its nominal size in PATIENCE consecutive steps, alternating about it or growing, does not. An
-    impact misses it in a few steps only.
+    In a stable, resolved run exchanged values follow their own linear prediction. A value is running
+    away when it misses that by more than its nominal size and its recent amplitude in PATIENCE
+    consecutive steps (so it swings with the macro step itself; an impact does so in a few steps only) and
+    its amplitude has grown by GROWTH meanwhile (a stable oscillation that is too fast for the step has
+    not), or when it has reached BOUND nominal sizes, however smoothly. MEMORY is the share of the
+    amplitude kept per step.
     """
 
     PATIENCE = 20
+    GROWTH = 2.0
+    BOUND = 1e9
+    MEMORY = 0.98
 
     def __init__(self, exchange: Exchange, master: Master) -> None:
         self._exchange = exchange
         self._master = master
+        self._amplitude = np.maximum(exchange.nominal, np.abs(exchange.values))
+        self._before = self._amplitude.copy()
         self._misses = np.zeros(len(exchange.sources), dtype=np.int64)
 
     def check(self, time: float, step: float) -> None:
-        """Compare the new values with the prediction; UnstableCouplingError after too many misses."""
+        """Compare the new values with the prediction; UnstableCouplingError if one runs away."""
         e = self._exchange
-        miss = np.abs(e.values - predict(e.history, time + step)) > e.nominal
-        if not miss.any():
+        missed = np.abs(e.values - predict(e.history, time + step)) > self._amplitude
+        if not missed.any():
             self._misses[:] = 0
-            return
-        self._misses = np.where(miss, self._misses + 1, 0)
-        if self._misses.max() >= self.PATIENCE:
-            worst = e.sources[int(np.argmax(self._misses))]
+        else:
+            self._misses = np.where(missed, self._misses + 1, 0)
+            self._before = np.where(self._misses <= 1, self._amplitude, self._before)
+        self._amplitude = np.maximum(np.maximum(e.nominal, self.MEMORY * self._amplitude), np.abs(e.values))
+        swinging = (self._misses >= self.PATIENCE) & (self._amplitude > self.GROWTH * self._before)
+        runaway = swinging | (self._amplitude > self.BOUND * e.nominal)
+        if runaway.any():
+            worst = e.sources[int(np.argmax(np.where(runaway, self._amplitude / e.nominal, 0.0)))]
             raise UnstableCouplingError(
-                f"{worst}: unstable coupling at t = {time:.6g} s: the value has missed its prediction by "
-                f"more than its nominal size in {self.PATIENCE} macro steps of {step:g} s with "
-                f"{self._master}; reduce macro_step or use the iterated master"
+                f"{worst}: unstable coupling at t = {time:.6g} s: its exchanged values grow without "
+                f"bound; {self._master} cannot couple this system with steps of {step:g} s: reduce "
+                "macro_step, or use the iterated master with linear signals"
             )
 
 
@@ -104,6 +117,7 @@ def simulate(
     began = clock.perf_counter()
     try:
         exchange.initialise(start_time, stop_time)
+        probe_start(exchange, start_time, min(macro_step, stop_time - start_time))
         began = clock.perf_counter()
         guard = RunawayGuard(exchange, master)
         _show(observers, exchange, start_time, outputs, 0)

@@ -1,0 +1,33 @@
+"""An observer that keeps everything in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from models.quantities import Vector
+
+
+class Recorder:
+    def begin(self, names: Sequence[str]) -> None:
+        self.names = list(names)
+        self._times: list[float] = []
+        self._rows: list[Vector] = []
+        self.iterations: list[int] = []
+        self.ended: tuple[bool, str] | None = None
+
+    def observe(self, time: float, outputs: Vector, iterations: int) -> None:
+        self._times.append(time)
+        self._rows.append(outputs.copy())
+        self.iterations.append(iterations)
+
+    def end(self, complete: bool, message: str) -> None:
+        self.ended = (complete, message)
+
+    @property
+    def times(self) -> Vector:
+        return np.array(self._times)
+
+    def __getitem__(self, name: str) -> Vector:
+        return np.array(self._rows)[:, self.names.index(name)]

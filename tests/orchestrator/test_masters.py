@@ -1,0 +1,224 @@
+"""Masters on a linear two-mass problem: order of convergence, stability, iteration, errors."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.system import System
+from orchestrator.errors import NonConvergenceError, ParticipantError, RunError, UnstableCouplingError
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi
+from orchestrator.masters.acceleration import ACCELERATIONS
+from orchestrator.participants import in_process
+from orchestrator.signals import History, extrapolate, interpolate
+from orchestrator.simulation import simulate
+
+from .recorder import Recorder
+from .two_masses import exact, two_masses
+
+STOP = 2.0
+
+
+def coupled(system, master, step, stop=STOP, participants=None):
+    recorder = Recorder()
+    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    units.update(participants or {})
+    statistics = simulate(system, units, master, step, stop, [recorder])
+    return recorder, statistics
+
+
+def error(master, step, **parameters):
+    recorder, _ = coupled(two_masses(**parameters), master, step)
+    truth = exact(recorder.times, **parameters)
+    return max(
+        np.abs(recorder["first.position"] - truth[:, 0]).max(),
+        np.abs(recorder["second.position"] - truth[:, 1]).max(),
+    )
+
+
+# A signal of degree k has a local error of order k + 1, start-up included (the start is probed).
+@pytest.mark.parametrize(
+    ("master", "order", "ceiling"),
+    [
+        (Jacobi("hold"), 1, 1e-2),
+        (Jacobi("linear"), 2, 6e-5),
+        (Jacobi("quadratic"), 3, 7e-7),
+        (GaussSeidel("hold"), 1, 5e-3),
+        (GaussSeidel("linear"), 2, 3e-5),
+        (GaussSeidel("quadratic"), 3, 4e-7),
+        (Iterated("hold"), 1, 6e-3),
+        (Iterated("linear"), 2, 5e-6),
+        (Iterated("quadratic"), 3, 4e-8),
+    ],
+    ids=lambda value: f"{type(value).__name__}-{value.extrapolation}" if hasattr(value, "step") else None,
+)
+def test_order_of_convergence_on_the_finest_pair(master, order, ceiling):
+    coarse, fine = error(master, 2e-3), error(master, 1e-3)
+    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.1)
+    assert fine < ceiling
+
+
+def test_all_masters_agree_in_the_limit():
+    """Same problem, independent methods: at H = 0.5 ms linear signals agree to their error ceilings."""
+    results = [coupled(two_masses(), master, 5e-4)[0] for master in (Jacobi(), GaussSeidel(), Iterated())]
+    for other in results[1:]:
+        np.testing.assert_allclose(other["second.position"], results[0]["second.position"], atol=1e-4)
+
+
+STIFF = {"coupling_stiffness": 4e4, "coupling_damping": 1.0}
+
+
+@pytest.mark.parametrize("step", [4e-3, 6e-3, 8e-3, 2e-2])
+def test_explicit_coupling_of_a_stiff_split_is_named_unstable(step):
+    """The difference mode has 283 rad/s and hardly any damping: an explicit exchange is unstable."""
+    with pytest.raises(UnstableCouplingError, match=r"unstable coupling at t = .*reduce macro_step"):
+        coupled(two_masses(**STIFF), GaussSeidel("linear"), step, 20.0)
+
+
+@pytest.mark.parametrize("step", [4e-3, 8e-3])
+@pytest.mark.parametrize("acceleration", ["aitken", "anderson"])
+def test_the_iterated_master_converges_where_the_explicit_one_is_unstable(acceleration, step):
+    recorder, statistics = coupled(two_masses(**STIFF), Iterated("linear", acceleration=acceleration), step)
+    assert statistics.iterations > statistics.macro_steps
+    # At 2.8 to 5.5 steps per swing the difference mode is hardly resolved; it must stay bounded by the start.
+    assert np.abs(recorder["second.position"]).max() <= 1.0
+
+
+def test_the_iterated_master_converges_at_second_order_on_the_stiff_split():
+    coarse, fine = error(Iterated(), 5e-4, **STIFF), error(Iterated(), 2.5e-4, **STIFF)
+    assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
+    assert fine < 2e-2
+
+
+def test_a_fixed_point_that_does_not_contract_is_an_error_with_connection_iterations_and_contraction():
+    with pytest.raises(NonConvergenceError, match=r"->.*12 iterations.*contraction"):
+        coupled(two_masses(**STIFF), Iterated("linear", acceleration="none", maximum_iterations=12), 5e-2)
+
+
+def test_same_inputs_same_bits():
+    runs = [coupled(two_masses(), Iterated("quadratic"), 5e-3)[0]["first.force"] for _ in range(2)]
+    np.testing.assert_array_equal(*runs)
+
+
+def test_participants_may_be_listed_in_any_order_for_jacobi():
+    """Symmetry: Jacobi's result does not depend on the order."""
+    system = two_masses()
+    reverse = System(
+        dict(reversed(system.instances.items())), [(str(c.source), str(c.target)) for c in system.connections]
+    )
+    one, two = (coupled(s, Jacobi("linear"), 1e-2)[0] for s in (system, reverse))
+    np.testing.assert_array_equal(one["first.force"], two["first.force"])
+
+
+def test_gauss_seidel_order_must_name_every_participant_once():
+    with pytest.raises(ValueError, match="must name each of first, second once"):
+        coupled(two_masses(), GaussSeidel("linear", order=("first",)), 1e-2)
+
+
+@pytest.mark.parametrize(
+    ("step", "stop", "match"), [(0.0, 1.0, "macro_step"), (-1.0, 1.0, "macro_step"), (0.1, 0.0, "stop_time")]
+)
+def test_steps_and_stop_times_must_be_positive(step, stop, match):
+    with pytest.raises(RunError, match=match):
+        coupled(two_masses(), Jacobi(), step, stop)
+
+
+def test_the_last_step_ends_exactly_at_the_stop_time():
+    recorder, statistics = coupled(two_masses(), Jacobi(), 0.3, 1.0)
+    assert recorder.times[-1] == 1.0
+    assert statistics.macro_steps == 4
+
+
+class _Failing:
+    """A participant that fails in a given call number of `advance`, or yields nan from it on."""
+
+    def __init__(self, inner, call, nan):
+        self._inner, self._call, self._nan, self._calls = inner, call, nan, 0
+
+    def __getattr__(self, name):
+        return getattr(self._inner, name)
+
+    def advance(self, time, step):
+        self._calls += 1
+        if self._calls == self._call and not self._nan:
+            raise ParticipantError("second: step from t = ... was discarded")
+        self._inner.advance(time, step)
+
+    def read(self):
+        self._inner.read()
+        if self._nan and self._calls >= self._call:
+            self._inner._outputs[0] = np.nan
+
+
+@pytest.mark.parametrize(
+    ("nan", "match"), [(False, "discarded"), (True, r"second\.position: value is not a finite")]
+)
+def test_a_failure_in_mid_run_names_the_culprit_and_keeps_what_was_seen(nan, match):
+    system = two_masses()
+    failing = _Failing(in_process("second", system.instances["second"]), 51, nan)
+    recorder = Recorder()
+    units = {"first": in_process("first", system.instances["first"]), "second": failing}
+    with pytest.raises(ParticipantError, match=match):
+        simulate(system, units, Jacobi(), 1e-2, 1.0, [recorder])
+    assert len(recorder.times) == 51  # the start and fifty good steps
+    assert recorder.ended is not None
+    assert recorder.ended[0] is False
+
+
+def test_an_interrupt_reaches_the_observers():
+    class Interrupting(Recorder):
+        def observe(self, time, outputs, iterations):
+            super().observe(time, outputs, iterations)
+            if len(self._times) == 10:
+                raise KeyboardInterrupt
+
+    system, recorder = two_masses(), Interrupting()
+    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    with pytest.raises(KeyboardInterrupt):
+        simulate(system, units, Jacobi(), 1e-2, 1.0, [recorder])
+    assert recorder.ended == (False, "interrupted")
+
+
+def test_a_parameter_out_of_range_is_refused_with_name_value_and_range():
+    system = two_masses()
+    bad = replace(system.instances["first"], parameters={"mass": -1.0})
+    with pytest.raises(ParticipantError, match=r"mass = -1 kg.*must be > 0"):
+        in_process("first", bad)
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    st.lists(st.floats(-10, 10), min_size=3, max_size=3),
+    st.lists(st.floats(0.1, 2.0), min_size=3, max_size=3),
+    st.integers(0, 2),
+)
+def test_signals_reproduce_polynomials_of_their_degree(coefficients, gaps, degree):
+    """Exactness: through points of a polynomial of degree k, a signal of degree k is that polynomial."""
+    polynomial = np.polynomial.Polynomial(coefficients[: degree + 1])
+    times = np.cumsum(gaps)
+    history = History(times[0], np.array([polynomial(times[0])]))
+    for time in times[1:]:
+        history.append(time, np.array([polynomial(time)]))
+    wanted = np.array([polynomial(times[-1]), polynomial.deriv(1)(times[-1]), polynomial.deriv(2)(times[-1])])
+    got = np.zeros((3, 1))
+    extrapolate(history, degree, got)
+    # Rounding of divided differences: two divisions by gaps of 0.1 and more of values up to 10 * 6^2.
+    np.testing.assert_allclose(got[:, 0], wanted, atol=1e-9)
+    end = times[-1] + 0.7
+    interpolate(history, degree, end, np.array([polynomial(end)]), got)
+    if degree > 0:
+        np.testing.assert_allclose(got[:, 0], wanted, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["aitken", "anderson"])
+def test_acceleration_solves_a_linear_fixed_point_that_plain_iteration_cannot(name):
+    """v = a v + b with a = -1.8: the plain iteration diverges, one accelerated step after two is exact."""
+    acceleration = ACCELERATIONS[name]()
+    guess = np.array([0.0])
+    for _ in range(4):
+        guess = acceleration.next(guess, -1.8 * guess + 1.0)
+    np.testing.assert_allclose(guess, 1.0 / 2.8, rtol=1e-12)
