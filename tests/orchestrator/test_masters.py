@@ -134,23 +134,23 @@ def test_the_last_step_ends_exactly_at_the_stop_time():
 
 
 class _Failing:
-    """A participant that fails in a given call number of `advance`, or yields nan from it on."""
+    """A participant whose steps from a given time on fail, or yield nan."""
 
-    def __init__(self, inner, call, nan):
-        self._inner, self._call, self._nan, self._calls = inner, call, nan, 0
+    def __init__(self, inner, time, nan):
+        self._inner, self._time, self._nan, self._bad = inner, time, nan, False
 
     def __getattr__(self, name):
         return getattr(self._inner, name)
 
     def advance(self, time, step):
-        self._calls += 1
-        if self._calls == self._call and not self._nan:
+        self._bad = time >= self._time
+        if self._bad and not self._nan:
             raise ParticipantError("second: step from t = ... was discarded")
         self._inner.advance(time, step)
 
     def read(self):
         self._inner.read()
-        if self._nan and self._calls >= self._call:
+        if self._bad:
             self._inner._outputs[0] = np.nan
 
 
@@ -159,7 +159,7 @@ class _Failing:
 )
 def test_a_failure_in_mid_run_names_the_culprit_and_keeps_what_was_seen(nan, match):
     system = two_masses()
-    failing = _Failing(in_process("second", system.instances["second"]), 51, nan)
+    failing = _Failing(in_process("second", system.instances["second"]), 0.495, nan)
     recorder = Recorder()
     units = {"first": in_process("first", system.instances["first"]), "second": failing}
     with pytest.raises(ParticipantError, match=match):
