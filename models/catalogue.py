@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from .component import Component
 from .contact.ehl_contact import ehl_contact
 from .flywheel import flywheel
+from .slider_crank.slider_crank import slider_crank
 from .valve_train.camshaft import camshaft
 from .valve_train.valve_spring import valve_spring
 
@@ -16,4 +17,5 @@ CATALOGUE: Mapping[str, Callable[..., Component]] = {
     "valve_spring": valve_spring,
     "ehl_contact": ehl_contact,
     "flywheel": flywheel,
+    "slider_crank": slider_crank,
 }

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from .hybrid import hybrid_work_size, make_hybrid_advance
 from .integrator import INPUT_COEFFICIENTS, make_advance, taylor, work_size
 from .kernel import kernel
 from .quantities import Layout, Vector
@@ -54,7 +55,8 @@ class Component:
     Kernels take records: derivative(t, x, u, p, dx), output(t, x, u, p, y), energy(t, x, u, p, e) with
     e = [stored energy (J), dissipated power (W), power of internal sources (W)].
     `feedthrough` lists, for each output, the inputs it depends on at the same instant.
-    `advance_maker`, if given, replaces the standard integrator: (component) -> advance kernel.
+    `advance_maker`, if given, replaces the standard integrator (with events: the hybrid one):
+    (component) -> advance kernel.
     """
 
     name: str
@@ -130,8 +132,10 @@ class Component:
         Advances x in place over [t, t + h] with the inputs' polynomials U, then leaves the inputs and
         outputs at the end in u and y. x is unchanged if the status is not OK.
         """
-        maker = self.advance_maker
-        advance = maker(self) if maker else make_advance(self.flat_derivative, self.state, self.inputs)
+        if maker := self.advance_maker or (make_hybrid_advance if self.events else None):
+            advance = maker(self)
+        else:
+            advance = make_advance(self.flat_derivative, self.state, self.inputs)
         output = self.flat_output
 
         @kernel
@@ -146,7 +150,7 @@ class Component:
     @property
     def work_size(self) -> int:
         """Length of the scratch vector for `step`."""
-        return work_size(self.state, self.inputs)
+        return hybrid_work_size(self) if self.events else work_size(self.state, self.inputs)
 
     def parameter_faults(self, p: Vector) -> list[str]:
         """Messages for parameters outside their ranges, alone or together."""

@@ -1,0 +1,1 @@
+"""Slider-crank with clearance at the slider (Farahanchi 1991)."""

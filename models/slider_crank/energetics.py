@@ -1,0 +1,121 @@
+"""Kinetic energy and crank torque that belong to the linear equation of motion.
+
+In the two coordinates theta (crank) and psi the exact kinetic energy over M l^2 is
+
+    T = A theta'^2/2 + B theta' psi' + a psi'^2/2,
+    A = (1+alpha) xi^2 + a phi1^2 - 2 k cos(theta+phi-psi) phi1,    k = (1+alpha/2) xi,
+    B = -a phi1 + k cos(theta+phi-psi),                             phi1 = d phi/d theta.
+
+Its expansion to second order in (psi, psi') - A to psi^2, B to psi - has exactly the linear equation
+of `equations` as its Lagrange equation for psi. The torque here is the Lagrange equation of the same
+expansion for theta, so that power and energy balance exactly in the linear model, also for varying
+speed; against the exact mechanism the energy is in error by O(3) in (psi, psi') and the torque by
+O(2). F's error is a term of B (its phi' + psi'), so `as_published` balances with its own energy.
+"""
+
+from __future__ import annotations
+
+from ..kernel import kernel
+from .equations import (
+    Mechanism,
+    cosine_of_sum,
+    coupling,
+    forcing_inertia,
+    inertia,
+    joint_rate,
+    narrowing,
+    rod_cosine,
+    rod_curvature,
+    rod_slope,
+    sine_of_sum,
+)
+
+
+@kernel
+def crank_inertia(theta: float, psi: float, m: Mechanism) -> float:
+    """A: inertia of the mechanism seen by the crank."""
+    slope = rod_slope(theta, m.xi)
+    cosine, sine = cosine_of_sum(theta, m.xi), sine_of_sum(theta, m.xi)
+    turned = cosine * (1.0 - 0.5 * psi**2) + sine * psi
+    return (1.0 + m.alpha) * m.xi**2 + inertia(m) * slope**2 - 2.0 * coupling(m) * turned * slope
+
+
+@kernel
+def mixed_inertia(theta: float, psi: float, m: Mechanism) -> float:
+    """B: inertia that couples crank and psi."""
+    turned = cosine_of_sum(theta, m.xi) + sine_of_sum(theta, m.xi) * psi
+    return -forcing_inertia(m) * rod_slope(theta, m.xi) + coupling(m) * turned
+
+
+@kernel
+def kinetic_energy(theta: float, speed: float, psi: float, rate: float, m: Mechanism) -> float:
+    """T of the expansion."""
+    return (
+        0.5 * crank_inertia(theta, psi, m) * speed**2
+        + mixed_inertia(theta, psi, m) * speed * rate
+        + 0.5 * inertia(m) * rate**2
+    )
+
+
+@kernel
+def energy_slope(theta: float, speed: float, psi: float, rate: float, m: Mechanism) -> float:
+    """dT/dpsi at fixed rates."""
+    cosine, sine = cosine_of_sum(theta, m.xi), sine_of_sum(theta, m.xi)
+    slope = rod_slope(theta, m.xi)
+    return coupling(m) * speed * (sine * rate - (sine - cosine * psi) * slope * speed)
+
+
+@kernel
+def momentum(theta: float, speed: float, psi: float, rate: float, m: Mechanism) -> float:
+    """dT/dpsi'."""
+    return mixed_inertia(theta, psi, m) * speed + inertia(m) * rate
+
+
+@kernel
+def crank_torque(
+    theta: float,
+    speed: float,
+    acceleration: float,
+    psi: float,
+    rate: float,
+    rate_change: float,
+    wall_force: float,
+    m: Mechanism,
+) -> float:
+    """Torque that the mechanism takes from the crank (over M l^2); `rate_change` is psi''.
+
+    A theta'' + B psi'' + A_theta theta'^2/2 + A_psi theta' psi' + B_psi psi'^2, the friction moment of
+    the joint (also through phi), and the reaction of the wall force (over M l, towards -psi).
+    """
+    slope, curvature = rod_slope(theta, m.xi), rod_curvature(theta, m.xi)
+    cosine, sine = cosine_of_sum(theta, m.xi), sine_of_sum(theta, m.xi)
+    k = coupling(m)
+    turned = cosine * (1.0 - 0.5 * psi**2) + sine * psi
+    turned_slope = (1.0 + slope) * (cosine * psi - sine * (1.0 - 0.5 * psi**2))
+    half_a_theta = inertia(m) * slope * curvature - k * (turned_slope * slope + turned * curvature)
+    a_psi = -2.0 * k * (sine - cosine * psi) * slope
+    return (
+        crank_inertia(theta, psi, m) * acceleration
+        + mixed_inertia(theta, psi, m) * rate_change
+        + half_a_theta * speed**2
+        + a_psi * speed * rate
+        + k * sine * rate**2
+        + m.damping * joint_rate(theta, speed, rate, m) * (1.0 + slope)
+        + wall_force * wall_lever(theta, psi, m)
+    )
+
+
+@kernel
+def wall_lever(theta: float, psi: float, m: Mechanism) -> float:
+    """d(y/l)/d theta at fixed psi, with y = l Lambda psi: the wall force's lever on the crank."""
+    return psi * rod_cosine(theta, m.xi) * narrowing(theta, m.xi)
+
+
+@kernel
+def crank_impulse(theta: float, psi: float, rate_jump: float, m: Mechanism) -> float:
+    """Angular impulse taken from the crank (over M l^2) by an impact that changes psi' by `rate_jump`.
+
+    At a crank of given speed: B jump, and the reaction of the wall's impulse -a jump / Lambda.
+    """
+    reaction = -inertia(m) * rate_jump / rod_cosine(theta, m.xi) * wall_lever(theta, psi, m)
+    return mixed_inertia(theta, psi, m) * rate_jump + reaction

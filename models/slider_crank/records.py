@@ -1,0 +1,208 @@
+"""Parameters, state, inputs and outputs of the slider-crank with clearance."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+from ..quantities import Quantity
+from .equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI
+
+AS_PUBLISHED, CORRECTED = 0.0, 1.0
+
+# F section 4.1 gives M = 0.00210 lbf s^2/in and l = 5.4570 in (exact conversions: 4.4482216152605 N/lbf,
+# 0.0254 m/in). r, m and J_r follow from F's rounded xi, alpha, beta, which its results were made with;
+# F's own 1.6535 in, 0.00399 lbf s^2/in, 0.0295 lbf s^2 in agree within 0.04 %.
+_POUND_FORCE, _INCH = 4.4482216152605, 0.0254
+_PISTON_MASS = 0.00210 * _POUND_FORCE / _INCH
+_ROD_LENGTH = 5.4570 * _INCH
+# F's lambda = 0.05 at 1000 r/min and rho = 0.015: a periodic motion.
+_FRICTION = 0.05 * _PISTON_MASS * _ROD_LENGTH**2 * 1000.0 * math.pi / 30.0
+_CLEARANCE = 0.015 * _ROD_LENGTH
+
+
+@dataclass
+class SliderCrankParameters:
+    """Defaults: the engine of F section 4.1. The roller's radius is chosen here, F gives none."""
+
+    form: Annotated[
+        float,
+        Quantity("1", "equation of motion: F's own, or with +beta", choices=("as_published", "corrected")),
+    ] = CORRECTED
+    crank_radius: Annotated[
+        float, Quantity("m", "crank radius r", nominal=0.1, positive=True, display_unit="mm")
+    ] = THESIS_XI * _ROD_LENGTH
+    rod_length: Annotated[
+        float, Quantity("m", "length l of the connecting rod", nominal=0.1, positive=True, display_unit="mm")
+    ] = _ROD_LENGTH
+    rod_mass: Annotated[
+        float, Quantity("kg", "mass m of the connecting rod, centre in its middle", minimum=0.0)
+    ] = THESIS_ALPHA * _PISTON_MASS
+    rod_inertia: Annotated[
+        float,
+        Quantity("kg.m2", "inertia J_r of the connecting rod about its centre", nominal=1e-3, minimum=0.0),
+    ] = THESIS_BETA * _PISTON_MASS * _ROD_LENGTH**2
+    piston_mass: Annotated[float, Quantity("kg", "mass M of the piston (roller)", positive=True)] = (
+        _PISTON_MASS
+    )
+    joint_friction: Annotated[
+        float,
+        Quantity("N.m.s", "friction moment c2 of the crank pin per relative speed", nominal=0.1, minimum=0.0),
+    ] = _FRICTION
+    clearance: Annotated[
+        float,
+        Quantity(
+            "m", "travel d - r* from the centre to either wall", nominal=1e-3, minimum=0.0, display_unit="mm"
+        ),
+    ] = _CLEARANCE
+    restitution: Annotated[float, Quantity("1", "coefficient of restitution e", minimum=0.0, maximum=1.0)] = (
+        0.9
+    )
+    # Chatter of rebound v at force-free acceleration a lasts another 2 v / ((1 - e) a): some 1e-6 rad of
+    # crank at this threshold, and it leaves no trace, for release is from the wall. F used 0.005.
+    sliding_threshold: Annotated[
+        float,
+        Quantity(
+            "1",
+            "rebound rate of psi per crank speed, relative to the wall, below which a pressed slider slides",
+            nominal=1e-8,
+            minimum=0.0,
+        ),
+    ] = 1e-8
+    roller_radius: Annotated[
+        float,
+        Quantity("m", "radius r* of the roller on the liner", nominal=0.1, positive=True, display_unit="mm"),
+    ] = 0.040
+
+
+@dataclass
+class SliderCrankState:
+    psi: Annotated[
+        float, Quantity("rad", "deviation of the connecting rod from its nominal angle", nominal=1e-2)
+    ] = 0.0
+    psi_rate: Annotated[float, Quantity("rad/s", "rate of psi")] = 0.0
+    mode: Annotated[
+        float,
+        Quantity(
+            "1",
+            "+1 sliding on the upper wall, -1 on the lower, 0 free",
+            minimum=-1.0,
+            maximum=1.0,
+            count=True,
+        ),
+    ] = 0.0
+    upper_impact_count: Annotated[float, Quantity("1", "impacts on the upper wall", count=True)] = 0.0
+    lower_impact_count: Annotated[float, Quantity("1", "impacts on the lower wall", count=True)] = 0.0
+    upper_impact_impulse: Annotated[float, Quantity("N.s", "sum of the impulses given by the upper wall")] = (
+        0.0
+    )
+    lower_impact_impulse: Annotated[float, Quantity("N.s", "sum of the impulses given by the lower wall")] = (
+        0.0
+    )
+    upper_force_integral: Annotated[
+        float, Quantity("N.s", "time integral of the upper wall's sliding force")
+    ] = 0.0
+    lower_force_integral: Annotated[
+        float, Quantity("N.s", "time integral of the lower wall's sliding force")
+    ] = 0.0
+    crank_impact_impulse: Annotated[
+        float, Quantity("N.m.s", "sum of the angular impulses taken from the crank by impacts", nominal=0.1)
+    ] = 0.0
+    last_impact_time: Annotated[float, Quantity("s", "time of the last impact")] = 0.0
+    last_impact_velocity: Annotated[
+        float, Quantity("m/s", "velocity towards the wall just before the last impact")
+    ] = 0.0
+    impact_loss: Annotated[float, Quantity("J", "energy lost in impacts")] = 0.0
+    impact_work: Annotated[float, Quantity("J", "energy given in impacts by crank and moving film")] = 0.0
+
+
+@dataclass
+class SliderCrankInputs:
+    """The films narrow the clearance: the upper wall is at clearance - upper_film_thickness.
+
+    A film's rate must be the derivative of its thickness (a contact's squeeze_velocity), or nothing.
+    """
+
+    crank_angle: Annotated[
+        float, Quantity("rad", "crank angle theta, zero at top dead centre", display_unit="deg")
+    ] = 0.0
+    crank_speed: Annotated[float, Quantity("rad/s", "crank speed", nominal=100.0, display_unit="rpm")] = 0.0
+    crank_acceleration: Annotated[
+        float, Quantity("rad/s2", "angular acceleration of the crank", nominal=100.0)
+    ] = 0.0
+    upper_film_thickness: Annotated[
+        float, Quantity("m", "lubricant film on the upper wall", nominal=1e-6, display_unit="um")
+    ] = 0.0
+    lower_film_thickness: Annotated[
+        float, Quantity("m", "lubricant film on the lower wall", nominal=1e-6, display_unit="um")
+    ] = 0.0
+    upper_film_rate: Annotated[float, Quantity("m/s", "rate of the film on the upper wall", nominal=1e-3)] = (
+        0.0
+    )
+    lower_film_rate: Annotated[float, Quantity("m/s", "rate of the film on the lower wall", nominal=1e-3)] = (
+        0.0
+    )
+
+
+@dataclass
+class SliderCrankOutputs:
+    psi: Annotated[
+        float, Quantity("rad", "deviation of the connecting rod from its nominal angle", nominal=1e-2)
+    ] = 0.0
+    psi_rate: Annotated[float, Quantity("rad/s", "rate of psi")] = 0.0
+    piston_position: Annotated[
+        float, Quantity("m", "piston position from the crank's centre along the cylinder", nominal=0.1)
+    ] = 0.0
+    piston_velocity: Annotated[float, Quantity("m/s", "piston velocity along the cylinder")] = 0.0
+    piston_offset: Annotated[
+        float, Quantity("m", "piston position across the cylinder, upwards", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    upper_wall_force: Annotated[
+        float, Quantity("N", "force of the upper wall on the sliding piston", nominal=100.0)
+    ] = 0.0
+    lower_wall_force: Annotated[
+        float, Quantity("N", "force of the lower wall on the sliding piston", nominal=100.0)
+    ] = 0.0
+    crank_torque: Annotated[
+        float, Quantity("N.m", "torque taken from the crank, between impacts", nominal=10.0)
+    ] = 0.0
+    wall_entraining_velocity: Annotated[
+        float, Quantity("m/s", "mean surface velocity of roller and liner relative to their contact")
+    ] = 0.0
+    wall_sliding_velocity: Annotated[float, Quantity("m/s", "velocity of the roller over the liner")] = 0.0
+    wall_radius: Annotated[
+        float, Quantity("m", "reduced radius of roller and liner", nominal=0.1, display_unit="mm")
+    ] = 0.0
+    sliding: Annotated[
+        float,
+        Quantity(
+            "1",
+            "+1 sliding on the upper wall, -1 on the lower, 0 free",
+            minimum=-1.0,
+            maximum=1.0,
+            count=True,
+        ),
+    ] = 0.0
+    impact_count: Annotated[float, Quantity("1", "impacts on both walls", count=True)] = 0.0
+    upper_impact_count: Annotated[float, Quantity("1", "impacts on the upper wall", count=True)] = 0.0
+    lower_impact_count: Annotated[float, Quantity("1", "impacts on the lower wall", count=True)] = 0.0
+    upper_impact_impulse: Annotated[float, Quantity("N.s", "sum of the impulses given by the upper wall")] = (
+        0.0
+    )
+    lower_impact_impulse: Annotated[float, Quantity("N.s", "sum of the impulses given by the lower wall")] = (
+        0.0
+    )
+    upper_wall_impulse: Annotated[
+        float, Quantity("N.s", "upper wall's impulses and integral of its force: differences give means")
+    ] = 0.0
+    lower_wall_impulse: Annotated[
+        float, Quantity("N.s", "lower wall's impulses and integral of its force: differences give means")
+    ] = 0.0
+    crank_impact_impulse: Annotated[
+        float, Quantity("N.m.s", "sum of the angular impulses taken from the crank by impacts", nominal=0.1)
+    ] = 0.0
+    last_impact_time: Annotated[float, Quantity("s", "time of the last impact")] = 0.0
+    last_impact_velocity: Annotated[
+        float, Quantity("m/s", "velocity towards the wall just before the last impact")
+    ] = 0.0
