@@ -95,6 +95,7 @@ class ComponentSlave(Fmi2Slave):
         n, m = component.state.size, component.inputs.size
         self._data = data = self.template.copy()
         self._cells = memoryview(data)
+        self._variables = self._cells[: at.end_of_variables]
         self._p = data[: at.starts]
         self._x_start = data[at.starts : at.inputs]
         self._U = data[at.inputs : at.outputs].reshape(COEFFICIENTS, m)
@@ -203,10 +204,10 @@ class ComponentSlave(Fmi2Slave):
         try:
             if self._outputs_stale or self._energies_stale:
                 self._ready(max(vrs, default=0))
-            cells = self._cells
+            cells = self._variables
             return [cells[i] for i in vrs]
         except Exception as error:
-            self._fatal(f"get: {error!r}")
+            self._fatal(self._unreadable(vrs, error))
 
     def get_integer(self, vrs: list[int]) -> list[int]:
         return [int(value) for value in self.get_real(vrs)]
@@ -250,6 +251,10 @@ class ComponentSlave(Fmi2Slave):
 
     def _name(self, reference: int) -> str:
         return self.names[reference] if 0 <= reference < len(self.names) else f"value reference {reference}"
+
+    def _unreadable(self, vrs: list[int], error: Exception) -> str:
+        unknown = [self._name(i) for i in vrs if i >= self.memory.end_of_variables]
+        return f"there is no {', '.join(unknown)}" if unknown else f"outputs cannot be computed: {error!r}"
 
     # State
 

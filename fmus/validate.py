@@ -137,7 +137,9 @@ def _archive_faults(archive: zipfile.ZipFile) -> list[str]:
     """Entries that would be unpacked elsewhere, damage, and what is missing."""
     faults = [fault for entry in archive.infolist() if (fault := _entry_fault(entry))]
     names = archive.namelist()
-    faults += [f"{name}: is in the archive twice" for name in sorted({n for n in names if names.count(n) > 1})]
+    faults += [
+        f"{name}: is in the archive twice" for name in sorted({n for n in names if names.count(n) > 1})
+    ]
     unpacked = sum(entry.file_size for entry in archive.infolist())
     if unpacked > MAXIMUM_UNPACKED_BYTES:
         faults.append(f"{unpacked:.3g} bytes when unpacked: must be at most {MAXIMUM_UNPACKED_BYTES:.3g}")

@@ -122,6 +122,11 @@ if COMPILED:
 
         _impl_class = _DigestCacheImpl
 
+        def save_overload(self, sig: Any, data: Any) -> None:
+            # The folder was there, but the disk is full or read-only: the code is compiled, only not kept.
+            with contextlib.suppress(OSError):
+                super().save_overload(sig, data)
+
         def _index_key(self, sig: Any, codegen: Any) -> Any:
             return sig, codegen.magic_tuple(), closure_of(self._py_func)
 

@@ -1,0 +1,1 @@
+"""The FMUs as other tools see them: packaged files."""

@@ -1,0 +1,70 @@
+"""The packaged files, built once, and a way to run code where the repository cannot be imported."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import textwrap
+import zipfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fmus.build import NAMES, build
+
+INSTANCE = Path(__file__).with_name("instance.py")
+
+
+@pytest.fixture(scope="session")
+def fmu_files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Every FMU as a file."""
+    folder = tmp_path_factory.mktemp("fmus")
+    return {name: build(name, folder) for name in NAMES}
+
+
+@pytest.fixture(scope="session")
+def unpacked(fmu_files: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Every FMU as a folder."""
+    root = tmp_path_factory.mktemp("unpacked")
+    for name, path in fmu_files.items():
+        with zipfile.ZipFile(path) as archive:
+            archive.extractall(root / name)
+    return {name: root / name for name in fmu_files}
+
+
+Isolated = Callable[..., Any]
+
+
+@pytest.fixture
+def isolated(tmp_path: Path) -> Isolated:
+    """isolated(code, *blocked, **environment): what the code reports, run in a fresh interpreter.
+
+    The interpreter starts in an empty folder, ignores PYTHONPATH, and cannot import this repository.
+    """
+
+    def run(code: str, *blocked: str, **environment: str) -> Any:
+        finished = subprocess.run(
+            [sys.executable, "-I", str(INSTANCE), textwrap.dedent(code), *blocked],
+            cwd=tmp_path,
+            env=clean_environment(environment),
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+        assert finished.returncode == 0, finished.stdout + finished.stderr
+        lines = [line for line in finished.stdout.splitlines() if line.startswith("REPORT ")]
+        assert lines, finished.stdout + finished.stderr
+        return json.loads(lines[-1].removeprefix("REPORT "))
+
+    return run
+
+
+def clean_environment(added: Mapping[str, str]) -> dict[str, str]:
+    """This process's environment without Python's variables."""
+    kept = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+    return kept | dict(added)

@@ -1,0 +1,103 @@
+"""A packaged FMU gives the numbers of the component to the last bit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from fmus.build import NAMES, build
+
+from .conftest import Isolated
+from .reference import Reference, held, schedule, split, wave
+
+STEPS, STEP = 300, 1e-5
+
+REPLAY = """
+import json, sys
+plan = json.load(open({plan!r}))
+slave = Instance({fmu!r}).initialize(plan[0]["t"])
+results = [slave.outputs()]
+for step in plan:
+    slave.set(step["inputs"])
+    results.append(slave.outputs())
+    slave.step(step["t"], step["h"])
+    results.append(slave.outputs())
+roots = {{name.partition(".")[0] for name in sys.modules}}
+ours = sorted(roots & {{"models", "fmus", "orchestrator", "pythonfmu"}})
+slave.free()
+report([results, ours])
+"""
+
+
+def replay(isolated: Isolated, fmu: Path, plan: list, folder: Path) -> list[list[float]]:
+    import json
+
+    file = folder / "plan.json"
+    file.write_text(json.dumps(plan))
+    results, ours = isolated(REPLAY.format(plan=str(file), fmu=str(fmu)))
+    assert ours == []
+    return results
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_fmu_equals_component(
+    name: str, fmu_files: dict[str, Path], isolated: Isolated, tmp_path: Path
+) -> None:
+    """Also between steps, where outputs follow inputs at once, and with steps of changing size."""
+    reference = Reference(name)
+    plan = schedule(reference.component, STEPS, STEP)
+    reference.set_inputs({})
+    expected = [reference.outputs()]
+    for step in plan:
+        reference.set_inputs(step["inputs"])
+        expected.append(reference.outputs())
+        reference.t = step["t"]
+        reference.step(step["h"])
+        expected.append(reference.outputs())
+    assert replay(isolated, fmu_files[name], plan, tmp_path) == expected
+
+
+def test_structure_is_fixed_at_build(isolated: Isolated, tmp_path: Path) -> None:
+    fmu = build("valve_spring", tmp_path / "five.fmu", {"coil_masses": 5})
+    code = f"""
+    slave = Instance({str(fmu)!r}).initialize(load=1e3)
+    slave.step(0.0, 1e-5)
+    report([slave.names("output"), slave.get(["coil_position[5]", "position"])])
+    """
+    names, (last_coil, follower) = isolated(code, "numba")
+    assert names == list(Reference("valve_spring", coil_masses=5).component.outputs.names)
+    assert 0.0 < last_coil < follower
+
+
+def test_start_time(isolated: Isolated, fmu_files: dict[str, Path], tmp_path: Path) -> None:
+    """A flywheel on its ramp shows what time the FMU takes it to be."""
+    code = f"""
+    slave = Instance({str(fmu_files["flywheel"])!r})
+    slave.initialize(0.25, final_speed=204.0, initial_speed=4.0)
+    first = slave.get(["speed"])
+    slave.step(0.25, 0.25)
+    report([first, slave.get(["speed"])])
+    """
+    assert isolated(code) == [[54.0], [104.0]]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_outputs_depend_on_declared_inputs_only(name: str) -> None:
+    """What the FMU declares comes from `feedthrough`; an undeclared input changes no bit of the output."""
+    reference = Reference(name)
+    component = reference.component
+    for t in (0.0, 3e-4, 7e-4):
+        values = held(wave(component, t))
+        reference.set_inputs(values)
+        before = component.outputs.named(reference.y)
+        for changed in component.inputs.names:
+            reference.set_inputs(values | {changed: values[changed] * 1.01 + 1e-3})
+            after = component.outputs.named(reference.y)
+            moved = {output for output in before if before[output] != after[output]}
+            declared = {output for output in before if changed in component.feedthrough.get(output, ())}
+            assert moved <= declared, f"{changed} changes {moved - declared}"
+
+
+def test_derivatives_of_indexed_inputs_have_structured_names() -> None:
+    assert split("load_torque_der2[1]") == ("load_torque[1]", 2)
