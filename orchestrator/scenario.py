@@ -22,7 +22,7 @@ from models.system import suggestion
 
 from .masters import MASTERS
 from .units import to_unit
-from .values import Value, component_of, meanings
+from .values import Faults, Value, component_of, meanings
 
 
 class ScenarioError(ValueError):
@@ -125,7 +125,7 @@ class MasterTable(BaseModel):
         known = [field.name for field in fields(kind)]
         for key in options:
             if key not in known:
-                raise ValueError(f"{key}: {self.name} has no such option; {suggestion(key, known)}")
+                raise Faults((key, f": {self.name} has no such option; {suggestion(key, known)}"))
         return TypeAdapter(kind).validate_python(options)
 
 
@@ -139,7 +139,7 @@ class ReferenceTable(_Table):
 class Scenario(_Table):
     """A coupled run and what it is compared with."""
 
-    name: str = Field(description="Name of the scenario; default: that of the file", min_length=1)
+    name: str = Field(description="Name of the scenario; default: that of the file", pattern=r"^[\w .-]+$")
     description: str = Field("", description="What the scenario shows, in a line")
     stop_time: Seconds = Field(description="End of the run (s, or a text with a unit)")
     macro_step: Seconds = Field(description="Communication step (s, or a text with a unit)")
@@ -183,7 +183,7 @@ class Scenario(_Table):
         try:
             master.made()
         except ValidationError as error:
-            raise ValueError("\n".join(messages(error))) from None
+            raise Faults(*(("", f": {line}") for line in messages(error))) from None
         return master
 
     @property
@@ -219,22 +219,20 @@ def messages(error: ValidationError) -> list[str]:
         elif kind == "missing":
             lines.append(f"{path}: missing")
         elif kind == "value_error":
-            text = str(fault["ctx"]["error"])
-            lines += [f"{path}.{line}" if _continues(line) else f"{path}: {line}" for line in text.split("\n")]
+            reason = fault["ctx"]["error"]
+            if isinstance(reason, Faults):
+                lines += [f"{path}.{key}{text}" if key else path + text for key, text in reason.faults]
+            else:
+                lines.append(f"{path}: {reason}" if path else str(reason))
         elif kind == "greater_than":
             lines.append(f"{path} = {shown}: must be > {fault['ctx']['gt']:g}")
         elif kind == "too_short":
             lines.append(f"{path}: must have at least one entry")
         else:
-            text = fault["msg"].replace("Input should be", "must be").replace("a valid dictionary", "a table")
-            lines.append(f"{path} = {shown!r}: {text}" if path else text)
+            text = fault["msg"].replace("Input should be", "must be").replace(" valid", "")
+            text = text.replace("a dictionary", "a table").replace(" or instance of ComponentTable", "")
+            lines.append(f"{path} = {shown!r}: {text}")
     return lines
-
-
-def _continues(line: str) -> bool:
-    """The line begins with the name of a variable or option below the path."""
-    head = line.split(":")[0].split(" ")[0]
-    return head.replace("[", "_").replace("]", "_").isidentifier() and head not in ("no", "structure")
 
 
 def _keys(location: tuple[int | str, ...]) -> list[str]:

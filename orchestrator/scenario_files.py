@@ -50,8 +50,10 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
     try:
         return scenario_of(content)
     except ScenarioError as error:
+        changed = tuple(text.partition("=")[0].strip() for text in overrides)
         lines = str(error).split("\n")
-        raise ScenarioError("\n".join(f"{path.name}: {line}" for line in lines)) from None
+        marked = (f"{'--set' if line.startswith(changed) else f'{path.name}:'} {line}" for line in lines)
+        raise ScenarioError("\n".join(marked)) from None
 
 
 def contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:

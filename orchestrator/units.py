@@ -34,7 +34,12 @@ def to_unit(text: str, unit: str) -> float:
     if _kind(units) != _kind(wanted):
         needed = "a plain number" if unit == "1" else f"a unit like {unit}"
         raise UnitError(f"{text!r}: the unit {given} does not fit, {needed} is needed")
-    return float(_registry().Quantity(number, units).to(wanted).magnitude)
+    factor = float(_registry().Quantity(1.0, units).to(wanted).magnitude)
+    parts = round(1.0 / factor) if factor < 1.0 else 0
+    # 5 us is 5e-6 s and not 4.9999999999999996e-06: divide where the factor is one over a whole number.
+    if parts and abs(factor * parts - 1.0) < 1e-14:
+        return number / parts
+    return number * factor
 
 
 @functools.cache

@@ -14,6 +14,15 @@ from models.system import suggestion
 
 from .units import UnitError, to_unit
 
+
+class Faults(ValueError):
+    """Faults of a table: pairs of a key ("": the table itself) and the message that follows it."""
+
+    def __init__(self, *faults: tuple[str, str]) -> None:
+        super().__init__("; ".join(key + message for key, message in faults))
+        self.faults = faults
+
+
 # A choice by name, a truth value, or a number in the quantity's unit.
 Value = bool | float | str
 
@@ -30,9 +39,9 @@ def component_of(name: str, structure: tuple[tuple[str, int], ...] = ()) -> Comp
     for key, size in structure:
         if key not in known:
             sizes = suggestion(key, known) if known else "it has no structural sizes"
-            raise ValueError(f"structure: {name} has no size {key!r}; {sizes}")
+            raise ValueError(f"{name} has no size {key!r}; {sizes}")
         if size < 1:
-            raise ValueError(f"structure: {key} = {size}: must be at least 1")
+            raise ValueError(f"{key} = {size}: must be at least 1")
     return CATALOGUE[name](**dict(structure))
 
 
@@ -44,8 +53,7 @@ def meaning(quantity: Quantity, value: Any) -> Value:
     if quantity.choices:
         if value in quantity.choices:
             return str(value)
-        hint = suggestion(str(value), quantity.choices)
-        raise ValueError(f"must be one of {', '.join(quantity.choices)} ({hint})")
+        raise ValueError(f"must be one of {', '.join(quantity.choices)}")
     if quantity.boolean:
         if isinstance(value, bool) or value in (0.0, 1.0):
             return bool(value)
@@ -73,21 +81,21 @@ def value_of(quantity: Quantity, stored: float) -> Value:
 
 
 def meanings(layout: Layout, values: Mapping[str, Any], kind: str) -> dict[str, Value]:
-    """`meaning` of every value; one ValueError with a line for each fault."""
+    """`meaning` of every value; raises Faults."""
     found: dict[str, Value] = {}
-    faults: list[str] = []
+    faults: list[tuple[str, str]] = []
     for name, value in values.items():
         if name not in layout:
-            faults.append(f"{name}: no such {kind}; {suggestion(name, layout.names)}")
+            faults.append((name, f": no such {kind}; {suggestion(name, layout.names)}"))
             continue
         quantity = layout.field(name).quantity
         try:
             found[name] = meaning(quantity, value)
         except ValueError as error:
             shown = f" = {value!r}" if not isinstance(value, str) or quantity.choices else ""
-            faults.append(f"{name}{shown} ({quantity.description}): {error}")
+            faults.append((name, f"{shown} ({quantity.description}): {error}"))
     if faults:
-        raise ValueError("\n".join(faults))
+        raise Faults(*faults)
     return found
 
 

@@ -1,0 +1,106 @@
+"""From a scenario to what runs: the system, its start, the participants."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from models.quantities import Quantity
+from models.system import Instance, System, suggestion
+
+from .participants import Participant, fmu, in_process
+from .scenario import ComponentTable, Scenario, ScenarioError, ends
+from .values import numbers
+
+# Gives the FMU of a catalogue component with structural sizes.
+Builder = Callable[[str, Mapping[str, int]], Path]
+
+
+def system_of(scenario: Scenario) -> System:
+    """The scenario's system with its start values as given; ModelError or ScenarioError for faults."""
+    instances = {name: _instance(table) for name, table in scenario.components.items()}
+    system = System(instances, [ends(line) for line in scenario.connections])
+    for name in scenario.tolerance:
+        if name not in system.outputs.names:
+            raise ScenarioError(f"tolerance.{name}: no such output; {suggestion(name, system.outputs.names)}")
+    return system
+
+
+def _instance(table: ComponentTable) -> Instance:
+    component = table.made()
+    return Instance(
+        component,
+        parameters=numbers(component.parameters, table.parameters),
+        start=numbers(component.state, table.start),
+        inputs=numbers(component.inputs, table.inputs),
+    )
+
+
+def at_start(scenario: Scenario, system: System) -> System:
+    """The system with the start values that the scenario asks for."""
+    if scenario.start == "given":
+        return system
+    from models.monolithic import equilibrium
+
+    state = equilibrium(system)
+    instances = {
+        name: replace(instance, start=instance.component.state.named(state[system.state.of(name)]))
+        for name, instance in system.instances.items()
+    }
+    return System(instances, [(str(c.source), str(c.target)) for c in system.connections])
+
+
+def compared(scenario: Scenario, system: System) -> list[str]:
+    """The variables compared with the reference: all connected outputs, and those with a tolerance."""
+    connected = {str(connection.source) for connection in system.connections}
+    return [name for name in system.outputs.names if name in connected or name in scenario.tolerance]
+
+
+def output_quantities(system: System) -> dict[str, Quantity]:
+    """The quantity of every output, by "instance.variable"."""
+    return {
+        f"{name}.{field.name}": field.quantity
+        for name, instance in system.instances.items()
+        for field in instance.component.outputs.fields
+    }
+
+
+@dataclass(frozen=True)
+class FmuFile:
+    """An FMU that takes part."""
+
+    path: Path
+    sha256: str
+
+
+def fmu_files(scenario: Scenario, build: Builder) -> dict[str, FmuFile]:
+    """The FMU file of every instance that is one; built where the scenario names none."""
+    files = {}
+    for name, table in scenario.components.items():
+        if table.participant == "in-process":
+            continue
+        if table.participant == "fmu":
+            path = build(table.component, table.structure)
+        else:
+            path = Path(table.participant)
+            if not path.is_file():
+                raise ScenarioError(f"components.{name}.participant: {path}: no such file")
+        files[name] = FmuFile(path, hashlib.sha256(path.read_bytes()).hexdigest())
+    return files
+
+
+def participants_of(system: System, files: Mapping[str, FmuFile]) -> dict[str, Participant]:
+    """A participant for every instance: its FMU where there is one. To be closed by the caller."""
+    made: dict[str, Participant] = {}
+    try:
+        for name, instance in system.instances.items():
+            made[name] = (
+                fmu(name, files[name].path, instance) if name in files else in_process(name, instance)
+            )
+    except BaseException:
+        for participant in made.values():
+            participant.close()
+        raise
+    return made

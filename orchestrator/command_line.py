@@ -1,0 +1,205 @@
+"""The command `tribocosim`. Imports what is slow only where it is used: --help must answer at once."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+MISTAKE, FAILED, INTERRUPTED = 2, 3, 130
+
+app = typer.Typer(
+    help="Co-simulation of valve train and slider-crank tribodynamics, compared with a monolithic reference.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+fmu_app = typer.Typer(help="Build and inspect the FMUs.", no_args_is_help=True)
+app.add_typer(fmu_app, name="fmu")
+
+
+def main() -> None:
+    """Run the command line; a mistake is one message on standard error, without a traceback."""
+    sys.exit(guarded(lambda: app(standalone_mode=False)))
+
+
+def guarded(command: Callable[[], Any]) -> int:
+    """The exit status of `command`; errors are said. TRIBOCOSIM_DEBUG=1 lets them through."""
+    import click
+
+    try:
+        status = command()
+    except click.exceptions.Exit as stop:
+        return stop.exit_code
+    except (click.exceptions.Abort, KeyboardInterrupt):
+        _say("interrupted")
+        return INTERRUPTED
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    except Exception as error:
+        if os.environ.get("TRIBOCOSIM_DEBUG", "0").strip("0"):
+            raise
+        _say(_words(error))
+        return FAILED if _is_failure(error) else MISTAKE
+    return status if isinstance(status, int) else 0
+
+
+def _words(error: Exception) -> str:
+    from models.system import ModelError
+
+    from .errors import RunError
+    from .scenario import ScenarioError
+
+    if isinstance(error, (RunError, ModelError, ScenarioError)):
+        return str(error)
+    return f"unexpected {type(error).__name__}: {error} (TRIBOCOSIM_DEBUG=1 shows where)"
+
+
+def _is_failure(error: Exception) -> bool:
+    from models.system import ModelError
+
+    from .run import OutputFolderError
+    from .scenario import ScenarioError
+
+    return not isinstance(error, (ModelError, ScenarioError, OutputFolderError))
+
+
+def _say(text: str) -> None:
+    for line in text.split("\n"):
+        print(f"tribocosim: {line}", file=sys.stderr)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib import metadata
+
+        print(f"tribocosim {metadata.version('tribocosim')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command("run")
+def run_scenario(
+    scenario: Annotated[str, typer.Argument(help="A shipped scenario, or the path of a .toml file.")],
+    out: Annotated[Path | None, typer.Option(help="Output folder. [default: results/SCENARIO]")] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="PATH=VALUE",
+            help="Change the scenario, e.g. components.camshaft.parameters.lift='9 mm'.",
+        ),
+    ] = None,
+    master: Annotated[str | None, typer.Option(help="Use another master.")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+    no_figures: Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")] = False,
+) -> int:
+    """Run a scenario; exit status 0 if it is within its tolerance of the reference.
+
+    1: outside the tolerance, 2: a mistake in the scenario or the command, 3: the run failed,
+    4: not compared (reference.enabled=false), 130: interrupted.
+    """
+    from .report import Reporter
+    from .run import run
+    from .scenario_files import load
+
+    overrides = [f"master.name={master}"] if master else []
+    loaded = load(scenario, overrides + (set_ or []))
+    folder = out or Path("results") / loaded.name
+    summary = run(loaded, folder, _fmu, Reporter(), overwrite, figures=not no_figures)
+    if not summary.complete:
+        _say(summary.message)
+    return summary.exit_status
+
+
+def _fmu(name: str, structure: Mapping[str, int]) -> Path:
+    """The packaged component, built if it isn't in the cache."""
+    from fmus.build import build
+
+    from .errors import RunError
+
+    try:
+        return build(name, structure=structure)
+    except (KeyError, ValueError, OSError) as error:
+        raise RunError(f"building the FMU {name}: {error.args[-1] if error.args else error}") from None
+
+
+@app.command()
+def scenarios(
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Print the JSON schema of scenario files.")
+    ] = False,
+) -> None:
+    """List the shipped scenarios."""
+    if schema:
+        from .schema import text
+
+        print(text(), end="")
+        return
+    import tomllib
+
+    from .scenario_files import shipped
+
+    for name, path in shipped().items():
+        print(f"{name:24} {tomllib.loads(path.read_text('utf-8')).get('description', '')}")
+
+
+@fmu_app.command("build")
+def fmu_build(
+    names: Annotated[list[str] | None, typer.Argument(help="Components. [default: all]")] = None,
+    out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("."),
+) -> None:
+    """Build FMUs."""
+    from fmus.build import NAMES, build
+    from models.system import suggestion
+
+    from .scenario import ScenarioError
+
+    for name in names or NAMES:
+        if name not in NAMES:
+            raise ScenarioError(f"no FMU {name!r}; {suggestion(name, NAMES)}")
+        print(build(name, out))
+
+
+@fmu_app.command("validate")
+def fmu_validate(files: Annotated[list[Path], typer.Argument(help="The .fmu files.")]) -> int:
+    """Check FMU files; exit status 1 if something is found."""
+    from fmus.validate import validate
+
+    found = 0
+    for file in files:
+        problems = validate(_existing(file))
+        found += len(problems)
+        print(f"{file}: {'nothing found' if not problems else ''}")
+        for problem in problems:
+            print(f"  {problem}")
+    return 1 if found else 0
+
+
+@fmu_app.command("info")
+def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")]) -> None:
+    """Show what an FMU is and its variables."""
+    from fmus.validate import info
+
+    print(info(_existing(file)))
+
+
+def _existing(file: Path) -> Path:
+    from .scenario import ScenarioError
+
+    if not file.is_file():
+        raise ScenarioError(f"{file}: no such file")
+    return file

@@ -1,0 +1,53 @@
+"""Ctrl-C during a coupled run: acted on between macro steps.
+
+Raised inside a Python FMU, a KeyboardInterrupt would come back as that FMU's error.
+"""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Sequence
+from types import FrameType, TracebackType
+from typing import Any
+
+from models.quantities import Vector
+
+
+class Interruption:
+    """An observer that raises KeyboardInterrupt after the macro step in which Ctrl-C came.
+
+    A second Ctrl-C is raised at once. Outside the main thread, which alone gets signals, it does nothing.
+    """
+
+    def __init__(self) -> None:
+        self._asked = False
+        self._previous: Any = None
+
+    def __enter__(self) -> Interruption:
+        if threading.current_thread() is threading.main_thread():
+            self._previous = signal.signal(signal.SIGINT, self._ask)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._previous is not None:
+            signal.signal(signal.SIGINT, self._previous)
+        if self._asked and kind is None:  # it came in the last step
+            raise KeyboardInterrupt
+
+    def _ask(self, number: int, frame: FrameType | None) -> None:
+        if self._asked:
+            raise KeyboardInterrupt
+        self._asked = True
+
+    def begin(self, names: Sequence[str]) -> None:
+        pass
+
+    def observe(self, time: float, outputs: Vector, iterations: int) -> None:
+        if self._asked:
+            raise KeyboardInterrupt
+
+    def end(self, complete: bool, message: str) -> None:
+        pass

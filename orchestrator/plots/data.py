@@ -1,0 +1,121 @@
+"""What figures draw: coupled run and reference at their records, in display units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.quantities import Quantity, Vector
+
+from ..results import ResultFile
+from ..units import to_unit
+
+# More points than these cannot be told apart in a figure, but would take memory.
+POINTS = 20_000
+
+# Units as they are set in a figure.
+SYMBOLS = {
+    "um": "µm",
+    "deg": "°",
+    "rpm": "r/min",
+    "N.m": "N m",
+    "N.s": "N s",
+    "rad/s2": "rad/s²",
+    "m/s2": "m/s²",
+}
+
+
+@dataclass(frozen=True)
+class FigureData:
+    """Values by "instance.variable" in SI units. `reference` is empty if there is none."""
+
+    title: str
+    time: Vector
+    coupled: Mapping[str, Vector]
+    reference_time: Vector
+    reference: Mapping[str, Vector]
+    quantities: Mapping[str, Quantity]
+    step_time: Vector
+    iterations: Vector
+
+    @classmethod
+    def read(cls, result: ResultFile, title: str) -> FigureData:
+        """Everything in the file, thinned to POINTS."""
+        quantities = result.quantities("coupled")
+        names = [name for name in quantities if name != "time"]
+
+        def group(name: str, wanted: list[str]) -> dict[str, Vector]:
+            if not result.has(name):
+                return {key: np.zeros(0) for key in wanted}
+            stride = -(-result.length(name) // POINTS) or 1
+            return result.read(name, wanted, slice(None, None, stride))
+
+        coupled = group("coupled", ["time", *names])
+        compared = result.has("reference")
+        reference = group("reference", ["time", *(names if compared else [])])
+        steps = group("steps", ["time", "iterations"])
+        return cls(
+            title=title,
+            time=coupled.pop("time"),
+            coupled=coupled,
+            reference_time=reference.pop("time"),
+            reference=reference,
+            quantities=quantities,
+            step_time=steps["time"],
+            iterations=steps["iterations"],
+        )
+
+    def find(self, variable: str) -> str | None:
+        """The first "instance.variable" of that variable."""
+        return next((name for name in self.coupled if name.split(".", 1)[1] == variable), None)
+
+    def all(self, variable: str) -> list[str]:
+        """All "instance.variable" of that variable."""
+        return [name for name in self.coupled if name.split(".", 1)[1] == variable]
+
+    def difference(self, name: str) -> Vector:
+        """|coupled - reference| at the reference's times, which are among the coupled run's."""
+        coupled = self.coupled[name]
+        if len(self.reference_time) == len(self.time):
+            return np.asarray(np.abs(coupled - self.reference[name]))
+        at = np.searchsorted(self.time, self.reference_time)
+        at = np.minimum(at, len(self.time) - 1)
+        same = self.time[at] == self.reference_time
+        return np.where(same, np.abs(coupled[at] - self.reference[name]), np.nan)
+
+    def shown(self, name: str) -> tuple[float, str]:
+        """Factor to the display unit, and the unit as it is set."""
+        quantity = self.quantities[name]
+        unit = quantity.display_unit or quantity.unit
+        factor = 1.0 / to_unit(f"1 {unit}", quantity.unit) if quantity.display_unit else 1.0
+        return factor, SYMBOLS.get(unit, unit.replace(".", " "))
+
+    def label(self, name: str, words: str = "") -> str:
+        """An axis label with unit."""
+        words = words or self.quantities[name].description
+        unit = self.shown(name)[1]
+        return words if unit == "1" else f"{words} ({unit})"
+
+    def abscissa(self) -> tuple[str, str]:
+        """What to draw against: the cam or crank angle at constant speed, else the time ("")."""
+        for variable, words in (("cam_angle", "Cam angle (°)"), ("angle", "Crank angle (°)")):
+            name = self.find(variable)
+            if name is None:
+                continue
+            angle = self.coupled[name]
+            line = np.linspace(angle[0], angle[-1], len(angle))
+            turned = abs(angle[-1] - angle[0])
+            even = np.allclose(np.diff(self.time), self.time[1] - self.time[0], rtol=1e-3)
+            if even and turned > 0.1 and np.abs(angle - line).max() < 0.01 * min(turned, 2.0 * math.pi):
+                return name, words
+        return "", "Time (ms)"
+
+    def x(self, reference: bool = False) -> Vector:
+        """The abscissa's values at the records of the coupled run or the reference."""
+        name, _ = self.abscissa()
+        if not name:
+            return 1e3 * (self.reference_time if reference else self.time)
+        return np.degrees((self.reference if reference else self.coupled)[name])

@@ -1,0 +1,53 @@
+"""Error of every compared variable, relative to the reference's range, on a logarithmic scale."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from .data import FigureData
+from .style import over_time, plt
+
+# Rounding errors, relative to the range; what is below is not shown.
+FLOOR = 1e-15
+VARIABLES = ("load", "film_thickness", "position", "velocity", "drive_torque", "psi", "crank_torque")
+
+
+def applies(data: FigureData) -> bool:
+    return bool(_names(data))
+
+
+def _names(data: FigureData) -> list[str]:
+    names = [
+        name
+        for name in data.reference
+        if name.split(".", 1)[1] in VARIABLES and np.ptp(data.reference[name]) > 0.0
+    ]
+    return names[:8]
+
+
+def figure(data: FigureData) -> Figure:
+    names = _names(data)
+    made, ax = plt.subplots(figsize=(6.8, 4.2))
+    made.suptitle(
+        f"{data.title}: error of the coupled run", x=0.012, ha="left", fontsize=11, fontweight="bold"
+    )
+    colours = plt.get_cmap("viridis")(np.linspace(0.0, 0.88, len(names)))
+    x = data.x(True)
+    for name, colour in zip(names, colours, strict=True):
+        relative = data.difference(name) / np.ptp(data.reference[name])
+        top = _envelope(np.where(relative > FLOOR, relative, np.nan))
+        every = max(1, len(x) // len(top))
+        ax.semilogy(x[::every][: len(top)], top[: len(x[::every])], color=colour, lw=1.2, label=name)
+    over_time(ax, data)
+    ax.set_ylabel("|coupled − reference| / range of the reference")
+    made.legend(loc="outside lower center", ncols=min(3, len(names)), handlelength=1.6)
+    return made
+
+
+def _envelope(values: np.ndarray, bins: int = 400) -> np.ndarray:
+    """The largest value of each bin: an error that changes its sign would hide the line in dips."""
+    if len(values) <= 2 * bins:
+        return values
+    width = len(values) // bins
+    return np.fmax.reduce(values[: width * bins].reshape(bins, width), axis=1)

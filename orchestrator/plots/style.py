@@ -1,0 +1,93 @@
+"""The look of all figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+matplotlib.use("Agg")  # no window, no display
+
+import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
+
+from .data import FigureData
+
+COUPLED, REFERENCE, ACCENT, MUTED = "#0b5fa5", "#d1495b", "#2a9d5c", "#8d99a6"
+
+RC = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9.0,
+    "axes.titlesize": 10.0,
+    "axes.labelsize": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e3e7eb",
+    "grid.linewidth": 0.7,
+    "lines.linewidth": 1.3,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "figure.constrained_layout.use": True,
+    "figure.dpi": 100,
+    "savefig.dpi": 200,
+}
+
+
+def saved(make: Callable[[], Figure], path: Path) -> Path:
+    """Make the figure in this style and save it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with plt.rc_context(RC):
+        figure = make()
+        try:
+            figure.savefig(path)
+        finally:
+            plt.close(figure)
+    return path
+
+
+def panels(rows: int, data: FigureData, title: str, height: float = 1.75) -> tuple[Figure, Any]:
+    """Panels one below the other over the same abscissa; the title stands on the left."""
+    figure, axes = plt.subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + height * rows))
+    axes = axes[:, 0]
+    figure.suptitle(title, x=0.012, ha="left", fontsize=11, fontweight="bold")
+    over_time(axes[-1], data)
+    figure.align_ylabels(axes)
+    return figure, axes
+
+
+def over_time(axes: Axes, data: FigureData) -> None:
+    """Label, limits and ticks of the abscissa."""
+    variable, label = data.abscissa()
+    x = data.x()
+    axes.set_xlabel(label)
+    axes.set_xlim(x[0], x[-1])
+    if variable:
+        turns = (x[-1] - x[0]) / 360.0
+        axes.xaxis.set_major_locator(
+            MultipleLocator(90.0 if turns <= 3.0 else 180.0 if turns <= 6.0 else 720.0)
+        )
+
+
+def both(axes: Axes, data: FigureData, name: str, words: str, scale: float = 1.0) -> None:
+    """Coupled run over the reference; the reference is wider, so that both are seen where they agree."""
+    factor, _ = data.shown(name)
+    if name in data.reference:
+        axes.plot(
+            data.x(True), factor * scale * data.reference[name], color=REFERENCE, alpha=0.55, lw=3.2,
+            solid_capstyle="round", label="monolithic reference",
+        )  # fmt: skip
+    axes.plot(data.x(), factor * scale * data.coupled[name], color=COUPLED, lw=1.1, label="coupled")
+    axes.set_ylabel(data.label(name, words))
+
+
+def legend_above(figure: Figure, axes: Axes, columns: int = 2) -> None:
+    """The legend over the first panel's right end, where no data is."""
+    axes.legend(
+        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, borderaxespad=0.2, handlelength=1.8
+    )

@@ -1,0 +1,117 @@
+"""What a run says while it goes on and at its end: on a terminal with a bar, elsewhere in plain lines."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+from rich.text import Text
+
+from models.quantities import Vector
+
+from .comparison import Errors, VariableError
+from .summary import Summary
+
+SHOWN_EVERY_S = 0.1
+
+
+class Bar:
+    """An observer and a callback that show how far a run has come; the clock is read every 64 steps."""
+
+    def __init__(self, progress: Progress, task: Any, stop_time: float) -> None:
+        self._progress, self._task, self._stop = progress, task, stop_time
+        self._count = 0
+        self._shown = 0.0
+
+    def begin(self, names: Sequence[str]) -> None:
+        pass
+
+    def observe(self, time: float, outputs: Vector, iterations: int) -> None:
+        self._count += 1
+        if self._count % 64 == 0:
+            now = clock.monotonic()
+            if now - self._shown > SHOWN_EVERY_S:
+                self.show(time / self._stop)
+                self._shown = now
+
+    def end(self, complete: bool, message: str) -> None:
+        if complete:
+            self.show(1.0)
+
+    def show(self, fraction: float) -> None:
+        self._progress.update(self._task, completed=fraction)
+
+
+class Reporter:
+    """Says what happens."""
+
+    def __init__(self, console: Console | None = None) -> None:
+        self.console = console or Console(highlight=False)
+
+    def line(self, text: str) -> None:
+        self.console.print(Text(text), soft_wrap=True)
+
+    @contextmanager
+    def stage(self, text: str, stop_time: float = 1.0) -> Iterator[Bar]:
+        """A stage of the run with its bar; without a terminal, a line when it begins."""
+        live = self.console.is_terminal
+        columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+        progress = Progress(*columns, console=self.console, transient=True, disable=not live)
+        if not live:
+            self.line(text)
+        with progress:
+            yield Bar(progress, progress.add_task(text, total=1.0), stop_time)
+
+    def errors(self, errors: Errors) -> None:
+        """The comparison as a table; variables with a tolerance first."""
+        table = Table(
+            title="Coupled run against the monolithic reference (SI units)",
+            caption="* below the reference's own uncertainty",
+            title_justify="left",
+            caption_justify="left",
+            box=box.SIMPLE_HEAD,
+            pad_edge=False,
+        )
+        table.add_column("variable", no_wrap=True)
+        for column in ("max", "RMS", "relative\nRMS", "reference\n±", "allowed"):
+            table.add_column(column, justify="right")
+        table.add_column("")
+        for name, error in sorted(errors.items(), key=lambda item: item[1].tolerance is None):
+            mark = "*" if error.below_uncertainty else ""
+            own = error.uncertainty.relative_rms
+            constant = error.relative_rms is None
+            table.add_row(
+                Text(name),
+                f"{error.max_abs:.1e}",
+                f"{error.rms:.1e}",
+                "constant" if constant else f"{error.relative_rms:.1e}{mark}",
+                "" if constant else f"{own:.0e}",
+                "" if error.tolerance is None else f"{error.tolerance:.0e}",
+                _mark(error),
+            )
+        self.console.print(table)
+
+    def end(self, summary: Summary, out: Path, files: Sequence[Path]) -> None:
+        """Effort, verdict, and where the files are."""
+        speed = summary.macro_steps / summary.coupled_time_s if summary.coupled_time_s else 0.0
+        self.line(
+            f"{summary.macro_steps} macro steps, {summary.iterations} iterations in "
+            f"{summary.coupled_time_s:.2f} s ({speed:.0f} steps/s)"
+            + ("" if summary.reference_time_s is None else f"; reference {summary.reference_time_s:.2f} s")
+            + f"; all {summary.wall_time_s:.1f} s"
+        )
+        self.line(f"{summary.scenario}: {summary.verdict}" if summary.complete else summary.message)
+        self.line(f"results in {out}: {', '.join(str(file.relative_to(out)) for file in files)}")
+
+
+def _mark(error: VariableError) -> Text:
+    if error.tolerance is None:
+        return Text("")
+    return Text("within", "green") if error.within else Text("OUTSIDE", "bold red")
