@@ -11,21 +11,21 @@ from models.system import Port, System
 
 from .errors import ParticipantError, RunError
 from .participants import Participant
-from .signals import History
-
-COEFFICIENTS = 3  # value, first and second derivative: up to quadratic signals
+from .signals import History, gather, interpolate
 
 
 class Exchange:
     """All evolving data of a coupled run outside the participants.
 
     `values` are the connected outputs ("sources"), each once, participant by participant; `columns[i]`
-    are the sources that feed participant i, in the order of its bound inputs `inputs[i]`.
+    are the sources that feed participant i, in the order of its bound inputs `inputs[i]`. Signals have
+    `degree` + 1 coefficients: value and derivatives at the start of the step.
     """
 
-    def __init__(self, system: System, participants: Mapping[str, Participant]) -> None:
+    def __init__(self, system: System, participants: Mapping[str, Participant], degree: int) -> None:
         self.system = system
         self.names = tuple(system.instances)
+        self.listed = list(range(len(self.names)))
         self.participants = [participants[name] for name in self.names]
         self.sources: list[Port] = []
         self.slices: list[slice] = []
@@ -40,13 +40,13 @@ class Exchange:
         self.nominal: Vector = np.array(
             [system.outputs.nominal[system.outputs.index(port)] for port in self.sources]
         )
-        self.signals: Vector = np.zeros((COEFFICIENTS, len(self.sources)))
+        self.signals: Vector = np.zeros((degree + 1, len(self.sources)))
         self.columns: list[Vector] = []
         self.inputs: list[Vector] = []
         for i, name in enumerate(self.names):
             feeding = [c for c in system.connections if c.target.instance == name]
             self.columns.append(np.array([number[c.source] for c in feeding], dtype=np.int64))
-            self.inputs.append(np.zeros((COEFFICIENTS, len(feeding))))
+            self.inputs.append(np.zeros((degree + 1, len(feeding))))
             own = self.slices[i]
             self.participants[i].connect(
                 [c.target.variable for c in feeding],
@@ -58,19 +58,27 @@ class Exchange:
 
     def write(self, i: int) -> None:
         """Give participant i the current signals."""
-        np.take(self.signals, self.columns[i], axis=1, out=self.inputs[i])
+        gather(self.signals, self.columns[i], self.inputs[i])
         self.participants[i].write()
 
     def read(self, i: int) -> None:
         """Take the values of participant i; ParticipantError if one is not finite."""
         self.participants[i].read()
-        own = self.values[self.slices[i]]
-        # The sum is finite only if all are; an overflow of finite values would be a runaway anyway.
-        if own.size and not np.isfinite(own.sum()):
-            bad = [
-                str(p) for p, v in zip(self.sources[self.slices[i]], own, strict=True) if not np.isfinite(v)
-            ]
-            raise ParticipantError(f"{', '.join(bad)}: value is not a finite number")
+        if not np.isfinite(self.values[self.slices[i]]).all():
+            self._refuse(i)
+
+    def arrive(self, i: int, degree: int, end: float) -> None:
+        """As `read` at the time `end`, and let the signals of participant i go to what it arrived at."""
+        self.participants[i].read()
+        own = self.slices[i]
+        if not interpolate(self.history, degree, end, self.values, self.signals, own.start, own.stop):
+            self._refuse(i)
+
+    def _refuse(self, i: int) -> None:
+        own = self.slices[i]
+        pairs = zip(self.sources[own], self.values[own], strict=True)
+        bad = ", ".join(str(port) for port, value in pairs if not np.isfinite(value))
+        raise ParticipantError(f"{bad}: value is not a finite number")
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         """Initialise all participants and make the outputs consistent at the start.
@@ -85,6 +93,7 @@ class Exchange:
         for _ in range(10 * len(self.participants) + 50):
             before = self.values.copy()
             for i in range(len(self.participants)):
+                self.signals[:] = 0.0
                 self.signals[0] = self.values
                 self.write(i)
                 self.read(i)

@@ -2,86 +2,133 @@
 
 A signal of degree k goes through k + 1 known values: the last ones (extrapolation), or the last ones
 and a value at the end of the step (interpolation; degree 0 then holds the end value). With fewer known
-values than that, at the start, the degree is lower.
+values than that the degree is lower. Compiled, because this runs several times in every macro step.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from typing import Any
 
+import numba
 import numpy as np
 
 from models.quantities import Vector
 
 DEGREES = {"hold": 0, "linear": 1, "quadratic": 2}
+POINTS = 3
+
+
+def degree_of(name: str) -> int:
+    """The degree of an input signal by name; ValueError with the known names."""
+    if name not in DEGREES:
+        raise ValueError(f"extrapolation = {name!r}: must be one of {', '.join(DEGREES)}")
+    return DEGREES[name]
 
 
 class History:
-    """The exchanged values at the last three communication points, newest last."""
+    """The exchanged values at the last three communication points, newest first.
+
+    `count` says how many are known.
+    """
 
     def __init__(self, time: float, values: Vector) -> None:
-        self.times: list[float] = [time]
-        self.values: list[Vector] = [values.copy()]
+        self.times: Vector = np.full(POINTS, time)
+        self.values: Vector = np.tile(values, (POINTS, 1))
+        self.count = 1
 
     def append(self, time: float, values: Vector) -> None:
-        if len(self.times) == 3:
-            self.times.pop(0)
-            oldest = self.values.pop(0)
-            oldest[:] = values
-            self.values.append(oldest)
-        else:
-            self.values.append(values.copy())
-        self.times.append(time)
+        """The values at a later communication point; the oldest are forgotten."""
+        _push(self.times, self.values, time, values)
+        self.count = min(self.count + 1, POINTS)
 
 
-def taylor_through(origin: float, times: Sequence[float], values: Sequence[Vector], out: Vector) -> None:
-    """Value, first and second derivative at `origin` of the parabola (or less) through up to three
-    points; the rest of `out` (3 x n) is zero. Newton's divided differences, newest point first.
-    """
-    out[:] = 0.0
-    t0, v0 = times[-1], values[-1]
-    s = origin - t0
-    out[0] = v0
-    if len(times) == 1:
-        return
-    d1 = (v0 - values[-2]) / (t0 - times[-2])
-    if len(times) == 2:
-        out[0] += s * d1
-        out[1] = d1
-        return
-    d1_old = (values[-2] - values[-3]) / (times[-2] - times[-3])
-    d2 = (d1 - d1_old) / (t0 - times[-3])
-    out[0] += s * (d1 + (origin - times[-2]) * d2)
-    out[1] = d1 + (s + origin - times[-2]) * d2
-    out[2] = 2.0 * d2
+@numba.njit(cache=True)
+def _push(times: Any, values: Any, time: float, new: Any) -> None:
+    for k in range(values.shape[0] - 1, 0, -1):
+        times[k] = times[k - 1]
+        values[k] = values[k - 1]
+    times[0] = time
+    values[0] = new
+
+
+@numba.njit(cache=True)
+def parabola(t0: float, v0: float, t1: float, v1: float, t2: float, v2: float, points: int, at: float) -> Any:
+    """Value, first and second derivative at `at` of the polynomial through the first `points` points."""
+    if points == 1:
+        return v0, 0.0, 0.0
+    d1 = (v0 - v1) / (t0 - t1)
+    s = at - t0
+    if points == 2:
+        return v0 + s * d1, d1, 0.0
+    d2 = (d1 - (v1 - v2) / (t1 - t2)) / (t0 - t2)
+    return v0 + s * (d1 + (at - t1) * d2), d1 + (s + at - t1) * d2, 2.0 * d2
+
+
+@numba.njit(cache=True)
+def _store(out: Any, i: int, value: float, slope: float, curvature: float) -> None:
+    out[0, i] = value
+    if out.shape[0] > 1:
+        out[1, i] = slope
+    if out.shape[0] > 2:
+        out[2, i] = curvature
+
+
+@numba.njit(cache=True)
+def _extrapolate(times: Any, values: Any, count: int, degree: int, out: Any) -> None:
+    points = min(degree + 1, count)
+    t0, t1, t2 = times[0], times[1], times[2]
+    for i in range(values.shape[1]):
+        v, d, c = parabola(t0, values[0, i], t1, values[1, i], t2, values[2, i], points, t0)
+        _store(out, i, v, d, c)
+
+
+@numba.njit(cache=True)
+def _interpolate(
+    times: Any, values: Any, count: int, degree: int, end: float, new: Any, out: Any, first: int, last: int
+) -> bool:
+    points = min(degree, count) + 1
+    finite = True
+    for i in range(first, last):
+        finite &= math.isfinite(new[i])
+        at = times[0]
+        v, d, c = parabola(end, new[i], at, values[0, i], times[1], values[1, i], points, at)
+        _store(out, i, v, d, c)
+    return finite
 
 
 def extrapolate(history: History, degree: int, out: Vector) -> None:
-    """Derivatives at the newest point of the polynomial through the last degree + 1 points."""
-    n = degree + 1
-    taylor_through(history.times[-1], history.times[-n:], history.values[-n:], out)
+    """Derivatives (coefficients x n) at the newest point of the polynomial through degree + 1 points."""
+    _extrapolate(history.times, history.values, history.count, degree, out)
 
 
 def interpolate(
-    history: History, degree: int, end: float, values: Vector, out: Vector, part: slice = slice(None)
-) -> None:
+    history: History, degree: int, end: float, values: Vector, out: Vector, first: int = 0, last: int = -1
+) -> bool:
     """As `extrapolate`, through the last `degree` points and `values` at the time `end`.
 
-    `part` restricts the history to the sources that `values` and `out` are about.
+    Only for the sources from `first` up to `last` (without it: all). True if their values are finite.
     """
-    if degree == 0:
-        out[:] = 0.0
-        out[0] = values
-        return
-    times = [*history.times[-degree:], end]
-    known = [past[part] for past in history.values[-degree:]]
-    taylor_through(history.times[-1], times, [*known, values], out)
+    last = len(values) if last < 0 else last
+    return _interpolate(  # type: ignore[no-any-return]
+        history.times, history.values, history.count, degree, end, values, out, first, last
+    )
 
 
-def predict(history: History, time: float) -> Vector:
-    """The linear extrapolation at `time` (the newest value, where only one is known)."""
-    newest = history.values[-1]
-    if len(history.times) == 1:
-        return newest
-    slope = (newest - history.values[-2]) / (history.times[-1] - history.times[-2])
-    return np.asarray(newest + (time - history.times[-1]) * slope)
+@numba.njit(cache=True)
+def gather(signals: Any, columns: Any, out: Any) -> None:
+    """out[k, j] = signals[k, columns[j]]."""
+    for k in range(out.shape[0]):
+        for j in range(columns.shape[0]):
+            out[k, j] = signals[k, columns[j]]
+
+
+@numba.njit(cache=True)
+def misses(times: Any, values: Any, count: int, time: float, new: Any, limit: Any, out: Any) -> bool:
+    """Whether each new value misses its linear extrapolation by more than `limit`; True if any does."""
+    found = False
+    for i in range(new.shape[0]):
+        v, d, _ = parabola(times[0], values[0, i], times[1], values[1, i], 0.0, 0.0, min(count, 2), times[0])
+        out[i] = abs(new[i] - (v + (time - times[0]) * d)) > limit[i]
+        found |= out[i]
+    return found

@@ -16,7 +16,7 @@ from .errors import RunError, UnstableCouplingError
 from .exchange import Exchange
 from .masters import Master
 from .participants import Participant
-from .signals import predict
+from .signals import misses
 from .start_up import probe_start
 
 
@@ -50,17 +50,15 @@ class RunawayGuard:
     """Names an unstable coupling before it ends in numbers that are not finite.
 
     In a stable, resolved run exchanged values follow their own linear prediction. A value is running
-    away when it misses that by more than its nominal size and its recent amplitude in PATIENCE
+    away when it misses that by more than its nominal size and its amplitude so far in PATIENCE
     consecutive steps (so it swings with the macro step itself; an impact does so in a few steps only) and
     its amplitude has grown by GROWTH meanwhile (a stable oscillation that is too fast for the step has
-    not), or when it has reached BOUND nominal sizes, however smoothly. MEMORY is the share of the
-    amplitude kept per step.
+    not), or when it has reached BOUND nominal sizes, however smoothly.
     """
 
     PATIENCE = 20
     GROWTH = 2.0
     BOUND = 1e9
-    MEMORY = 0.98
 
     def __init__(self, exchange: Exchange, master: Master) -> None:
         self._exchange = exchange
@@ -68,17 +66,19 @@ class RunawayGuard:
         self._amplitude = np.maximum(exchange.nominal, np.abs(exchange.values))
         self._before = self._amplitude.copy()
         self._misses = np.zeros(len(exchange.sources), dtype=np.int64)
+        self._missed = np.zeros(len(exchange.sources), dtype=np.bool_)
 
     def check(self, time: float, step: float) -> None:
         """Compare the new values with the prediction; UnstableCouplingError if one runs away."""
         e = self._exchange
-        missed = np.abs(e.values - predict(e.history, time + step)) > self._amplitude
-        if not missed.any():
+        past = e.history
+        end = time + step
+        if not misses(past.times, past.values, past.count, end, e.values, self._amplitude, self._missed):
             self._misses[:] = 0
-        else:
-            self._misses = np.where(missed, self._misses + 1, 0)
-            self._before = np.where(self._misses <= 1, self._amplitude, self._before)
-        self._amplitude = np.maximum(np.maximum(e.nominal, self.MEMORY * self._amplitude), np.abs(e.values))
+            return
+        self._misses = np.where(self._missed, self._misses + 1, 0)
+        self._before = np.where(self._misses <= 1, self._amplitude, self._before)
+        self._amplitude = np.maximum(self._amplitude, np.abs(e.values))
         swinging = (self._misses >= self.PATIENCE) & (self._amplitude > self.GROWTH * self._before)
         runaway = swinging | (self._amplitude > self.BOUND * e.nominal)
         if runaway.any():
@@ -108,7 +108,7 @@ def simulate(
         raise RunError(f"macro_step = {macro_step:g} s: must be > 0")
     if not stop_time > start_time:
         raise RunError(f"stop_time = {stop_time:g} s: must be after the start at {start_time:g} s")
-    exchange = Exchange(system, participants)
+    exchange = Exchange(system, participants, master.degree)
     outputs = np.zeros(system.outputs.size)
     steps = iterations = 0
     message, complete = "", False

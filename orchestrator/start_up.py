@@ -9,11 +9,13 @@ this leaves, H^2 e, is of third order.
 
 from __future__ import annotations
 
+import math
+
 from models.quantities import Vector
 
 from .exchange import Exchange
 from .masters.iterated import saved_participants
-from .signals import History, extrapolate, taylor_through
+from .signals import History, extrapolate
 
 # Probe length over macro step. Second differences lose (1/100)^-2 of 1e-16: 1e-12 of the values.
 PROBE = 0.01
@@ -24,34 +26,43 @@ ROUNDS = 4
 
 def probe_start(exchange: Exchange, time: float, step: float) -> None:
     """Put two points before the start into the exchange's history; participants end as they were."""
+    degree = len(exchange.signals) - 1
+    if degree == 0:
+        return
     short = PROBE * step
     start = exchange.values.copy()
     signals = exchange.signals
     for _ in range(ROUNDS):
-        times, values = [time], [start]
+        found = History(time, start)
         with saved_participants(exchange) as saved:
             for n in range(2):
-                extrapolate(exchange.history, 2, signals)
+                extrapolate(exchange.history, degree, signals)
                 _move_origin(signals, n * short)
                 for i, participant in enumerate(exchange.participants):
                     exchange.write(i)
                     participant.advance(time + n * short, short)
                 for i in range(len(exchange.participants)):
                     exchange.read(i)
-                times.append(time + (n + 1) * short)
-                values.append(exchange.values.copy())
+                found.append(time + (n + 1) * short, exchange.values)
             for participant, data in zip(exchange.participants, saved, strict=True):
                 participant.restore(data)
-        taylor_through(time, times, values, signals)
-        slope, curvature = signals[1].copy(), signals[2].copy()
+        slope, curvature = _derivatives_at_oldest(found)
         exchange.history = History(time - 2.0 * short, start - 2.0 * short * (slope - short * curvature))
         exchange.history.append(time - short, start - short * (slope - 0.5 * short * curvature))
         exchange.history.append(time, start)
     exchange.values[:] = start
 
 
+def _derivatives_at_oldest(found: History) -> tuple[Vector, Vector]:
+    """First and second derivative of the parabola through three points, at the oldest."""
+    (t2, t1, t0), (v2, v1, v0) = found.times, found.values
+    d1 = (v1 - v0) / (t1 - t0)
+    d2 = ((v2 - v1) / (t2 - t1) - d1) / (t2 - t0)
+    return d1 - (t1 - t0) * d2, 2.0 * d2
+
+
 def _move_origin(signals: Vector, shift: float) -> None:
     """Taylor coefficients about a time `shift` later."""
-    value, slope, curvature = signals
-    value += shift * (slope + 0.5 * shift * curvature)
-    slope += shift * curvature
+    for k in range(len(signals) - 1):
+        for j in range(k + 1, len(signals)):
+            signals[k] += shift ** (j - k) / math.factorial(j - k) * signals[j]

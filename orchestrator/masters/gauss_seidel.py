@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from ..exchange import Exchange
-from ..signals import extrapolate, interpolate
-from .protocol import degree_of
+from ..signals import degree_of, extrapolate
 
 
 @dataclass(frozen=True)
@@ -22,28 +22,29 @@ class GaussSeidel:
     def __post_init__(self) -> None:
         degree_of(self.extrapolation)
 
+    @cached_property
+    def degree(self) -> int:
+        """Degree of the input signals."""
+        return degree_of(self.extrapolation)
+
     def step(self, exchange: Exchange, time: float, step: float) -> int:
-        extrapolate(exchange.history, degree_of(self.extrapolation), exchange.signals)
-        sweep(exchange, self.extrapolation, order_of(exchange, self.order), time, step)
+        extrapolate(exchange.history, self.degree, exchange.signals)
+        sweep(exchange, self.degree, order_of(exchange, self.order), time, step)
         return 1
 
 
 def order_of(exchange: Exchange, names: tuple[str, ...]) -> list[int]:
     """The participants' numbers in the order to advance; ValueError unless all are named once."""
     if not names:
-        return list(range(len(exchange.names)))
+        return exchange.listed
     if sorted(names) != sorted(exchange.names):
         raise ValueError(f"order = {', '.join(names)}: must name each of {', '.join(exchange.names)} once")
     return [exchange.names.index(name) for name in names]
 
 
-def sweep(exchange: Exchange, extrapolation: str, order: list[int], time: float, step: float) -> None:
+def sweep(exchange: Exchange, degree: int, order: list[int], time: float, step: float) -> None:
     """Advance in `order`, replacing each participant's signals by interpolation of its arrival."""
-    degree = degree_of(extrapolation)
     for i in order:
         exchange.write(i)
         exchange.participants[i].advance(time, step)
-        exchange.read(i)
-        own = exchange.slices[i]
-        arrived, signal = exchange.values[own], exchange.signals[:, own]
-        interpolate(exchange.history, degree, time + step, arrived, signal, own)
+        exchange.arrive(i, degree, time + step)

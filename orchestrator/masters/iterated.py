@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -12,10 +13,9 @@ from models.quantities import Vector
 
 from ..errors import NonConvergenceError
 from ..exchange import Exchange
-from ..signals import extrapolate, interpolate
+from ..signals import degree_of, extrapolate, interpolate
 from .acceleration import ACCELERATIONS
 from .gauss_seidel import order_of, sweep
-from .protocol import degree_of
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,13 @@ class Iterated:
         if self.maximum_iterations < 1:
             raise ValueError(f"maximum_iterations = {self.maximum_iterations}: must be at least 1")
 
+    @cached_property
+    def degree(self) -> int:
+        """Degree of the input signals."""
+        return degree_of(self.extrapolation)
+
     def step(self, exchange: Exchange, time: float, step: float) -> int:
-        degree = degree_of(self.extrapolation)
+        degree = self.degree
         order = order_of(exchange, self.order)
         acceleration = ACCELERATIONS[self.acceleration]()
         guess = _first_guess(exchange, degree, step)
@@ -56,7 +61,7 @@ class Iterated:
                     for participant, data in zip(exchange.participants, saved, strict=True):
                         participant.restore(data)
                 interpolate(exchange.history, degree, time + step, guess * exchange.nominal, exchange.signals)
-                sweep(exchange, self.extrapolation, order, time, step)
+                sweep(exchange, degree, order, time, step)
                 result = exchange.values / exchange.nominal
                 residuals.append(np.abs(result - guess))
                 # Relative to the value where that is larger than nominal: an angle grows without end.
@@ -82,8 +87,8 @@ def _first_guess(exchange: Exchange, degree: int, step: float) -> Vector:
     """The extrapolated end values, in nominal units."""
     signals = exchange.signals
     extrapolate(exchange.history, degree, signals)
-    end = signals[0] + step * (signals[1] + 0.5 * step * signals[2])
-    return np.asarray(end / exchange.nominal)
+    powers = np.array([1.0, step, 0.5 * step * step])[: degree + 1]
+    return np.asarray(powers @ signals / exchange.nominal)
 
 
 @contextmanager

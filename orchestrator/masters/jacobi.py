@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from ..exchange import Exchange
-from ..signals import extrapolate
-from .protocol import degree_of
+from ..signals import degree_of, extrapolate
 
 
 @dataclass(frozen=True)
@@ -18,8 +18,13 @@ class Jacobi:
     def __post_init__(self) -> None:
         degree_of(self.extrapolation)
 
+    @cached_property
+    def degree(self) -> int:
+        """Degree of the input signals."""
+        return degree_of(self.extrapolation)
+
     def step(self, exchange: Exchange, time: float, step: float) -> int:
-        extrapolate(exchange.history, degree_of(self.extrapolation), exchange.signals)
+        extrapolate(exchange.history, self.degree, exchange.signals)
         for i, participant in enumerate(exchange.participants):
             exchange.write(i)
             participant.advance(time, step)

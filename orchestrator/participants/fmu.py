@@ -9,9 +9,9 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from fmpy import extract, read_model_description
@@ -23,17 +23,59 @@ from models.system import Instance, suggestion
 from ..errors import ParticipantError
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-DISCARD = 2
+WARNING = 1
 
 
-class _Reals:
-    """A fixed set of Real variables and the memory for their values."""
+class Calls:
+    """The FMU's functions that run in every step, with their arguments made once.
 
-    def __init__(self, references: Sequence[int], values: Vector | None = None) -> None:
-        self.count = len(references)
-        self.references = (ctypes.c_uint * self.count)(*references)
-        self.values = np.zeros(self.count) if values is None else values
-        self.pointer = self.values.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+    Without argument types ctypes passes these objects as they are, which is what makes a call cheap.
+    """
+
+    def __init__(self, slave: FMU2Slave) -> None:
+        self._library = slave.dll
+        self._handle = ctypes.c_void_p(slave.component)
+        self._time, self._length = ctypes.c_double(), ctypes.c_double()
+        self._step = self._function("fmi2DoStep")
+        self._save = self._function("fmi2GetFMUstate")
+        self._restore = self._function("fmi2SetFMUstate")
+        self._release = self._function("fmi2FreeFMUstate")
+        self._true = ctypes.c_int(1)
+
+    def _function(self, name: str) -> Any:
+        function = self._library[name]  # a new object at every look-up, so fmpy's own stay as they are
+        function.restype = ctypes.c_int
+        return function
+
+    def reals(self, function: str, references: Sequence[int], values: Vector) -> Callable[[], int]:
+        """fmi2SetReal or fmi2GetReal between these variables and the memory of `values`."""
+        if not references:
+            return lambda: 0
+        call, handle = self._function(function), self._handle
+        wanted = (ctypes.c_uint * len(references))(*references)
+        count, memory = ctypes.c_size_t(len(references)), ctypes.c_void_p(values.ctypes.data)
+
+        def transfer(values: Vector = values) -> int:  # keeps the memory alive
+            return call(handle, wanted, count, memory)  # type: ignore[no-any-return]
+
+        return transfer
+
+    def step(self, time: float, length: float) -> int:
+        """fmi2DoStep."""
+        self._time.value, self._length.value = time, length
+        return self._step(self._handle, self._time, self._length, self._true)  # type: ignore[no-any-return]
+
+    def save(self, state: ctypes.c_void_p) -> int:
+        """fmi2GetFMUstate."""
+        return self._save(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]
+
+    def restore(self, state: ctypes.c_void_p) -> int:
+        """fmi2SetFMUstate."""
+        return self._restore(self._handle, state)  # type: ignore[no-any-return]
+
+    def release(self, state: ctypes.c_void_p) -> int:
+        """fmi2FreeFMUstate."""
+        return self._release(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]
 
 
 class FmuParticipant:
@@ -72,11 +114,7 @@ class FmuParticipant:
         with self._naming("instantiate"):
             self._slave.instantiate(callbacks=callbacks, loggingOn=False)
         self._instantiated = True
-        dll = self._slave.dll
-        self._do_step, self._set_real, self._get_real = dll.fmi2DoStep, dll.fmi2SetReal, dll.fmi2GetReal
-        self._state_get, self._state_set = dll.fmi2GetFMUstate, dll.fmi2SetFMUstate
-        self._state_free = dll.fmi2FreeFMUstate
-        self._handle = self._slave.component
+        self._calls = Calls(self._slave)
 
     def _log(self, environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
         if message:
@@ -97,11 +135,9 @@ class FmuParticipant:
         self._messages.clear()
         return said
 
-    def _require(self, status: int, what: str) -> None:
-        if status > 1:
-            raise ParticipantError(
-                f"{self.name}: {what} returned {STATUS[status]}: {self._said() or 'no message'}"
-            )
+    def _fail(self, status: int, what: str) -> NoReturn:
+        said = self._said() or "no message"
+        raise ParticipantError(f"{self.name}: {what} returned {STATUS[status]}: {said}")
 
     def _reference(self, name: str) -> int:
         if name not in self._variables:
@@ -113,29 +149,31 @@ class FmuParticipant:
     def connect(
         self, input_names: Sequence[str], inputs: Vector, output_names: Sequence[str], outputs: Vector
     ) -> None:
-        self._inputs, self._outputs = inputs, outputs
-        references, rows, columns = [], [], []
+        found, rows, columns = [], [], []
         for order in range(len(inputs)):
             for column, name in enumerate(input_names):
-                full = name if order == 0 else _suffixed(name, f"_der{order}")
+                full = _suffixed(name, f"_der{order}" if order else "")
                 if order == 0 or full in self._variables:
-                    references.append(self._reference(full))
+                    found.append(self._reference(full))
                     rows.append(order)
                     columns.append(column)
-        self._set = _Reals(references)
-        # Where every derivative is taken, the memory is the bound one and nothing needs copying.
-        self._whole = len(references) == inputs.size
-        if self._whole and inputs.size:
-            self._set = _Reals(references, inputs.reshape(-1))
-        self._pick = np.array(rows, dtype=np.int64), np.array(columns, dtype=np.int64)
-        self._get = _Reals([self._reference(name) for name in output_names], outputs)
+        self._inputs, self._pick = inputs, (rows, columns)
+        # Where every derivative is taken, the bound memory is handed over as it is.
+        self._picked = None if len(found) == inputs.size else np.zeros(len(found))
+        taken = inputs if self._picked is None else self._picked
+        self._set = self._calls.reals("fmi2SetReal", found, taken)
+        wanted = [self._reference(name) for name in output_names]
+        self._get = self._calls.reals("fmi2GetReal", wanted, outputs)
+        self._bind_all_outputs()
+
+    def _bind_all_outputs(self) -> None:
         names = self._instance.component.outputs.names
-        kinds = [self._variables[n].type if n in self._variables else "" for n in names]
-        self._real_outputs = [i for i, kind in enumerate(kinds) if kind == "Real"]
-        self._other_outputs = [
-            i for i, kind in enumerate(kinds) if kind in ("Boolean", "Integer", "Enumeration")
-        ]
-        self._get_all = _Reals([self._reference(names[i]) for i in self._real_outputs])
+        kinds = {name: self._variables[name].type for name in names if name in self._variables}
+        self._reals = [i for i, name in enumerate(names) if kinds.get(name) == "Real"]
+        self._others = [i for i, name in enumerate(names) if kinds.get(name, "Real") != "Real"]
+        self._real_values = np.zeros(len(self._reals))
+        references = [self._reference(names[i]) for i in self._reals]
+        self._get_all = self._calls.reals("fmi2GetReal", references, self._real_values)
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         component = self._instance.component
@@ -164,51 +202,50 @@ class FmuParticipant:
             self._slave.exitInitializationMode()
 
     def write(self) -> None:
-        if not self._set.count:
-            return
-        if not self._whole:
-            self._set.values[:] = self._inputs[self._pick]
-        status = self._set_real(self._handle, self._set.references, self._set.count, self._set.pointer)
-        if status > 1:
-            self._require(status, "setting the inputs")
+        if self._picked is not None:
+            self._picked[:] = self._inputs[self._pick]
+        status = self._set()
+        if status > WARNING:
+            self._fail(status, "setting the inputs")
 
     def advance(self, time: float, step: float) -> None:
-        status = self._do_step(self._handle, time, step, 1)
-        if status > 1:
-            if status == DISCARD:
-                what = f"step from t = {time:.9g} s by {step:g} s was discarded"
-                raise ParticipantError(f"{self.name}: {what}: {self._said() or 'no message'}")
-            self._require(status, f"step from t = {time:.9g} s by {step:g} s")
+        status = self._calls.step(time, step)
+        if status > WARNING:
+            self._fail(status, f"step from t = {time:.9g} s by {step:g} s")
 
     def read(self) -> None:
-        status = self._get_real(self._handle, self._get.references, self._get.count, self._get.pointer)
-        if status > 1:
-            self._require(status, "reading the outputs")
+        status = self._get()
+        if status > WARNING:
+            self._fail(status, "reading the outputs")
 
     def read_all(self, values: Vector) -> None:
-        reals = self._get_all
-        self._require(
-            self._get_real(self._handle, reals.references, reals.count, reals.pointer), "reading the outputs"
-        )
-        values[self._real_outputs] = reals.values
+        status = self._get_all()
+        if status > WARNING:
+            self._fail(status, "reading the outputs")
+        values[self._reals] = self._real_values
         names = self._instance.component.outputs.names
         with self._naming("reading the outputs"):
-            for i in self._other_outputs:
-                reference = [self._reference(names[i])]
+            for i in self._others:
                 boolean = self._variables[names[i]].type == "Boolean"
                 get = self._slave.getBoolean if boolean else self._slave.getInteger
-                values[i] = float(get(reference)[0])
+                values[i] = float(get([self._reference(names[i])])[0])
 
     def save(self) -> ctypes.c_void_p:
         state = ctypes.c_void_p()
-        self._require(self._state_get(self._handle, ctypes.byref(state)), "saving the state")
+        status = self._calls.save(state)
+        if status > WARNING:
+            self._fail(status, "saving the state")
         return state
 
     def restore(self, saved: ctypes.c_void_p) -> None:
-        self._require(self._state_set(self._handle, saved), "restoring the state")
+        status = self._calls.restore(saved)
+        if status > WARNING:
+            self._fail(status, "restoring the state")
 
     def release(self, saved: ctypes.c_void_p) -> None:
-        self._require(self._state_free(self._handle, ctypes.byref(saved)), "freeing a saved state")
+        status = self._calls.release(saved)
+        if status > WARNING:
+            self._fail(status, "freeing a saved state")
 
     def close(self) -> None:
         if self._instantiated:
