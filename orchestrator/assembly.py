@@ -20,6 +20,9 @@ Builder = Callable[[str, Mapping[str, int]], Path]
 
 def system_of(scenario: Scenario) -> System:
     """The scenario's system with its start values as given; ModelError or ScenarioError for faults."""
+    for name, table in scenario.components.items():
+        if table.participant.endswith(".fmu") and not Path(table.participant).is_file():
+            raise ScenarioError(f"components.{name}.participant: {table.participant}: no such file")
     instances = {name: _instance(table) for name, table in scenario.components.items()}
     system = System(instances, [ends(line) for line in scenario.connections])
     for name in scenario.tolerance:
@@ -81,12 +84,8 @@ def fmu_files(scenario: Scenario, build: Builder) -> dict[str, FmuFile]:
     for name, table in scenario.components.items():
         if table.participant == "in-process":
             continue
-        if table.participant == "fmu":
-            path = build(table.component, table.structure)
-        else:
-            path = Path(table.participant)
-            if not path.is_file():
-                raise ScenarioError(f"components.{name}.participant: {path}: no such file")
+        own = table.participant == "fmu"
+        path = build(table.component, table.structure) if own else Path(table.participant)
         files[name] = FmuFile(path, hashlib.sha256(path.read_bytes()).hexdigest())
     return files
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import sys
 from collections.abc import Callable, Mapping
@@ -23,50 +24,42 @@ app.add_typer(fmu_app, name="fmu")
 
 
 def main() -> None:
-    """Run the command line; a mistake is one message on standard error, without a traceback."""
-    sys.exit(guarded(lambda: app(standalone_mode=False)))
+    """Run the command line."""
+    app()
 
 
-def guarded(command: Callable[[], Any]) -> int:
-    """The exit status of `command`; errors are said. TRIBOCOSIM_DEBUG=1 lets them through."""
-    import click
+def reported(command: Callable[..., int | None]) -> Callable[..., None]:
+    """Exit with the status that `command` returns. An error is one message on standard error, without a
+    traceback (TRIBOCOSIM_DEBUG=1 shows it)."""
 
-    try:
-        status = command()
-    except click.exceptions.Exit as stop:
-        return stop.exit_code
-    except (click.exceptions.Abort, KeyboardInterrupt):
-        _say("interrupted")
-        return INTERRUPTED
-    except click.ClickException as error:
-        error.show()
-        return error.exit_code
-    except Exception as error:
-        if os.environ.get("TRIBOCOSIM_DEBUG", "0").strip("0"):
-            raise
-        _say(_words(error))
-        return FAILED if _is_failure(error) else MISTAKE
-    return status if isinstance(status, int) else 0
+    @functools.wraps(command)
+    def report(*arguments: Any, **options: Any) -> None:
+        try:
+            status = command(*arguments, **options)
+        except KeyboardInterrupt:
+            _say("interrupted")
+            raise typer.Exit(INTERRUPTED) from None
+        except Exception as error:
+            if os.environ.get("TRIBOCOSIM_DEBUG", "0").strip("0"):
+                raise
+            text, status = _judged(error)
+            _say(text)
+        raise typer.Exit(status or 0)
+
+    return report
 
 
-def _words(error: Exception) -> str:
+def _judged(error: Exception) -> tuple[str, int]:
+    """The message for the user, and the exit status."""
     from models.system import ModelError
 
-    from .errors import RunError
-    from .scenario import ScenarioError
+    from .errors import MistakeError, RunError
 
-    if isinstance(error, (RunError, ModelError, ScenarioError)):
-        return str(error)
-    return f"unexpected {type(error).__name__}: {error} (TRIBOCOSIM_DEBUG=1 shows where)"
-
-
-def _is_failure(error: Exception) -> bool:
-    from models.system import ModelError
-
-    from .run import OutputFolderError
-    from .scenario import ScenarioError
-
-    return not isinstance(error, (ModelError, ScenarioError, OutputFolderError))
+    if isinstance(error, (MistakeError, ModelError)):
+        return str(error), MISTAKE
+    if isinstance(error, RunError):
+        return str(error), FAILED
+    return f"unexpected {type(error).__name__}: {error} (TRIBOCOSIM_DEBUG=1 shows where)", FAILED
 
 
 def _say(text: str) -> None:
@@ -92,6 +85,7 @@ def _options(
 
 
 @app.command("run")
+@reported
 def run_scenario(
     scenario: Annotated[str, typer.Argument(help="A shipped scenario, or the path of a .toml file.")],
     out: Annotated[Path | None, typer.Option(help="Output folder. [default: results/SCENARIO]")] = None,
@@ -138,6 +132,7 @@ def _fmu(name: str, structure: Mapping[str, int]) -> Path:
 
 
 @app.command()
+@reported
 def scenarios(
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of scenario files.")
@@ -158,6 +153,7 @@ def scenarios(
 
 
 @fmu_app.command("build")
+@reported
 def fmu_build(
     names: Annotated[list[str] | None, typer.Argument(help="Components. [default: all]")] = None,
     out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("."),
@@ -166,15 +162,16 @@ def fmu_build(
     from fmus.build import NAMES, build
     from models.system import suggestion
 
-    from .scenario import ScenarioError
+    from .errors import MistakeError
 
     for name in names or NAMES:
         if name not in NAMES:
-            raise ScenarioError(f"no FMU {name!r}; {suggestion(name, NAMES)}")
+            raise MistakeError(f"no FMU {name!r}; {suggestion(name, NAMES)}")
         print(build(name, out))
 
 
 @fmu_app.command("validate")
+@reported
 def fmu_validate(files: Annotated[list[Path], typer.Argument(help="The .fmu files.")]) -> int:
     """Check FMU files; exit status 1 if something is found."""
     from fmus.validate import validate
@@ -190,6 +187,7 @@ def fmu_validate(files: Annotated[list[Path], typer.Argument(help="The .fmu file
 
 
 @fmu_app.command("info")
+@reported
 def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")]) -> None:
     """Show what an FMU is and its variables."""
     from fmus.validate import info
@@ -198,8 +196,8 @@ def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")]) -> No
 
 
 def _existing(file: Path) -> Path:
-    from .scenario import ScenarioError
+    from .errors import MistakeError
 
     if not file.is_file():
-        raise ScenarioError(f"{file}: no such file")
+        raise MistakeError(f"{file}: no such file")
     return file

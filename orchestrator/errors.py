@@ -17,3 +17,7 @@ class UnstableCouplingError(RunError):
 
 class NonConvergenceError(RunError):
     """The iteration of a macro step did not reach its tolerance."""
+
+
+class MistakeError(ValueError):
+    """What was asked for cannot be done; nothing was run or written."""

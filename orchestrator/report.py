@@ -100,14 +100,17 @@ class Reporter:
 
     def end(self, summary: Summary, out: Path, files: Sequence[Path]) -> None:
         """Effort, verdict, and where the files are."""
-        speed = summary.macro_steps / summary.coupled_time_s if summary.coupled_time_s else 0.0
-        self.line(
-            f"{summary.macro_steps} macro steps, {summary.iterations} iterations in "
-            f"{summary.coupled_time_s:.2f} s ({speed:.0f} steps/s)"
-            + ("" if summary.reference_time_s is None else f"; reference {summary.reference_time_s:.2f} s")
-            + f"; all {summary.wall_time_s:.1f} s"
-        )
-        self.line(f"{summary.scenario}: {summary.verdict}" if summary.complete else summary.message)
+        if summary.macro_steps:
+            speed = summary.macro_steps / summary.coupled_time_s
+            reference = summary.reference_time_s
+            self.line(
+                f"{summary.macro_steps} macro steps, {summary.iterations} iterations in "
+                f"{summary.coupled_time_s:.2f} s ({speed:.0f} steps/s)"
+                + ("" if reference is None else f"; reference {reference:.2f} s")
+                + f"; all {summary.wall_time_s:.1f} s"
+            )
+        if summary.complete:
+            self.line(f"{summary.scenario}: {summary.verdict}")
         self.line(f"results in {out}: {', '.join(str(file.relative_to(out)) for file in files)}")
 
 

@@ -14,7 +14,7 @@ from models.system import ModelError, System
 
 from . import assembly
 from .comparison import compare, largest_uncertainty, verdict
-from .errors import RunError
+from .errors import MistakeError, RunError
 from .interruption import Interruption
 from .recording import CsvRecorder, ResultRecorder
 from .report import Reporter
@@ -39,7 +39,7 @@ RESULT, CSV, SCENARIO, SUMMARY, FIGURES = (
 )
 
 
-class OutputFolderError(RunError):
+class OutputFolderError(MistakeError):
     """The output folder cannot take a result."""
 
 

@@ -20,12 +20,13 @@ from pydantic import (
 from models.component import Component
 from models.system import suggestion
 
+from .errors import MistakeError
 from .masters import MASTERS
 from .units import to_unit
 from .values import Faults, Value, component_of, meanings
 
 
-class ScenarioError(ValueError):
+class ScenarioError(MistakeError):
     """A scenario that cannot be run; a line for each fault, which names the key and the remedy."""
 
 

@@ -1,0 +1,203 @@
+"""Scenario files: complete, refused with one clear message each, and the same after being written."""
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.system import ModelError
+from orchestrator import schema
+from orchestrator.assembly import system_of
+from orchestrator.scenario import Scenario, ScenarioError, scenario_of
+from orchestrator.scenario_files import load, shipped, written
+
+
+@pytest.mark.parametrize("name", sorted(shipped()))
+def test_shipped_scenarios_make_a_system(name: str) -> None:
+    scenario = load(name)
+    assert scenario.name == name
+    assert scenario.description
+    assert scenario.tolerance
+    system_of(scenario)
+
+
+@pytest.mark.parametrize("name", sorted(shipped()))
+def test_written_scenario_gives_the_same_system_bit_for_bit(name: str) -> None:
+    scenario = load(name)
+    text = written(scenario)
+    again = scenario_of(tomllib.loads(text))
+    assert written(again) == text
+    one, two = system_of(scenario), system_of(again)
+    for vector in ("x0", "u0", "p"):
+        assert np.array_equal(getattr(one, vector), getattr(two, vector))
+    assert [str(c) for c in one.connections] == [str(c) for c in two.connections]
+    assert (again.macro_step, again.stop_time, again.master) == (
+        scenario.macro_step,
+        scenario.stop_time,
+        scenario.master,
+    )
+
+
+def test_published_schema_is_current() -> None:
+    """Otherwise: tribocosim scenarios --schema > docs/scenario.schema.json"""
+    published = Path(__file__).parents[2] / "docs" / "scenario.schema.json"
+    assert published.read_text("utf-8") == schema.text()
+
+
+def test_schema_knows_every_key_and_variable() -> None:
+    made = schema.schema()
+    assert set(made["properties"]) == {*Scenario.model_fields, "extends"}
+    text = schema.text()
+    assert '"coil_position\\\\[' in text.replace("^", "")
+    assert "kushwaha" in text
+
+
+BAD = {
+    "macro_stp=1": ("macro_stp", "did you mean macro_step?"),
+    "macro_step=-1": ("macro_step", "-1", "> 0"),
+    "macro_step=0": ("macro_step", "> 0"),
+    "macro_step=nan": ("macro_step", "> 0"),
+    "macro_step=3 kg": ("macro_step", "kg", "like s"),
+    "macro_step=1 s": ("macro_step", "stop_time"),
+    "stop_time=[1]": ("stop_time", "number of seconds"),
+    "start=rest": ("start", "rest", "equilibrium"),
+    "name=a/b": ("name", "a/b"),
+    "tolerance=3": ("tolerance", "table"),
+    "tolerance.contact.load=-1": ("tolerance.contact.load", "-1", "> 0"),
+    "connections=['a b']": ("connections", "a b", "instance.output -> instance.input"),
+    "reference.toleranc=2": ("reference.toleranc", "did you mean tolerance?"),
+    "master.name=jacob": ("master.name", "did you mean jacobi?"),
+    "master.tolerance=3": ("master.tolerance", "gauss_seidel"),
+    "master.extrapolation=cubic": ("extrapolation", "cubic", "quadratic"),
+    "components.camshft.parameters.flexible=true": ("camshft", "did you mean camshaft?"),
+    "components.camshaft.component=camshft": ("camshft", "did you mean camshaft?"),
+    "components.camshaft.participnt=fmu": ("participnt", "did you mean participant?"),
+    "components.camshaft.participant=matlab": ("matlab", "in-process"),
+    "components.camshaft.parameters.flexibl=true": ("flexibl", "did you mean flexible?"),
+    "components.camshaft.parameters.flexible=2": ("flexible", "true or false"),
+    "components.camshaft.parameters.lift=true": ("lift", "number"),
+    "components.camshaft.parameters.lift=3 kg": ("lift", "kg", "like m"),
+    "components.camshaft.parameters.lift=[1]": ("lift", "must be a number"),
+    "components.camshaft.start.twst=1": ("start.twst", "did you mean twist?"),
+    "components.contact.parameters.film_model=kushwa": ("film_model", "kushwa", "dowson_higginson"),
+    "components.contact.parameters.film_model=3": ("film_model", "3", "one of"),
+    "components.valve_spring.structure.coils=3": ("coils", "did you mean coil_masses?"),
+    "components.valve_spring.structure.coil_masses=0": ("coil_masses", "0", "at least 1"),
+    "components.valve_spring.structure.coil_masses=2.5": ("coil_masses", "2.5", "integer"),
+    "components.camshaft.structure.cams=2": ("cams", "no structural sizes"),
+    "macro_step": ("macro_step", "path=value"),
+}
+
+
+@pytest.mark.parametrize("override", BAD)
+def test_a_mistake_is_one_message_that_names_it(override: str) -> None:
+    with pytest.raises(ScenarioError) as error:
+        load("valve-train", [override])
+    message = str(error.value)
+    assert all(word in message for word in BAD[override]), message
+    assert "\n" not in message
+
+
+BAD_SYSTEMS = {
+    "components.valve_spring.parameters.valve_mass=-0.2": ("valve_spring.valve_mass = -0.2 kg", "> 0"),
+    "components.camshaft.parameters.base_radius=2 mm": ("curvature", "undercut"),
+    "tolerance.contact.lod=1e-3": ("contact.lod", "contact.load"),
+    "components.contact.inputs.approach=1": ("contact.approach", "constant value", "keep one"),
+    "components.contact.participant=nowhere.fmu": ("contact", "nowhere.fmu", "no such file"),
+}
+
+
+@pytest.mark.parametrize("override", BAD_SYSTEMS)
+def test_an_impossible_system_is_one_message(override: str) -> None:
+    with pytest.raises((ScenarioError, ModelError)) as error:
+        system_of(load("valve-train", [override]))
+    assert all(word in str(error.value) for word in BAD_SYSTEMS[override]), error.value
+
+
+BAD_CONNECTIONS = {
+    "camshaft.surface_position -> contact.retreat": ("contact.retreat", "two sources", "valve_spring"),
+    "camshaft.lift_off -> flywheel.drive_torque": ("camshaft.lift_off", "no output"),
+    "camshaft.cam_lift -> flywheel.drive_torqe": ("no input", "did you mean drive_torque?"),
+    "camshaft.cam_lift -> flywheel.drive_torque": ("unit m", "N.m"),
+    "cam.lift -> flywheel.drive_torque": ("no component 'cam'", "camshaft"),
+}
+
+
+@pytest.mark.parametrize("line", BAD_CONNECTIONS)
+def test_a_bad_connection_is_one_message(line: str, tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(f'extends = "valve-train"\nconnections = ["{line}"]\n')
+    with pytest.raises(ModelError) as error:
+        system_of(load(file))
+    assert all(word in str(error.value) for word in BAD_CONNECTIONS[line]), error.value
+
+
+def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+    broken = tmp_path / "broken.toml"
+    broken.write_text("macro_step = \n")
+    loop = tmp_path / "loop.toml"
+    loop.write_text('extends = "loop.toml"\n')
+    bare = tmp_path / "bare.toml"
+    bare.write_text("macro_step = 1e-5\n")
+    binary = tmp_path / "binary.toml"
+    binary.write_bytes(b"\xff\xfe\x00")
+    for name, words in {
+        broken: ("broken.toml", "not a valid TOML file", "line 1"),
+        loop: ("loop.toml", "extends itself"),
+        bare: ("components: missing", "stop_time: missing", "tolerance: missing"),
+        binary: ("binary.toml", "not a valid TOML file"),
+        tmp_path / "none.toml": ("none.toml", "no such scenario file"),
+        tmp_path: (str(tmp_path), "no such scenario file"),
+        "valve-trian": ("valve-trian", "did you mean valve-train?"),
+    }.items():
+        with pytest.raises(ScenarioError) as error:
+            load(name)
+        assert all(word in str(error.value) for word in words), error.value
+
+
+def test_extending_merges_tables_and_adds_connections(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(
+        'extends = "valve-train"\nmacro_step = "1 us"\n'
+        'connections = ["contact.friction_force -> camshaft.friction_force"]\n'
+        "[components.camshaft.parameters]\nlift = '9 mm'\n"
+        '[components.contact]\nparticipant = "parts/contact.fmu"\n'
+    )
+    base, mine = load("valve-train"), load(file)
+    assert mine.name == "mine"
+    assert mine.macro_step == 1e-6
+    assert mine.components["camshaft"].parameters["lift"] == 9e-3
+    assert mine.components["flywheel"] == base.components["flywheel"]
+    assert mine.connections == [*base.connections, "contact.friction_force -> camshaft.friction_force"]
+    assert mine.components["contact"].participant == str(tmp_path / "parts" / "contact.fmu")
+
+
+def test_overrides_have_the_meaning_of_the_file() -> None:
+    scenario = load(
+        "valve-train",
+        [
+            "macro_step=2 us",
+            "components.camshaft.parameters.flexible=true",
+            "components.flywheel.parameters.initial_speed=600 r/min",
+            "components.contact.parameters.film_model=dowson_toyoda",
+            "components.valve_spring.structure={coil_masses=3}",
+            "components.valve_spring.start.coil_position[3]=1 um",
+            "tolerance.contact.load=1e-4",
+            "tolerance.camshaft.drive_torque=1e-2",
+        ],
+    )
+    assert scenario.macro_step == 2e-6
+    assert scenario.components["camshaft"].parameters["flexible"] is True
+    assert scenario.components["flywheel"].parameters["initial_speed"] == pytest.approx(20.0 * np.pi)
+    assert scenario.components["valve_spring"].start["coil_position[3]"] == 1e-6
+    assert scenario.tolerance["contact.load"] == 1e-4
+    assert scenario.tolerance["camshaft.drive_torque"] == 1e-2
+    system_of(scenario)
+
+
+def test_another_master_keeps_the_options_that_it_has() -> None:
+    first = load("valve-train", ["master.name=iterated", "master.tolerance=1e-8"])
+    assert first.master.made().tolerance == 1e-8
+    second = load("valve-train", ["master.name=iterated", "master.tolerance=1e-8", "master.name=jacobi"])
+    assert second.master.made().extrapolation == load("valve-train").master.made().extrapolation

@@ -1,0 +1,54 @@
+"""What users write with units is converted exactly, or refused by name."""
+
+import math
+
+import pytest
+
+from orchestrator.units import UnitError, to_unit
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("8 mm", "m", 8e-3),
+        ("5 us", "s", 5e-6),
+        ("2 µm", "m", 2e-6),
+        ("1000 rpm", "rad/s", 1000.0 * math.pi / 30.0),
+        ("1000 r/min", "rad/s", 1000.0 * math.pi / 30.0),
+        ("20 degree", "rad", math.radians(20.0)),
+        ("-20°", "rad", -math.radians(20.0)),
+        ("35 kN/m", "N/m", 35e3),
+        ("920 N.s/m", "N.s/m", 920.0),
+        ("300 kg.mm2", "kg.m2", 3e-4),
+        ("18 1/GPa", "1/Pa", 1.8e-8),
+        ("36 mPa.s", "Pa.s", 0.036),
+        ("5 %", "1", 0.05),
+        ("1.5e-3", "m", 1.5e-3),
+    ],
+)
+def test_conversion(text: str, unit: str, value: float) -> None:
+    assert to_unit(text, unit) == pytest.approx(value, rel=1e-15)
+
+
+def test_decimal_prefixes_give_the_nearest_double() -> None:
+    assert to_unit("5 us", "s") == 5e-6
+    assert to_unit("0.3 mm", "m") == 0.3e-3
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "named"),
+    [
+        ("3 kg", "m", ("kg", "m")),
+        ("10 Hz", "rad/s", ("Hz", "rad/s")),  # a frequency is no angular speed
+        ("1000 rpm", "Hz", ("rpm", "Hz")),
+        ("1 rad", "1", ("rad", "plain number")),
+        ("3 foos", "m", ("foos", "known unit")),
+        ("eight mm", "m", ("eight mm", "'8 mm'")),
+        ("", "m", ("''", "'8 mm'")),
+        ("1 __import__('os')", "s", ("__import__", "known unit")),
+    ],
+)
+def test_what_does_not_fit_is_named(text: str, unit: str, named: tuple[str, ...]) -> None:
+    with pytest.raises(UnitError) as error:
+        to_unit(text, unit)
+    assert all(word in str(error.value) for word in named)
