@@ -115,7 +115,7 @@ def make_runge_kutta(derivative_along: Any, n: int) -> Any:
                 - 1.0 / 40.0 * k7[i]
             )
             ratio = abs(error) / (TOLERANCE * (scale[i] + max(abs(x[i]), abs(xn[i]))))
-            if not ratio <= worst:  # also true for nan, which must reject the step
+            if ratio > worst or ratio != ratio:  # nan must reject the step, and stays
                 worst = ratio
         return worst
 

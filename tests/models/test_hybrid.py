@@ -1,0 +1,237 @@
+"""Events: located in time, not missed, chatter carried to its limit, independent of how a step is cut."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+import pytest
+
+from models.component import Component, Events
+from models.integrator import NOT_FINITE, OK, TOO_MANY_EVENTS
+from models.kernel import kernel
+from models.quantities import Layout, Quantity, Vector
+
+EXACT = 1e-9
+
+
+@dataclass
+class Parameters:
+    spring: Annotated[float, Quantity("N/m", "spring rate")] = 1.0
+    amplitude: Annotated[float, Quantity("N", "excitation")] = 1.0
+    frequency: Annotated[float, Quantity("rad/s", "its frequency")] = 2.8
+    weight: Annotated[float, Quantity("N", "constant force towards the wall")] = 0.0
+    wall: Annotated[float, Quantity("m", "position of the wall")] = 0.0
+    restitution: Annotated[float, Quantity("1", "coefficient of restitution")] = 0.8
+    threshold: Annotated[float, Quantity("m/s", "rebound below which it rests")] = 1e-12
+
+
+@dataclass
+class State:
+    position: Annotated[float, Quantity("m", "position")] = 0.0
+    velocity: Annotated[float, Quantity("m/s", "velocity")] = 0.0
+    impacts: Annotated[float, Quantity("1", "impacts", count=True)] = 0.0
+    time: Annotated[float, Quantity("s", "time of the last impact")] = 0.0
+    approach: Annotated[float, Quantity("m/s", "velocity before it")] = 0.0
+    resting: Annotated[float, Quantity("1", "at rest on the wall", boolean=True)] = 0.0
+
+
+@dataclass
+class Inputs:
+    push: Annotated[float, Quantity("N", "added force")] = 0.0
+
+
+@dataclass
+class Outputs:
+    position: Annotated[float, Quantity("m", "position")] = 0.0
+
+
+def impact_oscillator() -> Component:
+    """x'' + k x = A cos w t + weight, x <= wall; with k = A = 0 a ball that falls upwards."""
+
+    @kernel
+    def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
+        dx.position = 0.0
+        dx.velocity = 0.0
+        dx.impacts = 0.0
+        dx.time = 0.0
+        dx.approach = 0.0
+        dx.resting = 0.0
+        if x.resting == 0.0:
+            force = p.amplitude * math.cos(p.frequency * t) + p.weight + u.push
+            dx.position = x.velocity
+            dx.velocity = force - p.spring * x.position
+
+    @kernel
+    def guards(t: float, x: State, u: Inputs, p: Parameters, g: Vector) -> None:
+        g[0] = p.wall - x.position if x.resting == 0.0 else 1.0
+
+    @kernel
+    def transition(k: int, t: float, x: State, u: Inputs, p: Parameters) -> None:
+        x.position = p.wall
+        x.impacts += 1.0
+        x.time = t
+        x.approach = x.velocity
+        x.velocity = -p.restitution * x.velocity
+        if abs(x.velocity) < p.threshold:
+            x.velocity = 0.0
+            x.resting = 1.0
+
+    @kernel
+    def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
+        y.position = x.position
+
+    @kernel
+    def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
+        e[:] = 0.0
+
+    return Component(
+        name="impact_oscillator",
+        description="Harmonic impact oscillator",
+        parameters=Layout(Parameters),
+        state=Layout(State),
+        inputs=Layout(Inputs),
+        outputs=Layout(Outputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={},
+        events=Events(1, guards, transition),
+    )
+
+
+OSCILLATOR = impact_oscillator()
+
+
+def advance(x: Vector, p: Vector, t: float, h: float, push: float = 0.0) -> int:
+    c = OSCILLATOR
+    U = c.input_polynomial()
+    U[0, 0] = push
+    return int(c.step(t, h, x, U, p, c.state.nominal, np.zeros(c.work_size), np.zeros(1), np.zeros(1)))
+
+
+def test_one_impact_orbit_of_the_harmonic_oscillator() -> None:
+    """(s-A)^2 + [A t (1-r)/((1+r) w)]^2 = g^2, v = -2 A t/(1+r), with g = b/(1-w^2), t = tan(T/2)."""
+    w, r = 2.8, 0.8
+    gamma, tangent = 1.0 / (1.0 - w**2), math.tan(math.pi / w)
+    slope = tangent * (1.0 - r) / ((1.0 + r) * w)
+    A = -abs(gamma) / math.hypot(1.0, slope)
+    v = -2.0 * A * tangent / (1.0 + r)
+    assert v == pytest.approx(0.3361772700, abs=5e-11)
+    phase = 3.0593767579  # of w t at the impact
+    x, p = OSCILLATOR.state.vector({"velocity": -r * v}), OSCILLATOR.parameters.vector()
+    start, period = phase / w, 2.0 * math.pi / w
+    # Half a period more than n: the n-th impact is inside. The orbit's multiplier -2.9 limits n.
+    assert advance(x, p, start, 3.5 * period) == OK
+    assert x[2] == 3.0
+    assert x[4] == pytest.approx(v, abs=EXACT)
+    assert x[3] == pytest.approx(start + 3.0 * period, abs=EXACT)
+
+
+def test_multipliers_of_that_orbit() -> None:
+    """Determinant r^2, trace -3.17445052, by differences of the map from impact to impact."""
+    w, r, v, phase = 2.8, 0.8, 0.33617727003, 3.0593767579
+    period = 2.0 * math.pi / w
+
+    def section(delta: float, slower: float) -> Vector:
+        """Impact time (mod period) and speed before it, from those of the impact before."""
+        x = OSCILLATOR.state.vector({"velocity": -r * (v + slower)})
+        assert advance(x, OSCILLATOR.parameters.vector(), phase / w + delta, 1.5 * period) == OK
+        return np.array([x[3] - period, x[4]])
+
+    d = 1e-6
+    columns = [(section(*e) - section(*-e)) / (2.0 * d) for e in (np.array([d, 0.0]), np.array([0.0, d]))]
+    matrix = np.column_stack(columns)
+    assert np.linalg.det(matrix) == pytest.approx(r**2, abs=1e-7)
+    assert np.trace(matrix) == pytest.approx(-3.17445052, abs=1e-6)
+
+
+def falling(restitution: float, threshold: float = 1e-12) -> Vector:
+    values = {"spring": 0.0, "amplitude": 0.0, "weight": 2.0, "restitution": restitution}
+    return OSCILLATOR.parameters.vector({**values, "threshold": threshold})
+
+
+@pytest.mark.parametrize("restitution", [0.2, 0.9])
+def test_bouncing_ball_comes_to_rest_at_its_limit(restitution: float) -> None:
+    """Dropped from height d: rest at sqrt(2 d/g) (1 + e)/(1 - e), after finitely many impacts."""
+    x = OSCILLATOR.state.vector({"position": -1.0})
+    limit = (1.0 + restitution) / (1.0 - restitution)
+    assert advance(x, falling(restitution), 0.0, 2.0 * limit) == OK
+    assert x[5] == 1.0
+    assert x[3] == pytest.approx(limit, abs=1e-10)
+
+
+@pytest.mark.parametrize("restitution", [0.2, 0.9])
+def test_bouncing_ball_makes_every_bounce_above_the_threshold(restitution: float) -> None:
+    x = OSCILLATOR.state.vector({"position": -1.0})
+    assert advance(x, falling(restitution, 1e-9), 0.0, 40.0) == OK
+    assert x[2] == math.floor(math.log(1e-9 / 2.0) / math.log(restitution)) + 1
+
+
+def test_rest_converges_with_the_threshold() -> None:
+    """Stopped at rebound v, what is missing of the limit is 2 v/((1 - e) g)."""
+    for threshold in (1e-3, 1e-6):
+        x = OSCILLATOR.state.vector({"position": -1.0})
+        assert advance(x, falling(0.9, threshold), 0.0, 40.0) == OK
+        rebound = 0.9 * x[4]
+        assert 19.0 - x[3] == pytest.approx(2.0 * rebound / (0.1 * 2.0), rel=1e-5)
+
+
+def test_chatter_without_an_end_fails_and_leaves_the_state() -> None:
+    x = OSCILLATOR.state.vector({"position": -1.0})
+    before = x.copy()
+    assert advance(x, falling(0.5, threshold=0.0), 0.0, 10.0) == TOO_MANY_EVENTS
+    assert np.array_equal(x, before)
+
+
+def test_state_that_is_not_finite_fails_and_is_left() -> None:
+    x = OSCILLATOR.state.vector({"position": -1.0})
+    before = x.copy()
+    assert advance(x, falling(0.5), 0.0, 1.0, push=math.nan) == NOT_FINITE
+    assert np.array_equal(x, before)
+
+
+@pytest.mark.parametrize("depth", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("top", [0.02, 0.47, 0.5, 0.97])
+def test_grazing_inside_one_step_is_not_missed(depth: float, top: float) -> None:
+    """A parabola's top above the wall by `depth`, both crossings inside one step of the integrator."""
+    fall = -20.0
+    speed = -fall * top
+    p = falling(1.0, threshold=0.0)
+    p[OSCILLATOR.parameters.index("weight")] = fall
+    x = OSCILLATOR.state.vector({"position": depth - 0.5 * speed * top, "velocity": speed})
+    assert advance(x, p, 0.0, 1.0) == OK
+    assert x[2] == 1.0
+    assert x[3] == pytest.approx(top - math.sqrt(2.0 * depth / -fall), abs=1e-10)
+
+
+def test_no_impact_below_the_wall() -> None:
+    p = falling(1.0)
+    p[OSCILLATOR.parameters.index("weight")] = -20.0
+    x = OSCILLATOR.state.vector({"position": -2.5 - 1e-9, "velocity": 10.0})
+    assert advance(x, p, 0.0, 1.0) == OK
+    assert x[2] == 0.0
+
+
+def test_cutting_a_step_changes_no_impact() -> None:
+    p = OSCILLATOR.parameters.vector({"frequency": 2.0})
+    horizon, rng = 20.0, np.random.default_rng(1)
+    whole = OSCILLATOR.state.vector({"position": -1.0})
+    assert advance(whole, p, 0.0, horizon) == OK
+    for pieces in (2, 7, 60):
+        cuts = np.concatenate([[0.0], np.sort(rng.uniform(0.0, horizon, pieces - 1)), [horizon]])
+        x = OSCILLATOR.state.vector({"position": -1.0})
+        for t, end in itertools.pairwise(cuts):
+            assert advance(x, p, t, end - t) == OK
+        assert x[2] == whole[2] > 5.0
+        assert x == pytest.approx(whole, abs=1e-8)
+
+
+def test_a_wall_passed_by_a_jump_of_its_state_acts_at_once() -> None:
+    x = OSCILLATOR.state.vector({"position": 0.1, "velocity": 1.0})
+    assert advance(x, falling(0.5), 3.0, 1e-3) == OK
+    assert x[2] == 1.0
+    assert x[3] == 3.0
