@@ -31,7 +31,7 @@ class Instance:
         from fmpy import calloc, extract, fmi2, free, read_model_description
 
         path = str(path)
-        self.folder = extract(path) if path.endswith(".fmu") else path
+        self.folder = str(extract(path)) if path.endswith(".fmu") else path
         self.description = read_model_description(self.folder, validate=False)
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.messages: list[tuple[int, str, str]] = []

@@ -1,0 +1,139 @@
+"""The model description says what the component's metadata says, and other tools find no fault with it."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from fmpy import read_model_description
+from fmpy.validation import validate_fmu
+
+from fmus.build import NAMES
+from fmus.documentation import MARKER, page
+from fmus.memory import Memory
+from fmus.units import base, display_factor, factors, per_second
+from models.catalogue import CATALOGUE
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_fmpy_finds_no_fault(name: str, fmu_files: dict[str, Path]) -> None:
+    assert validate_fmu(str(fmu_files[name])) == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_fmutool_finds_no_fault(name: str, fmu_files: dict[str, Path]) -> None:
+    pytest.importorskip("fmu_manipulation_toolbox", reason="fmu-manipulation-toolbox is not installed")
+    tool = Path(sys.executable).with_name("fmutool")
+    command = [str(tool), "-input", str(fmu_files[name]), "-check"]
+    finished = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    text = finished.stdout + finished.stderr
+    assert "seems to be compliant with FMI-2.0" in text
+    assert "No semantic error" in text
+    assert "WARNING" not in text
+    assert "ERROR" not in text
+
+
+def number(text: str) -> float:
+    """The value of a start attribute of any type."""
+    return {"true": 1.0, "false": 0.0}[text] if text in ("true", "false") else float(text)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_quantity_is_described(name: str, fmu_files: dict[str, Path]) -> None:
+    """Names, units, ranges, nominals, start values and dependencies are those of the component."""
+    component = CATALOGUE[name]()
+    described = read_model_description(str(fmu_files[name]))
+    found = {v.name: v for v in described.modelVariables}
+    for layout, causality in (
+        (component.parameters, "parameter"),
+        (component.inputs, "input"),
+        (component.outputs, "output"),
+    ):
+        for field in layout.fields:
+            variable, quantity = found[field.name], field.quantity
+            assert variable.causality == causality
+            assert variable.description == quantity.description
+            if causality != "output":
+                assert number(variable.start) == field.start
+            if variable.type == "Real":
+                assert variable.unit == quantity.unit
+                assert (variable.displayUnit or "") == quantity.display_unit
+                assert float(variable.nominal or 1.0) == quantity.nominal
+                low = 0.0 if quantity.positive else quantity.minimum
+                assert float(variable.min if variable.min is not None else -math.inf) == low
+                assert float(variable.max if variable.max is not None else math.inf) == quantity.maximum
+            else:
+                assert variable.variability in ("discrete", "fixed")
+    for unknown in described.outputs:
+        inputs = {v.name for v in unknown.dependencies}
+        assert inputs == set(component.feedthrough.get(unknown.variable.name, ()))
+    assert found["stored_energy"].unit == "J"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_file_that_the_standard_offers(name: str, fmu_files: dict[str, Path]) -> None:
+    with zipfile.ZipFile(fmu_files[name]) as archive:
+        names = archive.namelist()
+        html = archive.read("documentation/index.html").decode()
+        code = [n for n in names if n.endswith(".py")]
+        text = b"".join(archive.read(n) for n in code)
+    assert names[0] == "modelDescription.xml"
+    assert {"model.png", "documentation/licenses/LICENSE"} <= set(names)
+    assert not [n for n in code if "system.py" in n or "monolithic" in n]
+    assert b"import scipy" not in text
+    assert b"from scipy" not in text
+    for variable in Memory(CATALOGUE[name]()).variables():
+        assert variable.derivative_order or f"<td>{variable.name}</td>" in html
+
+
+def test_icons_are_what_the_script_draws() -> None:
+    """At least 100 pixels wide and high."""
+    folder = Path(__file__).parents[2] / "fmus"
+    for name in NAMES:
+        header = (folder / name / "model.png").read_bytes()[:24]
+        assert header[:4] == b"\x89PNG"
+        assert min(int.from_bytes(header[16:20]), int.from_bytes(header[20:24])) >= 100
+
+
+def test_page_needs_its_marker() -> None:
+    with pytest.raises(ValueError, match=MARKER):
+        page("# no place for the variables", CATALOGUE["flywheel"]())
+
+
+@pytest.mark.parametrize(
+    ("unit", "expected"),
+    [
+        ("1", {}),
+        ("N.s/m", {"kg": 1, "s": -1}),
+        ("kg.m2", {"kg": 1, "m": 2}),
+        ("1/Pa", {"kg": -1, "m": 1, "s": 2}),
+        ("Pa.s", {"kg": 1, "m": -1, "s": -1}),
+        ("rad/s2", {"rad": 1, "s": -2}),
+        ("W", {"kg": 1, "m": 2, "s": -3}),
+    ],
+)
+def test_units_in_base_units(unit: str, expected: dict[str, int]) -> None:
+    assert base(unit) == (1.0, expected)
+
+
+@pytest.mark.parametrize(
+    ("unit", "order", "expected"),
+    [("m", 1, "m/s"), ("m/s", 2, "m/s3"), ("N.s/m", 1, "N/m"), ("1", 1, "1/s"), ("rad", 0, "rad")],
+)
+def test_unit_of_a_derivative(unit: str, order: int, expected: str) -> None:
+    assert per_second(unit, order) == expected
+    assert base(expected)[1].get("s", 0) == base(unit)[1].get("s", 0) - order
+
+
+def test_display_units() -> None:
+    assert display_factor("m", "mm") == 1e3
+    assert display_factor("rad/s", "rpm") == pytest.approx(60.0 / (2.0 * math.pi), rel=1e-15)
+    assert display_factor("Pa", "MPa") == 1e-6
+    with pytest.raises(ValueError, match="does not measure"):
+        display_factor("m", "deg")
+    with pytest.raises(ValueError, match="not a known symbol"):
+        factors("furlong")

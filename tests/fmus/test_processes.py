@@ -1,0 +1,169 @@
+"""Many instances, versions and processes: no code is mixed up, nothing is compiled twice."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import models
+from fmus.build import archive, build
+
+from .conftest import Isolated, clean_environment
+from .reference import Reference
+
+RUN = """
+slave = Instance({fmu!r}).initialize(load=500.0)
+for i in range(50):
+    slave.step(i * 1e-5, 1e-5)
+result = slave.outputs()
+slave.free()
+"""
+
+
+def reference_outputs() -> list[float]:
+    reference = Reference("valve_spring")
+    reference.set_inputs({"load": 500.0})
+    for i in range(50):
+        reference.t = i * 1e-5
+        reference.step(1e-5)
+    return reference.outputs()
+
+
+def test_two_versions_in_one_process(
+    fmu_files: dict[str, Path], isolated: Isolated, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The second version has a lift twice as large; each instance runs its own code."""
+    source = Path(models.__file__).parent
+    changed = shutil.copytree(source, tmp_path / "changed" / "models")
+    file = changed / "valve_train" / "valve_spring.py"
+    text = file.read_text()
+    line = "y.valve_lift = x.position - p.lash"
+    assert line in text
+    file.write_text(text.replace(line, "y.valve_lift = 2.0 * (x.position - p.lash)"))
+    monkeypatch.setattr(models, "__file__", str(changed / "__init__.py"))
+    second = build("valve_spring", tmp_path / "second.fmu")
+    code = f"""
+    one, two = Instance({str(fmu_files["valve_spring"])!r}, "one"), Instance({str(second)!r}, "two")
+    found = []
+    for slave in (one, two):
+        slave.initialize(position_start=1e-3)
+        found.append(slave.get(["valve_lift", "position"]))
+    report([found, one.description.guid != two.description.guid])
+    """
+    assert isolated(code, "numba") == [[[1e-3, 1e-3], [2e-3, 1e-3]], True]
+
+
+def test_twenty_instances(fmu_files: dict[str, Path], isolated: Isolated) -> None:
+    """Stepped in turns they give what each gives alone, and the interpreter's path does not grow."""
+    code = f"""
+    import sys
+    slaves = [Instance({str(fmu_files["valve_spring"])!r}, str(i)) for i in range(20)]
+    entries = len(sys.path)
+    for i, slave in enumerate(slaves):
+        slave.initialize(load=400.0 + i)
+    for step in range(30):
+        for slave in slaves:
+            slave.step(step * 1e-5, 1e-5)
+    together = [slave.outputs() for slave in slaves]
+    alone = []
+    for i, slave in enumerate(slaves):
+        slave.fmu.reset()
+        slave.initialize(load=400.0 + i)
+        for step in range(30):
+            slave.step(step * 1e-5, 1e-5)
+        alone.append(slave.outputs())
+    for slave in slaves:
+        slave.free()
+    Instance({str(fmu_files["valve_spring"])!r})
+    report([together == alone, len(set(map(tuple, alone))), len(sys.path) - entries])
+    """
+    assert isolated(code) == [True, 20, 0]
+
+
+def test_without_numba(fmu_files: dict[str, Path], isolated: Isolated) -> None:
+    """The same physics from the plain functions; rounding differs where the compiler contracts operations."""
+    code = RUN.format(fmu=str(fmu_files["valve_spring"])) + "report(result)"
+    assert isolated(code, "numba", "llvmlite") == pytest.approx(reference_outputs(), rel=1e-9, abs=1e-12)
+
+
+def test_second_start_compiles_nothing(
+    fmu_files: dict[str, Path], isolated: Isolated, tmp_path: Path
+) -> None:
+    """In another process, unpacked elsewhere: the compiled code on disk is used and none is added."""
+    cache = tmp_path / "cache"
+    code = RUN.format(fmu=str(fmu_files["valve_spring"])) + "report(slave.folder)"
+
+    def compiled() -> dict[str, int]:
+        return {str(file): file.stat().st_mtime_ns for file in cache.rglob("*.nb?")}
+
+    first = isolated(code, TRIBOCOSIM_CACHE=str(cache))
+    after_first = compiled()
+    second = isolated(code, TRIBOCOSIM_CACHE=str(cache))
+    assert first != second
+    assert len(after_first) > 0
+    assert compiled() == after_first
+
+
+@pytest.mark.parametrize("obstacle", ["no folder can be made", "no file can be written"])
+def test_cache_that_cannot_be_written(
+    obstacle: str, fmu_files: dict[str, Path], isolated: Isolated, tmp_path: Path
+) -> None:
+    """Everything works, only slower to start."""
+    place = tmp_path / "cache"
+    if obstacle == "no folder can be made":
+        place.write_text("a file where a folder should be")
+    code = RUN.format(fmu=str(fmu_files["valve_spring"])) + "report(result)"
+    if obstacle == "no file can be written":
+        limit = "; import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0)); slave.initialize("
+        code = code.replace(".initialize(", limit)
+    assert isolated(code, TRIBOCOSIM_CACHE=str(place)) == reference_outputs()
+
+
+BUILD = "from fmus.build import build; print(build('flywheel'))"
+
+
+def test_same_sources_same_bytes() -> None:
+    environment = clean_environment({"PYTHONHASHSEED": "1"})
+    code = "import sys; from fmus.build import archive; sys.stdout.buffer.write(archive('flywheel'))"
+    other = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=True)
+    assert other.stdout == archive("flywheel")
+
+
+def test_builds_at_the_same_time(tmp_path: Path) -> None:
+    """Two processes build into one cache; both get the whole file, and a third finds it there."""
+    environment = clean_environment({"TRIBOCOSIM_CACHE": str(tmp_path)})
+
+    def start() -> subprocess.Popen[str]:
+        return subprocess.Popen(
+            [sys.executable, "-c", BUILD], env=environment, stdout=subprocess.PIPE, text=True
+        )
+
+    racing = [start(), start()]
+    paths = {process.communicate()[0].strip() for process in racing}
+    assert len(paths) == 1
+    path = Path(paths.pop())
+    assert zipfile.ZipFile(path).testzip() is None
+    made = path.stat().st_mtime_ns
+    start().communicate()
+    assert path.stat().st_mtime_ns == made
+    assert [file.name for file in path.parent.iterdir()] == [path.name]
+
+
+def test_build_leaves_no_trace_in_the_process(tmp_path: Path) -> None:
+    before, path = set(sys.modules), list(sys.path)
+    build("camshaft", tmp_path)
+    assert sys.path == path
+    added = {name for name in set(sys.modules) - before if not name.startswith(("fmus.", "markdown_it"))}
+    assert not {name for name in added if "tribocosim" in name or "camshaft" in name}
+
+
+def test_unknown_names_and_sizes(tmp_path: Path) -> None:
+    with pytest.raises(KeyError, match="must be one of camshaft"):
+        build("camshat", tmp_path)
+    with pytest.raises(ValueError, match="structure of valve_spring"):
+        build("valve_spring", tmp_path, {"coils": 3})

@@ -1,0 +1,96 @@
+"""Files that are no FMU, or no safe one, are named as such in one line."""
+
+from __future__ import annotations
+
+import hashlib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from fmus.build import NAMES
+from fmus.validate import FmuFileError, info, validate
+
+XML = "modelDescription.xml"
+
+
+def archive_of(path: Path, files: dict[str, str]) -> Path:
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    return path
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_our_own_are_valid(name: str, fmu_files: dict[str, Path]) -> None:
+    path = fmu_files[name]
+    assert validate(path) == []
+    found = info(path)
+    assert (found.name, found.fmi_version, found.kinds) == (name, "2.0", ("co-simulation",))
+    assert found.digest == hashlib.sha256(path.read_bytes()).hexdigest()
+    assert {"linux64", "win64"} <= set(found.platforms)
+    assert "stored_energy" in [v.name for v in found.variables]
+
+
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        ({"../evil": "", XML: ""}, "leaves the archive"),
+        ({"/etc/evil": "", XML: ""}, "leaves the archive"),
+        ({"C:/evil": "", XML: ""}, "leaves the archive"),
+        ({"a\\b": "", XML: ""}, "backslash"),
+        ({"README": ""}, "is missing, so this is not an FMU"),
+        ({XML: "not xml"}, "not XML"),
+        ({XML: "<html/>"}, "is not a model description"),
+        ({XML: '<fmiModelDescription fmiVersion="7.1"/>'}, "must be 1.0, 2.0 or 3.x"),
+        ({XML: '<fmiModelDescription fmiVersion="2.0"/>'}, "'modelName' is required"),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_line(files: dict[str, str], message: str, tmp_path: Path) -> None:
+    faults = validate(archive_of(tmp_path / "foreign.fmu", files))
+    assert faults
+    assert message in faults[0]
+    assert all("\n" not in fault for fault in faults)
+
+
+def test_not_an_archive(tmp_path: Path) -> None:
+    text = tmp_path / "text.fmu"
+    text.write_text("hello")
+    assert "not a zip archive" in validate(text)[0]
+    assert "no such file" in validate(tmp_path / "nothing.fmu")[0]
+    with pytest.raises(FmuFileError, match="not a zip archive"):
+        info(text)
+
+
+def test_symbolic_link(tmp_path: Path) -> None:
+    entry = zipfile.ZipInfo("binaries/link")
+    entry.external_attr = 0o120777 << 16
+    path = tmp_path / "link.fmu"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr(entry, "/etc/passwd")
+    assert "symbolic link" in validate(path)[0]
+
+
+def test_damage_anywhere_is_found(fmu_files: dict[str, Path], tmp_path: Path) -> None:
+    """One changed byte in the middle of any file of the archive, and a file that ends early."""
+    good = fmu_files["flywheel"].read_bytes()
+    damaged = tmp_path / "damaged.fmu"
+    with zipfile.ZipFile(fmu_files["flywheel"]) as archive:
+        entries = [entry for entry in archive.infolist() if entry.file_size]
+    for entry in entries:
+        place = entry.header_offset + 30 + len(entry.filename) + entry.compress_size // 2
+        damaged.write_bytes(good[:place] + bytes([good[place] ^ 0xFF]) + good[place + 1 :])
+        assert "damaged archive" in validate(damaged)[0], entry.filename
+    damaged.write_bytes(good[: len(good) // 2])
+    assert "not a zip archive" in validate(damaged)[0]
+
+
+def test_binary_and_ranges(fmu_files: dict[str, Path], tmp_path: Path) -> None:
+    """A start value outside its range, and no binary of the declared name."""
+    with zipfile.ZipFile(fmu_files["flywheel"]) as archive:
+        xml = archive.read(XML).decode()
+    broken = xml.replace('min="0.0" nominal="0.1" start="0.1"', 'min="0.0" nominal="0.1" start="-0.1"')
+    assert broken != xml
+    faults = validate(archive_of(tmp_path / "broken.fmu", {XML: broken}))
+    assert "binaries: none is called flywheel, the model identifier" in faults
+    assert "inertia: start = -0.1 is outside [0, inf]" in faults
