@@ -56,7 +56,8 @@ class Component:
     e = [stored energy (J), dissipated power (W), power of internal sources (W)].
     `feedthrough` lists, for each output, the inputs it depends on at the same instant.
     `advance_maker`, if given, replaces the standard integrator (with events: the hybrid one):
-    (component) -> advance kernel.
+    (component) -> advance kernel. `runs_on`: it moves while the mechanisms it drives are at rest, so that
+    an equilibrium does not ask it to stand still.
     """
 
     name: str
@@ -74,6 +75,7 @@ class Component:
     check: Callable[[Any], Sequence[str]] = field(default=lambda parameters: ())
     advance_maker: Callable[[Component], Any] | None = None
     structure: Mapping[str, int] = field(default_factory=dict)
+    runs_on: bool = False
 
     @cached_property
     def flat_derivative(self) -> Any:

@@ -144,4 +144,5 @@ def flywheel(loads: int = 1) -> Component:
         feedthrough={"acceleration": inputs.names, "supplied_torque": inputs.names},
         bonds=tuple(PowerBond(name, "speed", -1) for name in inputs.names if name != "drive_torque"),
         structure=sizes,
+        runs_on=True,
     )

@@ -337,4 +337,5 @@ def slider_crank() -> Component:
         bonds=(PowerBond("crank_torque", "crank_speed", +1),),
         events=Events(3, guards, transition),
         check=check,
+        runs_on=True,
     )
