@@ -39,8 +39,8 @@ def kernel(function: F) -> F:
     if not COMPILED:
         return function
     dispatcher: Any = numba.njit(error_model="numpy")(function)
-    # Where numba changed inside, or there is no place to write, starting is only slower.
-    with contextlib.suppress(AttributeError, TypeError, OSError):
+    # Where numba changed inside, or there is no place to write (nor a home), starting is only slower.
+    with contextlib.suppress(AttributeError, TypeError, OSError, RuntimeError):
         dispatcher._cache = _DigestCache(function)
     return cast(F, dispatcher)
 
