@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from models.monolithic.difference import Difference, difference
-
 from models.quantities import Vector
 
 
@@ -15,14 +13,14 @@ from models.quantities import Vector
 class VariableError:
     """The coupled run's error in one variable.
 
-    `relative_rms` is the RMS error over the RMS of (reference - its mean); None where the reference is
-    constant. `uncertainty` is the reference's own, as known from its two methods. `tolerance` is what the
-    scenario allows for `relative_rms`, if anything.
+    `relative_rms` is the RMS error over the reference's spread (its size, where it is constant).
+    `uncertainty` is the reference's own, as known from its two methods. `tolerance` is what the scenario
+    allows for `relative_rms`, if anything.
     """
 
     max_abs: float
     rms: float
-    relative_rms: float | None
+    relative_rms: float
     uncertainty: Difference
     tolerance: float | None = None
 
@@ -36,9 +34,7 @@ class VariableError:
         """True without a tolerance. With one, error and reference's uncertainty must both be within it."""
         if self.tolerance is None:
             return True
-        own = _number(self.uncertainty.relative_rms)
-        known = self.relative_rms is not None and own is not None
-        return bool(known and self.relative_rms <= self.tolerance and own <= self.tolerance)
+        return self.relative_rms <= self.tolerance and self.uncertainty.relative_rms <= self.tolerance
 
 
 Errors = dict[str, VariableError]
@@ -48,49 +44,42 @@ def compare(
     coupled: Mapping[str, Vector],
     reference: Mapping[str, Vector],
     uncertainty: Mapping[str, Difference],
+    nominal: Mapping[str, float],
     tolerance: Mapping[str, float],
 ) -> Errors:
     """The error of every variable in `coupled`, whose values are at the reference's times."""
     errors: Errors = {}
     for name, values in coupled.items():
-        found = difference(values, reference[name])
+        found = difference(values, reference[name], nominal[name])
         errors[name] = VariableError(
             max_abs=found.max_abs,
             rms=found.rms,
-            relative_rms=_number(found.relative_rms),
+            relative_rms=found.relative_rms,
             uncertainty=uncertainty[name],
             tolerance=tolerance.get(name),
         )
     return errors
 
 
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
-
-
 def verdict(errors: Errors) -> tuple[bool, str]:
     """Whether all tolerances are kept, and a sentence that names what is not."""
     failed = []
     for name, error in errors.items():
+        own = error.uncertainty.relative_rms
         if error.within:
             continue
-        own = _number(error.uncertainty.relative_rms)
-        if own is None or error.tolerance is None or error.relative_rms is None:
-            failed.append(f"{name}: no relative error (the reference is constant or not finite)")
-        elif own > error.tolerance:
+        if own <= error.tolerance:
+            failed.append(f"{name}: relative RMS error {error.relative_rms:.2g} > {error.tolerance:g}")
+        else:
             failed.append(
                 f"{name}: the reference's own uncertainty {own:.2g} is above the tolerance "
                 f"{error.tolerance:g} (lower reference.tolerance)"
             )
-        else:
-            failed.append(f"{name}: relative RMS error {error.relative_rms:.2g} > {error.tolerance:g}")
     if failed:
         return False, "outside the tolerance: " + "; ".join(failed)
     return True, "within the tolerance"
 
 
-def largest_uncertainty(errors: Errors) -> float | None:
+def largest_uncertainty(errors: Errors) -> float:
     """The reference's largest relative RMS uncertainty among variables with a tolerance."""
-    values = [_number(e.uncertainty.relative_rms) for e in errors.values() if e.tolerance is not None]
-    known = [value for value in values if value is not None]
-    return max(known) if known else None
+    return max((e.uncertainty.relative_rms for e in errors.values() if e.tolerance is not None), default=0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time as clock
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -53,7 +54,9 @@ class Reporter:
     """Says what happens."""
 
     def __init__(self, console: Console | None = None) -> None:
-        self.console = console or Console(highlight=False)
+        # Lines for a file or a log need no folding to 80 columns.
+        wide = None if sys.stdout.isatty() else 110
+        self.console = console or Console(highlight=False, width=wide)
 
     def line(self, text: str) -> None:
         self.console.print(Text(text), soft_wrap=True)
@@ -79,20 +82,18 @@ class Reporter:
             box=box.SIMPLE_HEAD,
             pad_edge=False,
         )
-        table.add_column("variable", no_wrap=True)
+        table.add_column("variable", overflow="fold")
         for column in ("max", "RMS", "relative\nRMS", "reference\n±", "allowed"):
-            table.add_column(column, justify="right")
+            table.add_column(column, justify="right", no_wrap=True)
         table.add_column("")
         for name, error in sorted(errors.items(), key=lambda item: item[1].tolerance is None):
             mark = "*" if error.below_uncertainty else ""
-            own = error.uncertainty.relative_rms
-            constant = error.relative_rms is None
             table.add_row(
                 Text(name),
                 f"{error.max_abs:.1e}",
                 f"{error.rms:.1e}",
-                "constant" if constant else f"{error.relative_rms:.1e}{mark}",
-                "" if constant else f"{own:.0e}",
+                f"{error.relative_rms:.1e}{mark}",
+                f"{error.uncertainty.relative_rms:.0e}",
                 "" if error.tolerance is None else f"{error.tolerance:.0e}",
                 _mark(error),
             )

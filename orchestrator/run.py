@@ -223,11 +223,13 @@ def _compared(
     coupled = result.read("coupled", ["time", *names], rows)
     reference = _reference(scenario, system, coupled["time"], reporter)
     summary.reference_time_s = reference.wall_time_s
-    result.write("reference", reference.times, assembly.output_quantities(system), reference.outputs)
+    quantities = assembly.output_quantities(system)
+    result.write("reference", reference.times, quantities, reference.outputs)
     result.attribute("reference", "tolerance", scenario.reference.tolerance)
     del coupled["time"]
     columns = {name: reference.outputs[:, system.outputs.names.index(name)] for name in names}
-    summary.errors = compare(coupled, columns, reference.uncertainty, scenario.tolerance)
+    nominal = {name: quantities[name].nominal for name in names}
+    summary.errors = compare(coupled, columns, reference.uncertainty, nominal, scenario.tolerance)
     for name, error in summary.errors.items():
         result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
     summary.reference_uncertainty = largest_uncertainty(summary.errors)

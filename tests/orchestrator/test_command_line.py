@@ -1,0 +1,331 @@
+"""The command line: runs leave whole results; mistakes and failures are one message and a status."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.assembly import system_of
+from orchestrator.results import open_result
+from orchestrator.scenario import scenario_of
+from orchestrator.scenario_files import load
+
+ROOT = Path(__file__).parents[2]
+IN_PROCESS = [
+    f"--set=components.{name}.participant=in-process"
+    for name in ("flywheel", "camshaft", "valve_spring", "contact")
+]
+SHORT = ["--set=stop_time=2 ms", *IN_PROCESS]
+
+
+def tribocosim(*arguments: str, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    """Run the command in a process of its own, as a user does."""
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "120"}
+    code = "from orchestrator.command_line import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        capture_output=True, text=True, cwd=cwd, env=environment, timeout=280,
+    )  # fmt: skip
+    assert "Traceback" not in done.stderr + done.stdout, done.stderr
+    return done
+
+
+def said(done: subprocess.CompletedProcess[str]) -> str:
+    """The one message on standard error."""
+    lines = [line for line in done.stderr.splitlines() if line]
+    assert len(lines) == 1, done.stderr
+    return lines[0]
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A short run with everything."""
+    out = tmp_path_factory.mktemp("run") / "out"
+    done = tribocosim("run", "valve-train", "--out", str(out), *SHORT)
+    assert done.returncode in (0, 1), done.stderr
+    assert "contact.load" in done.stdout
+    assert str(out) in done.stdout
+    return out
+
+
+def test_a_run_leaves_result_csv_figures_scenario_and_summary(result: Path) -> None:
+    names = {path.name for path in result.iterdir()}
+    assert names == {"result.nc", "coupled.csv", "scenario.toml", "summary.json", "figures"}
+    figures = list((result / "figures").glob("*.png"))
+    assert len(figures) >= 3
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in figures)
+
+
+def _no_constant(text: str) -> float:
+    raise ValueError(f"{text} is not JSON")
+
+
+def test_summary_has_what_tools_rely_on(result: Path) -> None:
+    summary = json.loads((result / "summary.json").read_text(), parse_constant=_no_constant)
+    assert summary["scenario"] == "valve-train"
+    assert summary["complete"] is True
+    assert summary["macro_steps"] == round(2e-3 / summary["macro_step"])
+    assert summary["iterations"] >= summary["macro_steps"]
+    assert summary["rejected_steps"] == 0
+    for key in ("wall_time_s", "coupled_time_s", "reference_time_s", "reference_uncertainty"):
+        assert summary[key] > 0.0
+    assert set(summary["tolerance"]) == {"contact.load", "contact.film_thickness"}
+    connected = {line.split(" -> ")[0] for line in load("valve-train").connections}
+    assert set(summary["errors"]) == connected | set(summary["tolerance"])
+    for error in summary["errors"].values():
+        assert {"max_abs", "rms", "relative_rms", "reference_uncertainty"} <= set(error)
+        assert 0.0 <= error["rms"] <= error["max_abs"]
+
+
+def test_result_holds_coupled_run_and_reference_at_the_same_times(result: Path) -> None:
+    tree = open_result(result)
+    system = system_of(load("valve-train"))
+    assert set(tree["coupled"].data_vars) == set(system.outputs.names)
+    assert np.array_equal(tree["coupled"]["time"], tree["reference"]["time"])
+    assert tree["coupled"]["contact.load"].attrs["units"] == "N"
+    summary = json.loads((result / "summary.json").read_text())
+    error = tree["coupled"]["contact.load"] - tree["reference"]["contact.load"]
+    assert float(abs(error).max()) == pytest.approx(summary["errors"]["contact.load"]["max_abs"], rel=1e-12)
+    assert tree.attrs["complete"] == 1
+    assert "numba" in tree.attrs["versions"]
+    assert scenario_of(tomllib.loads(tree.attrs["scenario_toml"])).name == "valve-train"
+    tree.close()
+
+
+def test_the_resolved_scenario_runs_identically(result: Path, tmp_path: Path) -> None:
+    again = tmp_path / "again"
+    arguments = ["--set=reference.enabled=false", "--no-figures"]
+    done = tribocosim("run", str(result / "scenario.toml"), "--out", str(again), *arguments)
+    assert done.returncode == 4  # nothing was compared
+    assert (again / "coupled.csv").read_bytes() == (result / "coupled.csv").read_bytes()
+
+
+def test_an_existing_result_is_kept_unless_told(result: Path) -> None:
+    before = (result / "summary.json").read_bytes()
+    done = tribocosim("run", "valve-train", "--out", str(result), *SHORT)
+    assert done.returncode == 2
+    assert "already holds a result" in said(done)
+    assert "--overwrite" in said(done)
+    assert (result / "summary.json").read_bytes() == before
+
+
+def test_too_tight_a_tolerance_is_not_a_success(tmp_path: Path) -> None:
+    arguments = ["--set=tolerance.contact.load=1e-14", "--no-figures", "--out", str(tmp_path / "out")]
+    done = tribocosim("run", "valve-train", *SHORT, *arguments)
+    assert done.returncode == 1
+    assert "contact.load" in done.stdout
+    assert "outside the tolerance" in done.stdout
+
+
+def test_instability_is_named_and_what_was_computed_is_kept(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    arguments = ["--master", "jacobi", "--set=macro_step=100 us", "--set=stop_time=50 ms", *IN_PROCESS]
+    done = tribocosim("run", "valve-train", "--out", str(out), *arguments)
+    assert done.returncode == 3
+    assert "unstable" in said(done)
+    assert "macro_step" in said(done)
+    summary = json.loads((out / "summary.json").read_text(), parse_constant=_no_constant)
+    assert summary["complete"] is False
+    assert "unstable" in summary["message"]
+    assert summary["macro_steps"] > 0
+    tree = open_result(out)
+    assert tree.attrs["complete"] == 0
+    assert tree["coupled"].sizes["time"] == summary["macro_steps"] + 1
+    assert all(np.isfinite(values).all() for values in tree["coupled"].data_vars.values())
+    tree.close()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT for one process")
+def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    code = "from orchestrator.command_line import main; main()"
+    long = ["--set=stop_time=100 s", "--set=output_step=1 ms", *IN_PROCESS]
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, "run", "valve-train", "--out", str(out), *long],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT,
+    )  # fmt: skip
+    assert process.stdout
+    for line in process.stdout:
+        if line.startswith("coupled run"):
+            break
+    while not (out / "coupled.csv").exists() and process.poll() is None:
+        pass
+    try:
+        process.wait(2.0)
+    except subprocess.TimeoutExpired:
+        process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert errors.strip() == "tribocosim: incomplete: interrupted"
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["complete"] is False
+    assert summary["macro_steps"] > 0
+    tree = open_result(out)
+    assert tree["coupled"].sizes["time"] == 1 + summary["macro_steps"] // 200
+    assert tree.attrs["message"] == "incomplete: interrupted"
+    tree.close()
+
+
+MISTAKES = {
+    ("run", "valve-trian"): "did you mean valve-train?",
+    ("run", "none.toml"): "no such scenario file",
+    ("run", "valve-train", "--set", "macro_stp=1"): "did you mean macro_step?",
+    ("run", "valve-train", "--set", "macro_step=0"): "must be > 0",
+    ("run", "valve-train", "--master", "jacob"): "did you mean jacobi?",
+    ("run", "valve-train", "--set=components.camshaft.parameters.mass=-1"): "camshaft.mass = -1 kg",
+    ("run", "valve-train", "--out", "pyproject.toml"): "is a file",
+    ("fmu", "validate", "none.fmu"): "no such file",
+    ("fmu", "info", "none.fmu"): "no such file",
+    ("fmu", "build", "camsaft"): "did you mean camshaft?",
+}
+
+
+@pytest.mark.parametrize("arguments", MISTAKES)
+def test_a_mistake_is_one_message_and_status_2(arguments: tuple[str, ...]) -> None:
+    done = tribocosim(*arguments)
+    assert done.returncode == 2
+    assert MISTAKES[arguments] in said(done)
+
+
+def test_listing_and_version() -> None:
+    listed = tribocosim("scenarios")
+    assert listed.returncode == 0
+    assert all(name in listed.stdout for name in ("valve-train", "run-up"))
+    assert tribocosim("--version").stdout.startswith("tribocosim ")
+    assert json.loads(tribocosim("scenarios", "--schema").stdout)["title"] == "tribocosim scenario"
+
+
+def test_importing_the_command_line_imports_nothing_slow() -> None:
+    """`tribocosim --help` has to answer at once."""
+    slow = ("numpy", "scipy", "numba", "matplotlib", "pydantic", "xarray", "fmpy", "pint", "models")
+    code = f"import sys, orchestrator.command_line; print([m for m in {slow} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The camshaft's FMU as the command builds it."""
+    folder = tmp_path_factory.mktemp("fmu")
+    assert tribocosim("fmu", "build", "camshaft", "--out", str(folder)).returncode == 0
+    return folder / "camshaft.fmu"
+
+
+def test_fmu_commands(fmu: Path) -> None:
+    assert tribocosim("fmu", "validate", str(fmu)).returncode == 0
+    assert "drive_angle" in tribocosim("fmu", "info", str(fmu)).stdout
+
+
+def _tampered(fmu: Path, target: Path, code: str) -> Path:
+    """The FMU with code added to its script."""
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(target, "w") as new:
+        stem = old.read("resources/slavemodule.txt").decode().strip()
+        for name in old.namelist():
+            content = old.read(name)
+            if name == f"resources/{stem}.py":
+                name = f"resources/{stem}_{target.stem}.py"
+                content += code.encode()
+            elif name == "resources/slavemodule.txt":
+                content = f"{stem}_{target.stem}".encode()
+            new.writestr(name, content)
+    return target
+
+
+# Code that spoils the slave, and what the message says.
+BROKEN = {
+    "discards": (
+        """
+def do_step(self, t, h, _real=camshaft.do_step):
+    return t < 1e-3 and _real(self, t, h)
+camshaft.do_step = do_step
+""",
+        "discard",
+    ),
+    "raises": (
+        """
+def do_step(self, t, h, _real=camshaft.do_step):
+    if t > 1e-3:
+        raise RuntimeError("broken gear")
+    return _real(self, t, h)
+camshaft.do_step = do_step
+""",
+        "camshaft",
+    ),
+    "nan": (
+        """
+def do_step(self, t, h, _real=camshaft.do_step):
+    self.late = t > 1e-3
+    return _real(self, t, h)
+def get_real(self, vrs, _real=camshaft.get_real):
+    values = _real(self, vrs)
+    return [float("nan") for _ in values] if getattr(self, "late", False) else values
+camshaft.do_step, camshaft.get_real = do_step, get_real
+""",
+        "not a finite number",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", BROKEN)
+def test_an_fmu_that_fails_in_mid_run_is_named(kind: str, fmu: Path, tmp_path: Path) -> None:
+    code, words = BROKEN[kind]
+    file, out = _tampered(fmu, tmp_path / f"{kind}.fmu", code), tmp_path / "out"
+    others = [text for text in SHORT if "camshaft" not in text]
+    arguments = [*others, f"--set=components.camshaft.participant={file}", "--no-figures"]
+    done = tribocosim("run", "valve-train", "--out", str(out), *arguments)
+    assert done.returncode == 3
+    message = done.stderr.strip().splitlines()[-1]
+    assert message.startswith("tribocosim: incomplete: camshaft")
+    assert words in message.lower()
+    tree = open_result(out)
+    assert tree.attrs["complete"] == 0
+    assert 1e-3 < float(tree["coupled"]["time"][-1]) < 1.1e-3
+    tree.close()
+
+
+def _truncated(fmu: Path, target: Path) -> None:
+    target.write_bytes(fmu.read_bytes()[:10_000])
+
+
+def _no_archive(fmu: Path, target: Path) -> None:
+    target.write_text("this is no FMU")
+
+
+def _escaping(fmu: Path, target: Path) -> None:
+    target.write_bytes(fmu.read_bytes())
+    with zipfile.ZipFile(target, "a") as archive:
+        archive.writestr("../escaped.txt", "outside")
+
+
+def _foreign(fmu: Path, target: Path) -> None:
+    """Another model: its description lacks the camshaft's variables."""
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(target, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "modelDescription.xml":
+                content = content.replace(b'name="drive_angle"', b'name="steering_angle"')
+            new.writestr(name, content)
+
+
+def _no_description(fmu: Path, target: Path) -> None:
+    with zipfile.ZipFile(target, "w") as archive:
+        archive.writestr("readme.txt", "nothing")
+
+
+@pytest.mark.parametrize("spoil", [_truncated, _no_archive, _escaping, _foreign, _no_description])
+def test_a_damaged_or_foreign_fmu_is_refused(spoil, fmu: Path, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    file = tmp_path / "spoilt.fmu"
+    spoil(fmu, file)
+    others = [text for text in SHORT if "camshaft" not in text]
+    arguments = [*others, f"--set=components.camshaft.participant={file}", "--no-figures"]
+    done = tribocosim("run", "valve-train", "--out", str(tmp_path / "out"), *arguments)
+    assert done.returncode in (2, 3)
+    assert "camshaft" in said(done)
+    assert not (tmp_path / "escaped.txt").exists()
