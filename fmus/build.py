@@ -38,6 +38,14 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 _SCRIPT = '''"""The slave of {name}; see the package for the code."""
 
 import ctypes
+import sys
+
+try:
+    import numpy
+except ImportError:
+    # The C layer keeps silent about why an instance cannot be made.
+    print(f"{name}: Python in {{sys.prefix}} has no numpy; install it there", file=sys.stderr)
+    raise
 
 from {package}.{module} import {factory} as make_component
 from {package}.models.integrator import FAILURES

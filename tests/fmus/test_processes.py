@@ -91,6 +91,28 @@ def test_without_numba(fmu_files: dict[str, Path], isolated: Isolated) -> None:
     assert isolated(code, "numba", "llvmlite") == pytest.approx(reference_outputs(), rel=1e-9, abs=1e-12)
 
 
+def test_without_numpy_it_says_so(fmu_files: dict[str, Path], isolated: Isolated) -> None:
+    code = f"""
+    import contextlib, io, sys
+    from fmpy.fmi2 import FMU2Slave
+
+    instantiate = FMU2Slave.instantiate
+
+    def without_numpy(self, **options):
+        sys.modules["numpy"] = None  # fmpy itself needed it until now
+        instantiate(self, **options)
+
+    FMU2Slave.instantiate = without_numpy
+    with contextlib.redirect_stderr(io.StringIO()) as said:
+        try:
+            Instance({str(fmu_files["flywheel"])!r})
+        except Exception as error:
+            print(error)
+    report(said.getvalue())
+    """
+    assert "has no numpy; install it there" in isolated(code)
+
+
 def test_second_start_compiles_nothing(
     fmu_files: dict[str, Path], isolated: Isolated, tmp_path: Path
 ) -> None:
