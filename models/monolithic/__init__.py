@@ -1,0 +1,9 @@
+"""The monolithic reference: a whole System as one problem, without splitting, by two methods."""
+
+from .difference import Difference, difference
+from .energy import EnergyBalance
+from .equilibrium import equilibrium
+from .problem import Event
+from .reference import Reference, solve
+
+__all__ = ["Difference", "EnergyBalance", "Event", "Reference", "difference", "equilibrium", "solve"]

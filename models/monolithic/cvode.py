@@ -1,0 +1,75 @@
+"""Method A: SUNDIALS CVODE (variable order and step), with its own root finding for the guards."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from sksundae.cvode import CVODE
+
+from ..quantities import Vector
+from ..system import ModelError
+from .problem import Problem
+
+EVENT_FOUND = 2
+# Steps between two targets; beyond, the problem is stiffer than the method that was chosen for it.
+STEP_LIMIT = 10_000_000
+
+
+class Cvode:
+    """Adams formulas of order 1 to 12, or backward differences of order 1 to 5 where `stiff`.
+
+    Guards are watched at the ends of steps: a guard that dips below zero and returns inside one step is
+    not seen (method B looks inside its steps).
+    """
+
+    def __init__(self, problem: Problem, tolerance: float, stiff: bool, longest_step: float) -> None:
+        self.name = f"CVODE {'BDF' if stiff else 'Adams'}, relative tolerance {tolerance:g}"
+        self._problem = problem
+        options: dict[str, Any] = {}
+        if problem.guard_count:
+            options = {"eventsfn": self._guards(), "num_events": problem.guard_count}
+        self._solver = CVODE(
+            self._rate,
+            method="BDF" if stiff else "Adams",
+            rtol=tolerance,
+            atol=tolerance * problem.nominal,
+            max_step=longest_step if math.isfinite(longest_step) else 0.0,
+            max_num_steps=STEP_LIMIT,
+            **options,
+        )
+        # SUNDIALS hands out read-only views, for which numba would compile every kernel once more.
+        self._z = np.empty(problem.nominal.size)
+        self._end = 0.0
+
+    def _rate(self, t: float, z: Vector, rate: Vector) -> None:
+        self._z[:] = z
+        rate[:] = self._problem.rate(t, self._z)
+
+    def _guards(self) -> Any:
+        def guards(t: float, z: Vector, values: Vector) -> None:
+            self._z[:] = z
+            values[:] = self._problem.guards(t, self._z)
+
+        marked: Any = guards
+        marked.terminal = [True] * self._problem.guard_count
+        marked.direction = [-1] * self._problem.guard_count
+        return guards
+
+    def begin(self, t: float, z: Vector, end: float) -> None:
+        self._end = end
+        self._solver.init_step(t, z)
+
+    def to(self, target: float) -> tuple[float, Vector, tuple[int, ...]]:
+        result = self._solver.step(target, tstop=self._end)
+        t, z = float(np.ravel(result.t)[-1]), np.array(np.atleast_2d(result.y)[-1])
+        if not result.success:
+            raise ModelError(
+                f"{self.name} failed at t = {t:.9g} s: {result.message}; relax the tolerance, or look for a "
+                "state that is no longer finite"
+            )
+        if result.status != EVENT_FOUND:
+            return target, z, ()
+        found = np.atleast_2d(result.i_events)[-1]
+        return t, z, tuple(int(k) for k in np.flatnonzero(found))

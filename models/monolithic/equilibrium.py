@@ -1,0 +1,97 @@
+"""A consistent static start: the state in which everything that can rest is at rest."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import least_squares, root
+
+from ..quantities import Vector
+from ..system import Evaluation, ModelError, System
+
+# The Newton step that remains, in nominal sizes, at which an equilibrium counts as found.
+CLOSE = 1e-9
+POLISHING_STEPS = 4
+
+
+def equilibrium(system: System, t: float = 0.0) -> Vector:
+    """State with dx/dt = 0 in all components but those that run on (`Component.runs_on`).
+
+    A state whose rate vanishes whatever the others are (a film without entrainment, the twist of a rigid
+    shaft) is not determined and keeps its start. Positive states stay positive. The cam should stand on
+    its base circle at `t`, where a follower at rest is consistent. ModelError if there is no equilibrium.
+    """
+    rest = _Rest(system, t)
+    if rest.index.size == 0:
+        return system.x0.copy()
+    guess = np.zeros(rest.index.size)
+    found = root(rest.residual, guess, method="hybr", tol=1e-13).x
+    if not rest.is_close(found):
+        found = least_squares(rest.residual, guess, xtol=1e-15, ftol=1e-15, gtol=1e-15).x
+    for _ in range(POLISHING_STEPS):
+        found = found - rest.newton_step(found)
+    if not rest.is_close(found):
+        raise ModelError(f"no equilibrium found at t = {t:g} s: {rest.worst(found)}; give start values")
+    return rest.state(found)
+
+
+class _Rest:
+    """The rates of the states that rest, as a function of these states in nominal scaling.
+
+    A state that must be positive varies by its logarithm.
+    """
+
+    def __init__(self, system: System, t: float) -> None:
+        self.system, self.t = system, t
+        self.evaluation = Evaluation(system)
+        self.x0 = system.x0.copy()
+        self.positive = np.zeros(system.state.size, dtype=bool)
+        resting = np.zeros(system.state.size, dtype=bool)
+        for name, instance in system.instances.items():
+            component, part = instance.component, system.state.of(name)
+            resting[part] = not component.runs_on
+            self.positive[part] = [item.quantity.positive for item in component.state.fields]
+        self.index = np.flatnonzero(resting)
+        self.scale = np.ones(self.index.size)
+        if self.index.size:
+            determined = np.any(self.jacobian(np.zeros(self.index.size)) != 0.0, axis=1)
+            self.index = self.index[determined]
+            # Rates differ by many orders: each is measured by what its states' nominal sizes do to it.
+            self.scale = np.ones(self.index.size)
+        if self.index.size:
+            self.scale = np.max(np.abs(self.jacobian(np.zeros(self.index.size))), axis=1)
+
+    def state(self, scaled: Vector) -> Vector:
+        x = self.x0.copy()
+        i = self.index
+        x[i] += scaled * self.system.state.nominal[i]
+        logarithmic = self.positive[i]
+        # The clip keeps a wild trial finite.
+        x[i[logarithmic]] = self.x0[i[logarithmic]] * np.exp(np.clip(scaled[logarithmic], -50.0, 50.0))
+        return x
+
+    def residual(self, scaled: Vector) -> Vector:
+        rate = self.evaluation.derivative(self.t, self.state(scaled))[self.index] / self.scale
+        return np.asarray(np.nan_to_num(rate, nan=1e30, posinf=1e30, neginf=-1e30))
+
+    def jacobian(self, scaled: Vector) -> Vector:
+        base = self.residual(scaled)
+        columns = []
+        for j in range(scaled.size):
+            moved = scaled.copy()
+            moved[j] += 1e-7 * max(1.0, abs(scaled[j]))
+            columns.append((self.residual(moved) - base) / (moved[j] - scaled[j]))
+        return np.column_stack(columns)
+
+    def newton_step(self, scaled: Vector) -> Vector:
+        return np.asarray(np.linalg.lstsq(self.jacobian(scaled), self.residual(scaled), rcond=None)[0])
+
+    def is_close(self, scaled: Vector) -> bool:
+        step = self.newton_step(scaled)
+        left = self.residual(scaled) - self.jacobian(scaled) @ step
+        return bool(np.all(np.abs(step) <= CLOSE * (1.0 + np.abs(scaled))) and np.all(np.abs(left) <= CLOSE))
+
+    def worst(self, scaled: Vector) -> str:
+        k = int(np.argmax(np.abs(self.residual(scaled))))
+        name = self.system.state.names[self.index[k]]
+        rate = self.evaluation.derivative(self.t, self.state(scaled))[self.index[k]]
+        return f"{name} still changes at {rate:.3g} per second"

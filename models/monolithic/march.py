@@ -1,0 +1,91 @@
+"""Integrate a problem through its events to requested instants, by any method."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from ..quantities import Vector
+from ..system import ModelError
+from .problem import Event, Problem
+
+# Events at one instant, or so close together that time stands still, after which a problem is given up.
+STALLED_EVENTS = 1000
+# Events are "at one instant" when nearer than this share of the whole duration.
+INSTANT = 1e-14
+
+
+class Method(Protocol):
+    """An integrator: `begin` at a state, then `to` any number of targets."""
+
+    name: str
+
+    def begin(self, t: float, z: Vector, end: float) -> None:
+        """Start at (t, z); no target will lie behind `end`."""
+        ...
+
+    def to(self, target: float) -> tuple[float, Vector, tuple[int, ...]]:
+        """(t, z, fallen guards): at the target, or at the first event before it. ModelError on failure."""
+        ...
+
+
+def march(
+    problem: Problem,
+    method: Method,
+    z0: Vector,
+    t0: float,
+    times: Vector,
+    progress: Callable[[float], None] | None = None,
+) -> tuple[Vector, list[Event]]:
+    """States at `times`, (n, size), and the events on the way. At an event's own instant: after it."""
+    end = float(times[-1])
+    events: list[Event] = []
+    states = np.empty((times.size, z0.size))
+    t, z = t0, z0.copy()
+    _settle(problem, t, z, (), events)
+    begun, stalled = False, 0
+    for i, target in enumerate(times):
+        while t < target:
+            if not begun:
+                method.begin(t, z, end)
+                begun = True
+            reached, z, fallen = method.to(float(target))
+            if fallen:
+                stalled = stalled + 1 if reached - t <= INSTANT * (end - t0) else 0
+                _settle(problem, reached, z, fallen, events)
+                if stalled > STALLED_EVENTS:
+                    raise _too_many(events[-1])
+                begun = False
+            t = reached
+        states[i] = z
+        if progress is not None:
+            progress((i + 1) / times.size)
+    return states, events
+
+
+def _settle(problem: Problem, t: float, z: Vector, fallen: tuple[int, ...], events: list[Event]) -> None:
+    """Make the transitions of the guards in `fallen`, then of all that are negative after them.
+
+    A guard that fell at the same instant as another makes its transition unless the other's has lifted it.
+    """
+    if problem.guard_count == 0:
+        return
+    before = problem.guards(t, z).copy()
+    for n, guard in enumerate(fallen):
+        if n == 0 or problem.guards(t, z)[guard] <= max(before[guard], 0.0):
+            events.append(problem.transition(guard, t, z))
+    for _ in range(STALLED_EVENTS):
+        negative = np.flatnonzero(problem.guards(t, z) < 0.0)
+        if negative.size == 0:
+            return
+        events.append(problem.transition(int(negative[0]), t, z))
+    raise _too_many(events[-1])
+
+
+def _too_many(last: Event) -> ModelError:
+    return ModelError(
+        f"{last.instance}: more than {STALLED_EVENTS} events at t = {last.time:.9g} s, the last of guard "
+        f"{last.guard}; its transition must lift the guard, and chatter must end (sliding, plastic impact)"
+    )

@@ -1,0 +1,90 @@
+"""What the two methods integrate: an initial value problem with events, and a System as one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ..quantities import Vector
+from ..system import Evaluation, ModelError, System
+from .energy import QUADRATURES, Energies
+
+
+@dataclass(frozen=True)
+class Event:
+    """A guard of an instance that has fallen below zero (see `component.Events`)."""
+
+    time: float
+    instance: str
+    guard: int
+
+
+class Problem(Protocol):
+    """dz/dt = rate(t, z) between events; `nominal` is the size of z, `guard_count` may be zero."""
+
+    nominal: Vector
+    guard_count: int
+
+    def rate(self, t: float, z: Vector) -> Vector: ...
+
+    def guards(self, t: float, z: Vector) -> Vector: ...
+
+    def transition(self, guard: int, t: float, z: Vector) -> Event:
+        """Change z in place because `guard` has fallen."""
+        ...
+
+
+class SystemProblem:
+    """A system's state, followed by the energies that its components dissipate, supply and receive."""
+
+    def __init__(self, system: System) -> None:
+        self.system = system
+        self.evaluation = Evaluation(system)
+        self.energies = Energies(system)
+        self.size = system.state.size
+        quadratures = QUADRATURES * len(system.instances)
+        self.nominal = np.concatenate([system.state.nominal, np.ones(quadratures)])
+        self._rate = np.zeros(self.size + quadratures)
+        self._guards = [
+            (name, guard)
+            for name, instance in system.instances.items()
+            if instance.component.events
+            for guard in range(instance.component.events.count)
+        ]
+        self.guard_count = len(self._guards)
+        self._g = np.zeros(self.guard_count)
+
+    def start(self, x0: Vector) -> Vector:
+        """The problem's z for the system's state x0."""
+        if x0.shape != (self.size,):
+            raise ModelError(f"start state of {x0.size} elements: the system has {self.size} states")
+        return np.concatenate([x0, np.zeros(self.nominal.size - self.size)])
+
+    def rate(self, t: float, z: Vector) -> Vector:
+        x = z[: self.size]
+        self._rate[: self.size] = self.evaluation.derivative(t, x)
+        self.energies.powers(t, x, self.evaluation.u, self.evaluation.y, self._rate[self.size :])
+        return self._rate
+
+    def guards(self, t: float, z: Vector) -> Vector:
+        s = self.system
+        self.evaluation.outputs(t, z[: self.size])
+        u, start = self.evaluation.u, 0
+        for name, instance in s.instances.items():
+            component = instance.component
+            if component.events:
+                part = self._g[start : start + component.events.count]
+                x = z[s.state.of(name)]
+                component.flat_guards(t, x, u[s.inputs.of(name)], s.p[s.parameters.of(name)], part)
+                start += component.events.count
+        return self._g
+
+    def transition(self, guard: int, t: float, z: Vector) -> Event:
+        s = self.system
+        name, k = self._guards[guard]
+        self.evaluation.outputs(t, z[: self.size])
+        u = self.evaluation.u[s.inputs.of(name)]
+        s.instances[name].component.flat_transition(k, t, z[s.state.of(name)], u, s.p[s.parameters.of(name)])
+        return Event(t, name, k)

@@ -1,0 +1,201 @@
+"""The reference: a system solved as one problem by two independent methods.
+
+The methods share nothing but the components' kernels. Their difference is published as the reference's
+own uncertainty; coupled runs are compared with the reference only above it.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..quantities import Vector
+from ..system import ModelError, System
+from .cvode import Cvode
+from .difference import Difference, difference
+from .energy import EnergyBalance
+from .march import march
+from .problem import Event, Problem, SystemProblem
+from .runge_kutta import RungeKutta
+
+# The integrators' tolerance per step and unit of nominal, over the tolerance that the user asks for: a
+# contact load is the small difference of two large positions, and errors of steps add up.
+SHARPER = 1e-2
+# Below this, rounding and not the tolerance decides.
+SHARPEST = 1e-13
+# Explicit steps that stability alone may cost before the problem is called stiff (DOP853: 12 rates each).
+STIFF_STEPS = 100_000
+# Length of DOP853's stability interval on the negative real axis.
+STABILITY_INTERVAL = 6.0
+# Steps may be this share of the duration even where closer instants are asked for.
+SHORT_SHARE = 1e-2
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A system's course in time, solved as one problem. n instants.
+
+    Published are the values of the first method (CVODE); `uncertainty` is its difference from the second
+    for every output, by "instance.variable". `supplied` holds sources and all that came in over power
+    bonds (which cancels between connected components). `energy` has the same by component.
+    """
+
+    system: System
+    times: Vector
+    state: Vector
+    inputs: Vector
+    outputs: Vector
+    uncertainty: Mapping[str, Difference]
+    events: list[Event]
+    energy: Mapping[str, EnergyBalance]
+    wall_time_s: float
+    method_names: tuple[str, str]
+
+    @property
+    def stored_energy(self) -> Vector:
+        """Energy stored in all components (J), (n,)."""
+        return np.asarray(sum(e.stored for e in self.energy.values()))
+
+    @property
+    def dissipated(self) -> Vector:
+        """Energy dissipated since the start (J), (n,)."""
+        return np.asarray(sum(e.dissipated for e in self.energy.values()))
+
+    @property
+    def supplied(self) -> Vector:
+        """Energy given to the system since the start (J), (n,)."""
+        return np.asarray(sum(e.sourced + e.received for e in self.energy.values()))
+
+    def __getitem__(self, name: str) -> Vector:
+        """The output called "instance.variable", (n,)."""
+        try:
+            return np.asarray(self.outputs[:, self.system.outputs.names.index(name)])
+        except ValueError:
+            raise KeyError(f"{name!r} is no output of the system") from None
+
+
+def solve(
+    system: System,
+    times: Vector,
+    tolerance: float = 1e-10,
+    x0: Vector | None = None,
+    t0: float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Reference:
+    """Solve `system` at `times` (ascending) from the state `x0` (default: its starts) at `t0` (times[0]).
+
+    Method A is CVODE, method B DOP853, or BDF and Radau for a stiff problem; both locate the events of
+    components. `tolerance` is relative to nominal + |value|. `progress` is called with the share done.
+    ModelError if a method fails.
+    """
+    begun = time.perf_counter()
+    times = checked_times(times, t0)
+    problem = SystemProblem(system)
+    z0 = problem.start(system.x0 if x0 is None else np.asarray(x0, dtype=np.float64))
+    start = float(times[0]) if t0 is None else float(t0)
+    runs, events, names = solve_twice(problem, z0, start, times, tolerance, progress)
+    inputs, outputs, stored = observe(problem, times, runs[0])
+    others = observe(problem, times, runs[1])[1]
+    n = system.state.size
+    return Reference(
+        system=system,
+        times=times,
+        state=runs[0][:, :n],
+        inputs=inputs,
+        outputs=outputs,
+        uncertainty=uncertainties(system, outputs, others),
+        events=events,
+        energy=problem.energies.balances(stored, runs[0][:, n:]),
+        wall_time_s=time.perf_counter() - begun,
+        method_names=names,
+    )
+
+
+def checked_times(times: Vector, t0: float | None) -> Vector:
+    """`times` as a vector; ModelError unless it ascends from t0."""
+    times = np.atleast_1d(np.asarray(times, dtype=np.float64))
+    if times.ndim != 1 or times.size == 0 or not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0.0):
+        raise ModelError("times: must be a vector of ascending finite instants")
+    if t0 is not None and t0 > times[0]:
+        raise ModelError(f"t0 = {t0:g} s: must not be behind the first instant {times[0]:g} s")
+    return times
+
+
+def solve_twice(
+    problem: Problem,
+    z0: Vector,
+    t0: float,
+    times: Vector,
+    tolerance: float,
+    progress: Callable[[float], None] | None = None,
+) -> tuple[tuple[Vector, Vector], list[Event], tuple[str, str]]:
+    """States by both methods, each (n, size), the first one's events, and the methods' names."""
+    if not 0.0 < tolerance < 1.0:
+        raise ModelError(f"tolerance = {tolerance:g}: must be > 0 and < 1")
+    stiff, longest = stiffness(problem, t0, z0, times)
+    sharp = max(SHARPER * tolerance, SHARPEST)
+    runs, events, names = [], [], []
+    for i, method in enumerate(
+        (Cvode(problem, sharp, stiff, longest), RungeKutta(problem, sharp, stiff, longest))
+    ):
+        share = None if progress is None else _half(progress, i)
+        states, found = march(problem, method, z0, t0, times, share)
+        runs.append(states)
+        events.append(found)
+        names.append(method.name)
+    return (runs[0], runs[1]), events[0], (names[0], names[1])
+
+
+def _half(progress: Callable[[float], None], i: int) -> Callable[[float], None]:
+    return lambda share: progress(0.5 * (i + share))
+
+
+def stiffness(problem: Problem, t0: float, z: Vector, times: Vector) -> tuple[bool, float]:
+    """Whether the problem is stiff, and the longest step that a method may take (s).
+
+    Stiff: stability would cost an explicit method more than STIFF_STEPS steps, judged by the largest
+    eigenvalue of the Jacobian (by differences) at the start. The limit, of an explicit method the one that
+    stability sets as soon as anything moves, keeps a method from leaping from rest over a whole lift.
+    """
+    base = problem.rate(t0, z).copy()
+    jacobian = np.empty((z.size, z.size))
+    for j in range(z.size):
+        moved = z.copy()
+        moved[j] += 1e-7 * max(problem.nominal[j], abs(z[j]))
+        jacobian[:, j] = (problem.rate(t0, moved) - base) / (moved[j] - z[j])
+    if not np.all(np.isfinite(jacobian)):
+        raise ModelError(f"the system's rates are not finite at its start, t = {t0:g} s: check start values")
+    fastest = float(np.max(np.abs(np.linalg.eigvals(jacobian)), initial=0.0))
+    duration = float(times[-1]) - t0
+    stiff = fastest * duration > STIFF_STEPS * STABILITY_INTERVAL
+    longest = max(float(np.max(np.diff(times, prepend=t0))), duration * SHORT_SHARE)
+    if not stiff and fastest > 0.0:
+        longest = min(longest, STABILITY_INTERVAL / fastest)
+    return stiff, longest if longest > 0.0 else math.inf
+
+
+def observe(problem: SystemProblem, times: Vector, states: Vector) -> tuple[Vector, Vector, Vector]:
+    """Inputs (n, n_in), outputs (n, n_out) and stored energies (n, instances) along a solution."""
+    inputs, outputs, stored = [], [], []
+    for t, z in zip(times, states, strict=True):
+        x = np.ascontiguousarray(z[: problem.size])
+        outputs.append(problem.evaluation.outputs(float(t), x).copy())
+        inputs.append(problem.evaluation.u.copy())
+        stored.append(problem.energies.stored(float(t), x, problem.evaluation.u))
+    if not np.all(np.isfinite(outputs)):
+        row, column = np.argwhere(~np.isfinite(outputs))[0]
+        name = problem.system.outputs.names[column]
+        raise ModelError(f"{name} is not finite at t = {times[row]:g} s: check parameters and start values")
+    return np.array(inputs), np.array(outputs), np.array(stored)
+
+
+def uncertainties(system: System, outputs: Vector, others: Vector) -> dict[str, Difference]:
+    """The difference of two solutions for every output, by name."""
+    return {
+        name: difference(others[:, i], outputs[:, i], float(system.outputs.nominal[i]))
+        for i, name in enumerate(system.outputs.names)
+    }

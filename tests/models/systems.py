@@ -1,0 +1,62 @@
+"""Systems that tests share."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from models.catalogue import CATALOGUE
+from models.quantities import Vector
+from models.system import Instance, System
+
+VALVE_TRAIN = (
+    ("flywheel.angle", "camshaft.drive_angle"),
+    ("flywheel.speed", "camshaft.drive_speed"),
+    ("flywheel.acceleration", "camshaft.drive_acceleration"),
+    ("camshaft.drive_torque", "flywheel.load_torque[1]"),
+    ("camshaft.surface_position", "contact.approach"),
+    ("camshaft.surface_velocity", "contact.approach_rate"),
+    ("valve_spring.position", "contact.retreat"),
+    ("valve_spring.velocity", "contact.retreat_rate"),
+    ("camshaft.entraining_velocity", "contact.entraining_velocity"),
+    ("camshaft.sliding_velocity", "contact.sliding_velocity"),
+    ("camshaft.radius_of_curvature", "contact.radius_of_curvature"),
+    ("contact.load", "camshaft.contact_load"),
+    ("contact.load", "valve_spring.load"),
+)
+DRY = {"film_model": 7.0}
+
+
+def valve_train(
+    speed_rpm: float = 1000.0,
+    *,
+    flywheel: Mapping[str, float] | None = None,
+    camshaft: Mapping[str, float] | None = None,
+    valve_spring: Mapping[str, float] | None = None,
+    contact: Mapping[str, float] | None = None,
+    coil_masses: int = 2,
+) -> System:
+    """The valve train of the set `kushwaha2000` at a constant cam speed, with changed parameters."""
+    speed = speed_rpm * math.pi / 30.0
+    turning = {"initial_speed": speed, "final_speed": speed}
+    return System(
+        {
+            "flywheel": Instance(
+                CATALOGUE["flywheel"](), {**turning, **(flywheel or {})}, start={"speed": speed}
+            ),
+            "camshaft": Instance(CATALOGUE["camshaft"](), camshaft or {}),
+            "valve_spring": Instance(CATALOGUE["valve_spring"](coil_masses=coil_masses), valve_spring or {}),
+            "contact": Instance(CATALOGUE["ehl_contact"](), contact or {}),
+        },
+        VALVE_TRAIN,
+    )
+
+
+def turn(speed_rpm: float) -> float:
+    """Duration of one turn of the cam (s)."""
+    return 60.0 / speed_rpm
+
+
+def column(system: System, outputs: Vector, name: str) -> Vector:
+    """The output called "instance.variable" of a table of outputs."""
+    return outputs[:, system.outputs.names.index(name)]
