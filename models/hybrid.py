@@ -39,6 +39,8 @@ ROOT_STEPS = 100
 # Events without progress of time after which the step is given up: chatter that its component does not
 # end needs ln(1e16)/ln(1/e) of them to stand still in time (350 for e = 0.9).
 STALLED_EVENTS = 1000
+# Events in one call: bounces so low that rounding keeps them up pass time, but too slowly to end.
+MOST_EVENTS = 100_000
 
 
 def hybrid_work_size(component: Component) -> int:
@@ -244,7 +246,7 @@ def make_hybrid_advance(component: Component) -> Any:
         g0, g = rest[0:count], rest[count : 2 * count]
         samples = rest[2 * count : (2 + points) * count].reshape((points, count))
         start[:] = x
-        s, micro, stalled = 0.0, h, 0
+        s, micro, stalled, events = 0.0, h, 0, 0
         status = settle(t, s, x, U, u, p, g0)
         derivative_along(t, 0.0, x, U, u, p, k[0:n])
         while s < h and status == OK:
@@ -285,7 +287,8 @@ def make_hybrid_advance(component: Component) -> Any:
                 taylor(U, s, u)
                 transition(first, t + s, x, u, p)
                 status = settle(t, s, x, U, u, p, g0)
-                if stalled > STALLED_EVENTS:
+                events += 1
+                if stalled > STALLED_EVENTS or events > MOST_EVENTS:
                     status = TOO_MANY_EVENTS
                 derivative_along(t, s, x, U, u, p, k[0:n])
             else:

@@ -18,6 +18,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..component import Component, Events
+from ..integrator import FAILURES, OK
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector
 from .equations import (
@@ -31,6 +32,11 @@ from .equations import (
     wall_angle,
     wall_rate,
 )
+
+# Rebound per radian below which a pressed slider is taken to slide, as in the component.
+SLIDES = 1e-8
+# Places in the state.
+TANGENTS, IMPACTS, SLID = slice(2, 6), 6, 7
 
 
 @dataclass
@@ -53,6 +59,7 @@ class TangentState:
     second_psi: Annotated[float, Quantity("1", "second tangent vector")] = 0.0
     second_rate: Annotated[float, Quantity("1", "second tangent vector")] = 1.0
     impacts: Annotated[float, Quantity("1", "impacts", count=True)] = 0.0
+    slid: Annotated[float, Quantity("1", "came to slide; walls are off since", boolean=True)] = 0.0
 
 
 @dataclass
@@ -81,13 +88,14 @@ def derivative(t: float, x: TangentState, u: TangentInputs, p: TangentParameters
     dx.second_psi = x.second_rate
     dx.second_rate = -(m.damping * x.second_rate + c * x.second_psi) / a
     dx.impacts = 0.0
+    dx.slid = 0.0
 
 
 @kernel
 def guards(t: float, x: TangentState, u: TangentInputs, p: TangentParameters, g: Vector) -> None:
     wall = wall_angle(u.crank_angle, p.gap, p.xi)
-    g[0] = wall - x.psi
-    g[1] = wall + x.psi
+    g[0] = wall - x.psi if x.slid == 0.0 else 1.0
+    g[1] = wall + x.psi if x.slid == 0.0 else 1.0
 
 
 @kernel
@@ -110,6 +118,8 @@ def transition(k: int, t: float, x: TangentState, u: TangentInputs, p: TangentPa
     # Inside by two units of rounding.
     x.psi = wall - side * 4.4e-16 * abs(wall)
     x.impacts += 1.0
+    if abs(after - rate) < SLIDES and side * z2_after > 0.0:
+        x.slid = 1.0
 
 
 @kernel
@@ -169,17 +179,20 @@ def lyapunov_exponents(
     for cycle in range(transient + cycles):
         if cycle == transient:
             growth[:] = 0.0
-            impacts = x[6]
+            impacts = x[IMPACTS]
         # Every cycle begins at time zero: the flow is periodic, and time keeps its resolution.
-        if flow.step(0.0, 2.0 * math.pi, x, U, p, flow.state.nominal, work, u, y):
+        status = flow.step(0.0, 2.0 * math.pi, x, U, p, flow.state.nominal, work, u, y)
+        if status != OK:
+            raise ArithmeticError(f"cycle {cycle + 1}: {FAILURES[status]}")
+        if x[SLID] != 0.0:
             raise ValueError(
                 f"damping = {damping:g}, gap = {gap:g}: the motion slides in cycle {cycle + 1}; "
                 "exponents exist for bouncing motion only"
             )
-        q, r = np.linalg.qr(x[2:6].reshape(2, 2).T)
+        q, r = np.linalg.qr(x[TANGENTS].reshape(2, 2).T)
         growth += np.log(np.abs(np.diag(r)))
-        x[2:6] = q.T.ravel()
+        x[TANGENTS] = q.T.ravel()
     radians = 2.0 * math.pi * cycles
-    per_cycle = (x[6] - impacts) / cycles
+    per_cycle = (x[IMPACTS] - impacts) / cycles
     exact = -damping / inertia(m) + 2.0 * per_cycle * math.log(restitution) / (2.0 * math.pi)
     return Exponents(growth[0] / radians, growth[1] / radians, exact, per_cycle)

@@ -1,0 +1,283 @@
+"""The slider-crank component: its numbers, energy, walls, and independence of how time is cut."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.integrator import OK
+from models.quantities import Vector
+from models.slider_crank.slider_crank import mechanism, slider_crank
+
+CRANK = slider_crank()
+STATE, INPUTS, OUTPUTS = CRANK.state, CRANK.inputs, CRANK.outputs
+TURN = 2.0 * math.pi
+# Sizes at unit speed: rates of psi are of the size of psi.
+SCALE = STATE.nominal.copy()
+SCALE[STATE.index("psi_rate")] = 1e-2
+
+
+def thesis_parameters(damping: float, gap: float, **values: float) -> Vector:
+    """F's dimensionless engine as a component: M = l = 1, so that speed 1 gives F's lambda and rho."""
+    unit = {
+        "crank_radius": 0.3030,
+        "rod_length": 1.0,
+        "piston_mass": 1.0,
+        "rod_mass": 1.9,
+        "rod_inertia": 0.4719,
+    }
+    return CRANK.parameters.vector(
+        {**unit, "form": 0.0, "joint_friction": damping, "clearance": gap, **values}
+    )
+
+
+def turn(x: Vector, p: Vector, start: float, angle: float, **constant: float) -> Vector:
+    """Advance by `angle` at unit speed from crank angle (= time) `start`; the outputs at the end."""
+    U = CRANK.input_polynomial()
+    for name, value in {"crank_angle": start, "crank_speed": 1.0, **constant}.items():
+        U[0, INPUTS.index(name)] = value
+    U[1, INPUTS.index("crank_angle")] = 1.0
+    y = np.zeros(OUTPUTS.size)
+    work, u = np.zeros(CRANK.work_size), np.zeros(INPUTS.size)
+    assert CRANK.step(start, angle, x, U, p, SCALE, work, u, y) == OK
+    return y
+
+
+def test_defaults_are_the_thesis_engine() -> None:
+    m = mechanism(CRANK.parameters.view(CRANK.parameters.vector()))
+    assert (m.xi, m.alpha, m.beta) == pytest.approx((0.3030, 1.9000, 0.4719), rel=1e-14)
+    assert m.forcing_beta == m.beta
+    assert m.damping / (1000.0 * math.pi / 30.0) == pytest.approx(0.05)
+    p = CRANK.parameters.named(CRANK.parameters.vector())
+    pound_force, inch = 4.4482216152605, 0.0254
+    assert p["crank_radius"] == pytest.approx(1.6535 * inch, rel=4e-4)
+    assert p["rod_mass"] == pytest.approx(0.00399 * pound_force / inch, rel=4e-4)
+    assert p["rod_inertia"] == pytest.approx(0.0295 * pound_force * inch, rel=4e-4)
+
+
+@pytest.mark.parametrize(
+    ("values", "name", "rule"),
+    [
+        ({"restitution": 1.1}, "restitution", "<= 1"),
+        ({"restitution": -0.1}, "restitution", ">= 0"),
+        ({"piston_mass": 0.0}, "piston_mass", "> 0"),
+        ({"joint_friction": -1.0}, "joint_friction", ">= 0"),
+        ({"form": 2.0}, "form", "as_published"),
+        ({"crank_radius": 0.2}, "crank_radius", "rod_length"),
+        ({"clearance": 0.02}, "clearance", "0.1 rad"),
+        ({"rod_length": math.nan}, "rod_length", "> 0"),
+    ],
+)
+def test_parameters_out_of_range_are_named(values: dict[str, float], name: str, rule: str) -> None:
+    faults = CRANK.parameter_faults(CRANK.parameters.vector(values))
+    assert len(faults) == 1
+    assert name in faults[0]
+    assert rule in faults[0]
+
+
+def test_default_parameters_are_allowed() -> None:
+    assert CRANK.parameter_faults(CRANK.parameters.vector()) == []
+
+
+def stored_energy_at(s: float, x: Vector, dx: Vector, U: Vector, p: Vector) -> float:
+    u = U[0] + s * U[1] + 0.5 * s**2 * U[2]
+    e = np.zeros(3)
+    CRANK.flat_energy(0.0, x + s * dx, u, p, e)
+    return float(e[0])
+
+
+@pytest.mark.parametrize("form", [0.0, 1.0])
+@pytest.mark.parametrize("mode", [0.0, 1.0, -1.0])
+def test_power_balances_at_every_instant(form: float, mode: float) -> None:
+    """d(stored)/dt = torque * speed - friction + source, also at varying speed and with moving films."""
+    rng = np.random.default_rng(3)
+    p = CRANK.parameters.vector({"form": form})
+    for _ in range(20):
+        U = CRANK.input_polynomial()
+        theta, speed, acceleration = (
+            rng.uniform(0.0, TURN),
+            rng.uniform(-300.0, 300.0),
+            rng.uniform(-1e4, 1e4),
+        )
+        films, rates = rng.uniform(0.0, 1e-4, 2), rng.uniform(-0.01, 0.01, 2)
+        U[0] = [theta, speed, acceleration, *films, *rates]
+        U[1] = [speed, acceleration, 0.0, *rates, 0.0, 0.0]
+        U[2, 0] = acceleration
+        x = STATE.vector({"psi": rng.uniform(-0.01, 0.01), "psi_rate": rng.uniform(-5.0, 5.0), "mode": mode})
+        dx, y, e = np.zeros(STATE.size), np.zeros(OUTPUTS.size), np.zeros(3)
+        CRANK.flat_derivative(0.0, x, U[0], p, dx)
+        CRANK.flat_output(0.0, x, U[0], p, y)
+        CRANK.flat_energy(0.0, x, U[0], p, e)
+        power = y[OUTPUTS.index("crank_torque")] * speed - e[1] + e[2]
+        # Differences of a function that varies with the crank angle: error (speed d)^4 and rounding/d.
+        d = 1e-3 / 300.0
+        change = 8.0 * (stored_energy_at(d, x, dx, U, p) - stored_energy_at(-d, x, dx, U, p))
+        change -= stored_energy_at(2 * d, x, dx, U, p) - stored_energy_at(-2 * d, x, dx, U, p)
+        size = 300.0 * float(np.abs(y[OUTPUTS.index("crank_torque")]) + 1.0)
+        assert abs(change / (12.0 * d) - power) < 1e-6 * size
+
+
+def test_impacts_and_changes_of_mode_keep_the_books() -> None:
+    """Stored energy (losses and work of impacts booked) does not jump; the crank's impulse does the work."""
+    p = thesis_parameters(0.2, 0.015)
+    x, u, e = STATE.vector(), INPUTS.vector({"crank_speed": 1.0}), np.zeros(3)
+    losses = 0.0
+    for k, (side, rate) in itertools.product((0, 1), enumerate((0.08, 0.01, 1e-12))):
+        u[0] = 0.7 + 2.0 * side + k
+        towards = 1.0 - 2.0 * k
+        x[:3] = towards * 0.0152, towards * rate, 0.0
+        CRANK.flat_energy(0.0, x, u, p, e)
+        before, impulse, work = e[0], x[9], x[13]
+        CRANK.flat_transition(k, 1.0, x, u, p)
+        CRANK.flat_energy(0.0, x, u, p, e)
+        assert e[0] == pytest.approx(before, rel=1e-13)
+        assert x[12] >= losses
+        losses = x[12]
+        # psi is also put back on the wall, from 1 % outside.
+        assert x[13] - work == pytest.approx(x[9] - impulse, abs=2e-3 * abs(before))
+
+
+def test_impact_loss_is_that_of_the_restitution() -> None:
+    """(1 - e) P v / 2 with the impulse P = (1 + e) v m_eff, m_eff = a M / Lambda^2."""
+    p = thesis_parameters(0.0, 0.015)
+    x = STATE.vector()
+    turn(x, p, 0.0, 0.9)
+    assert x[3] + x[4] == 1.0
+    velocity, impulse = x[11], x[5] + x[6]
+    big = 1.0 - (0.303 * math.sin(x[10])) ** 2
+    assert impulse == pytest.approx(1.9 * velocity * (1.9 / 4.0 + 1.0 + 0.4719) / big, rel=1e-12)
+    assert x[12] == pytest.approx(0.05 * impulse * velocity, rel=1e-12)
+
+
+def test_elastic_impacts_without_friction_lose_nothing() -> None:
+    p = thesis_parameters(0.0, 0.015, restitution=1.0)
+    x = STATE.vector({"psi_rate": 0.03})
+    y = turn(x, p, 0.0, 10 * TURN)
+    assert y[OUTPUTS.index("impact_count")] > 50.0
+    assert x[STATE.index("impact_loss")] == 0.0
+    assert x[STATE.index("mode")] == 0.0
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(
+    damping=st.floats(0.0, 0.5),
+    gap=st.floats(0.0, 0.03),
+    restitution=st.floats(0.0, 0.95),
+    rate=st.floats(-0.2, 0.2),
+    start=st.floats(0.0, 6.0),
+    form=st.sampled_from([0.0, 1.0]),
+)
+def test_walls_are_never_passed_and_only_push(
+    damping: float, gap: float, restitution: float, rate: float, start: float, form: float
+) -> None:
+    p = thesis_parameters(damping, gap, restitution=restitution, form=form)
+    x = STATE.vector({"psi_rate": rate})
+    sums = np.zeros(4)
+    for part in range(20):
+        y = turn(x, p, start + 0.3 * part, 0.3)
+        # The wall's psi is known to rounding.
+        assert abs(y[OUTPUTS.index("piston_offset")]) <= gap * (1.0 + 1e-13)
+        # At the instant of release the force is zero to rounding.
+        assert min(y[OUTPUTS.index("upper_wall_force")], y[OUTPUTS.index("lower_wall_force")]) >= -1e-12
+        now = x[5:9].copy()
+        assert (now >= sums).all()
+        sums = now
+
+
+def test_cutting_time_changes_no_impact() -> None:
+    """Impact times to 1e-9 over 8 rad of a chaotic motion (errors grow by e^(0.41 * 8) = 27)."""
+    p, horizon = thesis_parameters(0.05, 0.01), 8.0
+    rng = np.random.default_rng(7)
+
+    def impacts(cuts: Vector) -> Vector:
+        x, found = STATE.vector(), []
+        for start, end in itertools.pairwise(cuts):
+            turn(x, p, start, end - start)
+            found.append((x[3] + x[4], x[10]))
+        return np.array(found)
+
+    fine = np.sort(np.concatenate([[0.0, horizon], rng.uniform(0.0, horizon, 400)]))
+    finer = np.sort(np.concatenate([fine, rng.uniform(0.0, horizon, 400)]))
+    first, second = impacts(fine), impacts(finer)
+    second = second[np.searchsorted(finer, fine[1:]) - 1]
+    assert first[-1, 0] > 8.0
+    assert np.array_equal(first[:, 0], second[:, 0])
+    assert np.abs(first[:, 1] - second[:, 1]).max() < 1e-9
+    assert impacts(np.array([0.0, horizon]))[0] == pytest.approx(first[-1], abs=1e-9)
+
+
+def test_restored_state_repeats_bit_for_bit() -> None:
+    p, x = thesis_parameters(0.2, 0.015), STATE.vector()
+    turn(x, p, 0.0, 15.0)
+    saved = x.copy()
+    y = turn(x, p, 15.0, 12.0)
+    again = saved.copy()
+    assert np.array_equal(turn(again, p, 15.0, 12.0), y)
+    assert np.array_equal(again, x)
+
+
+def test_film_narrows_the_clearance_and_moves_the_wall() -> None:
+    """Sliding on a film: the offset is clearance - film, and follows its rate."""
+    p, film, rate = thesis_parameters(0.35, 0.015), 0.002, -1e-4
+    x = STATE.vector()
+    y = turn(x, p, 0.0, 20.0, upper_film_thickness=film)
+    assert y[OUTPUTS.index("sliding")] == 1.0
+    assert y[OUTPUTS.index("piston_offset")] == pytest.approx(0.015 - film, rel=1e-14)
+    U = CRANK.input_polynomial()
+    U[0] = [20.0, 1.0, 0.0, film, 0.0, rate, 0.0]
+    U[1] = [1.0, 0.0, 0.0, rate, 0.0, 0.0, 0.0]
+    u = np.zeros(INPUTS.size)
+    assert CRANK.step(20.0, 3.0, x, U, p, STATE.nominal, np.zeros(CRANK.work_size), u, y) == OK
+    assert y[OUTPUTS.index("piston_offset")] == pytest.approx(0.015 - film - 3.0 * rate, rel=1e-14)
+    # The state psi, integrated from the rates, is the same.
+    assert x[0] == pytest.approx(y[OUTPUTS.index("psi")], rel=1e-9)
+
+
+def test_film_that_grows_into_a_bounce_is_an_approaching_wall() -> None:
+    """e = 1 at rest: after an impact the slider leaves a wall of velocity w with twice w."""
+    p = thesis_parameters(0.0, 0.015, restitution=1.0)
+    x, u = STATE.vector({"psi": 0.015}), INPUTS.vector({"upper_film_rate": 0.01})
+    CRANK.flat_transition(0, 0.0, x, u, p)
+    assert x[1] == pytest.approx(-0.02, rel=1e-14)
+
+
+def test_no_clearance_is_the_nominal_mechanism() -> None:
+    x = STATE.vector()
+    y = turn(x, thesis_parameters(0.05, 0.0), 0.0, 7.0)
+    assert y[OUTPUTS.index("psi")] == 0.0
+    assert abs(y[OUTPUTS.index("sliding")]) == 1.0
+    assert y[OUTPUTS.index("piston_position")] == pytest.approx(
+        0.303 * math.cos(7.0) + math.sqrt(1.0 - (0.303 * math.sin(7.0)) ** 2), rel=1e-14
+    )
+
+
+def test_crank_at_rest_comes_to_rest() -> None:
+    """Nothing is divided by the speed: a swinging rod is stopped by friction."""
+    p, x = thesis_parameters(0.5, 0.015), STATE.vector({"psi_rate": 0.05})
+    U, y, u = CRANK.input_polynomial(), np.zeros(OUTPUTS.size), np.zeros(INPUTS.size)
+    assert CRANK.step(0.0, 200.0, x, U, p, STATE.nominal, np.zeros(CRANK.work_size), u, y) == OK
+    assert abs(x[1]) < 1e-10
+    assert y[OUTPUTS.index("impact_count")] > 2.0
+
+
+def test_outputs_depend_on_no_other_inputs_than_declared() -> None:
+    """Changing an input changes only the outputs that list it, and all that list it in some mode."""
+    rng = np.random.default_rng(5)
+    p, seen = CRANK.parameters.vector(), set()
+    for _ in range(60):
+        mode = float(rng.integers(-1, 2))
+        x = STATE.vector({"psi": rng.uniform(-0.01, 0.01), "psi_rate": rng.uniform(-5.0, 5.0), "mode": mode})
+        u = rng.uniform(0.5, 2.0, INPUTS.size) * INPUTS.nominal
+        y, changed = np.zeros(OUTPUTS.size), np.zeros(OUTPUTS.size)
+        CRANK.flat_output(0.0, x, u, p, y)
+        for j, name in enumerate(INPUTS.names):
+            other = u.copy()
+            other[j] *= 1.01
+            CRANK.flat_output(0.0, x, other, p, changed)
+            seen |= {(OUTPUTS.names[i], name) for i in np.nonzero(y != changed)[0]}
+    assert seen == {(out, name) for out, names in CRANK.feedthrough.items() for name in names}
