@@ -138,20 +138,18 @@ EXPONENTS = [(0.05, 0.01, 0.414), (0.025, 0.02, 0.387), (0.05, 0.015, -0.147), (
 
 @pytest.mark.parametrize(("damping", "gap", "reference"), EXPONENTS)
 def test_lyapunov_exponents(damping: float, gap: float, reference: float) -> None:
-    """The largest within the statistics of 300 revolutions (about 3 %); their sum exactly."""
+    """The largest within the statistics of 300 revolutions; their sum exactly."""
     found = lyapunov_exponents(damping, gap, cycles=300, transient=100)
     assert found.largest + found.second == pytest.approx(found.exact_sum, abs=1e-11)
     assert found.largest == pytest.approx(reference, rel=0.1)
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("damping", "gap", "converged"),
-    [(0.05, 0.01, 0.411), (0.025, 0.02, 0.382), (0.05, 0.015, -0.14699), (0.075, 0.02, 0.346)],
-)
-def test_lyapunov_exponents_long(damping: float, gap: float, converged: float) -> None:
+@pytest.mark.parametrize(("damping", "gap", "reference"), EXPONENTS)
+def test_lyapunov_exponents_long(damping: float, gap: float, reference: float) -> None:
+    """Successive spans of 4000 revolutions of (0.075, 0.02) scatter by 0.005; three times that."""
     found = lyapunov_exponents(damping, gap, cycles=8000)
-    assert found.largest == pytest.approx(converged, rel=0.01)
+    assert found.largest == pytest.approx(reference, abs=0.015)
 
 
 def test_periodic_orbit_has_half_the_sum() -> None:
