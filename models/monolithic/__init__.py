@@ -1,9 +1,19 @@
 """The monolithic reference: a whole System as one problem, without splitting, by two methods."""
 
+from .adherence import solve_adherence
 from .difference import Difference, difference
 from .energy import EnergyBalance
 from .equilibrium import equilibrium
 from .problem import Event
 from .reference import Reference, solve
 
-__all__ = ["Difference", "EnergyBalance", "Event", "Reference", "difference", "equilibrium", "solve"]
+__all__ = [
+    "Difference",
+    "EnergyBalance",
+    "Event",
+    "Reference",
+    "difference",
+    "equilibrium",
+    "solve",
+    "solve_adherence",
+]

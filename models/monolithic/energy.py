@@ -19,7 +19,7 @@ QUADRATURES = 3
 
 @dataclass(frozen=True)
 class EnergyBalance:
-    """Energies (J) of one component over time, each (n,); all but `stored` count from the start.
+    """Energies (J) of one component over time, each (n,); all but `stored` count from the first instant.
 
     stored - stored[0] + dissipated = sourced + received, up to what the component's description leaves
     out (see `residual`). `received` came in over the power bonds.
@@ -110,6 +110,7 @@ class Energies:
 
     def balances(self, stored: Vector, quadratures: Vector) -> dict[str, EnergyBalance]:
         """From stored energies (n, instances) and integrated powers (n, instances * QUADRATURES)."""
+        quadratures = quadratures - quadratures[0]
         return {
             name: EnergyBalance(
                 stored[:, i],

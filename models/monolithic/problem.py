@@ -36,6 +36,18 @@ class Problem(Protocol):
         ...
 
 
+class ObservableProblem(Problem, Protocol):
+    """A problem whose z contains the state of a system."""
+
+    system: System
+    evaluation: Evaluation
+    energies: Energies
+
+    def full_state(self, t: float, z: Vector) -> Vector:
+        """The system's state at (t, z)."""
+        ...
+
+
 class SystemProblem:
     """A system's state, followed by the energies that its components dissipate, supply and receive."""
 
@@ -61,6 +73,9 @@ class SystemProblem:
         if x0.shape != (self.size,):
             raise ModelError(f"start state of {x0.size} elements: the system has {self.size} states")
         return np.concatenate([x0, np.zeros(self.nominal.size - self.size)])
+
+    def full_state(self, t: float, z: Vector) -> Vector:
+        return np.ascontiguousarray(z[: self.size])
 
     def rate(self, t: float, z: Vector) -> Vector:
         x = z[: self.size]

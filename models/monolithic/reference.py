@@ -19,7 +19,7 @@ from .cvode import Cvode
 from .difference import Difference, difference
 from .energy import EnergyBalance
 from .march import march
-from .problem import Event, Problem, SystemProblem
+from .problem import Event, ObservableProblem, Problem, SystemProblem
 from .runge_kutta import RungeKutta
 
 # The integrators' tolerance per step and unit of nominal, over the tolerance that the user asks for: a
@@ -62,12 +62,12 @@ class Reference:
 
     @property
     def dissipated(self) -> Vector:
-        """Energy dissipated since the start (J), (n,)."""
+        """Energy dissipated since the first instant (J), (n,)."""
         return np.asarray(sum(e.dissipated for e in self.energy.values()))
 
     @property
     def supplied(self) -> Vector:
-        """Energy given to the system since the start (J), (n,)."""
+        """Energy given to the system since the first instant (J), (n,)."""
         return np.asarray(sum(e.sourced + e.received for e in self.energy.values()))
 
     def __getitem__(self, name: str) -> Vector:
@@ -139,9 +139,11 @@ def solve_twice(
     stiff, longest = stiffness(problem, t0, z0, times)
     sharp = max(SHARPER * tolerance, SHARPEST)
     runs, events, names = [], [], []
-    for i, method in enumerate(
-        (Cvode(problem, sharp, stiff, longest), RungeKutta(problem, sharp, stiff, longest))
-    ):
+    methods: tuple[Method, Method] = (
+        Cvode(problem, sharp, stiff, longest),
+        RungeKutta(problem, sharp, stiff, longest),
+    )
+    for i, method in enumerate(methods):
         share = None if progress is None else _half(progress, i)
         states, found = march(problem, method, z0, t0, times, share)
         runs.append(states)
@@ -178,11 +180,11 @@ def stiffness(problem: Problem, t0: float, z: Vector, times: Vector) -> tuple[bo
     return stiff, longest if longest > 0.0 else math.inf
 
 
-def observe(problem: SystemProblem, times: Vector, states: Vector) -> tuple[Vector, Vector, Vector]:
+def observe(problem: ObservableProblem, times: Vector, states: Vector) -> tuple[Vector, Vector, Vector]:
     """Inputs (n, n_in), outputs (n, n_out) and stored energies (n, instances) along a solution."""
     inputs, outputs, stored = [], [], []
     for t, z in zip(times, states, strict=True):
-        x = np.ascontiguousarray(z[: problem.size])
+        x = problem.full_state(float(t), z)
         outputs.append(problem.evaluation.outputs(float(t), x).copy())
         inputs.append(problem.evaluation.u.copy())
         stored.append(problem.energies.stored(float(t), x, problem.evaluation.u))
