@@ -18,7 +18,7 @@ from ..system import ModelError, System
 from .cvode import Cvode
 from .difference import Difference, difference
 from .energy import EnergyBalance
-from .march import march
+from .march import Method, march
 from .problem import Event, ObservableProblem, Problem, SystemProblem
 from .runge_kutta import RungeKutta
 
