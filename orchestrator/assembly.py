@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from models.quantities import Quantity
 from models.system import Instance, System, suggestion
 
+from .errors import RunError
 from .participants import Participant, fmu, in_process
 from .scenario import ComponentTable, Scenario, ScenarioError, ends
 from .values import numbers
@@ -86,8 +88,28 @@ def fmu_files(scenario: Scenario, build: Builder) -> dict[str, FmuFile]:
             continue
         own = table.participant == "fmu"
         path = build(table.component, table.structure) if own else Path(table.participant)
+        if not own:
+            check_archive(name, path)
         files[name] = FmuFile(path, hashlib.sha256(path.read_bytes()).hexdigest())
     return files
+
+
+def check_archive(name: str, path: Path) -> None:
+    """RunError unless the file is a sound archive with a model description and all paths inside."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            members = archive.namelist()
+            damaged = archive.testzip()
+    except (OSError, zipfile.BadZipFile) as error:
+        raise RunError(f"{name}: {path} is not an FMU ({error}); give another file") from None
+    if damaged:
+        raise RunError(f"{name}: {path} is damaged: {damaged} does not fit its checksum; get the file again")
+    for member in members:
+        parts = PurePosixPath(member.replace("\\", "/")).parts
+        if ".." in parts or member.startswith(("/", "\\")) or ":" in member.partition("/")[0]:
+            raise RunError(f"{name}: {path} is refused: {member!r} lies outside the archive")
+    if "modelDescription.xml" not in members:
+        raise RunError(f"{name}: {path} is not an FMU (no modelDescription.xml); give another file")
 
 
 def participants_of(system: System, files: Mapping[str, FmuFile]) -> dict[str, Participant]:

@@ -187,7 +187,7 @@ def _coupled(
                 [*recorders, counter, bar, interruption],
             )
     finally:
-        summary.macro_steps, summary.iterations = counter.steps, counter.iterations
+        summary.macro_steps, summary.iterations = max(0, counter.steps), counter.iterations
         summary.coupled_time_s = counter.time_s
         for participant in participants.values():
             participant.close()
@@ -211,7 +211,6 @@ class _Counter:
         self.iterations += iterations
 
     def end(self, complete: bool, message: str) -> None:
-        self.steps = max(0, self.steps)
         self.time_s = clock.perf_counter() - self._began
 
 
