@@ -117,7 +117,7 @@ class AdherenceProblem:
         self._coil_rates = slice(first + coils, first + 2 * coils)
         share = lumping(coils)
         # Static shape of the coils: every segment carries k0 y3.
-        self._shape = 1.0 - 1.0 / share.end_rate - np.arange(coils) / (share.inner_rate or 1.0)
+        self._shape = 1.0 - 1.0 / share.end_rate - np.arange(coils) / share.inner_rate
 
     def start(self, x0: Vector) -> Vector:
         """The problem's z for the system's state x0."""

@@ -106,34 +106,19 @@ class Lumping(NamedTuple):
 
 
 def lumping(coil_masses: int) -> Lumping:
-    """K's three demands for N equal masses between equal inner and equal end springs.
+    """N equal masses on springs of static rate k0 whose clamped-clamped frequencies begin with f0.
 
-    The static rate is k0 and the clamped-clamped frequencies begin with f0 and 2 f0. The chain's modes
-    are cos or sin of (n - (N+1)/2) q with frequency proportional to sin(q/2); both end conditions give
-    the end-to-inner ratio, and they must agree for q1 (symmetric) and q2 (antisymmetric). N = 2 gives
-    K (1)-(3): 8/3, 4, 2/3. N = 1 has no second frequency; its one spring is cut in the middle.
+    N = 2 is K (1)-(3), 8/3, 4, 2/3, which also gives 2 f0 exactly. Otherwise the masses stand in the middle
+    of N equal slices of the spring, which converges to the continuous spring with 1/N^2, also in what its
+    moving end feels (K's demand of 2 f0 carried on to N masses converges with N^-2/3 only: soft end springs
+    would have to make up for the chain's dispersion). The second frequency is then 2 f0 cos(pi/2N).
     """
     if coil_masses < 1:
         raise ValueError(f"coil_masses = {coil_masses}: must be at least 1")
-    n = coil_masses
-    if n == 1:
-        return Lumping(2.0, 0.0, 1.0)
-
-    def ratios(q1: float) -> tuple[float, float]:
-        q2 = 2.0 * math.asin(2.0 * math.sin(q1 / 2.0))
-        symmetric = 1.0 - math.cos((n + 1) * q1 / 2.0) / math.cos((n - 1) * q1 / 2.0)
-        antisymmetric = 1.0 - math.sin((n + 1) * q2 / 2.0) / math.sin((n - 1) * q2 / 2.0)
-        return symmetric, antisymmetric
-
-    # The root lies near the continuous spring's q1 = pi/N; q2 must exist, so q1 < pi/3.
-    low, high = 0.8 * math.pi / (n + 1), min(math.pi / 3.0, math.pi / n)
-    for _ in range(200):
-        middle = 0.5 * (low + high)
-        symmetric, antisymmetric = ratios(middle)
-        low, high = (middle, high) if symmetric > antisymmetric else (low, middle)
-    ratio = ratios(0.5 * (low + high))[0]
-    inner = 2.0 / ratio + n - 1.0
-    return Lumping(ratio * inner, inner, inner * math.sin(0.25 * (low + high)) ** 2)
+    n = float(coil_masses)
+    if coil_masses == 2:
+        return Lumping(8.0 / 3.0, 4.0, 2.0 / 3.0)
+    return Lumping(2.0 * n, n, n * math.sin(math.pi / (2.0 * n)) ** 2)
 
 
 def spring_frequencies(parameters: ValveSpringParameters, coil_masses: int) -> Vector:

@@ -4,8 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
 
 from models.catalogue import CATALOGUE
+from models.component import Component
+from models.monolithic.cvode import Cvode
+from models.monolithic.march import march
+from models.monolithic.reference import observe, stiffness
 from models.quantities import Vector
 from models.system import Instance, System
 
@@ -60,3 +67,49 @@ def turn(speed_rpm: float) -> float:
 def column(system: System, outputs: Vector, name: str) -> Vector:
     """The output called "instance.variable" of a table of outputs."""
     return outputs[:, system.outputs.names.index(name)]
+
+
+def outputs_of(
+    component: Component,
+    parameters: Mapping[str, float] | None = None,
+    state: Mapping[str, float] | None = None,
+    inputs: Mapping[str, float] | None = None,
+    t: float = 0.0,
+) -> dict[str, float]:
+    """A component's outputs by name."""
+    y = component.outputs.start.copy()
+    component.flat_output(
+        t,
+        component.state.vector(state),
+        component.inputs.vector(inputs),
+        component.parameters.vector(parameters),
+        y,
+    )
+    return component.outputs.named(y)
+
+
+def rates_of(
+    component: Component,
+    parameters: Mapping[str, float] | None = None,
+    state: Mapping[str, float] | None = None,
+    inputs: Mapping[str, float] | None = None,
+    t: float = 0.0,
+) -> dict[str, float]:
+    """A component's state derivatives by name."""
+    dx = np.zeros(component.state.size)
+    component.flat_derivative(
+        t,
+        component.state.vector(state),
+        component.inputs.vector(inputs),
+        component.parameters.vector(parameters),
+        dx,
+    )
+    return component.state.named(dx)
+
+
+def run(problem: Any, x0: Vector, times: Vector, t0: float = 0.0, tolerance: float = 1e-9) -> Vector:
+    """Outputs (n, n_out) at `times` by the reference's first method alone."""
+    z = problem.start(x0)
+    stiff, longest = stiffness(problem, t0, z, times)
+    states, _ = march(problem, Cvode(problem, tolerance, stiff, longest), z, t0, times)
+    return observe(problem, times, states)[1]

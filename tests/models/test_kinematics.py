@@ -1,0 +1,130 @@
+"""The cam of the set `kushwaha2000` against closed forms and an independent evaluation."""
+
+from __future__ import annotations
+
+import math
+from decimal import Decimal, getcontext
+
+import pytest
+
+from models.catalogue import CATALOGUE
+from models.valve_train.cam_profile import (
+    cycloidal_lift,
+    entraining_velocity,
+    radius_of_curvature,
+    smallest_radius_of_curvature,
+)
+
+from .systems import outputs_of
+
+S, R0 = 8e-3, 2.610272395869072 * 8e-3
+B, DWELL = math.radians(88.66608103115016), math.radians(1.333918968849847)
+SPEED = 1000.0 * math.pi / 30.0
+
+
+def cam(degrees: float):
+    return cycloidal_lift(math.radians(degrees), S, B, DWELL)
+
+
+def decimal_sine(x: Decimal) -> Decimal:
+    """The series, to 40 digits."""
+    term, total, n = x, x, 1
+    while abs(term) > Decimal(10) ** -45:
+        term *= -x * x / ((n + 1) * (n + 2))
+        total += term
+        n += 2
+    return total
+
+
+@pytest.mark.parametrize("degrees", [90.5, 100, 120, 144, 168, 178, 182, 192, 216, 240, 269])
+def test_lift_and_its_derivatives_agree_with_forty_digits(degrees):
+    getcontext().prec = 50
+    pi = Decimal("3.14159265358979323846264338327950288419716939937510")
+    rise, half = Decimal(B), Decimal(DWELL)
+    a = rise - (abs(Decimal(math.radians(degrees)) - pi) - half)
+    side = 1 if degrees < 180 else -1
+    turned = 2 * pi * a / rise
+    lift = Decimal(S) * (a / rise - decimal_sine(turned) / (2 * pi))
+    slope = side * Decimal(S) / rise * (1 - decimal_sine(turned + pi / 2))
+    bend = Decimal(S) / rise * (2 * pi / rise) * decimal_sine(turned)
+    found = cam(degrees)
+    # 1e-10 of the profile's size; rounding of the angle alone is 4e-16.
+    assert found.s == pytest.approx(float(lift), abs=1e-10 * S)
+    assert found.ds == pytest.approx(float(slope), abs=1e-10 * S)
+    assert found.dds == pytest.approx(float(bend), abs=1e-10 * S)
+
+
+@pytest.mark.parametrize("degrees", [95, 113, 150, 176, 184, 209, 247, 265])
+def test_derivatives_are_those_of_the_lift(degrees):
+    step = 0.05
+    radians = math.radians(step)
+    before, here, after = cam(degrees - step), cam(degrees), cam(degrees + step)
+    # Central differences: error step^2/6 times the next derivatives, at most 17 and 70 S.
+    assert (after.s - before.s) / (2 * radians) == pytest.approx(here.ds, abs=17 * S * radians**2)
+    assert (after.ds - before.ds) / (2 * radians) == pytest.approx(here.dds, abs=70 * S * radians**2)
+
+
+@pytest.mark.parametrize("from_nose", [-36, -12, 12, 36])
+def test_entraining_velocity_vanishes_where_the_source_says(from_nose):
+    velocity = entraining_velocity(R0, cam(180 + from_nose), SPEED)
+    assert abs(velocity) < 1e-10 * SPEED * R0
+
+
+@pytest.mark.parametrize(("degrees", "lift"), [(0, 0), (45, 0), (89.99, 0), (178.7, S), (180, S), (270.1, 0)])
+def test_base_circle_and_nose_dwell(degrees, lift):
+    assert tuple(cam(degrees)) == (lift, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("degrees", [100, 130, 175])
+def test_the_fall_mirrors_the_rise_and_turns_repeat(degrees):
+    rise, fall, later = cam(degrees), cam(360 - degrees), cam(degrees + 3 * 360)
+    assert (fall.s, fall.ds, fall.dds) == pytest.approx((rise.s, -rise.ds, rise.dds), rel=1e-11)
+    assert tuple(later) == pytest.approx(tuple(rise), rel=1e-11)
+
+
+def test_numbers_at_120_degrees_and_1000_rpm():
+    at = cam(120)
+    # Half a unit of the last digit stated.
+    assert at.s == pytest.approx(1.625e-3, abs=0.5e-6)
+    assert at.ds * SPEED == pytest.approx(0.8267, abs=0.5e-4)
+    assert at.dds * SPEED**2 == pytest.approx(195.6, abs=0.05)
+    assert radius_of_curvature(R0, at) == pytest.approx(40.34e-3, abs=0.5e-5)
+    assert entraining_velocity(R0, at, SPEED) == pytest.approx(3.046, abs=0.5e-3)
+
+
+def test_smallest_radius_is_7_125_mm():
+    assert smallest_radius_of_curvature(R0, S, B, DWELL) == pytest.approx(7.125e-3, abs=0.5e-6)
+    assert radius_of_curvature(R0, cam(180 + 24.4)) == pytest.approx(7.125e-3, abs=1e-6)
+
+
+def test_camshaft_outputs_are_the_kinematics():
+    y = outputs_of(
+        CATALOGUE["camshaft"](),
+        inputs={"drive_angle": math.radians(120), "drive_speed": SPEED, "contact_load": 500.0},
+    )
+    at = cam(120)
+    assert y["surface_position"] == y["cam_lift"] == at.s
+    assert y["surface_velocity"] == pytest.approx(at.ds * SPEED, rel=1e-15)
+    assert y["sliding_velocity"] == pytest.approx(SPEED * (R0 + at.s), rel=1e-15)
+    assert y["drive_torque"] == pytest.approx(500.0 * at.ds, rel=1e-15)
+
+
+def test_drive_ratio_and_phase():
+    parameters = {"drive_ratio": 0.5, "phase": math.radians(30)}
+    y = outputs_of(
+        CATALOGUE["camshaft"](),
+        parameters,
+        inputs={"drive_angle": math.radians(180), "drive_speed": 2 * SPEED, "contact_load": 500.0},
+    )
+    assert y["cam_angle"] == pytest.approx(math.radians(120), rel=1e-15)
+    assert y["cam_speed"] == pytest.approx(SPEED, rel=1e-15)
+    # Half the cam's torque at twice its speed.
+    assert y["drive_torque"] == pytest.approx(0.5 * 500.0 * cam(120).ds, rel=1e-14)
+
+
+def test_undercut_is_refused():
+    camshaft = CATALOGUE["camshaft"]()
+    faults = camshaft.parameter_faults(camshaft.parameters.vector({"base_radius": 10e-3}))
+    assert len(faults) == 1
+    assert "undercut" in faults[0]
+    assert "base_radius" in faults[0]

@@ -1,0 +1,108 @@
+"""Spring surge: the coil masses' frequencies, static rate and limit of the continuous spring."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from models.catalogue import CATALOGUE
+from models.valve_train.valve_spring import ValveSpringParameters, lumping, spring_frequencies
+
+from .systems import outputs_of, rates_of
+
+K0, F0 = 35e3, 504.5
+
+
+def test_two_masses_are_kushwahas_spring():
+    # K (2), (3), and (1) with its lost square.
+    assert lumping(2) == pytest.approx((8 / 3, 4.0, 2 / 3), rel=1e-14)
+
+
+def test_clamped_frequencies_of_kushwahas_spring_are_f0_and_twice_f0():
+    assert spring_frequencies(ValveSpringParameters(), 2) == pytest.approx([504.5, 1009.0], rel=1e-6)
+
+
+@pytest.mark.parametrize("masses", [3, 5, 8, 20])
+def test_clamped_frequencies_of_more_masses(masses):
+    """The chain's modes: f0 sin(j pi/2N) / sin(pi/2N), which tends to j f0."""
+    orders = np.arange(1, masses + 1) * math.pi / (2 * masses)
+    exact = 504.5 * np.sin(orders) / math.sin(orders[0])
+    assert spring_frequencies(ValveSpringParameters(), masses) == pytest.approx(exact, rel=1e-9)
+
+
+def test_one_mass_has_f0():
+    assert spring_frequencies(ValveSpringParameters(), 1) == pytest.approx([504.5], rel=1e-12)
+
+
+@pytest.mark.parametrize("masses", [1, 2, 5, 20])
+def test_derivative_has_these_frequencies(masses):
+    """Undamped with a follower too heavy to move, from the component's own derivative."""
+    spring = CATALOGUE["valve_spring"](coil_masses=masses)
+    heavy = {"valve_mass": 1e12, "damping_ratio": 0.0, "preload": 0.0}
+    stiffness = np.empty((masses, masses))
+    for j in range(masses):
+        rates = rates_of(spring, heavy, {f"coil_position[{j + 1}]": 1.0})
+        stiffness[:, j] = [-rates[f"coil_velocity[{i + 1}]"] for i in range(masses)]
+    frequencies = np.sqrt(np.linalg.eigvals(stiffness).real) / (2 * math.pi)
+    assert np.sort(frequencies) == pytest.approx(
+        spring_frequencies(ValveSpringParameters(), masses), rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("masses", [1, 2, 5, 20])
+def test_static_rate_is_k0(masses):
+    spring = CATALOGUE["valve_spring"](coil_masses=masses)
+    share = lumping(masses)
+    coils = 1e-3 * (1.0 - 1.0 / share.end_rate - np.arange(masses) / share.inner_rate)
+    state = {"position": 1e-3} | {f"coil_position[{i + 1}]": y for i, y in enumerate(coils)}
+    rates = rates_of(spring, {"preload": 0.0}, state)
+    # Rounding of a balance of forces of 100 N on a mass of grams.
+    assert max(abs(rates[f"coil_velocity[{i + 1}]"]) for i in range(masses)) < 1e-6
+    assert outputs_of(spring, {"preload": 0.0}, state)["spring_force"] == pytest.approx(K0 * 1e-3, rel=1e-12)
+
+
+def moving_end_stiffness(masses: int, frequency: float) -> float:
+    """Force over displacement at the follower for a harmonic motion, undamped."""
+    share = lumping(masses)
+    rates = np.full(masses + 1, share.inner_rate * K0)
+    rates[[0, -1]] = share.end_rate * K0
+    mass = share.mass * K0 / (math.pi * F0) ** 2
+    matrix = np.diag(rates[:-1] + rates[1:]) - np.diag(rates[1:-1], 1) - np.diag(rates[1:-1], -1)
+    matrix -= mass * (2 * math.pi * frequency) ** 2 * np.eye(masses)
+    drive = np.zeros(masses)
+    drive[0] = rates[0]
+    return rates[0] * (1.0 - np.linalg.solve(matrix, drive)[0])
+
+
+@pytest.mark.parametrize("frequency", [50.0, 200.0, 350.0, 700.0])
+def test_many_masses_converge_to_the_continuous_spring(frequency):
+    """k lambda cot(lambda) with lambda = pi f / f0."""
+    turned = math.pi * frequency / F0
+    exact = K0 * turned / math.tan(turned)
+    coarse, fine = (abs(moving_end_stiffness(n, frequency) - exact) / K0 for n in (20, 40))
+    # Second order in 1/N; the ceiling is that of 40 masses at the highest frequency.
+    assert math.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
+    assert fine < 4e-3
+
+
+def test_no_coil_masses_are_refused():
+    with pytest.raises(ValueError, match="coil_masses = 0"):
+        lumping(0)
+
+
+def test_coils_clash_at_the_end_of_their_travel():
+    """All segments close together: the rate rises where the clearance is used up, not before."""
+    spring = CATALOGUE["valve_spring"]()
+    share = lumping(2)
+
+    def force(position: float) -> float:
+        coils = position * (1.0 - 1.0 / share.end_rate - np.arange(2) / share.inner_rate)
+        state = {"position": position, "coil_position[1]": coils[0], "coil_position[2]": coils[1]}
+        return outputs_of(spring, {"clash_clearance": 9e-3, "clash_stiffness": 1e7}, state)["spring_force"]
+
+    assert force(8.999e-3) == pytest.approx(330.0 + K0 * 8.999e-3, rel=1e-12)
+    # The end segment's excess compression is its share of the travel's excess.
+    excess = 1e-4 / share.end_rate
+    assert force(9.1e-3) == pytest.approx(330.0 + K0 * 9.1e-3 + 1e7 * excess, rel=1e-9)
