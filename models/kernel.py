@@ -38,11 +38,25 @@ def kernel(function: F) -> F:
     """
     if not COMPILED:
         return function
+    if function.__closure__:
+        _name_by_content(function)
     dispatcher: Any = numba.njit(error_model="numpy")(function)
     # Where numba changed inside, or there is no place to write (nor a home), starting is only slower.
     with contextlib.suppress(AttributeError, TypeError, OSError, RuntimeError):
         dispatcher._cache = _DigestCache(function)
     return cast(F, dispatcher)
+
+
+def _name_by_content(function: Callable[..., Any]) -> None:
+    """Make a closure's name say what it captured.
+
+    numba's symbols are made of module, name and a number that counts functions in the process that
+    compiled them. Two closures of one function, compiled in different processes and loaded from disk into
+    a third, could bear the same symbol, and one would run as the other.
+    """
+    with contextlib.suppress(TypeError):
+        content = hashlib.sha256(closure_of(function).encode()).hexdigest()[:16]
+        function.__qualname__ = f"{function.__qualname__}_{content}"
 
 
 @functools.cache

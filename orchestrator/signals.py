@@ -124,11 +124,31 @@ def gather(signals: Any, columns: Any, out: Any) -> None:
 
 
 @numba.njit(cache=True)
-def misses(times: Any, values: Any, count: int, time: float, new: Any, limit: Any, out: Any) -> bool:
-    """Whether each new value misses its linear extrapolation by more than `limit`; True if any does."""
-    found = False
+def worst_miss(
+    times: Any,
+    values: Any,
+    count: int,
+    time: float,
+    new: Any,
+    nominal: Any,
+    keep: float,
+    bound: float,
+    share: float,
+    missed: Any,
+    size: Any,
+) -> int:
+    """The source that most misses its own linear extrapolation, if it does by more than `share`; else -1.
+
+    Updates the fading sums (kept by the factor `keep` per step) of what each source misses and of its
+    size. A value above `bound` nominal sizes counts as well.
+    """
+    worst, most = -1, share
     for i in range(new.shape[0]):
         v, d, _ = parabola(times[0], values[0, i], times[1], values[1, i], 0.0, 0.0, min(count, 2), times[0])
-        out[i] = abs(new[i] - (v + (time - times[0]) * d)) > limit[i]
-        found |= out[i]
-    return found
+        missed[i] = keep * missed[i] + abs(new[i] - (v + (time - times[0]) * d))
+        size[i] = keep * size[i] + max(abs(new[i]), nominal[i])
+        if missed[i] > most * size[i]:
+            worst, most = i, missed[i] / size[i]
+        elif abs(new[i]) > bound * nominal[i] and worst < 0:
+            worst = i
+    return worst

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from .errors import RunError, UnstableCouplingError
 from .exchange import Exchange
 from .masters import Master
 from .participants import Participant
-from .signals import misses
+from .signals import worst_miss
 from .start_up import probe_start
 
 
@@ -47,46 +48,42 @@ class Statistics:
 
 
 class RunawayGuard:
-    """Names an unstable coupling before it ends in numbers that are not finite.
+    """Names an unstable explicit coupling before it ends in numbers that are not finite.
 
-    In a stable, resolved run exchanged values follow their own linear prediction. A value is running
-    away when it misses that by more than its nominal size and its amplitude so far in PATIENCE
-    consecutive steps (so it swings with the macro step itself; an impact does so in a few steps only) and
-    its amplitude has grown by GROWTH meanwhile (a stable oscillation that is too fast for the step has
-    not), or when it has reached BOUND nominal sizes, however smoothly.
+    An explicit master is right only where exchanged values follow their own prediction. Where they swing
+    with the macro step itself, or a contact bounces within single steps, the sum of what they miss their
+    linear extrapolation by, over the last WINDOW steps or so, is as large as the values themselves (or
+    their nominal sizes, if those are larger): more than SHARE of it is a runaway. An impact misses in one
+    or two steps of a window and passes. Any master: a value of BOUND nominal sizes is a runaway.
     """
 
-    PATIENCE = 20
-    GROWTH = 2.0
+    WINDOW = 50
+    SHARE = 0.5
     BOUND = 1e9
 
     def __init__(self, exchange: Exchange, master: Master) -> None:
         self._exchange = exchange
         self._master = master
-        self._amplitude = np.maximum(exchange.nominal, np.abs(exchange.values))
-        self._before = self._amplitude.copy()
-        self._misses = np.zeros(len(exchange.sources), dtype=np.int64)
-        self._missed = np.zeros(len(exchange.sources), dtype=np.bool_)
+        self._missed = np.zeros(len(exchange.sources))
+        self._size = np.zeros(len(exchange.sources))
+        self._steps = 0
 
     def check(self, time: float, step: float) -> None:
         """Compare the new values with the prediction; UnstableCouplingError if one runs away."""
         e = self._exchange
+        keep = 1.0 - 1.0 / self.WINDOW
+        bound = math.inf if self._steps < self.WINDOW or self._master.implicit else self.SHARE
+        self._steps += 1
         past = e.history
-        end = time + step
-        if not misses(past.times, past.values, past.count, end, e.values, self._amplitude, self._missed):
-            self._misses[:] = 0
-            return
-        self._misses = np.where(self._missed, self._misses + 1, 0)
-        self._before = np.where(self._misses <= 1, self._amplitude, self._before)
-        self._amplitude = np.maximum(self._amplitude, np.abs(e.values))
-        swinging = (self._misses >= self.PATIENCE) & (self._amplitude > self.GROWTH * self._before)
-        runaway = swinging | (self._amplitude > self.BOUND * e.nominal)
-        if runaway.any():
-            worst = e.sources[int(np.argmax(np.where(runaway, self._amplitude / e.nominal, 0.0)))]
+        worst = worst_miss(
+            past.times, past.values, past.count, time + step, e.values, e.nominal, keep, self.BOUND,
+            bound, self._missed, self._size,
+        )  # fmt: skip
+        if worst >= 0:
             raise UnstableCouplingError(
-                f"{worst}: unstable coupling at t = {time:.6g} s: its exchanged values grow without "
-                f"bound; {self._master} cannot couple this system with steps of {step:g} s: reduce "
-                "macro_step, or use the iterated master with linear signals"
+                f"{e.sources[worst]}: unstable coupling at t = {time:.6g} s: its values do not follow their "
+                f"own prediction any more; {self._master} cannot couple this system with steps of "
+                f"{step:g} s: reduce macro_step, or use the iterated master"
             )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 from ..exchange import Exchange
 from ..signals import degree_of, extrapolate
@@ -15,6 +16,8 @@ class GaussSeidel:
 
     `order` names all participants; empty: the order in which the scenario lists them.
     """
+
+    implicit: ClassVar[bool] = False
 
     extrapolation: str = "linear"
     order: tuple[str, ...] = ()

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -26,6 +27,8 @@ class Iterated:
     `extrapolation` is the degree of that signal (hold: the end value). Converged when no end value
     changes by more than `tolerance` of its nominal size. `acceleration` is none, aitken or anderson.
     """
+
+    implicit: ClassVar[bool] = True
 
     extrapolation: str = "linear"
     tolerance: float = 1e-9

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 from ..exchange import Exchange
 from ..signals import degree_of, extrapolate
@@ -12,6 +13,8 @@ from ..signals import degree_of, extrapolate
 @dataclass(frozen=True)
 class Jacobi:
     """`extrapolation` of every input over the step: hold, linear or quadratic."""
+
+    implicit: ClassVar[bool] = False
 
     extrapolation: str = "linear"
 

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 from ..exchange import Exchange
 
 
 class Master(Protocol):
-    """Advances all participants by one macro step."""
+    """Advances all participants by one macro step.
+
+    `implicit`: end values are consistent with the inputs that led to them (a converged iteration).
+    """
+
+    implicit: ClassVar[bool]
 
     @property
     def degree(self) -> int:

@@ -31,8 +31,8 @@ def coupled(system, master, step, stop=STOP, participants=None):
     return recorder, statistics
 
 
-def error(master, step, **parameters):
-    recorder, _ = coupled(two_masses(**parameters), master, step)
+def error(master, step, stop=STOP, **parameters):
+    recorder, _ = coupled(two_masses(**parameters), master, step, stop)
     truth = exact(recorder.times, **parameters)
     return max(
         np.abs(recorder["first.position"] - truth[:, 0]).max(),
@@ -89,7 +89,7 @@ def test_the_iterated_master_converges_where_the_explicit_one_is_unstable(accele
 
 
 def test_the_iterated_master_converges_at_second_order_on_the_stiff_split():
-    coarse, fine = error(Iterated(), 5e-4, **STIFF), error(Iterated(), 2.5e-4, **STIFF)
+    coarse, fine = error(Iterated(), 5e-4, 0.5, **STIFF), error(Iterated(), 2.5e-4, 0.5, **STIFF)
     assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
     assert fine < 2e-2
 
