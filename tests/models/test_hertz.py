@@ -1,0 +1,87 @@
+"""Hertz's line contact: printed numbers, round trip, energy, symmetry."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.catalogue import CATALOGUE
+from models.contact.hertz import (
+    deflection,
+    elastic_compliance,
+    elastic_energy,
+    half_width,
+    load_of,
+    maximum_pressure,
+)
+
+from .systems import outputs_of
+
+LENGTH = 12e-3
+COMPLIANCE = elastic_compliance(207e9, 0.3, 207e9, 0.3)
+
+loads = st.floats(1e-3, 2e4)
+radii = st.floats(5e-3, 0.1)
+
+
+def test_610_newton_on_28_88_millimetres():
+    # Half a unit of the last digit stated.
+    assert deflection(610.0, 28.88e-3, LENGTH, COMPLIANCE) == pytest.approx(1.631e-6, abs=0.5e-9)
+    assert half_width(610.0, 28.88e-3, LENGTH, COMPLIANCE) == pytest.approx(128.2e-6, abs=0.05e-6)
+    assert maximum_pressure(610.0, 28.88e-3, LENGTH, COMPLIANCE) == pytest.approx(252.4e6, abs=0.05e6)
+
+
+def test_contact_stiffness_at_450_newton():
+    """3.85e8 N/m at rho = 20 mm."""
+    step = 1.0
+    change = deflection(450.0 + step, 20e-3, LENGTH, COMPLIANCE)
+    change -= deflection(450.0 - step, 20e-3, LENGTH, COMPLIANCE)
+    assert 2 * step / change == pytest.approx(3.85e8, rel=2e-3)
+
+
+@given(load=loads, radius=radii)
+def test_load_of_the_deflection_is_the_load(load, radius):
+    delta = deflection(load, radius, LENGTH, COMPLIANCE)
+    # Newton to rounding; the deflection's own rounding is magnified by less than 2.
+    assert load_of(delta, radius, LENGTH, COMPLIANCE) == pytest.approx(load, rel=4e-15)
+
+
+@given(load=loads, radius=radii)
+def test_pressure_carries_the_load_and_obeys_the_width_law(load, radius):
+    b = half_width(load, radius, LENGTH, COMPLIANCE)
+    p = maximum_pressure(load, radius, LENGTH, COMPLIANCE)
+    assert math.pi / 2 * b * p * LENGTH == pytest.approx(load, rel=1e-14)
+    # K (5), which reads b/p = 2 R compliance.
+    assert b / p == pytest.approx(2.0 * radius * COMPLIANCE, rel=1e-14)
+
+
+@given(load=loads, radius=radii)
+def test_energy_is_the_work_of_the_load(load, radius):
+    deltas = np.linspace(0.0, deflection(load, radius, LENGTH, COMPLIANCE), 2001)
+    work = np.trapezoid([load_of(d, radius, LENGTH, COMPLIANCE) for d in deltas], deltas)
+    # Trapezoids: 2000^-2 of the curvature.
+    assert elastic_energy(load, radius, LENGTH, COMPLIANCE) == pytest.approx(work, rel=1e-6)
+
+
+@given(delta=st.floats(-1e-3, 0.0))
+def test_no_load_without_overlap(delta):
+    assert load_of(delta, 20e-3, LENGTH, COMPLIANCE) == 0.0
+
+
+@given(delta=st.floats(1e-12, 1e-5), more=st.floats(1.001, 2.0))
+def test_load_grows_with_deflection(delta, more):
+    soft, hard = (load_of(d, 20e-3, LENGTH, COMPLIANCE) for d in (delta, more * delta))
+    assert 0.0 < soft < hard
+
+
+def test_load_never_pulls_however_fast_the_surfaces_part():
+    contact = CATALOGUE["ehl_contact"]()
+    parting = {"approach": 1e-6, "approach_rate": -10.0, "radius_of_curvature": 0.02}
+    y = outputs_of(contact, {"film_model": 7.0}, inputs=parting)
+    assert y["load"] == 0.0
+    assert y["separated"] == 1.0
+    assert y["deflection"] == 1e-6
