@@ -51,14 +51,15 @@ class _Rest:
             resting[part] = not component.runs_on
             self.positive[part] = [item.quantity.positive for item in component.state.fields]
         self.index = np.flatnonzero(resting)
-        self.scale = np.ones(self.index.size)
-        if self.index.size:
-            determined = np.any(self.jacobian(np.zeros(self.index.size)) != 0.0, axis=1)
-            self.index = self.index[determined]
-            # Rates differ by many orders: each is measured by what its states' nominal sizes do to it.
+        while self.index.size:
             self.scale = np.ones(self.index.size)
-        if self.index.size:
-            self.scale = np.max(np.abs(self.jacobian(np.zeros(self.index.size))), axis=1)
+            effect = np.max(np.abs(self.jacobian(np.zeros(self.index.size))), axis=1)
+            if np.all(effect > 0.0):
+                # Rates differ by many orders: each is measured by what the states' nominal sizes do to it.
+                self.scale = effect
+                break
+            # Without these states others may lose what determines them (a rigid shaft's twist the film).
+            self.index = self.index[effect > 0.0]
 
     def state(self, scaled: Vector) -> Vector:
         x = self.x0.copy()

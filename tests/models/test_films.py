@@ -103,21 +103,6 @@ def test_moes_asymptotes():
     assert moes_film(M, L) == pytest.approx(0.99 * M**-0.125 * L**0.75, rel=1e-4)
 
 
-@pytest.mark.parametrize("number", range(len(FILMS)))
-def test_numbers_choose_the_formulas(number):
-    name = list(FILMS)[number]
-    assert film_by_number(float(number), *AT.values()) == film(name)
-
-
-def test_moes_asymptotes():
-    """Rigid-isoviscous 2.45/M, elastic-isoviscous 2.05 M^-1/5, elastic-piezoviscous 0.99 M^-1/8 L^3/4."""
-    assert moes_film(1e-4, 0.0) == pytest.approx(2.45e4, rel=1e-4)
-    assert moes_film(1e4, 0.0) == pytest.approx(2.05 * 1e4**-0.2, rel=1e-6)
-    # At large L the elastic term adds with r = exp(1 - 3/(L+4)) -> e.
-    M, L = 1e3, 1e4
-    assert moes_film(M, L) == pytest.approx(0.99 * M**-0.125 * L**0.75, rel=1e-3)
-
-
 @pytest.mark.parametrize(
     ("M", "L", "H"), [(20, 0, 1.125), (50, 0, 0.923), (10, 5, 2.826), (20, 5, 2.567), (50, 5, 2.262),
                       (10, 10, 4.103), (20, 10, 3.777), (50, 10, 3.374)],

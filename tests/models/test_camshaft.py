@@ -1,0 +1,77 @@
+"""Flexible camshaft: its modes and their damping, and what it does to the rotor that drives it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from models.catalogue import CATALOGUE
+
+from .systems import outputs_of, rates_of
+
+STATES = ("twist", "bending", "slope")
+
+
+def system_matrix(**parameters):
+    """d(rates)/d(states) of the unloaded shaft at rest, (6, 6)."""
+    camshaft = CATALOGUE["camshaft"]()
+    columns = []
+    for name in camshaft.state.names:
+        rates = rates_of(camshaft, {"flexible": 1.0, **parameters}, {name: 1.0})
+        columns.append([rates[other] for other in camshaft.state.names])
+    return np.array(columns).T
+
+
+def modes(**parameters):
+    """(frequencies in Hz, damping ratios), ascending."""
+    values = np.linalg.eigvals(system_matrix(**parameters))
+    values = sorted(values[values.imag > 0], key=abs)
+    return [abs(v) / (2 * math.pi) for v in values], [-v.real / abs(v) for v in values]
+
+
+def test_first_bending_and_torsion_frequencies():
+    frequencies, _ = modes()
+    # The digits stated.
+    assert frequencies[0] == pytest.approx(520.0, abs=0.5)
+    assert frequencies[1] == pytest.approx(1028.0, abs=0.5)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.02, 0.3])
+def test_every_mode_has_the_given_damping_ratio(ratio):
+    # Rounding of eigenvalues.
+    assert modes(shaft_damping_ratio=ratio)[1] == pytest.approx([ratio] * 3, abs=1e-9)
+
+
+def test_torsion_is_that_of_a_rod():
+    """k = G J / l with J = pi d^4 / 32."""
+    stiffness = 207e9 / 2.6 * math.pi * 0.02**4 / 32 / 0.1
+    expected = math.sqrt(stiffness / 3.0e-4) / (2 * math.pi)
+    assert modes()[0][1] == pytest.approx(expected, rel=1e-4)  # damped modulus equals the undamped frequency
+
+
+def test_static_deflection_is_that_of_a_cantilever():
+    """F l^3 / 3EJ, with the slope F l^2 / 2EJ: the element is clamped at the drive and free at the cam."""
+    bending = 207e9 * math.pi * 0.02**4 / 64
+    load = 500.0
+    state = {"bending": -load * 0.1**3 / (3 * bending), "slope": -load * 0.1**2 / (2 * bending)}
+    rates = rates_of(CATALOGUE["camshaft"](), {"flexible": 1.0}, state, {"contact_load": load})
+    # Forces of 1e3 N balance to rounding.
+    assert abs(rates["bending_rate"]) < 1e-8
+    assert abs(rates["slope_rate"]) < 1e-6
+
+
+def test_load_twists_the_shaft_back_on_the_rise():
+    drive = {"drive_angle": math.radians(130), "drive_speed": 100.0, "contact_load": 500.0}
+    rates = rates_of(CATALOGUE["camshaft"](), {"flexible": 1.0}, inputs=drive)
+    offset = outputs_of(CATALOGUE["camshaft"](), inputs=drive)["contact_offset"]
+    assert rates["twist_rate"] == pytest.approx(-500.0 * offset / 3.0e-4, rel=1e-12)
+
+
+def test_wind_up_adds_to_the_cams_angle_and_speed():
+    drive = {"drive_angle": 2.0, "drive_speed": 100.0}
+    y = outputs_of(CATALOGUE["camshaft"](), {"flexible": 1.0}, {"twist": -1e-3, "twist_rate": 2.0}, drive)
+    assert y["cam_angle"] == pytest.approx(2.0 - 1e-3, rel=1e-15)
+    assert y["cam_speed"] == 102.0
+    assert y["surface_velocity"] == pytest.approx(y["contact_offset"] * 102.0, rel=1e-15)

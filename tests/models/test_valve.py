@@ -1,0 +1,118 @@
+"""Valve seat, lash and loss of contact."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from models.catalogue import CATALOGUE
+from models.monolithic import equilibrium, solve
+from models.system import Instance, System
+
+from .systems import DRY, outputs_of, turn, valve_train
+
+SEAT = {"seat_stiffness": 2e7, "seat_damping": 300.0}
+
+
+def dropped(height, **parameters):
+    """A valve without a cam, dropped on its seat."""
+    start = {"position": height, "coil_position[1]": 0.625 * height, "coil_position[2]": 0.375 * height}
+    return System({"valve": Instance(CATALOGUE["valve_spring"](), {**SEAT, **parameters}, start=start)}, [])
+
+
+def test_valve_bounces_on_its_seat_and_loses_energy_each_time():
+    times = np.linspace(0.0, 0.03, 3001)
+    found = solve(dropped(2e-3), times, tolerance=1e-8)
+    lift, seat = found["valve.valve_lift"], found["valve.seat_force"]
+    assert np.all(seat >= 0.0)
+    landings = np.flatnonzero((lift[:-1] > 0.0) & (lift[1:] <= 0.0))
+    assert landings.size >= 3
+    peaks = [lift[a:b].max() for a, b in itertools.pairwise(landings)]
+    assert peaks[0] < 0.9 * 2e-3
+    assert peaks[1] < peaks[0]
+    # Energy never grows: no source but the tolerance per sample.
+    assert np.max(np.diff(found.stored_energy)) < 1e-9
+    assert np.all(np.diff(found.dissipated) > -1e-12)
+    residual = found.stored_energy - found.stored_energy[0] + found.dissipated
+    assert np.max(np.abs(residual)) < 1e-8
+
+
+def test_valve_comes_to_rest_on_its_seat():
+    """k dip = preload, less the spring's own give."""
+    x = equilibrium(dropped(2e-3, lash=1e-4))
+    system = dropped(2e-3, lash=1e-4)
+    found = solve(system, np.array([0.0, 1e-3]), x0=x)
+    dip = 1e-4 - found["valve.position"][-1]
+    assert 2e7 * dip == pytest.approx(330.0 + 35e3 * found["valve.position"][-1], rel=1e-9)
+
+
+def test_seat_never_pulls():
+    """A valve that leaves its seat fast while still dipping into it is not held back."""
+    spring = CATALOGUE["valve_spring"]()
+    y = outputs_of(spring, SEAT, {"position": -1e-6, "velocity": 1.0})
+    assert y["seat_force"] == 0.0
+    assert outputs_of(spring, SEAT, {"position": 1e-6, "velocity": -1.0})["seat_force"] == 0.0
+    assert outputs_of(spring, SEAT, {"position": -1e-6})["seat_force"] == pytest.approx(20.0, rel=1e-12)
+
+
+def test_lash_keeps_the_valve_closed_until_the_cam_has_taken_it_up():
+    lash = 0.2e-3
+    system = valve_train(600, valve_spring={**SEAT, "lash": lash}, contact=DRY)
+    times = np.linspace(0.0, 0.5, 1801) * turn(600)
+    found = solve(system, times, x0=equilibrium(system), tolerance=1e-7)
+    before = found["camshaft.cam_lift"] < 0.15e-3
+    assert np.all(found["contact.load"][before] == 0.0)
+    # The seat carries preload: a dip of some 17 um.
+    assert np.all(np.abs(found["valve_spring.valve_lift"][before]) < 25e-6)
+    assert found["valve_spring.valve_lift"][-1] == pytest.approx(8e-3 - lash, abs=5e-6)
+
+
+def test_contact_is_lost_and_regained_at_3400_rpm():
+    system = valve_train(3400, contact=DRY)
+    times = np.linspace(0.0, 2.0, 1441) * turn(3400)
+    found = solve(system, times, x0=equilibrium(system), tolerance=1e-8)
+    load, separated = found["contact.load"], found["contact.separated"]
+    assert np.all(np.isfinite(found.outputs))
+    assert load.min() == 0.0
+    assert np.any(separated == 1.0)
+    # It bounces back: a gap opens, and the impact's load exceeds any load of the speeds with contact.
+    assert np.max(found["valve_spring.position"] - found["camshaft.surface_position"]) > 1e-6
+    assert load.max() > 900.0
+    assert np.all(load >= 0.0)
+    # Impacts of 1e4 N/ms on a contact mode of 6.7 kHz magnify the steps' errors, but both methods agree.
+    assert found.uncertainty["contact.load"].relative_rms < 1e-4
+
+
+@pytest.mark.long
+def test_contact_with_film_is_lost_and_regained_at_3400_rpm():
+    system = valve_train(3400)
+    times = np.linspace(0.0, 3.0, 2161) * turn(3400)
+    found = solve(system, times, x0=equilibrium(system), tolerance=1e-8)
+    assert np.all(np.isfinite(found.outputs))
+    assert np.all(found["contact.film_thickness"] > 0.0)
+    assert found["contact.load"].min() == 0.0
+    assert found.uncertainty["contact.load"].relative_rms < 1e-4
+
+
+def test_equilibrium_balances_the_preload():
+    """On the base circle the contact carries preload and the spring force of its own deflection."""
+    system = valve_train(1000)
+    x = equilibrium(system)
+    found = solve(system, np.array([0.0, 1e-3]), x0=x, tolerance=1e-9)
+    load, position = found["contact.load"], found["valve_spring.position"]
+    assert load == pytest.approx(330.0 + 35e3 * position, rel=1e-9)
+    assert load[0] == pytest.approx(330.0, abs=0.05)
+    assert math.isclose(found["contact.film_thickness"][0], found["contact.steady_film_thickness"][0])
+    # At rest it stays.
+    assert load[1] == pytest.approx(load[0], abs=1e-6)
+
+
+def test_equilibrium_keeps_a_film_that_nothing_determines():
+    system = valve_train(0.0)
+    x = equilibrium(system)
+    found = solve(system, np.array([0.0, 1e-3]), x0=x)
+    assert found["contact.film_thickness"] == pytest.approx([1e-6, 1e-6], rel=1e-14)
+    assert found["contact.load"] == pytest.approx(330.0 + 35e3 * found["valve_spring.position"], rel=1e-9)
