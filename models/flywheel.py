@@ -51,6 +51,12 @@ class FlywheelInputs:
     load_torque: Annotated[
         Vector, Quantity("N.m", "torque taken by a driven mechanism", nominal=10.0, size="loads")
     ] = per_element()
+    load_impulse: Annotated[
+        Vector,
+        Quantity(
+            "N.m.s", "sum of the angular impulses taken in impacts by a mechanism", nominal=0.1, size="loads"
+        ),
+    ] = per_element()
 
 
 @dataclass
@@ -66,7 +72,12 @@ class FlywheelOutputs:
 
 
 def flywheel(loads: int = 1) -> Component:
-    """J w' = T_drive - sum of load torques when free; w(t) given by the ramp when prescribed."""
+    """J w' = T_drive - sum of load torques when free; w(t) given by the ramp when prescribed.
+
+    Impacts in the mechanisms take angular impulses at instants: the free shaft's speed is the state less
+    their sum over J, so that an impulse needs no event here. (The impact itself is computed by its
+    mechanism with the crank's speed just before, as is right for J much larger than the mechanism's own.)
+    """
 
     @kernel
     def ramp_speed(t: float, p: FlywheelParameters) -> float:
@@ -97,14 +108,19 @@ def flywheel(loads: int = 1) -> Component:
         return (u.drive_torque - load(u)) / p.inertia
 
     @kernel
-    def shaft_speed(t: float, x: FlywheelState, p: FlywheelParameters) -> float:
-        return ramp_speed(t, p) if p.motion == PRESCRIBED else x.speed
+    def shaft_speed(t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters) -> float:
+        if p.motion == PRESCRIBED:
+            return ramp_speed(t, p)
+        impulse = 0.0
+        for i in range(loads):
+            impulse += u.load_impulse[i]
+        return x.speed - impulse / p.inertia
 
     @kernel
     def derivative(
         t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, dx: FlywheelState
     ) -> None:
-        dx.angle = shaft_speed(t, x, p)
+        dx.angle = shaft_speed(t, x, u, p)
         dx.speed = acceleration(t, u, p)
 
     @kernel
@@ -118,19 +134,21 @@ def flywheel(loads: int = 1) -> Component:
         t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, y: FlywheelOutputs
     ) -> None:
         y.angle = x.angle
-        y.speed = shaft_speed(t, x, p)
+        y.speed = shaft_speed(t, x, u, p)
         y.acceleration = acceleration(t, u, p)
         y.supplied_torque = supplied_torque(t, u, p)
 
     @kernel
     def energy(t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, e: Vector) -> None:
-        speed = shaft_speed(t, x, p)
+        speed = shaft_speed(t, x, u, p)
         e[0] = 0.5 * p.inertia * speed**2
         e[1] = 0.0
         e[2] = supplied_torque(t, u, p) * speed
 
     sizes = {"loads": loads}
     inputs = Layout(FlywheelInputs, sizes)
+    torques = tuple(name for name in inputs.names if name.startswith("load_torque"))
+    impulses = tuple(name for name in inputs.names if name.startswith("load_impulse"))
     return Component(
         name="flywheel",
         description="Rotor under drive and load torques, or at a prescribed speed",
@@ -141,8 +159,12 @@ def flywheel(loads: int = 1) -> Component:
         derivative=derivative,
         output=output,
         energy=energy,
-        feedthrough={"acceleration": inputs.names, "supplied_torque": inputs.names},
-        bonds=tuple(PowerBond(name, "speed", -1) for name in inputs.names if name != "drive_torque"),
+        feedthrough={
+            "speed": impulses,
+            "acceleration": ("drive_torque", *torques),
+            "supplied_torque": ("drive_torque", *torques),
+        },
+        bonds=tuple(PowerBond(name, "speed", -1) for name in torques),
         structure=sizes,
         runs_on=True,
     )

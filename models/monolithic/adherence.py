@@ -90,6 +90,7 @@ class AdherenceProblem:
         self.size = s.state.size
         quadratures = QUADRATURES * len(self.energies.instances)
         self.nominal = np.concatenate([s.state.nominal, np.ones(quadratures)])
+        self.whole = np.zeros(self.nominal.size, dtype=np.bool_)
         self._x = np.zeros(self.size)
         self._rate = np.zeros(self.nominal.size)
         self._load = s.inputs.index(Port(contact, "applied_load"))

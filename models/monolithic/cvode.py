@@ -41,15 +41,21 @@ class Cvode:
         )
         # SUNDIALS hands out read-only views, for which numba would compile every kernel once more.
         self._z = np.empty(problem.nominal.size)
+        # A whole number of zero rate (a mode, a count) must stay one: the corrector's linear algebra gives
+        # it a rounding of its own.
+        self._whole = np.flatnonzero(problem.whole)
+        self._held = np.empty(self._whole.size)
         self._end = 0.0
 
     def _rate(self, t: float, z: Vector, rate: Vector) -> None:
         self._z[:] = z
+        self._z[self._whole] = self._held
         rate[:] = self._problem.rate(t, self._z)
 
     def _guards(self) -> Any:
         def guards(t: float, z: Vector, values: Vector) -> None:
             self._z[:] = z
+            self._z[self._whole] = self._held
             values[:] = self._problem.guards(t, self._z)
 
         marked: Any = guards
@@ -59,11 +65,13 @@ class Cvode:
 
     def begin(self, t: float, z: Vector, end: float) -> None:
         self._end = end
+        self._held[:] = z[self._whole]
         self._solver.init_step(t, z)
 
     def to(self, target: float) -> tuple[float, Vector, tuple[int, ...]]:
         result = self._solver.step(target, tstop=self._end)
         t, z = float(np.ravel(result.t)[-1]), np.array(np.atleast_2d(result.y)[-1])
+        z[self._whole] = self._held
         if not result.success:
             raise ModelError(
                 f"{self.name} failed at t = {t:.9g} s: {result.message}; relax the tolerance, or look for a "

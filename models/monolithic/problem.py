@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..quantities import Vector
 from ..system import Evaluation, ModelError, System
@@ -22,9 +23,13 @@ class Event:
 
 
 class Problem(Protocol):
-    """dz/dt = rate(t, z) between events; `nominal` is the size of z, `guard_count` may be zero."""
+    """dz/dt = rate(t, z) between events; `nominal` is the size of z, `guard_count` may be zero.
+
+    `whole` marks the elements of z that are whole numbers (modes, counts) and change in transitions only.
+    """
 
     nominal: Vector
+    whole: NDArray[np.bool_]
     guard_count: int
 
     def rate(self, t: float, z: Vector) -> Vector: ...
@@ -58,6 +63,8 @@ class SystemProblem:
         self.size = system.state.size
         quadratures = QUADRATURES * len(system.instances)
         self.nominal = np.concatenate([system.state.nominal, np.ones(quadratures)])
+        fields = [f for i in system.instances.values() for f in i.component.state.fields]
+        self.whole = np.array([f.quantity.discrete for f in fields] + [False] * quadratures)
         self._rate = np.zeros(self.size + quadratures)
         self._guards = [
             (name, guard)

@@ -58,7 +58,7 @@ class RungeKutta:
     def _first_event(self, start: float, end: float) -> tuple[float, int] | None:
         """Time and number of the first guard to fall in the step just made."""
         instants = start + (end - start) * FRACTIONS
-        samples = np.array([self._problem.guards(t, self._dense(t)) for t in instants])
+        samples = np.array([self._problem.guards(t, self._dense(t)).copy() for t in instants])
         samples[0] = np.maximum(samples[0], 0.0)  # the last event is over
         first: tuple[float, int] | None = None
         for guard in range(self._problem.guard_count):
@@ -94,7 +94,13 @@ def _may_dip(before: float, here: float, after: float) -> bool:
 
 
 def _root(value: Callable[[float], float], low: float, high: float) -> float:
-    """Where `value` falls from >= 0 at `low` to below zero at `high`; `low` if it is below zero there."""
+    """Where `value` falls from >= 0 at `low` to below zero at `high`; `low` if it is below zero there.
+
+    `high` if it is not below zero when looked at again: an algebraic loop is solved from its last guess,
+    and a guard that depends on it may change sign in the last bits.
+    """
     if value(low) <= 0.0:
         return float(low)
+    if value(high) >= 0.0:
+        return float(high)
     return float(brentq(value, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
