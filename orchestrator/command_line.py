@@ -152,6 +152,26 @@ def scenarios(
         print(f"{name:24} {tomllib.loads(path.read_text('utf-8')).get('description', '')}")
 
 
+@app.command("reproduce")
+@reported
+def reproduce_source(
+    source: Annotated[str, typer.Argument(help="A published source: kushwaha2000.")],
+    out: Annotated[Path | None, typer.Option(help="Output folder. [default: results/SOURCE]")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+) -> None:
+    """Draw the figures of a published source and check its quantitative statements."""
+    from models.system import suggestion
+
+    from .errors import MistakeError
+    from .reproduce import SOURCES
+
+    if source not in SOURCES:
+        raise MistakeError(f"no source {source!r} to reproduce; {suggestion(source, SOURCES)}")
+    from importlib import import_module
+
+    import_module(f".reproduce.{source}", __package__).reproduce(out or Path("results") / source, overwrite)
+
+
 @fmu_app.command("build")
 @reported
 def fmu_build(
