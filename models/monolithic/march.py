@@ -13,8 +13,9 @@ from .problem import Event, Problem
 
 # Events at one instant, or so close together that time stands still, after which a problem is given up.
 STALLED_EVENTS = 1000
-# Events are "at one instant" when nearer than this share of the whole duration.
-INSTANT = 1e-14
+# Events are "at one instant" when nearer than this share of the largest time: some thousand roundings,
+# ten times what CVODE's shortest step needs.
+INSTANT = 1e-12
 
 
 class Method(Protocol):
@@ -45,7 +46,7 @@ def march(
     states = np.empty((times.size, z0.size))
     t, z = t0, z0.copy()
     _settle(problem, t, z, (), events)
-    begun, stalled = False, 0
+    begun, stalled, longest = False, 0, max(abs(t0), abs(end))
     for i, target in enumerate(times):
         while t < target:
             if not begun:
@@ -53,7 +54,7 @@ def march(
                 begun = True
             reached, z, fallen = method.to(float(target))
             if fallen:
-                stalled = stalled + 1 if reached - t <= INSTANT * (end - t0) else 0
+                stalled = stalled + 1 if reached - t <= INSTANT * longest else 0
                 _settle(problem, reached, z, fallen, events)
                 if stalled > STALLED_EVENTS:
                     raise _too_many(events[-1])

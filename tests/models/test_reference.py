@@ -1,0 +1,259 @@
+"""The monolithic reference: two methods, located events, interpolation, refusals."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+import pytest
+
+from models.component import Component, Events
+from models.kernel import kernel
+from models.monolithic import difference, equilibrium, solve
+from models.monolithic.reference import SystemProblem, stiffness
+from models.quantities import Layout, Quantity
+from models.system import Instance, ModelError, System
+
+from .systems import run, turn, valve_train
+
+G = 9.81
+
+
+@dataclass
+class BallParameters:
+    restitution: Annotated[float, Quantity("1", "velocity after over before")] = 0.8
+    stays_fallen: Annotated[float, Quantity("1", "a faulty transition", boolean=True)] = 0.0
+
+
+@dataclass
+class BallState:
+    height: Annotated[float, Quantity("m", "height")] = 1.0
+    velocity: Annotated[float, Quantity("m/s", "velocity")] = 0.0
+
+
+@dataclass
+class BallInputs:
+    wind: Annotated[float, Quantity("m/s2", "acceleration upwards")] = 0.0
+
+
+@dataclass
+class BallOutputs:
+    height: Annotated[float, Quantity("m", "height")] = 0.0
+    velocity: Annotated[float, Quantity("m/s", "velocity")] = 0.0
+
+
+@kernel
+def ball_derivative(t: float, x: BallState, u: BallInputs, p: BallParameters, dx: BallState) -> None:
+    dx.height = x.velocity
+    dx.velocity = u.wind - 9.81
+
+
+@kernel
+def ball_output(t: float, x: BallState, u: BallInputs, p: BallParameters, y: BallOutputs) -> None:
+    y.height = x.height
+    y.velocity = x.velocity
+
+
+@kernel
+def ball_energy(t: float, x: BallState, u: BallInputs, p: BallParameters, e) -> None:
+    e[0] = 9.81 * x.height + 0.5 * x.velocity**2
+    e[1] = 0.0
+    e[2] = u.wind * x.velocity
+
+
+@kernel
+def ball_guards(t: float, x: BallState, u: BallInputs, p: BallParameters, g) -> None:
+    g[0] = x.height
+
+
+@kernel
+def ball_transition(k: int, t: float, x: BallState, u: BallInputs, p: BallParameters) -> None:
+    if p.stays_fallen == 0.0:
+        x.height = 0.0
+        x.velocity = abs(x.velocity) * p.restitution
+    else:
+        x.height = -1.0
+
+
+def ball():
+    return Component(
+        name="ball",
+        description="A ball that bounces",
+        parameters=Layout(BallParameters),
+        state=Layout(BallState),
+        inputs=Layout(BallInputs),
+        outputs=Layout(BallOutputs),
+        derivative=ball_derivative,
+        output=ball_output,
+        energy=ball_energy,
+        feedthrough={},
+        events=Events(1, ball_guards, ball_transition),
+        runs_on=True,
+    )
+
+
+def impact_times(restitution, count):
+    first = math.sqrt(2 / G)
+    times, flight = [first], 2 * restitution * first
+    for _ in range(count - 1):
+        times.append(times[-1] + flight)
+        flight *= restitution
+    return times
+
+
+def test_events_are_located_to_the_tolerance():
+    exact = impact_times(0.8, 8)
+    end = 0.5 * (exact[-2] + exact[-1])
+    found = solve(System({"ball": Instance(ball())}, []), np.linspace(0.0, end, 201))
+    assert [(event.instance, event.guard) for event in found.events] == [("ball", 0)] * 7
+    assert [event.time for event in found.events] == pytest.approx(exact[:-1], abs=1e-9)
+    # Between impacts: parabolas.
+    start = exact[-2]
+    v = 0.8**7 * math.sqrt(2 * G)
+    s = end - start
+    assert found["ball.height"][-1] == pytest.approx(v * s - G * s**2 / 2, abs=1e-8)
+    assert np.all(found["ball.height"] >= 0.0)
+    # Both methods locate the events.
+    assert found.uncertainty["ball.height"].max_abs < 1e-8
+
+
+def test_simultaneous_events_all_happen():
+    system = System({"one": Instance(ball()), "two": Instance(ball(), {"restitution": 0.5})}, [])
+    found = solve(system, np.linspace(0.0, 0.6, 61))
+    assert sorted(event.instance for event in found.events) == ["one", "two"]
+    assert found.uncertainty["two.height"].max_abs < 1e-8
+
+
+def test_a_guard_that_has_fallen_at_the_start_makes_its_transition_at_once():
+    system = System({"ball": Instance(ball(), start={"height": -0.1, "velocity": -2.0})}, [])
+    found = solve(system, np.linspace(0.0, 0.1, 11))
+    assert found.events[0].time == 0.0
+    assert found["ball.velocity"][0] == pytest.approx(1.6)
+
+
+def test_a_transition_that_does_not_lift_its_guard_is_refused():
+    system = System({"ball": Instance(ball(), {"stays_fallen": 1.0})}, [])
+    with pytest.raises(ModelError, match=r"ball: more than 1000 events at t = 0\.45"):
+        solve(system, np.linspace(0.0, 1.0, 11))
+
+
+def test_endless_chatter_is_refused():
+    """A ball that loses energy makes infinitely many impacts before 9 sqrt(2/g) s."""
+    system = System({"ball": Instance(ball())}, [])
+    with pytest.raises(ModelError, match="ball: more than 1000 events"):
+        solve(system, np.linspace(0.0, 5.0, 11), tolerance=1e-6)
+
+
+def test_two_methods_agree_within_the_tolerance():
+    system = valve_train(1000)
+    times = np.linspace(0.0, 0.7, 253) * turn(1000)
+    found = solve(system, times, x0=equilibrium(system), tolerance=1e-8)
+    assert found.method_names[0].startswith("CVODE")
+    assert found.method_names[1].startswith("scipy DOP853")
+    assert found.uncertainty["valve_spring.position"].relative_rms < 1e-8
+    assert found.uncertainty["contact.film_thickness"].relative_rms < 1e-6
+    # The load divides positions of 1e-2 m by a deflection of 1e-6 m: four digits less.
+    assert found.uncertainty["contact.load"].relative_rms < 1e-4
+    assert set(found.uncertainty) == set(system.outputs.names)
+
+
+def test_instants_asked_for_do_not_change_the_solution():
+    """The value between steps is as good as at their ends."""
+    system = valve_train(1000)
+    x0 = equilibrium(system)
+    end = 0.55 * turn(1000)
+    few = solve(system, np.array([0.0, end]), x0=x0, tolerance=1e-9)
+    many = solve(system, np.linspace(0.0, end, 1500), x0=x0, tolerance=1e-9)
+    sharp = solve(system, np.linspace(0.0, end, 1500), x0=x0, tolerance=1e-11)
+    position = "valve_spring.position"
+    assert few[position][-1] == pytest.approx(many[position][-1], abs=1e-12)
+    assert difference(many[position], sharp[position]).relative_rms < 1e-9
+    assert difference(many["contact.load"], sharp["contact.load"]).relative_rms < 1e-5
+
+
+def test_a_start_before_the_first_instant():
+    system = valve_train(1000)
+    x0 = equilibrium(system)
+    times = np.linspace(0.3, 0.5, 21) * turn(1000)
+    late = solve(system, times, x0=x0, t0=0.0, tolerance=1e-8)
+    whole = solve(system, np.concatenate([[0.0], times]), x0=x0, tolerance=1e-8)
+    assert late["valve_spring.position"] == pytest.approx(whole["valve_spring.position"][1:], abs=1e-11)
+
+
+def test_progress_runs_from_zero_to_one():
+    seen: list[float] = []
+    solve(System({"ball": Instance(ball())}, []), np.linspace(0.0, 0.3, 4), progress=seen.append)
+    assert seen == pytest.approx([0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0])
+
+
+def test_a_stiff_problem_is_known_as_stiff():
+    """A valve of 0.22 kg resting in a seat of k N/m turns at sqrt(k/m), here 3e4 and 7e7 rad/s."""
+    times = np.array([0.0, 1.0])
+
+    def is_stiff(seat):
+        closed = {"seat_stiffness": seat, "lash": 1e-6}
+        problem = SystemProblem(valve_train(600, valve_spring=closed))
+        return stiffness(problem, 0.0, problem.start(problem.system.x0), times)[0]
+
+    assert not is_stiff(2e8)
+    assert is_stiff(1e15)
+
+
+@pytest.mark.long
+def test_stiff_methods_solve_the_same_problem():
+    from models.monolithic.cvode import Cvode
+    from models.monolithic.march import march
+    from models.monolithic.reference import observe
+    from models.monolithic.runge_kutta import RungeKutta
+
+    system = valve_train(1000)
+    problem = SystemProblem(system)
+    z = problem.start(equilibrium(system))
+    times = np.linspace(0.0, 0.5, 181) * turn(1000)
+    exact = run(problem, system.x0 * 0 + z[: problem.size], times, tolerance=1e-11)
+    column = system.outputs.names.index("contact.load")
+    for method in (Cvode(problem, 1e-9, True, 1e-4), RungeKutta(problem, 1e-8, True, 1e-4)):
+        states, _ = march(problem, method, z, 0.0, times)
+        found = observe(problem, times, states)[1][:, column]
+        assert difference(found, exact[:, column]).relative_rms < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"times": np.array([0.0, 0.0])}, "ascending"),
+        ({"times": np.array([0.0, math.nan])}, "ascending finite"),
+        ({"times": np.array([0.0, 1.0]), "t0": 0.5}, "must not be behind the first instant 0 s"),
+        ({"times": np.array([0.0, 1.0]), "tolerance": 0.0}, "tolerance = 0: must be > 0"),
+        ({"times": np.array([0.0, 1.0]), "x0": np.zeros(3)}, "3 elements: the system has 2 states"),
+        ({"times": np.array([0.0, 1.0]), "x0": np.array([1.0, math.nan])}, "not finite"),
+    ],
+)
+def test_refusals(arguments, said):
+    with pytest.raises(ModelError, match=said):
+        solve(System({"ball": Instance(ball())}, []), **arguments)
+
+
+def test_unknown_output_is_a_key_error():
+    found = solve(System({"ball": Instance(ball())}, []), np.array([0.0, 0.1]))
+    with pytest.raises(KeyError, match=r"ball\.heigth"):
+        found["ball.heigth"]
+
+
+def test_difference_is_relative_to_the_references_spread():
+    reference = np.array([1.0, 3.0, 1.0, 3.0])
+    found = difference(reference + 0.5, reference)
+    assert (found.max_abs, found.rms, found.relative_rms) == (0.5, 0.5, 0.5)
+
+
+def test_difference_of_a_constant_is_relative_to_its_size():
+    assert difference(np.full(3, 101.0), np.full(3, 100.0)).relative_rms == pytest.approx(0.01)
+    assert difference(np.full(3, 1e-9), np.zeros(3), nominal=1e-6).relative_rms == pytest.approx(1e-3)
+    assert difference(np.zeros(3), np.zeros(3)).relative_rms == 0.0
+
+
+def test_differences_of_unlike_signals_are_refused():
+    with pytest.raises(ValueError, match=r"shapes \(2,\) and \(3,\)"):
+        difference(np.zeros(2), np.zeros(3))
