@@ -1,0 +1,34 @@
+"""Without compilation the kernels are the same functions."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from models.kernel import COMPILED
+
+from .plain_run import evaluated
+
+
+@pytest.mark.skipif(not COMPILED, reason="compares compiled with plain code")
+def test_plain_python_equals_compiled_code():
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.models.plain_run"],
+        cwd=Path(__file__).parents[2],
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    plain = json.loads(done.stdout)
+    assert plain["compiled"] is False
+    compiled = evaluated()
+    assert plain["values"].keys() == compiled.keys()
+    for name, values in compiled.items():
+        # Elementary functions of both may differ in the last digit; sums of ten terms grow that.
+        assert plain["values"][name] == pytest.approx(values, rel=1e-13, abs=1e-13, nan_ok=True), name
