@@ -73,10 +73,10 @@ def test_surge_leaves_the_loads_of_the_reference_table(speed: float, runs: Runs)
 
 @pytest.mark.long
 def test_loads_at_3000_of_the_reference_table(runs: Runs) -> None:
-    # A settling time of 0.15 s leaves about 1e-4 of the residual vibration; the table has 4 to 5 digits.
     surge, flexible = runs.surge(3000.0).load, runs.flexible(3000.0).load
-    assert (surge.min(), surge.max()) == pytest.approx((97.12, 838.52), rel=2e-4)
-    assert (flexible.min(), flexible.max()) == pytest.approx((12.74, 921.41), rel=1e-3)
+    assert (surge.min(), surge.max()) == pytest.approx((97.12, 838.52), rel=1e-4)
+    # With the modal damping ratio 0.02 in every mode of the shaft (stiffness-proportional: 12.74, 921.41).
+    assert (flexible.min(), flexible.max()) == pytest.approx((12.727, 921.290), rel=1e-4)
 
 
 def test_film_and_load_of_the_kinematic_cycle(runs: Runs) -> None:
@@ -139,8 +139,8 @@ def test_the_iteration_repels_where_its_gain_exceeds_one() -> None:
 
 def test_the_sources_own_iteration_fails_near_the_reversals(runs: Runs) -> None:
     values = checked("own_iteration", runs).values
-    # 13 to 16 steps, by what is done after a failed one; the exact film of the failed step gives 15.
-    assert 13 <= values["failed_steps"] <= 16
+    # Other answers to a failed step than its exact solution, or other limits, give 13 to 23 steps.
+    assert values["failed_steps"] == 15
     assert checked("squeeze_sign", runs).values["failed_steps"] > values["failed_steps"]
 
 

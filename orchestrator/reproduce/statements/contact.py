@@ -107,7 +107,8 @@ def pressure_distribution(runs: Runs) -> Statement:
         f"largest Hertz pressure of the cycle {pressure.min() / 1e6:.0f}-{pressure.max() / 1e6:.0f} MPa "
         "(1000 r/min)",
         Verdict.NOT_MET,
-        "the source shows no pressure distribution and no start-up; its pressure is the Hertz ellipse (8)",
+        "the source shows no pressure distribution and no start-up; its pressure is the Hertz ellipse (8) "
+        "(for start-up see the scenario run-up)",
         {"minimum_Pa": float(pressure.min()), "maximum_Pa": float(pressure.max())},
     )
 

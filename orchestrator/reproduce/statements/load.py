@@ -144,14 +144,15 @@ def crossovers(runs: Runs) -> Statement:
 
 def no_separation(runs: Runs) -> Statement:
     rigid, flexible = (float(c.load.min()) for c in (runs.surge(3000.0), runs.flexible(3000.0)))
+    preload = runs.parameters("valve_spring").preload
     return Statement(
         "no-separation",
         "1, 2.2, 5",
         "Jump: loss of contact through separation at high speed",
         f"least load at 3000 r/min {rigid:.1f} N, with the flexible camshaft {flexible:.1f} N",
         Verdict.CANNOT,
-        "the source's constraint cannot open (2.2), and names no preload; with the 330 N chosen here "
-        "contact is kept",
+        f"the source's constraint cannot open (2.2), and it names no preload; with the {preload:.0f} N "
+        "chosen here contact is kept",
         {"rigid_N": rigid, "flexible_N": flexible},
     )
 

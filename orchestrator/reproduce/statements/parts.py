@@ -25,6 +25,7 @@ LISTED_PARTS = 5
 
 def table_1_inertias(runs: Runs) -> Statement:
     """Moments of inertia of a body: none exceeds the sum of the other two."""
+    p = runs.parameters("camshaft")
     impossible = []
     for name, (_, xx, yy, zz) in TABLE_1.items():
         for one, others in ((xx, (yy, zz)), (yy, (xx, zz)), (zz, (xx, yy))):
@@ -38,8 +39,8 @@ def table_1_inertias(runs: Runs) -> Statement:
         f"no body has those of: {', '.join(impossible)} (Ixx + Iyy at most {largest:g}, Izz at least "
         f"{low:g} kg mm²)",
         Verdict.CANNOT if impossible else Verdict.MET,
-        "a body has Ixx + Iyy ≥ Izz; the model uses polar 300 and transverse 142 kg mm² for camshaft and cam "
-        "together, from the same table, and so inherits the fault",
+        f"a body has Ixx + Iyy ≥ Izz; the model's camshaft with cam, {1e6 * p.polar_inertia:.0f} polar and "
+        f"{1e6 * p.transverse_inertia:.0f} transverse, is from the same table and inherits the fault",
         {"impossible_parts": len(impossible), "Ixx_plus_Iyy_max": largest, "Izz_min": low},
     )
 
