@@ -33,9 +33,11 @@ class RungeKutta:
         self._event: tuple[float, int] | None = None
 
     def begin(self, t: float, z: Vector, end: float) -> None:
-        self._solver = self._class(
-            lambda at, state: self._problem.rate(at, state).copy(), t, z, end, **self._options
-        )
+        def rate(at: float, state: Vector) -> Vector:
+            # Radau's differences come as columns of a matrix, which kernels cannot read as records.
+            return self._problem.rate(at, np.ascontiguousarray(state)).copy()
+
+        self._solver = self._class(rate, t, z, end, **self._options)
         self._dense, self._event = None, None
 
     def to(self, target: float) -> tuple[float, Vector, tuple[int, ...]]:
@@ -58,7 +60,7 @@ class RungeKutta:
     def _first_event(self, start: float, end: float) -> tuple[float, int] | None:
         """Time and number of the first guard to fall in the step just made."""
         instants = start + (end - start) * FRACTIONS
-        samples = np.array([self._problem.guards(t, self._dense(t)).copy() for t in instants])
+        samples = np.array([self._problem.guards(t, np.array(self._dense(t))).copy() for t in instants])
         samples[0] = np.maximum(samples[0], 0.0)  # the last event is over
         first: tuple[float, int] | None = None
         for guard in range(self._problem.guard_count):
@@ -71,7 +73,7 @@ class RungeKutta:
         """The instant at which this guard falls below zero, if it does."""
 
         def value(t: float) -> float:
-            return float(self._problem.guards(t, self._dense(t))[guard])
+            return float(self._problem.guards(t, np.array(self._dense(t)))[guard])
 
         for i in range(1, instants.size):
             if samples[i] < 0.0:
