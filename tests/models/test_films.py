@@ -104,12 +104,13 @@ def test_moes_asymptotes():
 
 
 @pytest.mark.parametrize(
-    ("M", "L", "H"), [(20, 0, 1.125), (50, 0, 0.923), (10, 5, 2.826), (20, 5, 2.567), (50, 5, 2.262),
+    ("M", "L", "H"), [(10, 0, 1.324), (20, 0, 1.125), (50, 0, 0.923),
+                      (10, 5, 2.826), (20, 5, 2.567), (50, 5, 2.262),
                       (10, 10, 4.103), (20, 10, 3.777), (50, 10, 3.374)],
 )  # fmt: skip
 def test_moes_fit_is_near_numerical_solutions(M, L, H):
-    """Against a numerical EHL solution (good to 0.5 %, with its own density law): the fit's 10 %."""
-    assert moes_film(M, L) == pytest.approx(H, rel=0.10)
+    """Against a numerical EHL solution (good to 0.5 %): the fit is off by up to 3.4 %."""
+    assert moes_film(M, L) == pytest.approx(H, rel=0.04)
 
 
 @given(film=st.floats(1e-8, 5e-6), steady=st.floats(1e-8, 5e-6), velocity=st.floats(-5.0, 5.0))
