@@ -57,7 +57,8 @@ class Component:
     `feedthrough` lists, for each output, the inputs it depends on at the same instant.
     `advance_maker`, if given, replaces the standard integrator (with events: the hybrid one):
     (component) -> advance kernel. `runs_on`: it moves while the mechanisms it drives are at rest, so that
-    an equilibrium does not ask it to stand still.
+    an equilibrium does not ask it to stand still. `input_rates` names inputs that are the time derivative
+    of another input: rate -> input; inside a step they follow that input's polynomial.
     """
 
     name: str
@@ -76,6 +77,7 @@ class Component:
     advance_maker: Callable[[Component], Any] | None = None
     structure: Mapping[str, int] = field(default_factory=dict)
     runs_on: bool = False
+    input_rates: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def flat_derivative(self) -> Any:
@@ -137,7 +139,7 @@ class Component:
         if maker := self.advance_maker or (make_hybrid_advance if self.events else None):
             advance = maker(self)
         else:
-            advance = make_advance(self.flat_derivative, self.state, self.inputs)
+            advance = make_advance(self.flat_derivative, self.state, self.inputs, self.input_rates)
         output = self.flat_output
 
         @kernel

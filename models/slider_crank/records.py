@@ -121,7 +121,8 @@ class SliderCrankState:
 class SliderCrankInputs:
     """The films narrow the clearance: the upper wall is at clearance - upper_film_thickness.
 
-    A film's rate must be the derivative of its thickness (a contact's squeeze_velocity), or nothing.
+    A film's rate is the derivative of its thickness (a contact's squeeze_velocity); inside a step of a
+    co-simulation it is taken from the thickness' own polynomial.
     """
 
     crank_angle: Annotated[

@@ -338,4 +338,8 @@ def slider_crank() -> Component:
         events=Events(3, guards, transition),
         check=check,
         runs_on=True,
+        input_rates={
+            "upper_film_rate": "upper_film_thickness",
+            "lower_film_rate": "lower_film_thickness",
+        },
     )

@@ -23,7 +23,7 @@ from models.system import Instance, suggestion
 from ..errors import ParticipantError
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-WARNING = 1
+WARNING, FATAL = 1, 4
 
 
 class Calls:
@@ -90,6 +90,7 @@ class FmuParticipant:
         self._messages: list[str] = []
         self._slave: Any = None
         self._instantiated = False
+        self._fatal = False
         try:
             self._description = read_model_description(str(path))
             self._folder = extract(str(path))
@@ -128,6 +129,7 @@ class FmuParticipant:
         except ParticipantError:
             raise
         except Exception as error:
+            self._fatal |= getattr(error, "status", None) == FATAL
             raise ParticipantError(f"{self.name}: {what}: {self._said() or error}") from None
 
     def _said(self) -> str:
@@ -136,6 +138,7 @@ class FmuParticipant:
         return said
 
     def _fail(self, status: int, what: str) -> NoReturn:
+        self._fatal |= status == FATAL
         said = self._said() or "no message"
         raise ParticipantError(f"{self.name}: {what} returned {STATUS[status]}: {said}")
 
@@ -248,12 +251,13 @@ class FmuParticipant:
             self._fail(status, "freeing a saved state")
 
     def close(self) -> None:
-        if self._instantiated:
-            self._instantiated = False
+        # After fmi2Fatal the standard allows no call at all; the instance is given up.
+        if self._instantiated and not self._fatal:
             with contextlib.suppress(Exception):
                 self._slave.terminate()
             with contextlib.suppress(Exception):
                 self._slave.freeInstance()
+        self._instantiated = False
         shutil.rmtree(getattr(self, "_folder", ""), ignore_errors=True)
 
 
