@@ -1,6 +1,7 @@
 """The coupled valve train against its monolithic reference: order, accuracy, stability.
 
-Eight milliseconds at 1000 r/min in the lift, components in process (FMUs agree with them to the last bit, see tests/fmus).
+Eight milliseconds at 1000 r/min in the lift, components in process (FMUs agree with them to the last
+bit, see tests/fmus).
 """
 
 from __future__ import annotations
