@@ -57,6 +57,26 @@ class FmuInfo:
     digest: str
     variables: tuple[VariableInfo, ...]
 
+    def __str__(self) -> str:
+        """For reading: what it is, then a table of the variables."""
+        head = {
+            "file": self.path,
+            "model": f"{self.name} {self.version}: {self.description}",
+            "kind": f"FMI {self.fmi_version} for {', '.join(self.kinds)}",
+            "platforms": ", ".join(self.platforms),
+            "by": f"{self.author}, licence {self.license}, made with {self.tool}",
+            "GUID": self.guid,
+            "SHA-256": self.digest,
+        }
+        rows = [("variable", "type", "causality", "variability", "unit", "start", "description")]
+        rows += [
+            (v.name, v.kind, v.causality, v.variability, v.unit, v.start, v.description)
+            for v in self.variables
+        ]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        table = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+        return "\n".join([*(f"{key:10} {value}" for key, value in head.items()), "", *table])
+
 
 def validate(path: Path | str) -> list[str]:
     """What is wrong with the FMU at `path`: the archive first, then its content (fmpy's checks and ours)."""

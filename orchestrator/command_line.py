@@ -210,9 +210,14 @@ def fmu_validate(files: Annotated[list[Path], typer.Argument(help="The .fmu file
 @reported
 def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")]) -> None:
     """Show what an FMU is and its variables."""
-    from fmus.validate import info
+    from fmus.validate import FmuFileError, info
 
-    print(info(_existing(file)))
+    from .errors import MistakeError
+
+    try:
+        print(info(_existing(file)))
+    except FmuFileError as error:
+        raise MistakeError(str(error)) from None
 
 
 def _existing(file: Path) -> Path:

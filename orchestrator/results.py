@@ -109,14 +109,16 @@ class ResultFile:
 
     def has(self, group: str) -> bool:
         """The group exists and has rows."""
-        return group in self._file.groups and self.length(group) > 0
+        return self.length(group) > 0
 
     def quantities(self, group: str) -> dict[str, Quantity]:
         """What the group's variables are, as given to `series`."""
         return dict(self._quantities[group])
 
     def length(self, group: str) -> int:
-        """Rows of a group, as far as they are flushed."""
+        """Rows of a group, as far as they are flushed; 0 if there is no such group."""
+        if group not in self._file.groups:
+            return 0
         return int(self._file[group].dimensions["time"].size)
 
     def finish(self, complete: bool, message: str) -> None:
