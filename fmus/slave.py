@@ -22,11 +22,12 @@ from __future__ import annotations
 import hashlib
 import math
 import sys
+from threading import get_ident
 from typing import Any
 
 import numpy as np
 
-from .host import Host
+from .host import Host, kept_threads
 from .memory import COEFFICIENTS, Memory
 
 try:  # inside an FMU: the copy that belongs to its binary
@@ -67,6 +68,8 @@ def slave_class(component: Any, model_name: str, digest: str, failures: dict[int
         "template": template,
         "names": names,
         "fixed": fixed,
+        "driven": frozenset(range(memory.inputs, memory.outputs)),
+        "free": frozenset(range(memory.energies)),
         "failures": failures,
         "header": _STATE_FORMAT + identity.hexdigest()[:16].encode() + b"\n",
         "warm": False,
@@ -84,6 +87,8 @@ class ComponentSlave(Fmi2Slave):
     template: Any
     names: tuple[str, ...]
     fixed: frozenset[int]
+    driven: frozenset[int]  # inputs and their derivatives
+    free: frozenset[int]  # all but the energies
     failures: dict[int, str]
     header: bytes
     warm: bool
@@ -144,7 +149,8 @@ class ComponentSlave(Fmi2Slave):
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Advance once by `step_size`; False, with a message and nothing changed, if that fails."""
-        self._host.keep_thread_state()
+        if get_ident() not in kept_threads:
+            self._host.keep_thread_state()
         cells, at = self._cells, self.memory
         t = cells[at.t]
         if not (
@@ -221,19 +227,22 @@ class ComponentSlave(Fmi2Slave):
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         self._outputs_stale = True
         cells = self._cells
-        lowest, highest = min(vrs, default=0), max(vrs, default=0)
-        if highest >= self.memory.outputs:
-            self._fatal(f"{self._name(highest)} is an output: it cannot be set")
-        if lowest < self.memory.inputs:
-            self._parameters_unchecked = True
-            if self._phase == STEPPING:
-                for i in vrs:
-                    if i in self.fixed:
-                        self._fatal(f"{self._name(i)} is fixed: it cannot be set after initialisation")
+        if not self.driven.issuperset(vrs):
+            self._check_settable(vrs)
         for i, value in zip(vrs, values, strict=True):
             cells[i] = value
         if not math.isfinite(sum(values)):
             self._inputs_unchecked = True
+
+    def _check_settable(self, vrs: list[int]) -> None:
+        """Refuse outputs, and what is fixed once the initialisation is over."""
+        if (highest := max(vrs)) >= self.memory.outputs:
+            self._fatal(f"{self._name(highest)} is an output: it cannot be set")
+        self._parameters_unchecked = True
+        if self._phase == STEPPING:
+            for i in vrs:
+                if i in self.fixed:
+                    self._fatal(f"{self._name(i)} is fixed: it cannot be set after initialisation")
 
     def set_integer(self, vrs: list[int], values: list[int]) -> None:
         self.set_real(vrs, [float(value) for value in values])

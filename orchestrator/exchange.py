@@ -11,7 +11,7 @@ from models.system import Port, System
 
 from .errors import ParticipantError, RunError
 from .participants import Participant
-from .signals import History, gather, interpolate
+from .signals import History, gather, interpolate_part
 
 
 class Exchange:
@@ -70,8 +70,10 @@ class Exchange:
     def arrive(self, i: int, degree: int, end: float) -> None:
         """As `read` at the time `end`, and let the signals of participant i go to what it arrived at."""
         self.participants[i].read()
-        own = self.slices[i]
-        if not interpolate(self.history, degree, end, self.values, self.signals, own.start, own.stop):
+        own, past = self.slices[i], self.history
+        if not interpolate_part(
+            past.times, past.values, past.count, degree, end, self.values, self.signals, own.start, own.stop
+        ):
             self._refuse(i)
 
     def _refuse(self, i: int) -> None:

@@ -39,12 +39,17 @@ class History:
 
     def append(self, time: float, values: Vector) -> None:
         """The values at a later communication point; the oldest are forgotten."""
-        _push(self.times, self.values, time, values)
-        self.count = min(self.count + 1, POINTS)
+        push(self.times, self.values, time, values)
+        self.appended()
+
+    def appended(self) -> None:
+        """Values have been put into the memory."""
+        if self.count < POINTS:
+            self.count += 1
 
 
 @numba.njit(cache=True)
-def _push(times: Any, values: Any, time: float, new: Any) -> None:
+def push(times: Any, values: Any, time: float, new: Any) -> None:
     for k in range(values.shape[0] - 1, 0, -1):
         times[k] = times[k - 1]
         values[k] = values[k - 1]
@@ -84,7 +89,7 @@ def _extrapolate(times: Any, values: Any, count: int, degree: int, out: Any) -> 
 
 
 @numba.njit(cache=True)
-def _interpolate(
+def interpolate_part(
     times: Any, values: Any, count: int, degree: int, end: float, new: Any, out: Any, first: int, last: int
 ) -> bool:
     points = min(degree, count) + 1
@@ -102,16 +107,10 @@ def extrapolate(history: History, degree: int, out: Vector) -> None:
     _extrapolate(history.times, history.values, history.count, degree, out)
 
 
-def interpolate(
-    history: History, degree: int, end: float, values: Vector, out: Vector, first: int = 0, last: int = -1
-) -> bool:
-    """As `extrapolate`, through the last `degree` points and `values` at the time `end`.
-
-    Only for the sources from `first` up to `last` (without it: all). True if their values are finite.
-    """
-    last = len(values) if last < 0 else last
-    return _interpolate(  # type: ignore[no-any-return]
-        history.times, history.values, history.count, degree, end, values, out, first, last
+def interpolate(history: History, degree: int, end: float, values: Vector, out: Vector) -> bool:
+    """As `extrapolate`, through the last `degree` points and `values` at the time `end`; True if finite."""
+    return interpolate_part(  # type: ignore[no-any-return]
+        history.times, history.values, history.count, degree, end, values, out, 0, len(values)
     )
 
 
@@ -124,7 +123,7 @@ def gather(signals: Any, columns: Any, out: Any) -> None:
 
 
 @numba.njit(cache=True)
-def worst_miss(
+def append_judged(
     times: Any,
     values: Any,
     count: int,
@@ -140,7 +139,8 @@ def worst_miss(
     """The source that most misses its own linear extrapolation, if it does by more than `share`; else -1.
 
     Updates the fading sums (kept by the factor `keep` per step) of what each source misses and of its
-    size. A value above `bound` nominal sizes counts as well.
+    size, and appends the new values to the history's memory. A value above `bound` nominal sizes counts as
+    well.
     """
     worst, most = -1, share
     for i in range(new.shape[0]):
@@ -151,4 +151,5 @@ def worst_miss(
             worst, most = i, missed[i] / size[i]
         elif abs(new[i]) > bound * nominal[i] and worst < 0:
             worst = i
+    push(times, values, time, new)
     return worst

@@ -17,7 +17,7 @@ from .errors import RunError, UnstableCouplingError
 from .exchange import Exchange
 from .masters import Master
 from .participants import Participant
-from .signals import worst_miss
+from .signals import append_judged
 from .start_up import probe_start
 
 
@@ -66,19 +66,27 @@ class RunawayGuard:
         self._master = master
         self._missed = np.zeros(len(exchange.sources))
         self._size = np.zeros(len(exchange.sources))
-        self._steps = 0
+        self._patience = math.inf if master.implicit else self.WINDOW
+        self._keep = 1.0 - 1.0 / self.WINDOW
 
-    def check(self, time: float, step: float) -> None:
-        """Compare the new values with the prediction; UnstableCouplingError if one runs away."""
-        e = self._exchange
-        keep = 1.0 - 1.0 / self.WINDOW
-        bound = math.inf if self._steps < self.WINDOW or self._master.implicit else self.SHARE
-        self._steps += 1
-        past = e.history
-        worst = worst_miss(
-            past.times, past.values, past.count, time + step, e.values, e.nominal, keep, self.BOUND,
-            bound, self._missed, self._size,
-        )  # fmt: skip
+    def append(self, time: float, step: float) -> None:
+        """Put the values after `step` at `time` into the history; UnstableCouplingError for a runaway."""
+        e, past = self._exchange, self._exchange.history
+        self._patience -= 1
+        worst = append_judged(
+            past.times,
+            past.values,
+            past.count,
+            time,
+            e.values,
+            e.nominal,
+            self._keep,
+            self.BOUND,
+            self.SHARE if self._patience < 0 else math.inf,
+            self._missed,
+            self._size,
+        )
+        past.appended()
         if worst >= 0:
             raise UnstableCouplingError(
                 f"{e.sources[worst]}: unstable coupling at t = {time:.6g} s: its values do not follow their "
@@ -124,8 +132,7 @@ def simulate(
         for n in range(1, total + 1):
             end = stop_time if n == total else start_time + n * macro_step
             used = master.step(exchange, time, end - time)
-            guard.check(time, end - time)
-            exchange.history.append(end, exchange.values)
+            guard.append(end, end - time)
             time, steps, iterations = end, n, iterations + used
             _show(observers, exchange, time, outputs, used)
         complete = True

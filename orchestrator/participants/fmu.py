@@ -33,7 +33,10 @@ class Calls:
     """
 
     def __init__(self, slave: FMU2Slave) -> None:
-        self._library = slave.dll
+        # A Python FMU runs in this interpreter, which ctypes would let go for every call only for the FMU to
+        # take it again; PyDLL keeps it.
+        in_python = Path(slave.unzipDirectory, "resources", "slavemodule.txt").is_file()
+        self._library = ctypes.PyDLL(None, handle=slave.dll._handle) if in_python else slave.dll
         self._handle = ctypes.c_void_p(slave.component)
         self._time, self._length = ctypes.c_double(), ctypes.c_double()
         self._step = self._function("fmi2DoStep")
@@ -47,16 +50,23 @@ class Calls:
         function.restype = ctypes.c_int
         return function
 
-    def reals(self, function: str, references: Sequence[int], values: Vector) -> Callable[[], int]:
-        """fmi2SetReal or fmi2GetReal between these variables and the memory of `values`."""
+    def reals(
+        self, function: str, references: Sequence[int], values: Vector, fail: Callable[[int], None]
+    ) -> Callable[[], None]:
+        """fmi2SetReal or fmi2GetReal between these variables and the memory of `values`.
+
+        `fail` is called with the status of a call that did not succeed.
+        """
         if not references:
-            return lambda: 0
+            return lambda: None
         call, handle = self._function(function), self._handle
         wanted = (ctypes.c_uint * len(references))(*references)
         count, memory = ctypes.c_size_t(len(references)), ctypes.c_void_p(values.ctypes.data)
 
-        def transfer(values: Vector = values) -> int:  # keeps the memory alive
-            return call(handle, wanted, count, memory)  # type: ignore[no-any-return]
+        def transfer(values: Vector = values) -> None:  # keeps the memory alive
+            status = call(handle, wanted, count, memory)
+            if status > WARNING:
+                fail(status)
 
         return transfer
 
@@ -164,9 +174,13 @@ class FmuParticipant:
         # Where every derivative is taken, the bound memory is handed over as it is.
         self._picked = None if len(found) == inputs.size else np.zeros(len(found))
         taken = inputs if self._picked is None else self._picked
-        self._set = self._calls.reals("fmi2SetReal", found, taken)
+        self._set = self._calls.reals(
+            "fmi2SetReal", found, taken, lambda status: self._fail(status, "setting the inputs")
+        )
+        # What runs in every step are these functions themselves, not methods around them.
+        self.write = self._set if self._picked is None else self._write_picked
         wanted = [self._reference(name) for name in output_names]
-        self._get = self._calls.reals("fmi2GetReal", wanted, outputs)
+        self.read = self._calls.reals("fmi2GetReal", wanted, outputs, self._reading_failed)
         self._bind_all_outputs()
 
     def _bind_all_outputs(self) -> None:
@@ -176,7 +190,7 @@ class FmuParticipant:
         self._others = [i for i, name in enumerate(names) if kinds.get(name, "Real") != "Real"]
         self._real_values = np.zeros(len(self._reals))
         references = [self._reference(names[i]) for i in self._reals]
-        self._get_all = self._calls.reals("fmi2GetReal", references, self._real_values)
+        self._get_all = self._calls.reals("fmi2GetReal", references, self._real_values, self._reading_failed)
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         component = self._instance.component
@@ -204,27 +218,21 @@ class FmuParticipant:
         with self._naming("initialise"):
             self._slave.exitInitializationMode()
 
-    def write(self) -> None:
-        if self._picked is not None:
-            self._picked[:] = self._inputs[self._pick]
-        status = self._set()
-        if status > WARNING:
-            self._fail(status, "setting the inputs")
+    def _write_picked(self) -> None:
+        assert self._picked is not None
+        self._picked[:] = self._inputs[self._pick]
+        self._set()
+
+    def _reading_failed(self, status: int) -> None:
+        self._fail(status, "reading the outputs")
 
     def advance(self, time: float, step: float) -> None:
         status = self._calls.step(time, step)
         if status > WARNING:
             self._fail(status, f"step from t = {time:.9g} s by {step:g} s")
 
-    def read(self) -> None:
-        status = self._get()
-        if status > WARNING:
-            self._fail(status, "reading the outputs")
-
     def read_all(self, values: Vector) -> None:
-        status = self._get_all()
-        if status > WARNING:
-            self._fail(status, "reading the outputs")
+        self._get_all()
         values[self._reals] = self._real_values
         names = self._instance.component.outputs.names
         with self._naming("reading the outputs"):
