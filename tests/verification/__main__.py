@@ -6,11 +6,12 @@ A few minutes. Exit status 1 if the table names a test that does not exist.
 from __future__ import annotations
 
 import importlib
+import os
 import platform
 import sys
 import time
 
-from .table import ROOT, Row, markdown, missing_tests
+from .table import ROOT, SHORT, Row, markdown, missing_tests
 
 PAGE = ROOT / "docs" / "verification" / "coupled-run.md"
 # Module with rows(), and heading.
@@ -30,45 +31,52 @@ SECTIONS = {
 
 
 def main() -> int:
-    """Write the page, or with names of sections print those only."""
+    """Write the page, or only the sections named."""
     names = sys.argv[1:] or list(SECTIONS)
-    found: dict[str, list[Row]] = {}
+    sections = _written()
+    every: list[Row] = []
     for name in names:
         began = time.perf_counter()
-        found[name] = list(importlib.import_module(f"tests.verification.{name}").rows())
-        print(f"{SECTIONS[name]}: {len(found[name])} rows, {time.perf_counter() - began:.0f} s", flush=True)
-    every = [row for rows in found.values() for row in rows]
-    lines = page(found)
-    if names == list(SECTIONS):
-        PAGE.write_text("\n".join(lines) + "\n", "utf-8")
-    else:
-        print("\n".join(lines))
+        rows = list(importlib.import_module(f"tests.verification.{name}").rows())
+        every += rows
+        sections[SECTIONS[name]] = markdown(rows)
+        PAGE.parent.mkdir(exist_ok=True)
+        PAGE.write_text(page(sections), "utf-8")
+        print(f"{SECTIONS[name]}: {len(rows)} lines, {time.perf_counter() - began:.0f} s", flush=True)
     missing = missing_tests(every)
     for test in missing:
         print(f"no such test: {test}")
     return 1 if missing else 0
 
 
-def page(found: dict[str, list[Row]]) -> list[str]:
-    """The whole document, as lines."""
-    every = [row for rows in found.values() for row in rows]
-    short = [row for row in every if row.short]
-    lines = [
+def _written() -> dict[str, list[str]]:
+    """The tables that the page has, by heading."""
+    text = PAGE.read_text("utf-8") if PAGE.exists() else ""
+    parts = (part.split("\n") for part in text.split("\n## ")[1:])
+    return {part[0]: [line for line in part if line.startswith("|")] for part in parts}
+
+
+def page(sections: dict[str, list[str]]) -> str:
+    """The whole document."""
+    tables = {heading: sections[heading] for heading in SECTIONS.values() if heading in sections}
+    lines = [line.strip("| ").split(" | ") for table in tables.values() for line in table[2:]]
+    short = [(cells[0], cells[-1].partition(SHORT)[2]) for cells in lines if SHORT in cells[-1]]
+    text = [
         "# The coupled run, promise by promise",
         "",
         "What the issue “The coupled valve train and engine run end to end” promises, how it is shown, and",
         "what is measured. Written by `python -m tests.verification`, which computes the numbers anew and",
         "checks that the tests it names exist (whether they pass, `python -m tests --all` says). Numbers in",
         "brackets after a computed one are the reference's. **Short** begins what falls short or is missing.",
-        f"Made with Python {platform.python_version()} on {platform.system()}.",
+        f"Made with Python {platform.python_version()} on {platform.system()}, {os.cpu_count()} cores.",
         "",
-        f"## What falls short ({len(short)} of {len(every)} lines)",
+        f"## What falls short ({len(short)} of {len(lines)} lines)",
         "",
-        *(f"- {row.promise}: {row.short}" for row in short),
+        *(f"- {promise}: {words.strip()}" for promise, words in short),
     ]
-    for name, rows in found.items():
-        lines += ["", f"## {SECTIONS[name]}", "", *markdown(rows)]
-    return lines
+    for heading, table in tables.items():
+        text += ["", f"## {heading}", "", *table]
+    return "\n".join(text) + "\n"
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
+SHORT = "**Short:**"
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Row:
     def cells(self) -> tuple[str, str, str]:
         shown = [f"`{self.command}`"] if self.command else []
         shown += [f"{name} ({file})" for file, name in (test.split("::") for test in self.tests)]
-        value = self.value + (f" **Short:** {self.short}" if self.short else "")
+        value = self.value + (f" {SHORT} {self.short}" if self.short else "")
         return self.promise, "; ".join(shown) or "computed here", value
 
 
