@@ -86,7 +86,8 @@ TIGHT = 1e-12
         (GaussSeidel("quadratic"), 1e-6, 3, 2e-6),
         pytest.param(Iterated("linear", TIGHT), 1e-6, 2, 3e-6, marks=pytest.mark.long),
         pytest.param(Iterated("quadratic", TIGHT), 4e-6, 3, 2e-6, marks=pytest.mark.long),
-        pytest.param(Jacobi("hold"), 1e-7, 1, 2e-3, marks=pytest.mark.long),
+        # Held inputs make the cam lag by H times its velocity, which kicks the contact at a start in motion.
+        pytest.param(Jacobi("hold"), 1e-7, 1, 3e-2, marks=pytest.mark.long),
         pytest.param(GaussSeidel("hold"), 1e-7, 1, 1e-3, marks=pytest.mark.long),
         pytest.param(Iterated("hold", TIGHT), 1e-7, 1, 2e-4, marks=pytest.mark.long),
     ],
