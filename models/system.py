@@ -113,7 +113,9 @@ class System:
         given = self.instances[out.instance].component.outputs.field(out.variable).quantity.unit
         wanted = self.instances[into.instance].component.inputs.field(into.variable).quantity.unit
         if given != wanted:
-            raise ModelError(f"{source} -> {target}: unit {given} does not fit {wanted}")
+            raise ModelError(
+                f"{source} -> {target}: unit {given} does not fit {wanted}; connect variables of one unit"
+            )
         return Connection(out, into)
 
     def _check_single_driver(self) -> None:

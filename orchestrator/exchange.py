@@ -80,7 +80,10 @@ class Exchange:
         own = self.slices[i]
         pairs = zip(self.sources[own], self.values[own], strict=True)
         bad = ", ".join(str(port) for port, value in pairs if not np.isfinite(value))
-        raise ParticipantError(f"{bad}: value is not a finite number")
+        raise ParticipantError(
+            f"{bad}: not a finite number in the step from t = {self.history.times[0]:.6g} s; look at the "
+            "parameters and inputs of that participant, or reduce macro_step"
+        )
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         """Initialise all participants and make the outputs consistent at the start.

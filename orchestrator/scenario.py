@@ -134,7 +134,9 @@ class ReferenceTable(_Table):
     """The monolithic reference."""
 
     enabled: bool = Field(True, description="Solve it and compare the coupled run with it")
-    tolerance: Tolerance = Field(1e-10, description="Relative tolerance of the reference's solvers")
+    tolerance: Annotated[Tolerance, Field(lt=1.0)] = Field(
+        1e-10, description="Relative tolerance of the reference's solvers"
+    )
 
 
 class Scenario(_Table):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import shutil
+from collections import deque
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
@@ -97,7 +98,8 @@ class FmuParticipant:
     def __init__(self, name: str, path: Path, instance: Instance) -> None:
         self.name = name
         self._instance = instance
-        self._messages: list[str] = []
+        # The last ones: an FMU that says something in every step must not fill the memory.
+        self._messages: deque[str] = deque(maxlen=20)
         self._slave: Any = None
         self._instantiated = False
         self._fatal = False
@@ -123,13 +125,14 @@ class FmuParticipant:
         callbacks.allocateMemory = defaultCallbacks.allocateMemory
         callbacks.freeMemory = defaultCallbacks.freeMemory
         with self._naming("instantiate"):
-            self._slave.instantiate(callbacks=callbacks, loggingOn=False)
+            self._slave.instantiate(callbacks=callbacks, loggingOn=True)
         self._instantiated = True
         self._calls = Calls(self._slave)
 
     def _log(self, environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
-        if message:
-            self._messages.append(message.decode(errors="replace").strip())
+        # Of a Python FMU's traceback the last line says what happened.
+        if message and (lines := message.decode(errors="replace").strip().splitlines()):
+            self._messages.append(lines[-1])
 
     @contextlib.contextmanager
     def _naming(self, what: str) -> Any:

@@ -265,7 +265,7 @@ def do_step(self, t, h, _real=camshaft.do_step):
     return _real(self, t, h)
 camshaft.do_step = do_step
 """,
-        "camshaft",
+        "broken gear",
     ),
     "nan": (
         """
