@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import zipfile
+import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
@@ -100,7 +101,7 @@ def check_archive(name: str, path: Path) -> None:
         with zipfile.ZipFile(path) as archive:
             members = archive.namelist()
             damaged = archive.testzip()
-    except (OSError, zipfile.BadZipFile) as error:
+    except (OSError, zipfile.BadZipFile, zlib.error) as error:
         raise RunError(f"{name}: {path} is not an FMU ({error}); give another file") from None
     if damaged:
         raise RunError(f"{name}: {path} is damaged: {damaged} does not fit its checksum; get the file again")

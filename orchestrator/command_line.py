@@ -187,7 +187,10 @@ def fmu_build(
     for name in names or NAMES:
         if name not in NAMES:
             raise MistakeError(f"no FMU {name!r}; {suggestion(name, NAMES)}")
-        print(build(name, out))
+        try:
+            print(build(name, out))
+        except OSError as error:
+            raise MistakeError(f"{out}: cannot be written ({error.strerror}); choose another --out") from None
 
 
 @fmu_app.command("validate")

@@ -15,7 +15,7 @@ from models.system import System
 
 from .errors import RunError, UnstableCouplingError
 from .exchange import Exchange
-from .masters import Master
+from .masters import MASTERS, Master
 from .participants import Participant
 from .signals import append_judged
 from .start_up import probe_start
@@ -58,6 +58,7 @@ class RunawayGuard:
     """
 
     WINDOW = 50
+    FIRST = 10  # steps that are not judged: a start in motion rings
     SHARE = 0.5
     BOUND = 1e9
 
@@ -66,7 +67,7 @@ class RunawayGuard:
         self._master = master
         self._missed = np.zeros(len(exchange.sources))
         self._size = np.zeros(len(exchange.sources))
-        self._patience = math.inf if master.implicit else self.WINDOW
+        self._patience = math.inf if master.implicit else self.FIRST
         self._keep = 1.0 - 1.0 / self.WINDOW
 
     def append(self, time: float, step: float) -> None:
@@ -90,8 +91,8 @@ class RunawayGuard:
         if worst >= 0:
             raise UnstableCouplingError(
                 f"{e.sources[worst]}: unstable coupling at t = {time:.6g} s: its values do not follow their "
-                f"own prediction any more; {self._master} cannot couple this system with steps of "
-                f"{step:g} s: reduce macro_step, or use the iterated master"
+                f"own prediction any more; {_name(self._master)} cannot couple this system with steps "
+                f"of {step:g} s: reduce macro_step, or use the iterated master"
             )
 
 
@@ -156,3 +157,8 @@ def _show(
         exchange.read_all(outputs)
         for observer in observers:
             observer.observe(time, outputs, iterations)
+
+
+def _name(master: Master) -> str:
+    """The master as a scenario names it."""
+    return next((name for name, kind in MASTERS.items() if isinstance(master, kind)), type(master).__name__)

@@ -153,7 +153,10 @@ class FmuParticipant:
     def _fail(self, status: int, what: str) -> NoReturn:
         self._fatal |= status == FATAL
         said = self._said() or "no message"
-        raise ParticipantError(f"{self.name}: {what} returned {STATUS[status]}: {said}")
+        raise ParticipantError(
+            f"{self.name}: {what} returned {STATUS[status]}: {said}; look at its inputs and "
+            "parameters, reduce macro_step or use the iterated master"
+        )
 
     def _reference(self, name: str) -> int:
         if name not in self._variables:
