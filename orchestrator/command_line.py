@@ -125,9 +125,16 @@ def _fmu(name: str, structure: Mapping[str, int]) -> Path:
 
     from .errors import RunError
 
+    from models.kernel import user_cache_directory
+
     try:
         return build(name, structure=structure)
-    except (KeyError, ValueError, OSError) as error:
+    except OSError as error:
+        raise RunError(
+            f"building the FMU {name}: {user_cache_directory()} cannot be written ({error.strerror}); set "
+            "TRIBOCOSIM_CACHE to a folder that can"
+        ) from None
+    except (KeyError, ValueError) as error:
         raise RunError(f"building the FMU {name}: {error.args[-1] if error.args else error}") from None
 
 

@@ -108,7 +108,8 @@ def _stages(
             from . import plots
 
             with reporter.stage("figures"):
-                plots.draw(result, out / FIGURES, scenario.name)
+                title = scenario.name if summary.complete else f"{scenario.name} (incomplete)"
+                plots.draw(result, out / FIGURES, title)
     finally:
         result.close()
 

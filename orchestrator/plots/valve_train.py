@@ -21,7 +21,8 @@ def applies(data: FigureData) -> bool:
 
 def figure(data: FigureData) -> Figure:
     rows = [(name, words) for variable, words in ROWS if (name := data.find(variable))]
-    made, axes = panels(len(rows), data, f"{data.title}: coupled run and reference")
+    drawn = "coupled run and reference" if data.reference else "coupled run"
+    made, axes = panels(len(rows), data, f"{data.title}: {drawn}")
     for ax, (name, words) in zip(axes, rows, strict=True):
         both(ax, data, name, words)
         if name.endswith("entraining_velocity"):
