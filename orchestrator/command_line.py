@@ -122,10 +122,9 @@ def run_scenario(
 def _fmu(name: str, structure: Mapping[str, int]) -> Path:
     """The packaged component, built if it isn't in the cache."""
     from fmus.build import build
+    from models.kernel import user_cache_directory
 
     from .errors import RunError
-
-    from models.kernel import user_cache_directory
 
     try:
         return build(name, structure=structure)
