@@ -107,6 +107,10 @@ class System:
         self.target_index = np.array([self.inputs.index(c.target) for c in self.connections], dtype=np.int64)
         self.order, self.torn = evaluation_order(self.instances, self.connections)
 
+    def with_instances(self, instances: Mapping[str, Instance]) -> System:
+        """The same connections between other instances of the same names."""
+        return System(instances, [(str(c.source), str(c.target)) for c in self.connections])
+
     def _connection(self, source: str, target: str) -> Connection:
         out = parse_port(source, self.instances, "output")
         into = parse_port(target, self.instances, "input")

@@ -55,7 +55,7 @@ def at_start(scenario: Scenario, system: System) -> System:
         name: replace(instance, start=instance.component.state.named(state[system.state.of(name)]))
         for name, instance in system.instances.items()
     }
-    return System(instances, [(str(c.source), str(c.target)) for c in system.connections])
+    return system.with_instances(instances)
 
 
 def compared(scenario: Scenario, system: System) -> list[str]:

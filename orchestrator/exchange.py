@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -114,6 +115,21 @@ class Exchange:
         for participant in self.participants:
             participant.finish_initialisation()
         self.history = History(start_time, self.values)
+
+    @contextmanager
+    def rollback(self) -> Iterator[Callable[[], None]]:
+        """A function that brings all participants back to where they are now, inside the block."""
+        saved = [participant.save() for participant in self.participants]
+
+        def roll_back() -> None:
+            for participant, data in zip(self.participants, saved, strict=True):
+                participant.restore(data)
+
+        try:
+            yield roll_back
+        finally:
+            for participant, data in zip(self.participants, saved, strict=True):
+                participant.release(data)
 
     def read_all(self, values: Vector) -> None:
         """All outputs of all participants, in the system's order."""

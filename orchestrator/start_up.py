@@ -14,7 +14,6 @@ import math
 from models.quantities import Vector
 
 from .exchange import Exchange
-from .masters.iterated import saved_participants
 from .signals import History, extrapolate
 
 # Probe length over macro step. Second differences lose (1/100)^-2 of 1e-16: 1e-12 of the values.
@@ -34,7 +33,7 @@ def probe_start(exchange: Exchange, time: float, step: float) -> None:
     signals = exchange.signals
     for _ in range(ROUNDS):
         found = History(time, start)
-        with saved_participants(exchange) as saved:
+        with exchange.rollback() as roll_back:
             for n in range(2):
                 extrapolate(exchange.history, degree, signals)
                 _move_origin(signals, n * short)
@@ -44,8 +43,7 @@ def probe_start(exchange: Exchange, time: float, step: float) -> None:
                 for i in range(len(exchange.participants)):
                     exchange.read(i)
                 found.append(time + (n + 1) * short, exchange.values)
-            for participant, data in zip(exchange.participants, saved, strict=True):
-                participant.restore(data)
+            roll_back()
         slope, curvature = _derivatives_at_oldest(found)
         exchange.history = History(time - 2.0 * short, start - 2.0 * short * (slope - short * curvature))
         exchange.history.append(time - short, start - short * (slope - 0.5 * short * curvature))

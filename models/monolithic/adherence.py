@@ -199,4 +199,4 @@ def _with_given_load(system: System, contact: str) -> System:
     instances = dict(system.instances)
     given = instances[contact]
     instances[contact] = replace(given, parameters={**given.parameters, "load_is_given": 1.0})
-    return System(instances, [(str(c.source), str(c.target)) for c in system.connections])
+    return system.with_instances(instances)

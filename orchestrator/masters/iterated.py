@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -58,11 +56,10 @@ class Iterated:
         acceleration = ACCELERATIONS[self.acceleration]()
         guess = _first_guess(exchange, degree, step)
         residuals: list[Vector] = []
-        with saved_participants(exchange) as saved:
+        with exchange.rollback() as roll_back:
             for iteration in range(1, self.maximum_iterations + 1):
                 if iteration > 1:
-                    for participant, data in zip(exchange.participants, saved, strict=True):
-                        participant.restore(data)
+                    roll_back()
                 interpolate(exchange.history, degree, time + step, guess * exchange.nominal, exchange.signals)
                 sweep(exchange, degree, order, time, step)
                 result = exchange.values / exchange.nominal
@@ -92,14 +89,3 @@ def _first_guess(exchange: Exchange, degree: int, step: float) -> Vector:
     extrapolate(exchange.history, degree, signals)
     powers = np.array([1.0, step, 0.5 * step * step])[: degree + 1]
     return np.asarray(powers @ signals / exchange.nominal)
-
-
-@contextmanager
-def saved_participants(exchange: Exchange) -> Iterator[list[object]]:
-    """The participants' data at the start of the step, released afterwards."""
-    saved = [participant.save() for participant in exchange.participants]
-    try:
-        yield saved
-    finally:
-        for participant, data in zip(exchange.participants, saved, strict=True):
-            participant.release(data)

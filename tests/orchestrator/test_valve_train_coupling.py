@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from models.monolithic import difference, equilibrium, solve
-from models.system import System
 from orchestrator import assembly
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
@@ -29,7 +28,7 @@ COMPARED = ("contact.load", "contact.film_thickness")
 
 def with_start(system, starts):
     instances = {n: replace(i, start=starts[n]) if n in starts else i for n, i in system.instances.items()}
-    return System(instances, [(str(c.source), str(c.target)) for c in system.connections])
+    return system.with_instances(instances)
 
 
 def started(system, x):
