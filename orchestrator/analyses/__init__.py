@@ -1,0 +1,46 @@
+"""Analyses by name: each file of this folder that holds an `ANALYSIS` is one."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from pathlib import Path
+
+from models.system import suggestion
+
+from ..errors import MistakeError
+from .protocol import Analysis, Parameter, Result
+
+__all__ = ["Analysis", "Parameter", "Result", "load", "names"]
+
+
+def names() -> list[str]:
+    """The analyses that come with the program."""
+    files = (path.stem for path in Path(__file__).parent.glob("*.py"))
+    return sorted(name for name in files if not name.startswith("_") and name != "protocol")
+
+
+def load(name: str) -> Analysis:
+    """The analysis of that name, or the Analysis at `module:object`; MistakeError if there is none."""
+    if ":" in name:
+        return _foreign(*name.split(":", 1), name)
+    if name not in names():
+        raise MistakeError(
+            f"no analysis {name!r}; {suggestion(name, names())} (or name your own as module:object)"
+        )
+    analysis: Analysis = import_module(f"{__name__}.{name}").ANALYSIS
+    return analysis
+
+
+def _foreign(module: str, attribute: str, name: str) -> Analysis:
+    if "" not in sys.path:  # a user's own module lies where the command is called
+        sys.path.insert(0, "")
+    try:
+        found = getattr(import_module(module), attribute)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise MistakeError(f"analysis {name!r}: cannot be imported ({error})") from None
+    if not isinstance(found, Analysis):
+        raise MistakeError(
+            f"analysis {name!r}: is of type {type(found).__name__}, must be an orchestrator.analyses.Analysis"
+        )
+    return found

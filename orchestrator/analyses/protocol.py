@@ -1,0 +1,96 @@
+"""What an analysis is: scalar results as a pure function of named parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from models.quantities import Quantity
+from models.system import suggestion
+
+from ..errors import MistakeError
+from ..values import Value, meaning, number
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One argument of an analysis: its default, unit (SI symbols), meaning and allowed range.
+
+    `positive` excludes zero, `choices` are names, `integer` asks for a whole number; a bool as default asks
+    for true or false.
+    """
+
+    default: Value
+    unit: str
+    description: str
+    minimum: float | None = None
+    maximum: float | None = None
+    choices: tuple[str, ...] = ()
+    integer: bool = False
+    positive: bool = False
+
+    @property
+    def quantity(self) -> Quantity:
+        return Quantity(
+            self.unit,
+            self.description,
+            minimum=-math.inf if self.minimum is None else self.minimum,
+            maximum=math.inf if self.maximum is None else self.maximum,
+            positive=self.positive,
+            choices=self.choices,
+            boolean=isinstance(self.default, bool),
+        )
+
+    def checked(self, name: str, value: Any) -> Value:
+        """`value` (a text may have a unit) as `evaluate` gets it; MistakeError with the allowed range."""
+        if not isinstance(value, (bool, int, float, str)):
+            raise MistakeError(f"{name} = {value!r} ({self.description}): must be a single value")
+        try:
+            found = meaning(self.quantity, value)
+        except ValueError as error:
+            raise MistakeError(f"{name} = {value!r} ({self.description}): {error}") from None
+        fault = self.quantity.fault(name, number(self.quantity, found))
+        if fault is not None:
+            raise MistakeError(fault)
+        if not self.integer:
+            return found
+        if not float(found).is_integer():
+            raise MistakeError(f"{name} = {value} ({self.description}): must be a whole number")
+        return int(found)
+
+
+@dataclass(frozen=True)
+class Result:
+    """One scalar that an analysis returns: a number in `unit`, or a text."""
+
+    unit: str
+    description: str
+    text: bool = False
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """A function of all `parameters` that returns all `results`; equal parameters give equal bits.
+
+    What `evaluate` raises is recorded as the message of that point of a study. Any function can be studied:
+    `module:object` names one outside this package.
+    """
+
+    name: str
+    description: str
+    parameters: Mapping[str, Parameter]
+    results: Mapping[str, Result]
+    evaluate: Callable[[Mapping[str, Any]], Mapping[str, float | str]]
+
+    def parameter(self, name: str) -> Parameter:
+        """The parameter of that name; MistakeError if there is none."""
+        if name not in self.parameters:
+            raise MistakeError(f"{self.name} has no parameter {name!r}; {suggestion(name, self.parameters)}")
+        return self.parameters[name]
+
+    def complete(self, values: Mapping[str, Any]) -> dict[str, Value]:
+        """`values` checked, and the defaults of the other parameters; MistakeError for a fault."""
+        checked = {name: self.parameter(name).checked(name, value) for name, value in values.items()}
+        return {name: parameter.default for name, parameter in self.parameters.items()} | checked
