@@ -132,7 +132,9 @@ class ComponentSlave(Fmi2Slave):
     def exit_initialization_mode(self) -> None:
         component = self.component
         faults = component.parameter_faults(self._p)
-        faults += [fault.replace(" ", "_start ", 1) for fault in component.state.faults(self._x_start)]
+        if not faults:
+            starts = component.start_faults(self._p, self._x_start, self._U[0])
+            faults = [fault.replace(" ", "_start ", 1) for fault in starts]
         if faults:
             self._fatal("; ".join(faults))
         self._refresh()

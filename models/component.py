@@ -55,6 +55,8 @@ class Component:
     Kernels take records: derivative(t, x, u, p, dx), output(t, x, u, p, y), energy(t, x, u, p, e) with
     e = [stored energy (J), dissipated power (W), power of internal sources (W)].
     `feedthrough` lists, for each output, the inputs it depends on at the same instant.
+    `check(p)` and `check_start(p, x, u)` give messages for parameters that do not fit together, and for start
+    states that do not fit parameters and inputs; a message on a start begins with the state's name.
     `advance_maker`, if given, replaces the standard integrator (with events: the hybrid one):
     (component) -> advance kernel. `runs_on`: it moves while the mechanisms it drives are at rest, so that
     an equilibrium does not ask it to stand still. `input_rates` names inputs that are the time derivative
@@ -74,6 +76,7 @@ class Component:
     bonds: Sequence[PowerBond] = ()
     events: Events | None = None
     check: Callable[[Any], Sequence[str]] = field(default=lambda parameters: ())
+    check_start: Callable[[Any, Any, Any], Sequence[str]] | None = None
     advance_maker: Callable[[Component], Any] | None = None
     structure: Mapping[str, int] = field(default_factory=dict)
     runs_on: bool = False
@@ -160,6 +163,13 @@ class Component:
         """Messages for parameters outside their ranges, alone or together."""
         faults = self.parameters.faults(p)
         return faults or list(self.check(self.parameters.view(p)))
+
+    def start_faults(self, p: Vector, x: Vector, u: Vector) -> list[str]:
+        """Messages for start states outside their ranges, or that do not fit parameters and inputs."""
+        faults = self.state.faults(x)
+        if faults or self.check_start is None:
+            return faults
+        return list(self.check_start(self.parameters.view(p), self.state.view(x), self.inputs.view(u)))
 
     def input_polynomial(self) -> Vector:
         """Taylor coefficients for `step`: row 0 the start values, the rest zero."""

@@ -146,6 +146,21 @@ class System:
         if faults:
             raise ModelError("; ".join(faults))
 
+    def check_start(self, t: float, x: Vector) -> None:
+        """ModelError if an instance's part of the state x does not fit the inputs that it has at `t`."""
+        judging = {n: i.component for n, i in self.instances.items() if i.component.check_start}
+        if not judging:
+            return
+        evaluation = Evaluation(self)
+        evaluation.outputs(t, x)
+        faults: list[str] = []
+        for name, component in judging.items():
+            parts = self.p[self.parameters.of(name)], x[self.state.of(name)]
+            found = component.start_faults(*parts, evaluation.u[self.inputs.of(name)])
+            faults += [f"{name}.{fault}" for fault in found]
+        if faults:
+            raise ModelError("; ".join(faults))
+
     def loops(self) -> str:
         """The variables at which algebraic loops are cut, in words; empty without loops."""
         return ", ".join(str(port) for port in self.torn)

@@ -31,6 +31,8 @@ def system_of(scenario: Scenario) -> System:
     for name in scenario.tolerance:
         if name not in system.outputs.names:
             raise ScenarioError(f"tolerance.{name}: no such output; {suggestion(name, system.outputs.names)}")
+    if scenario.start == "given":
+        system.check_start(0.0, system.x0)
     return system
 
 
@@ -55,7 +57,9 @@ def at_start(scenario: Scenario, system: System) -> System:
         name: replace(instance, start=instance.component.state.named(state[system.state.of(name)]))
         for name, instance in system.instances.items()
     }
-    return system.with_instances(instances)
+    resting = system.with_instances(instances)
+    resting.check_start(0.0, resting.x0)
+    return resting
 
 
 def compared(scenario: Scenario, system: System) -> list[str]:

@@ -97,6 +97,7 @@ def solve(
     problem = SystemProblem(system)
     z0 = problem.start(system.x0 if x0 is None else np.asarray(x0, dtype=np.float64))
     start = float(times[0]) if t0 is None else float(t0)
+    system.check_start(start, z0[: system.state.size])
     runs, events, names = solve_twice(problem, z0, start, times, tolerance, progress)
     inputs, outputs, stored = observe(problem, times, runs[0])
     others = observe(problem, times, runs[1])[1]

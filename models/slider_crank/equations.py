@@ -168,18 +168,6 @@ def wall_acceleration(theta: float, speed: float, acceleration: float, psi: floa
 
 
 @kernel
-def constraint_force(theta: float, speed: float, acceleration: float, psi: float, m: Mechanism) -> float:
-    """Force towards -psi that keeps the slider at its distance, linear in psi (F 2.29, upper wall).
-
-    The lower wall's force is its negative; a wall can only push.
-    """
-    rate = wall_rate(theta, speed, psi, m.xi)
-    moment = free_moment(theta, speed, acceleration, psi, rate, m)
-    needed = inertia(m) * wall_acceleration(theta, speed, acceleration, psi, m.xi)
-    return (moment - needed) / rod_cosine(theta, m.xi)
-
-
-@kernel
 def rebound(rate: float, rate_of_wall: float, restitution: float) -> float:
     """psi' after an impact: the velocity relative to the wall times -e, F (2.16), (2.17)."""
     return rate_of_wall - restitution * (rate - rate_of_wall)

@@ -8,8 +8,7 @@ from typing import Annotated
 
 from ..quantities import Quantity
 from .equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI
-
-AS_PUBLISHED, CORRECTED = 0.0, 1.0
+from .forms import CORRECTED
 
 # F section 4.1 gives M = 0.00210 lbf s^2/in and l = 5.4570 in (exact conversions: 4.4482216152605 N/lbf,
 # 0.0254 m/in). r, m and J_r follow from F's rounded xi, alpha, beta, which its results were made with;
@@ -28,7 +27,11 @@ class SliderCrankParameters:
 
     form: Annotated[
         float,
-        Quantity("1", "equation of motion: F's own, or with +beta", choices=("as_published", "corrected")),
+        Quantity(
+            "1",
+            "equation of motion: F's own, with +beta, or without the small-angle step",
+            choices=("as_published", "corrected", "nonlinear"),
+        ),
     ] = CORRECTED
     crank_radius: Annotated[
         float, Quantity("m", "crank radius r", nominal=0.1, positive=True, display_unit="mm")
@@ -59,17 +62,16 @@ class SliderCrankParameters:
     restitution: Annotated[float, Quantity("1", "coefficient of restitution e", minimum=0.0, maximum=1.0)] = (
         0.9
     )
-    # Chatter of rebound v at force-free acceleration a lasts another 2 v / ((1 - e) a): some 1e-6 rad of
-    # crank at this threshold, and it leaves no trace, for release is from the wall. F used 0.005.
+    # F used 0.005; chatter ends by itself without it (see `slider_crank`).
     sliding_threshold: Annotated[
         float,
         Quantity(
             "1",
             "rebound rate of psi per crank speed, relative to the wall, below which a pressed slider slides",
-            nominal=1e-8,
+            nominal=1e-3,
             minimum=0.0,
         ),
-    ] = 1e-8
+    ] = 0.0
     roller_radius: Annotated[
         float,
         Quantity("m", "radius r* of the roller on the liner", nominal=0.1, positive=True, display_unit="mm"),

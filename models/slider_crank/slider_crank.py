@@ -1,8 +1,8 @@
 """Slider-crank whose slider has clearance, with impacts and sliding on both walls, in SI units.
 
-Farahanchi 1991 (F), linear in psi; see `equations` (motion, walls, impact) and `energetics` (energy,
-crank torque). The crank's angle, speed and acceleration are given; F assumes constant speed, here the
-acceleration enters exactly to the order of the linear model.
+Farahanchi 1991 (F); see `forms` for the equations of motion, walls, energy and crank torque. The crank's
+angle, speed and acceleration are given; F assumes constant speed, here the acceleration enters exactly to
+the order of the form.
 
 Neglected while sliding: the film's rate in velocities, wall force and crank torque, and its acceleration
 (a film's dh/dt is some 1e-3 of the impact velocities, and no output then depends on a film's rate, which
@@ -12,28 +12,30 @@ a contact computes from them). What that is worth in energy is booked as a sourc
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from ..component import Component, Events, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Vector
-from .energetics import crank_impulse, crank_torque, energy_slope, kinetic_energy, momentum
-from .equations import (
-    Mechanism,
+from .checks import check, check_start
+from .equations import Mechanism, inertia, joint_rate, rebound
+from .forms import (
+    AS_PUBLISHED,
     constraint_force,
+    crank_impulse,
+    crank_torque,
+    energy_slope,
     flight_acceleration,
-    inertia,
-    joint_rate,
-    narrowing,
-    rebound,
-    rod_cosine,
-    rod_slope,
+    kinetic_energy,
+    momentum,
+    offset,
+    offset_slope,
     wall_acceleration,
     wall_angle,
     wall_rate,
+    wall_rate_slope,
 )
+from .nonlinear import rod_angle, rod_rate
 from .records import (
-    AS_PUBLISHED,
     SliderCrankInputs,
     SliderCrankOutputs,
     SliderCrankParameters,
@@ -46,8 +48,13 @@ UPPER, LOWER = 1.0, -1.0
 UPPER_WALL, LOWER_WALL, RELEASE = 0, 1, 2
 # Two units of rounding: after an impact the slider is inside its wall.
 INSIDE = 4.4e-16
-# Bounces lower than this fraction of the wall's psi drown in its rounding: chatter ends there at the
-# latest, whatever the threshold (at a restitution of 0.9 some 1e-7 rad before its true end).
+# Chatter is at its end when what remains of it takes no more than this much of crank angle (rad). The
+# plastic impact put in its place and the sliding force of that time give the impulse, the energy loss and
+# the place on the wall that the bounces would have given, but for the change of the pressing acceleration
+# within that time: 1e-8 of it. Sliding that would have ended within it is missed or added.
+CHATTER_LEFT = 1e-8
+# Bounces lower than this fraction of the wall's psi drown in its rounding, and end there at the latest (at
+# a restitution of 0.9 some 1e-7 rad before the end of the chatter).
 UNRESOLVED = 1e-14
 
 
@@ -70,10 +77,16 @@ def gap(side: float, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
 
 
 @kernel
-def film_push(side: float, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
+def film_push(side: float, psi: float, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
     """The part of the wall's psi rate that comes from the film's rate."""
     film_rate = u.upper_film_rate if side == UPPER else u.lower_film_rate
-    return -side * film_rate / p.rod_length / rod_cosine(u.crank_angle, p.crank_radius / p.rod_length)
+    return -side * film_rate / p.rod_length / offset_slope(p.form, u.crank_angle, psi, mechanism(p))
+
+
+@kernel
+def wall(side: float, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
+    """psi at which the slider touches that wall."""
+    return wall_angle(p.form, u.crank_angle, side * gap(side, u, p), mechanism(p))
 
 
 @kernel
@@ -81,7 +94,7 @@ def angle(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -
     """psi: the state in flight, the wall's while sliding."""
     if x.mode == FREE:
         return x.psi
-    return wall_angle(u.crank_angle, x.mode * gap(x.mode, u, p), p.crank_radius / p.rod_length)
+    return wall(x.mode, u, p)
 
 
 @kernel
@@ -89,7 +102,7 @@ def angle_rate(x: SliderCrankState, psi: float, u: SliderCrankInputs, p: SliderC
     """psi': the state in flight, that of the wall behind a film at rest while sliding."""
     if x.mode == FREE:
         return x.psi_rate
-    return wall_rate(u.crank_angle, u.crank_speed, psi, p.crank_radius / p.rod_length)
+    return wall_rate(p.form, u.crank_angle, u.crank_speed, psi, mechanism(p))
 
 
 @kernel
@@ -97,16 +110,17 @@ def angle_acceleration(
     x: SliderCrankState, psi: float, rate: float, u: SliderCrankInputs, p: SliderCrankParameters
 ) -> float:
     """psi'', by F (2.13) in flight, the wall's while sliding."""
-    m = mechanism(p)
+    theta, speed, acceleration, m = u.crank_angle, u.crank_speed, u.crank_acceleration, mechanism(p)
     if x.mode == FREE:
-        return flight_acceleration(u.crank_angle, u.crank_speed, u.crank_acceleration, psi, rate, m)
-    return wall_acceleration(u.crank_angle, u.crank_speed, u.crank_acceleration, psi, m.xi)
+        return flight_acceleration(p.form, theta, speed, acceleration, psi, rate, m)
+    return wall_acceleration(p.form, theta, speed, acceleration, psi, m)
 
 
 @kernel
 def wall_force(side: float, psi: float, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
     """Force (N) with which the wall on that side would hold the slider; negative: it would have to pull."""
-    force = constraint_force(u.crank_angle, u.crank_speed, u.crank_acceleration, psi, mechanism(p))
+    m = mechanism(p)
+    force = constraint_force(p.form, u.crank_angle, u.crank_speed, u.crank_acceleration, psi, m)
     return side * p.piston_mass * p.rod_length * force
 
 
@@ -131,9 +145,9 @@ def derivative(
     dx.impact_loss = 0.0
     dx.impact_work = 0.0
     if x.mode != FREE:
-        push = film_push(x.mode, u, p)
+        push = film_push(x.mode, psi, u, p)
         dx.psi += push
-        dx.psi_rate -= narrowing(u.crank_angle, p.crank_radius / p.rod_length) * u.crank_speed * push
+        dx.psi_rate += wall_rate_slope(p.form, u.crank_angle, u.crank_speed, psi, mechanism(p)) * push
 
 
 @kernel
@@ -142,10 +156,9 @@ def guards(t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankPa
     g[UPPER_WALL] = 1.0
     g[LOWER_WALL] = 1.0
     g[RELEASE] = 1.0
-    xi = p.crank_radius / p.rod_length
     if x.mode == FREE:
-        g[UPPER_WALL] = wall_angle(u.crank_angle, gap(UPPER, u, p), xi) - x.psi
-        g[LOWER_WALL] = wall_angle(u.crank_angle, gap(LOWER, u, p), xi) + x.psi
+        g[UPPER_WALL] = wall(UPPER, u, p) - x.psi
+        g[LOWER_WALL] = x.psi - wall(LOWER, u, p)
     else:
         g[RELEASE] = wall_force(x.mode, angle(x, u, p), u, p)
 
@@ -156,7 +169,7 @@ def energy_now(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParamete
     psi = angle(x, u, p)
     rate = angle_rate(x, psi, u, p)
     scale = p.piston_mass * p.rod_length**2
-    return scale * kinetic_energy(u.crank_angle, u.crank_speed, psi, rate, mechanism(p))
+    return scale * kinetic_energy(p.form, u.crank_angle, u.crank_speed, psi, rate, mechanism(p))
 
 
 @kernel
@@ -174,9 +187,28 @@ def transition(k: int, t: float, x: SliderCrankState, u: SliderCrankInputs, p: S
 def release(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> None:
     """Flight begins on the wall, with the wall's rate (F appendix B)."""
     psi = angle(x, u, p)
-    x.psi_rate = angle_rate(x, psi, u, p) + film_push(x.mode, u, p)
+    x.psi_rate = angle_rate(x, psi, u, p) + film_push(x.mode, psi, u, p)
     x.psi = psi - x.mode * INSIDE * abs(psi)
     x.mode = FREE
+
+
+@kernel
+def ends_chatter(
+    parting: float, pressing: float, height: float, u: SliderCrankInputs, p: SliderCrankParameters
+) -> bool:
+    """True if a slider that leaves its wall with the rate `parting` is to slide on it instead.
+
+    `pressing` is the acceleration towards the wall; bounces have the size of rounding when they rise less
+    than `height`. What remains of the bounces lasts T = 2 parting / ((1 - e) pressing), in which the crank
+    turns by |theta'| T + |theta''| T^2/2.
+    """
+    if pressing <= 0.0:
+        return False
+    slow = parting <= p.sliding_threshold * abs(u.crank_speed)
+    low = parting**2 <= 2.0 * pressing * height
+    lost = (1.0 - p.restitution) * pressing
+    turned = 2.0 * parting * (abs(u.crank_speed) * lost + abs(u.crank_acceleration) * parting)
+    return slow or low or turned < CHATTER_LEFT * lost**2
 
 
 @kernel
@@ -185,31 +217,28 @@ def strike(
 ) -> None:
     """The slider has reached a wall.
 
-    It slides if pressed to the wall and its rebound is below the threshold: then this impact is plastic,
-    the limit of the remaining ones.
+    At the end of chatter it slides: then this impact is plastic, the limit of the remaining ones.
     """
     m = mechanism(p)
-    cosine = rod_cosine(u.crank_angle, m.xi)
-    wall = wall_angle(u.crank_angle, side * gap(side, u, p), m.xi)
-    rate_of_wall = wall_rate(u.crank_angle, u.crank_speed, wall, m.xi) + film_push(side, u, p)
+    psi = wall(side, u, p)
+    slope = offset_slope(p.form, u.crank_angle, psi, m)
+    rate_of_wall = wall_rate(p.form, u.crank_angle, u.crank_speed, psi, m) + film_push(side, psi, u, p)
     approach = side * (x.psi_rate - rate_of_wall)
-    x.psi = wall - side * INSIDE * abs(wall)
+    x.psi = psi - side * INSIDE * abs(psi)
     if approach < 0.0:  # found outside a wall that has jumped, and leaving already
         return
-    pressing = wall_force(side, wall, u, p) * cosine / (inertia(m) * p.piston_mass * p.rod_length)
-    parting = p.restitution * approach
-    slow = parting <= p.sliding_threshold * abs(u.crank_speed)
-    low = parting**2 <= 2.0 * pressing * UNRESOLVED * abs(wall)
-    slides = pressing > 0.0 and (slow or low)
+    pressing = wall_force(side, psi, u, p) * slope / (inertia(m) * p.piston_mass * p.rod_length)
+    slides = ends_chatter(p.restitution * approach, pressing, UNRESOLVED * abs(psi), u, p)
     restitution = 0.0 if slides else p.restitution
     after = rebound(x.psi_rate, rate_of_wall, restitution)
     jump = after - x.psi_rate
-    impulse = inertia(m) * p.piston_mass * p.rod_length * abs(jump) / cosine
-    velocity = approach * p.rod_length * cosine
+    impulse = inertia(m) * p.piston_mass * p.rod_length * abs(jump) / slope
+    velocity = approach * p.rod_length * slope
     x.impact_loss += 0.5 * (1.0 - restitution) * impulse * velocity
     # What is lost has left the kinetic energy, not entered it as work.
     x.impact_work += 0.5 * (1.0 - restitution) * impulse * velocity
-    x.crank_impact_impulse += p.piston_mass * p.rod_length**2 * crank_impulse(u.crank_angle, wall, jump, m)
+    taken = crank_impulse(p.form, u.crank_angle, psi, jump, m)
+    x.crank_impact_impulse += p.piston_mass * p.rod_length**2 * taken
     x.last_impact_time = t
     x.last_impact_velocity = velocity
     if side == UPPER:
@@ -231,19 +260,19 @@ def output(
     theta, speed = u.crank_angle, u.crank_speed
     psi = angle(x, u, p)
     rate = angle_rate(x, psi, u, p)
-    rod = math.asin(m.xi * math.sin(theta)) - psi
-    rod_rate = rod_slope(theta, m.xi) * speed - rate
+    eta, eta_rate = rod_angle(theta, psi, m.xi), rod_rate(theta, speed, rate, m.xi)
     y.psi = psi
     y.psi_rate = rate
-    y.piston_position = p.crank_radius * math.cos(theta) + p.rod_length * math.cos(rod)
-    y.piston_velocity = -p.crank_radius * speed * math.sin(theta) - p.rod_length * rod_rate * math.sin(rod)
-    y.piston_offset = p.rod_length * rod_cosine(theta, m.xi) * psi
+    y.piston_position = p.crank_radius * math.cos(theta) + p.rod_length * math.cos(eta)
+    y.piston_velocity = -p.crank_radius * speed * math.sin(theta) - p.rod_length * eta_rate * math.sin(eta)
+    y.piston_offset = p.rod_length * offset(p.form, theta, psi, m)
     y.upper_wall_force = wall_force(UPPER, psi, u, p) if x.mode == UPPER else 0.0
     y.lower_wall_force = wall_force(LOWER, psi, u, p) if x.mode == LOWER else 0.0
     y.crank_torque = (
         p.piston_mass
         * p.rod_length**2
         * crank_torque(
+            p.form,
             theta,
             speed,
             u.crank_acceleration,
@@ -273,7 +302,7 @@ def output(
 
 @kernel
 def energy(t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, e: Vector) -> None:
-    """Stored: kinetic energy of the linear model, and what impacts lost less what they were given
+    """Stored: kinetic energy of the form, and what impacts lost less what they were given
     (so that it is continuous). Dissipated: joint friction. Source: the moving film under a sliding
     piston, which the velocities neglect."""
     m = mechanism(p)
@@ -285,26 +314,13 @@ def energy(t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankPa
     e[1] = p.joint_friction * joint_rate(theta, speed, rate, m) ** 2
     e[2] = 0.0
     if x.mode != FREE:
-        push = film_push(x.mode, u, p)
-        slope = energy_slope(theta, speed, psi, rate, m)
-        e[2] = scale * push * (slope - narrowing(theta, m.xi) * speed * momentum(theta, speed, psi, rate, m))
-
-
-def check(p: SliderCrankParameters) -> Sequence[str]:
-    """What the ranges alone cannot say."""
-    faults = []
-    if p.crank_radius >= p.rod_length:
-        faults.append(
-            f"crank_radius = {p.crank_radius:g} m: must be less than rod_length = {p.rod_length:g} m, "
-            "or the crank cannot turn"
+        push = scale * film_push(x.mode, psi, u, p)
+        e[2] = push * energy_slope(p.form, theta, speed, psi, rate, m)
+        e[2] += (
+            push
+            * wall_rate_slope(p.form, theta, speed, psi, m)
+            * momentum(p.form, theta, speed, psi, rate, m)
         )
-    # psi <= gap / sqrt(1 - xi^2) must be a small angle for the linear model.
-    elif p.clearance > 0.1 * math.sqrt(p.rod_length**2 - p.crank_radius**2):
-        faults.append(
-            f"clearance = {p.clearance:g} m: must be at most "
-            f"{0.1 * math.sqrt(p.rod_length**2 - p.crank_radius**2):g} m, so that psi stays below 0.1 rad"
-        )
-    return faults
 
 
 def slider_crank() -> Component:
@@ -337,6 +353,7 @@ def slider_crank() -> Component:
         bonds=(PowerBond("crank_torque", "crank_speed", +1),),
         events=Events(3, guards, transition),
         check=check,
+        check_start=check_start,
         runs_on=True,
         input_rates={
             "upper_film_rate": "upper_film_thickness",

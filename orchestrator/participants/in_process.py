@@ -45,12 +45,15 @@ class InProcessParticipant:
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         self._t = start_time
-        # A step of no length compiles everything before the first one that counts.
+        # A step of no length compiles everything before the first one that counts; the start stays as it is.
+        started = self._x.copy()
         self.advance(start_time, 0.0)
+        self._x[:] = started
         self._stale = True
 
     def finish_initialisation(self) -> None:
-        pass
+        if faults := self._component.start_faults(self._p, self._x, self._u):
+            raise ParticipantError(f"{self.name}: {'; '.join(faults)}")
 
     def write(self) -> None:
         self._U[: len(self._inputs), self._input_index] = self._inputs

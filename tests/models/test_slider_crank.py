@@ -66,8 +66,11 @@ def test_defaults_are_the_thesis_engine() -> None:
         ({"restitution": 1.1}, "restitution", "<= 1"),
         ({"restitution": -0.1}, "restitution", ">= 0"),
         ({"piston_mass": 0.0}, "piston_mass", "> 0"),
+        ({"form": 3.0}, "form", "as_published"),
         ({"joint_friction": -1.0}, "joint_friction", ">= 0"),
-        ({"form": 2.0}, "form", "as_published"),
+        ({"clearance": -1e-4}, "clearance", ">= 0"),
+        ({"form": 2.0, "crank_radius": 0.2}, "crank_radius", "rod_length"),
+        ({"form": 2.0, "clearance": 0.1}, "clearance", "rod_length - crank_radius = 0.0966"),
         ({"crank_radius": 0.2}, "crank_radius", "rod_length"),
         ({"clearance": 0.02}, "clearance", "0.1 rad"),
         ({"rod_length": math.nan}, "rod_length", "> 0"),
@@ -91,7 +94,7 @@ def stored_energy_at(s: float, x: Vector, dx: Vector, U: Vector, p: Vector) -> f
     return float(e[0])
 
 
-@pytest.mark.parametrize("form", [0.0, 1.0])
+@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
 @pytest.mark.parametrize("mode", [0.0, 1.0, -1.0])
 def test_power_balances_at_every_instant(form: float, mode: float) -> None:
     """d(stored)/dt = torque * speed - friction + source, also at varying speed and with moving films."""
@@ -170,7 +173,7 @@ def test_elastic_impacts_without_friction_lose_nothing() -> None:
     restitution=st.floats(0.0, 0.95),
     rate=st.floats(-0.2, 0.2),
     start=st.floats(0.0, 6.0),
-    form=st.sampled_from([0.0, 1.0]),
+    form=st.sampled_from([0.0, 1.0, 2.0]),
 )
 def test_walls_are_never_passed_and_only_push(
     damping: float, gap: float, restitution: float, rate: float, start: float, form: float

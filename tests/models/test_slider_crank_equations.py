@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from models.slider_crank import energetics
+from models.slider_crank import energetics, forms
 from models.slider_crank import equations as eq
 
 XI, ALPHA, BETA = eq.THESIS_XI, eq.THESIS_ALPHA, eq.THESIS_BETA
@@ -136,7 +136,8 @@ def test_impact_is_f_2_17() -> None:
 
 def wall_force(tau: float, side: float, damping: float, gap: float, corrected: bool = False) -> float:
     m = eq.thesis_mechanism(damping, corrected)
-    return side * eq.constraint_force(tau, 1.0, 0.0, eq.wall_angle(tau, side * gap, XI), m)
+    psi = eq.wall_angle(tau, side * gap, XI)
+    return side * forms.constraint_force(forms.CORRECTED, tau, 1.0, 0.0, psi, m)
 
 
 def published_lower_force(tau: float, damping: float, gap: float) -> float:

@@ -8,9 +8,12 @@ import pytest
 
 from models.system import ModelError
 from orchestrator import schema
-from orchestrator.assembly import system_of
+from orchestrator.assembly import at_start, system_of
+from orchestrator.errors import ParticipantError
+from orchestrator.participants import in_process
 from orchestrator.scenario import Scenario, ScenarioError, scenario_of
 from orchestrator.scenario_files import load, shipped, written
+from orchestrator.simulation import simulate
 
 
 @pytest.mark.parametrize("name", sorted(shipped()))
@@ -113,6 +116,20 @@ def test_an_impossible_system_is_one_message(override: str) -> None:
     with pytest.raises((ScenarioError, ModelError)) as error:
         system_of(load("valve-train", [override]))
     assert all(word in str(error.value) for word in BAD_SYSTEMS[override]), error.value
+
+
+@pytest.mark.parametrize("start", ["given", "equilibrium"])
+def test_a_start_outside_the_walls_is_one_message(start: str) -> None:
+    """At the flywheel's start angle, before anything is stepped; in-process participants say the same."""
+    changes = ["components.slider_crank.start.psi=0.02", "components.flywheel.start.angle=90 deg"]
+    scenario = load("slider-crank", [*changes, f"start={start}"])
+    said = r"slider_crank(\.|: )psi = 0\.02 rad .* at crank_angle = 1\.5708 rad"
+    with pytest.raises(ModelError, match=said):
+        at_start(scenario, system_of(scenario))
+    system = system_of(load("slider-crank", [*changes, "start=equilibrium"]))
+    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    with pytest.raises(ParticipantError, match=said):
+        simulate(system, units, scenario.master.made(), 1e-4, 1e-3)
 
 
 BAD_CONNECTIONS = {

@@ -1,0 +1,145 @@
+"""The equations of motion behind one interface: `equations` and `energetics` (linear in psi), or `nonlinear`.
+
+`as_published` and `corrected` differ in the mechanism's forcing_beta alone. Units as in `equations`:
+moments over M l^2, forces over M l, distances over l.
+"""
+
+from __future__ import annotations
+
+from ..kernel import kernel
+from . import energetics, equations, nonlinear
+from .equations import Mechanism, inertia
+
+AS_PUBLISHED, CORRECTED, NONLINEAR = 0.0, 1.0, 2.0
+
+
+@kernel
+def free_moment(
+    form: float, theta: float, speed: float, acceleration: float, psi: float, rate: float, m: Mechanism
+) -> float:
+    """a psi'' when no wall touches."""
+    if form == NONLINEAR:
+        return nonlinear.free_moment(theta, speed, acceleration, psi, rate, m)
+    return equations.free_moment(theta, speed, acceleration, psi, rate, m)
+
+
+@kernel
+def flight_acceleration(
+    form: float, theta: float, speed: float, acceleration: float, psi: float, rate: float, m: Mechanism
+) -> float:
+    """psi'' in free flight."""
+    return free_moment(form, theta, speed, acceleration, psi, rate, m) / inertia(m)
+
+
+@kernel
+def offset(form: float, theta: float, psi: float, m: Mechanism) -> float:
+    """The slider's distance from the centre line, upwards."""
+    if form == NONLINEAR:
+        return nonlinear.offset(theta, psi, m.xi)
+    return equations.rod_cosine(theta, m.xi) * psi
+
+
+@kernel
+def offset_slope(form: float, theta: float, psi: float, m: Mechanism) -> float:
+    """Its derivative by psi."""
+    if form == NONLINEAR:
+        return nonlinear.offset_slope(theta, psi, m.xi)
+    return equations.rod_cosine(theta, m.xi)
+
+
+@kernel
+def wall_angle(form: float, theta: float, gap: float, m: Mechanism) -> float:
+    """psi at which the slider is `gap` off centre, F (2.14), (2.15)."""
+    if form == NONLINEAR:
+        return nonlinear.wall_angle(theta, gap, m.xi)
+    return equations.wall_angle(theta, gap, m.xi)
+
+
+@kernel
+def wall_rate(form: float, theta: float, speed: float, psi: float, m: Mechanism) -> float:
+    """psi' of a slider that keeps its distance from the centre line."""
+    if form == NONLINEAR:
+        return nonlinear.wall_rate(theta, speed, psi, m.xi)
+    return equations.wall_rate(theta, speed, psi, m.xi)
+
+
+@kernel
+def wall_rate_slope(form: float, theta: float, speed: float, psi: float, m: Mechanism) -> float:
+    """Its derivative by psi."""
+    if form == NONLINEAR:
+        return nonlinear.wall_rate_slope(theta, speed, psi, m.xi)
+    return -equations.narrowing(theta, m.xi) * speed
+
+
+@kernel
+def wall_acceleration(
+    form: float, theta: float, speed: float, acceleration: float, psi: float, m: Mechanism
+) -> float:
+    """psi'' of a slider that keeps its distance from the centre line."""
+    if form == NONLINEAR:
+        return nonlinear.wall_acceleration(theta, speed, acceleration, psi, m.xi)
+    return equations.wall_acceleration(theta, speed, acceleration, psi, m.xi)
+
+
+@kernel
+def constraint_force(
+    form: float, theta: float, speed: float, acceleration: float, psi: float, m: Mechanism
+) -> float:
+    """Force towards -psi that keeps the slider at its distance (F 2.29, upper wall).
+
+    The lower wall's force is its negative; a wall can only push.
+    """
+    rate = wall_rate(form, theta, speed, psi, m)
+    moment = free_moment(form, theta, speed, acceleration, psi, rate, m)
+    needed = inertia(m) * wall_acceleration(form, theta, speed, acceleration, psi, m)
+    return (moment - needed) / offset_slope(form, theta, psi, m)
+
+
+@kernel
+def kinetic_energy(form: float, theta: float, speed: float, psi: float, rate: float, m: Mechanism) -> float:
+    """Kinetic energy."""
+    if form == NONLINEAR:
+        return nonlinear.kinetic_energy(theta, speed, psi, rate, m)
+    return energetics.kinetic_energy(theta, speed, psi, rate, m)
+
+
+@kernel
+def energy_slope(form: float, theta: float, speed: float, psi: float, rate: float, m: Mechanism) -> float:
+    """Its derivative by psi at fixed rates."""
+    if form == NONLINEAR:
+        return nonlinear.energy_slope(theta, speed, psi, rate, m)
+    return energetics.energy_slope(theta, speed, psi, rate, m)
+
+
+@kernel
+def momentum(form: float, theta: float, speed: float, psi: float, rate: float, m: Mechanism) -> float:
+    """Its derivative by psi'."""
+    if form == NONLINEAR:
+        return nonlinear.momentum(theta, speed, psi, rate, m)
+    return energetics.momentum(theta, speed, psi, rate, m)
+
+
+@kernel
+def crank_torque(
+    form: float,
+    theta: float,
+    speed: float,
+    acceleration: float,
+    psi: float,
+    rate: float,
+    rate_change: float,
+    wall_force: float,
+    m: Mechanism,
+) -> float:
+    """Torque that the mechanism takes from the crank, at psi'' = `rate_change`."""
+    if form == NONLINEAR:
+        return nonlinear.crank_torque(theta, speed, acceleration, psi, rate, rate_change, wall_force, m)
+    return energetics.crank_torque(theta, speed, acceleration, psi, rate, rate_change, wall_force, m)
+
+
+@kernel
+def crank_impulse(form: float, theta: float, psi: float, rate_jump: float, m: Mechanism) -> float:
+    """Angular impulse taken from the crank by an impact that changes psi' by `rate_jump`."""
+    if form == NONLINEAR:
+        return nonlinear.crank_impulse(theta, psi, rate_jump, m)
+    return energetics.crank_impulse(theta, psi, rate_jump, m)
