@@ -1,0 +1,217 @@
+"""The event machinery against closed forms: impact oscillator, bouncing ball, sliding, tangent vectors."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.slider_crank import histories as h
+from models.slider_crank.bouncing import (
+    CHATTER_LEFT,
+    END,
+    RATE_OF_Y,
+    SIDE,
+    UPPER,
+    UPPER_IMPACT,
+    Walls,
+    Y,
+    pass_event,
+    phase,
+)
+from models.slider_crank.linear_flight import carry, kick
+from models.slider_crank.machine import FORMS, Machine, Motion
+from models.slider_crank.tangent import across_impact
+
+from .oscillators import flow_of, impact_oscillator, impact_oscillator_orbit, position_at, scratch
+
+TURN = 2.0 * math.pi
+
+
+def next_impact(flow, walls, position) -> None:
+    """Fly to the next impact, across the end of a revolution."""
+    last = flow.cells.shape[0] - 1
+    while h.LINEAR.next_event(flow, walls, position, last, 1.0, scratch()) == END:
+        h.begin_cycle(position)
+
+
+@pytest.mark.parametrize(
+    ("omega", "r", "sigma", "sign"),
+    [(2.8, 0.8, 0.0, -1.0), (2.8, 0.8, 0.05, -1.0), (3.3, 0.5, 0.02, -1.0), (1.7, 0.7, 0.0, 1.0)],
+)
+def test_impact_oscillator_returns_to_its_orbit(omega: float, r: float, sigma: float, sign: float) -> None:
+    orbit = impact_oscillator_orbit(omega, r, sigma, sign)
+    assert orbit.velocity > 0.0
+    flow, walls = impact_oscillator(omega, r, sigma)
+    position = position_at(flow, orbit.phase, sigma, -r * orbit.velocity / omega)
+    next_impact(flow, walls, position)
+    assert phase(flow, position) == pytest.approx(orbit.phase, abs=1e-11)
+    assert omega * position[RATE_OF_Y] == pytest.approx(orbit.velocity, abs=1e-11)
+
+
+def test_impact_oscillator_has_the_listed_numbers() -> None:
+    orbit = impact_oscillator_orbit(2.8, 0.8, 0.0, -1.0)
+    assert orbit == pytest.approx((0.3361772700, 3.0593767579, -3.17445052), abs=1e-8)
+
+
+def test_multipliers_of_the_impact_oscillator() -> None:
+    """Trace and determinant r^2 of the tangent map over one orbit, impact included."""
+    omega, r = 2.8, 0.8
+    orbit = impact_oscillator_orbit(omega, r, 0.0, -1.0)
+    flow, walls = impact_oscillator(omega, r, 0.0)
+    start = position_at(flow, orbit.phase, 0.0, -r * orbit.velocity / omega)
+    v, position = np.eye(2), start.copy()
+    last = flow.cells.shape[0] - 1
+    assert h.LINEAR.next_event(flow, walls, position, last, 1.0, scratch()) == END
+    carry(flow, start, position, v, scratch())
+    h.begin_cycle(position)
+    start = position.copy()
+    assert h.LINEAR.next_event(flow, walls, position, last, 1.0, scratch()) == UPPER_IMPACT
+    carry(flow, start, position, v, scratch())
+    across_impact(r, kick(flow, walls, position, UPPER), position[RATE_OF_Y], v)
+    assert np.trace(v) == pytest.approx(orbit.trace, abs=1e-10)
+    assert np.linalg.det(v) == pytest.approx(r**2, abs=1e-12)
+
+
+@pytest.mark.parametrize("e", [0.3, 0.9, 0.99])
+def test_bouncing_ball_comes_to_rest_after_its_geometric_series(e: float) -> None:
+    """Bounce n lasts 2 v e^n / g; the sum to infinity is 2 v e / (g (1 - e))."""
+    g, v = 0.7, 0.5 * (1.0 - e)
+    flow, walls = flow_of(lambda x: np.full_like(x, g)), Walls(0.0, 10.0, e, 0.0)
+    position, last = position_at(flow, 0.1, 0.0, -v), flow.cells.shape[0] - 1
+    start, n = 0.1, 0
+    while position[SIDE] == 0.0:
+        code = h.LINEAR.next_event(flow, walls, position, last, 1.0, scratch())
+        assert code == UPPER_IMPACT
+        assert position[RATE_OF_Y] == pytest.approx(v * e**n, rel=1e-11)
+        # Angles of size 2 are known to 4e-16; so are their differences.
+        assert phase(flow, position) - start == pytest.approx(2.0 * v * e**n / g, abs=2e-15)
+        start = phase(flow, position)
+        pass_event(flow, walls, position, code)
+        n += 1
+    left = 2.0 * v * e**n / (g * (1.0 - e))
+    assert left <= CHATTER_LEFT
+    assert start + left == pytest.approx(0.1 + 2.0 * v / (g * (1.0 - e)), abs=1e-13)
+
+
+def test_sliding_ends_where_the_pressing_acceleration_falls_to_zero() -> None:
+    """Pressed by 0.5 + cos theta: released at 2 pi / 3."""
+    flow, walls = flow_of(lambda x: 0.5 + np.cos(x)), Walls(0.0, 10.0, 0.0, 0.0)
+    position = position_at(flow, 0.3, 0.0, 0.0)
+    position[SIDE] = UPPER
+    assert h.LINEAR.next_event(flow, walls, position, flow.cells.shape[0] - 1, 1.0, scratch()) == 3
+    assert phase(flow, position) == pytest.approx(TURN / 3.0, abs=2e-12)
+    assert (position[SIDE], position[Y], position[RATE_OF_Y]) == (0.0, 0.0, 0.0)
+
+
+def test_wall_that_is_pressed_all_the_time_is_never_left() -> None:
+    motion = Motion(Machine(0.35, 0.015))
+    assert (motion.strobe(30)[-10:, 2] == 1.0).all()
+    assert not len(motion.events(10).theta)
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(
+    damping=st.floats(0.0, 0.5), gap=st.floats(0.0, 0.03), e=st.floats(0.0, 1.0),
+    rate=st.floats(-0.2, 0.2), form=st.sampled_from(FORMS), threshold=st.sampled_from([0.0, 0.005]),
+)  # fmt: skip
+def test_slider_stays_between_the_walls_and_impacts_take_energy(
+    damping: float, gap: float, e: float, rate: float, form: str, threshold: float
+) -> None:
+    machine = Machine(damping, gap, e, form, sliding_threshold=threshold)
+    motion = Motion(machine, 0.0, rate)
+    position = motion._position
+    for _ in range(4):
+        events = motion.events(1).impacts
+        assert (events.approach >= 0.0).all()
+        phases = np.linspace(0.0, 6.2, 63)
+        states = np.zeros((63, h.STATE_SIZE))
+        machine.histories.sample(machine.flow, machine.walls, position, phases, states, scratch())
+        assert np.abs(states[:, 0]).max() <= gap * (1.0 + 1e-12)
+        assert np.isfinite(states).all()
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_cutting_a_flight_changes_no_impact(form: str) -> None:
+    """Events over two chaotic revolutions, run in one piece and in 500: 1e-12 grows by e^(0.4 * 12)."""
+    machine = Machine(0.05, 0.01, form=form)
+    whole = Motion(machine).events(2)
+    position, found = np.zeros(5), []
+    flow, walls = machine.flow, machine.walls
+    cells = flow.pressing.shape[0]
+    cuts = np.sort(np.random.default_rng(4).uniform(0.0, cells, 250))
+    for cycle in range(2):
+        for place in [*cuts, float(cells)]:
+            k = min(int(place), cells - 1)
+            code = 1
+            while code != END:
+                code = machine.histories.next_event(flow, walls, position, k, place - k, scratch())
+                if code != END:
+                    found.append(TURN * cycle + phase(flow, position))
+                    pass_event(flow, walls, position, code)
+        h.begin_cycle(position)
+    assert found == pytest.approx(TURN * whole.cycle + whole.theta, abs=1e-11)
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("start", [0.0, 0.01])
+def test_tangent_vectors_are_the_derivative_of_the_motion(form: str, start: float) -> None:
+    """Central differences of the state after a revolution with impacts, to their own error."""
+    machine = Machine(0.05, 0.012, form=form)
+    growth, v, position = np.zeros(7), np.eye(2), np.zeros(5)
+    position[RATE_OF_Y] = start
+    impacts = machine.histories.follow_tangents(
+        machine.flow, machine.walls, position, v, 1, growth, scratch()
+    )
+    assert impacts > 2
+    d = 1e-8
+    ends = np.zeros((2, 2, 2))
+    for column in range(2):
+        for side, sign in enumerate((-1.0, 1.0)):
+            at = np.zeros(5)
+            at[RATE_OF_Y] = start
+            at[Y + column] += sign * d
+            states = np.zeros((1, h.STATE_SIZE))
+            machine.histories.strobe(machine.flow, machine.walls, at, states, scratch())
+            ends[column, side] = states[0, :2]
+    map_ = (ends[:, 1] - ends[:, 0]) / (2.0 * d)
+    # The growth of the first vector and of the area: what Gram and Schmidt leave.
+    assert growth[0] == pytest.approx(math.log(np.linalg.norm(map_[0])), abs=1e-5)
+    area = math.log(abs(np.linalg.det(map_)))
+    # The difference's error of some 1e-6 counts in the area by the condition of the map.
+    assert growth[0] + growth[1] == pytest.approx(area, abs=1e-6 * np.linalg.cond(map_))
+
+
+def test_threshold_of_the_thesis_ends_bounces_early() -> None:
+    exact = Motion(Machine(0.25, 0.015, form="as_published")).events(20)
+    coarse = Motion(Machine(0.25, 0.015, form="as_published", sliding_threshold=0.005)).events(20)
+    assert len(coarse.impacts.theta) < 0.2 * len(exact.impacts.theta)
+    rebounds = 0.9 * coarse.approach[(coarse.kind == h.BOUNCE)]
+    # In psi' F's rule is 0.005; in y' it is that times cos phi, at least 0.95.
+    assert rebounds.min() > 0.95 * 0.005
+
+
+@pytest.mark.parametrize(
+    ("values", "text"),
+    [
+        ({"restitution": 1.1}, "at most 1"),
+        ({"gap": -0.01}, "not negative"),
+        ({"damping": -1.0}, "not negative"),
+        ({"xi": 1.0}, "less than 1"),
+        ({"gap": 0.2}, "0.1 rad"),
+        ({"gap": 0.8, "form": "nonlinear"}, "turns over"),
+        ({"form": "linear"}, "as_published, corrected, nonlinear"),
+        ({"damping": math.nan}, "finite"),
+    ],
+)
+def test_machine_out_of_range_is_refused(values: dict, text: str) -> None:
+    with pytest.raises(ValueError, match=text):
+        Machine(**values)
+
+
+def test_start_outside_the_walls_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"psi = 0.02: must be between the walls, -0.01 to 0.01 rad"):
+        Motion(Machine(gap=0.01), psi=0.02)

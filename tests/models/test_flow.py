@@ -1,0 +1,139 @@
+"""Power series and the tabulated flow: roots, the Wronskian, and independent integration."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from models.slider_crank.flow import MOST_CELLS, UnresolvedError, tabulated
+from models.slider_crank.linear_flight import at_start, carry
+from models.slider_crank.machine import Machine, offset_acceleration
+from models.slider_crank.series import (
+    NEVER,
+    TERMS,
+    bounds_of_bend,
+    divide_by_u,
+    first_fall,
+    move_origin,
+    next_fall,
+    value,
+    value_and_slope,
+)
+
+from .oscillators import flow_of, position_at, scratch
+
+COEFFICIENT = st.integers(-50, 50).map(lambda n: n / 50.0)
+
+
+def series_of(*coefficients: float) -> np.ndarray:
+    c = np.zeros(TERMS)
+    c[: len(coefficients)] = coefficients
+    return c
+
+
+def fall(c: np.ndarray, length: float = 1.0) -> float:
+    return first_fall(c, -1.0, 0.0, bounds_of_bend(c, length)[0], length)
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(st.lists(COEFFICIENT, min_size=3, max_size=7), st.floats(0.05, 1.0))
+def test_first_root_is_the_smallest_root_of_the_polynomial(rest: list[float], length: float) -> None:
+    c = series_of(0.3, *rest)
+    roots = np.roots(c[::-1][np.argmax(c[::-1] != 0.0) :])
+    # A double root is only found by numpy to the square root of rounding: leave close pairs to the next test.
+    real = np.sort(roots[(np.abs(roots.imag) < 1e-6)].real)
+    assume(all(abs(a - b) > 1e-3 for a, b in zip(roots, np.roll(roots, 1), strict=True) if len(roots) > 1))
+    inside = real[(real >= 0.0) & (real <= length)]
+    assume(not len(real) or np.abs(real - length).min() > 1e-6)
+    found = fall(c, length)
+    if len(inside):
+        assert found == pytest.approx(inside[0], abs=1e-9)
+    else:
+        assert found == NEVER
+
+
+@pytest.mark.parametrize("place", [0.123, 0.5, 0.987])
+def test_double_root_is_seen_to_rounding(place: float) -> None:
+    """(u - place)^2 + depth: a miss by 1e-13 is a miss, a dip of 1e-13 is found at its near side."""
+    for depth in (1e-3, 1e-8, 1e-13):
+        touching = series_of(place**2, -2.0 * place, 1.0)
+        touching[0] += depth
+        assert fall(touching) == NEVER
+        touching[0] -= 2.0 * depth
+        assert fall(touching) == pytest.approx(place - math.sqrt(depth), abs=2e-16 / math.sqrt(depth) + 1e-15)
+
+
+@pytest.mark.parametrize("height", [1e-3, 1e-9, 1e-30])
+def test_bounce_of_any_height_has_its_duration_to_relative_accuracy(height: float) -> None:
+    """y = height u - u^2 / 2 returns after 2 height."""
+    quotient = np.zeros(TERMS)
+    divide_by_u(series_of(0.7, -height, 0.5), 1.0, quotient)
+    assert next_fall(quotient, 1.0) == pytest.approx(2.0 * height, rel=1e-14)
+
+
+def test_moved_origin_keeps_the_values() -> None:
+    c = np.random.default_rng(1).uniform(-1.0, 1.0, TERMS)
+    moved = c.copy()
+    move_origin(moved, 0.3)
+    for u in (0.0, 0.2, 0.7):
+        assert value(moved, u) == pytest.approx(value(c, u + 0.3), rel=1e-13)
+        assert value_and_slope(moved, u)[1] == pytest.approx(value_and_slope(c, u + 0.3)[1], rel=1e-12)
+
+
+@pytest.mark.parametrize("form", ["as_published", "corrected"])
+@pytest.mark.parametrize("xi", [0.0, 0.303, 0.8])
+def test_determinant_over_a_revolution_is_that_of_the_damping(form: str, xi: float) -> None:
+    """Liouville: exp(-2 pi lambda / a), to rounding accumulated over the cells."""
+    machine = Machine(0.3, form=form, xi=xi)
+    flow, v = machine.flow, np.eye(2)
+    end = position_at(flow, 0.0, 0.0, 0.0)
+    end[0] = flow.cells.shape[0]
+    carry(flow, position_at(flow, 0.0, 0.0, 0.0), end, v, scratch())
+    inertia = machine.alpha / 4.0 + 1.0 + machine.beta
+    assert np.linalg.det(v) == pytest.approx(math.exp(-2.0 * math.pi * 0.3 / inertia), rel=2e-14)
+
+
+@pytest.mark.parametrize("xi", [0.303, 0.9])
+def test_flow_is_that_of_the_equation_of_motion(xi: float) -> None:
+    """Against DOP853 at its tightest, over one revolution."""
+    machine = Machine(0.1, xi=xi)
+    m, flow = machine.mechanism, machine.flow
+    solved = solve_ivp(
+        lambda theta, x: [x[1], offset_acceleration(theta, x[0], x[1], m)],
+        (0.0, 2.0 * math.pi), [0.01, -0.02], method="DOP853", rtol=1e-13, atol=1e-16,
+    )  # fmt: skip
+    state = np.array([0.01, -0.02])
+    for ends in flow.ends:
+        state = ends[0] + state[0] * ends[1] + state[1] * ends[2]
+    # DOP853's own error: 1e-13 a step, some hundred steps.
+    assert np.abs(state - solved.y[:, -1]).max() < 2e-11 * np.abs(solved.y).max()
+
+
+def test_state_in_a_cell_belongs_to_one_at_its_start() -> None:
+    flow = Machine(0.1).flow
+    for k, u in ((0, 0.2), (17, 0.99), (63, 0.5)):
+        y, rate = at_start(flow, k, u, 0.004, -0.03)
+        c = flow.cells[k, 0] + y * flow.cells[k, 1] + rate * flow.cells[k, 2]
+        width = 2.0 * math.pi / flow.cells.shape[0]
+        found, slope = value_and_slope(c, u)
+        assert (found, slope / width) == pytest.approx((0.004, -0.03), rel=1e-13)
+
+
+def test_constant_coefficients_give_elementary_functions() -> None:
+    """y'' = 1 - y from rest: 1 - cos theta at every cell's end."""
+    flow = flow_of(np.ones_like, -1.0)
+    state = np.zeros(2)
+    for k, ends in enumerate(flow.ends):
+        state = ends[0] + state[0] * ends[1] + state[1] * ends[2]
+        theta = 2.0 * math.pi * (k + 1) / flow.cells.shape[0]
+        assert state == pytest.approx([1.0 - math.cos(theta), math.sin(theta)], abs=5e-15)
+
+
+def test_flow_too_fast_for_the_most_cells_is_refused() -> None:
+    with pytest.raises(UnresolvedError, match=str(MOST_CELLS)):
+        tabulated(lambda cells: np.random.default_rng(cells).normal(size=(cells, 5)))
