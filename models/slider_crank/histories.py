@@ -141,6 +141,8 @@ def make_histories(flight: Any, skip: Any, carry: Any, kick: Any) -> Histories:
                 code = next_event(flow, walls, position, last, 1.0, scratch)
                 if start[SIDE] == FREE:
                     carry(flow, start, position, v, scratch)
+                else:
+                    v[:, :] = 0.0
                 if code in (END, RELEASE):
                     continue
                 side = UPPER if code == UPPER_IMPACT else LOWER
