@@ -125,9 +125,10 @@ def test_power_balances_at_every_instant(form: float, mode: float) -> None:
         assert abs(change / (12.0 * d) - power) < 1e-6 * size
 
 
-def test_impacts_and_changes_of_mode_keep_the_books() -> None:
+@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
+def test_impacts_and_changes_of_mode_keep_the_books(form: float) -> None:
     """Stored energy (losses and work of impacts booked) does not jump; the crank's impulse does the work."""
-    p = thesis_parameters(0.2, 0.015)
+    p = thesis_parameters(0.2, 0.015, form=form)
     x, u, e = STATE.vector(), INPUTS.vector({"crank_speed": 1.0}), np.zeros(3)
     losses = 0.0
     for k, (side, rate) in itertools.product((0, 1), enumerate((0.08, 0.01, 1e-12))):
@@ -214,8 +215,9 @@ def test_cutting_time_changes_no_impact() -> None:
     assert impacts(np.array([0.0, horizon]))[0] == pytest.approx(first[-1], abs=1e-9)
 
 
-def test_restored_state_repeats_bit_for_bit() -> None:
-    p, x = thesis_parameters(0.2, 0.015), STATE.vector()
+@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
+def test_restored_state_repeats_bit_for_bit(form: float) -> None:
+    p, x = thesis_parameters(0.2, 0.015, form=form), STATE.vector()
     turn(x, p, 0.0, 15.0)
     saved = x.copy()
     y = turn(x, p, 15.0, 12.0)
@@ -224,9 +226,10 @@ def test_restored_state_repeats_bit_for_bit() -> None:
     assert np.array_equal(again, x)
 
 
-def test_film_narrows_the_clearance_and_moves_the_wall() -> None:
+@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
+def test_film_narrows_the_clearance_and_moves_the_wall(form: float) -> None:
     """Sliding on a film: the offset is clearance - film, and follows its rate."""
-    p, film, rate = thesis_parameters(0.35, 0.015), 0.002, -1e-4
+    p, film, rate = thesis_parameters(0.35, 0.015, form=form), 0.002, -1e-4
     x = STATE.vector()
     y = turn(x, p, 0.0, 20.0, upper_film_thickness=film)
     assert y[OUTPUTS.index("sliding")] == 1.0
@@ -249,9 +252,10 @@ def test_film_that_grows_into_a_bounce_is_an_approaching_wall() -> None:
     assert x[1] == pytest.approx(-0.02, rel=1e-14)
 
 
-def test_no_clearance_is_the_nominal_mechanism() -> None:
+@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
+def test_no_clearance_is_the_nominal_mechanism(form: float) -> None:
     x = STATE.vector()
-    y = turn(x, thesis_parameters(0.05, 0.0), 0.0, 7.0)
+    y = turn(x, thesis_parameters(0.05, 0.0, form=form), 0.0, 7.0)
     assert y[OUTPUTS.index("psi")] == 0.0
     assert abs(y[OUTPUTS.index("sliding")]) == 1.0
     assert y[OUTPUTS.index("piston_position")] == pytest.approx(
@@ -259,19 +263,21 @@ def test_no_clearance_is_the_nominal_mechanism() -> None:
     )
 
 
-def test_crank_at_rest_comes_to_rest() -> None:
+@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
+def test_crank_at_rest_comes_to_rest(form: float) -> None:
     """Nothing is divided by the speed: a swinging rod is stopped by friction."""
-    p, x = thesis_parameters(0.5, 0.015), STATE.vector({"psi_rate": 0.05})
+    p, x = thesis_parameters(0.5, 0.015, form=form), STATE.vector({"psi_rate": 0.05})
     U, y, u = CRANK.input_polynomial(), np.zeros(OUTPUTS.size), np.zeros(INPUTS.size)
     assert CRANK.step(0.0, 200.0, x, U, p, STATE.nominal, np.zeros(CRANK.work_size), u, y) == OK
     assert abs(x[1]) < 1e-10
     assert y[OUTPUTS.index("impact_count")] > 2.0
 
 
-def test_outputs_depend_on_no_other_inputs_than_declared() -> None:
+@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
+def test_outputs_depend_on_no_other_inputs_than_declared(form: float) -> None:
     """Changing an input changes only the outputs that list it, and all that list it in some mode."""
     rng = np.random.default_rng(5)
-    p, seen = CRANK.parameters.vector(), set()
+    p, seen = CRANK.parameters.vector({"form": form}), set()
     for _ in range(60):
         mode = float(rng.integers(-1, 2))
         x = STATE.vector({"psi": rng.uniform(-0.01, 0.01), "psi_rate": rng.uniform(-5.0, 5.0), "mode": mode})

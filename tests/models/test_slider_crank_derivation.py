@@ -1,0 +1,192 @@
+"""The equations of the slider-crank derived symbolically from its bodies' kinetic energy.
+
+Two coordinates: theta (crank) and psi; lengths over l, masses over M. The rod's angle below the axis is
+phi - psi, so that it turns at phi' - psi'. F (2.13) follows from phi' + psi' instead: F's sign error.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from models.slider_crank import equations as eq
+from models.slider_crank import nonlinear
+from models.slider_crank.equations import Mechanism
+
+THETA, PSI, SPEED, RATE, ACCELERATION, CHANGE = sp.symbols("theta psi theta' psi' theta'' psi''")
+XI, ALPHA, BETA, DAMPING = sp.symbols("xi alpha beta lambda", positive=True)
+COORDINATES, RATES, CHANGES = (THETA, PSI), (SPEED, RATE), (ACCELERATION, CHANGE)
+SYMBOLS = (*COORDINATES, *RATES, *CHANGES, XI, ALPHA, BETA, DAMPING)
+PHI = sp.asin(XI * sp.sin(THETA))
+# Terms of the size of a few units cancel; some tens of roundings.
+ROUNDING = 2e-14
+
+Values = tuple[float, ...]
+
+
+def in_time(expression: sp.Expr) -> sp.Expr:
+    """d/dt along the motion."""
+    along = zip((*COORDINATES, *RATES), (*RATES, *CHANGES), strict=True)
+    return sum(sp.diff(expression, q) * v for q, v in along)
+
+
+ETA = PHI - PSI
+ROD_MIDDLE = (XI * sp.cos(THETA) + sp.cos(ETA) / 2, XI * sp.sin(THETA) - sp.sin(ETA) / 2)
+PISTON = (XI * sp.cos(THETA) + sp.cos(ETA), XI * sp.sin(THETA) - sp.sin(ETA))
+OFFSET = PISTON[1]
+
+
+def kinetic_energy(turning: sp.Expr) -> sp.Expr:
+    """Of rod and piston, the rod turning at that rate."""
+
+    def square(place: tuple[sp.Expr, sp.Expr]) -> sp.Expr:
+        return sum(in_time(coordinate) ** 2 for coordinate in place)
+
+    return (ALPHA * square(ROD_MIDDLE) + square(PISTON) + BETA * turning**2) / 2
+
+
+def left_side(energy: sp.Expr, i: int) -> sp.Expr:
+    """d/dt dT/dq' - dT/dq and the crank pin's friction, dD/dq' of D = lambda (theta' + eta')^2/2."""
+    friction = DAMPING * (SPEED + in_time(ETA)) * sp.diff(SPEED + in_time(ETA), RATES[i])
+    return in_time(sp.diff(energy, RATES[i])) - sp.diff(energy, COORDINATES[i]) + friction
+
+
+TRUE_TURNING = in_time(PHI) - RATE
+PUBLISHED_TURNING = in_time(PHI) + RATE
+ENERGY = kinetic_energy(TRUE_TURNING)
+LEFT = {turning: left_side(kinetic_energy(turning), 1) for turning in (TRUE_TURNING, PUBLISHED_TURNING)}
+
+
+@functools.cache
+def compiled(expression: sp.Expr) -> Callable[..., float]:
+    function: Callable[..., float] = sp.lambdify(SYMBOLS, expression, "math", cse=True)
+    return function
+
+
+def at(expression: sp.Expr, values: Values, m: Mechanism) -> float:
+    """At (theta, psi, theta', psi', theta'', psi'')."""
+    return float(compiled(expression)(*values, m.xi, m.alpha, m.beta, m.damping))
+
+
+def mechanisms(sign: float = 1.0) -> Iterator[tuple[np.random.Generator, Mechanism]]:
+    random = np.random.default_rng(11)
+    for _ in range(50):
+        xi, alpha, beta, damping = random.uniform(0.05, [0.6, 3.0, 1.0, 0.5])
+        yield random, Mechanism(xi, alpha, beta, sign * beta, damping)
+
+
+@pytest.mark.parametrize(
+    ("turning", "sign"),
+    [(TRUE_TURNING, 1.0), (PUBLISHED_TURNING, -1.0)],
+    ids=["phi' - psi' gives +beta (corrected)", "phi' + psi' gives -beta (as published)"],
+)
+def test_linearised_equation_has_the_kernels_coefficients(turning: sp.Expr, sign: float) -> None:
+    """a, lambda, c, f of F (2.13), and the two that a varying speed adds, at psi = psi' = 0."""
+    left = LEFT[turning]
+    resting = [(RATE, 0), (CHANGE, 0)]
+    for random, m in mechanisms(sign):
+        theta = random.uniform(0.0, 2.0 * np.pi)
+        steady, starting = (theta, 0.0, 1.0, 0.0, 0.0, 0.0), (theta, 0.0, 0.0, 0.0, 1.0, 0.0)
+        forcing = eq.forcing(theta, m) + m.damping * eq.joint_rate(theta, 1.0, 0.0, m)
+        for expression, where, kernel in (
+            (sp.diff(left, CHANGE), steady, eq.inertia(m)),
+            (sp.diff(left, RATE), steady, m.damping),
+            (sp.diff(left.subs(resting), PSI), steady, eq.stiffness(theta, m)),
+            (-left, steady, forcing),
+            (sp.diff(left.subs(resting), PSI), starting, eq.speed_up_stiffness(theta, m)),
+            (-left, starting, eq.speed_up_forcing(theta, m)),
+        ):
+            assert at(expression, where, m) == pytest.approx(kernel, abs=ROUNDING)
+
+
+def test_signs_of_beta_exclude_each_other() -> None:
+    """The two derivations differ by 2 beta phi''."""
+    difference = LEFT[PUBLISHED_TURNING] - LEFT[TRUE_TURNING]
+    for random, m in mechanisms():
+        theta = random.uniform(0.0, 2.0 * np.pi)
+        steady = (theta, 0.0, 1.0, 0.0, 0.0, 0.0)
+        expected = 2.0 * m.beta * eq.rod_curvature(theta, m.xi)
+        assert at(difference, steady, m) == pytest.approx(expected, abs=ROUNDING)
+
+
+def states(random: np.random.Generator) -> Values:
+    low, high = [0.0, -0.3, -2.0, -2.0, -2.0, -2.0], [2.0 * np.pi, 0.3, 2.0, 2.0, 2.0, 2.0]
+    return tuple(float(v) for v in random.uniform(low, high))
+
+
+def test_nonlinear_motion_is_the_exact_one_at_any_speed() -> None:
+    """a psi'' - (free moment) = dT/dpsi's Lagrange equation; a wall's force F has the moment -F dy/dpsi."""
+    for random, m in mechanisms():
+        values = theta, psi, speed, rate, acceleration, change = states(random)
+        moment = nonlinear.free_moment(theta, speed, acceleration, psi, rate, m)
+        left = at(LEFT[TRUE_TURNING], values, m)
+        assert eq.inertia(m) * change - moment == pytest.approx(left, abs=10.0 * ROUNDING)
+        slope = nonlinear.offset_slope(theta, psi, m.xi)
+        assert slope == pytest.approx(at(sp.diff(OFFSET, PSI), values, m), abs=ROUNDING)
+
+
+def test_nonlinear_torque_is_the_exact_generalised_force() -> None:
+    """Of theta, with psi'' of a motion on which a wall's force F acts."""
+    crank = left_side(ENERGY, 0)
+    for random, m in mechanisms():
+        theta, psi, speed, rate, acceleration, _ = states(random)
+        force = random.uniform(-3.0, 3.0)
+        moment = nonlinear.free_moment(theta, speed, acceleration, psi, rate, m)
+        change = (moment - force * nonlinear.offset_slope(theta, psi, m.xi)) / eq.inertia(m)
+        values = theta, psi, speed, rate, acceleration, change
+        exact = at(crank, values, m) + force * at(sp.diff(OFFSET, THETA), values, m)
+        torque = nonlinear.crank_torque(theta, speed, acceleration, psi, rate, change, force, m)
+        assert torque == pytest.approx(exact, abs=20.0 * ROUNDING)
+
+
+def test_nonlinear_impulse_on_the_crank_is_the_exact_one() -> None:
+    """A wall's impulse J: dT/dpsi' jumps by J dy/dpsi, dT/dtheta' by J dy/dtheta and the crank's impulse."""
+    psi_momentum, crank_momentum = sp.diff(ENERGY, RATE), sp.diff(ENERGY, SPEED)
+    for random, m in mechanisms():
+        before = states(random)
+        jump = random.uniform(-1.0, 1.0)
+        after = (*before[:3], before[3] + jump, *before[4:])
+        psi_jump = at(psi_momentum, after, m) - at(psi_momentum, before, m)
+        crank_jump = at(crank_momentum, after, m) - at(crank_momentum, before, m)
+        wall = psi_jump / at(sp.diff(OFFSET, PSI), before, m)
+        exact = crank_jump - wall * at(sp.diff(OFFSET, THETA), before, m)
+        assert nonlinear.crank_impulse(before[0], before[1], jump, m) == pytest.approx(
+            exact, abs=10.0 * ROUNDING
+        )
+
+
+def test_nonlinear_energy_and_its_derivatives() -> None:
+    for random, m in mechanisms():
+        values = theta, psi, speed, rate, *_ = states(random)
+        for kernel, expression in (
+            (nonlinear.kinetic_energy, ENERGY),
+            (nonlinear.energy_slope, sp.diff(ENERGY, PSI)),
+            (nonlinear.momentum, sp.diff(ENERGY, RATE)),
+        ):
+            exact = at(expression, values, m)
+            assert kernel(theta, speed, psi, rate, m) == pytest.approx(exact, abs=10.0 * ROUNDING)
+
+
+def test_nonlinear_walls_are_lines_along_the_cylinder() -> None:
+    """y at the wall's psi is the gap; y' = 0 and y'' = 0 with the wall's psi' and psi''."""
+    lateral = in_time(OFFSET)
+    lateral_acceleration = in_time(lateral)
+    slope = sp.diff(-sp.diff(OFFSET, THETA) * SPEED / sp.diff(OFFSET, PSI), PSI)
+    for random, m in mechanisms():
+        theta, _, speed, _, acceleration, _ = states(random)
+        gap = random.uniform(-0.35, 0.35)
+        psi = nonlinear.wall_angle(theta, gap, m.xi)
+        rate = nonlinear.wall_rate(theta, speed, psi, m.xi)
+        change = nonlinear.wall_acceleration(theta, speed, acceleration, psi, m.xi)
+        values = theta, psi, speed, rate, acceleration, change
+        assert at(OFFSET, values, m) == pytest.approx(gap, abs=ROUNDING)
+        assert nonlinear.offset(theta, psi, m.xi) == pytest.approx(gap, rel=ROUNDING)
+        assert at(lateral, values, m) == pytest.approx(0.0, abs=ROUNDING)
+        # Divided by cos eta, which comes down to 0.3 here, more than once.
+        assert at(lateral_acceleration, values, m) == pytest.approx(0.0, abs=100.0 * ROUNDING)
+        found = nonlinear.wall_rate_slope(theta, speed, psi, m.xi)
+        assert found == pytest.approx(at(slope, values, m), rel=1e-12, abs=100.0 * ROUNDING)

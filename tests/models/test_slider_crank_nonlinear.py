@@ -1,0 +1,220 @@
+"""The slider-crank without the small-angle step: closed forms, limits, symmetries, impacts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from models.integrator import OK
+from models.quantities import Vector
+from models.slider_crank import forms
+from models.slider_crank.equations import coupling, inertia, thesis_mechanism
+
+from .test_slider_crank import CRANK, INPUTS, OUTPUTS, SCALE, STATE, TURN, thesis_parameters, turn
+
+FORMS = [forms.AS_PUBLISHED, forms.CORRECTED, forms.NONLINEAR]
+XI = 0.3030
+COUNT = OUTPUTS.index("impact_count")
+
+
+def sigma(theta: float, psi: float) -> float:
+    """Angle between crank and rod, theta + eta."""
+    return theta + math.asin(XI * math.sin(theta)) - psi
+
+
+@pytest.mark.parametrize(("theta", "psi", "rate"), [(0.4, 0.1, 0.0), (2.0, -0.3, 1.5), (5.0, 0.2, -1.0)])
+@pytest.mark.parametrize("speed", [1.0, -0.7])
+def test_free_flight_is_a_damped_pendulum(theta: float, psi: float, rate: float, speed: float) -> None:
+    """a sigma'' + lambda sigma' + k theta'^2 sin sigma = 0 at constant speed; scipy's DOP853 for the same.
+
+    The component's micro-steps are good to 1e-10, some ten of them here.
+    """
+    damping, span = 0.3, 0.3
+    m = thesis_mechanism(damping, corrected=True)
+    a, k = inertia(m), coupling(m)
+    p = thesis_parameters(damping, 0.69, form=forms.NONLINEAR)
+    x = STATE.vector({"psi": psi, "psi_rate": rate})
+    U = CRANK.input_polynomial()
+    U[0, :2], U[1, 0] = (theta, speed), speed
+    u, y = np.zeros(INPUTS.size), np.zeros(OUTPUTS.size)
+    assert CRANK.step(0.0, span, x, U, p, SCALE, np.zeros(CRANK.work_size), u, y) == OK
+    assert y[COUNT] == 0.0
+    slope = XI * math.cos(theta) / math.sqrt(1.0 - (XI * math.sin(theta)) ** 2)
+    pendulum = solve_ivp(
+        lambda t, s: (s[1], -(damping * s[1] + k * speed**2 * math.sin(s[0])) / a),
+        (0.0, span),
+        (sigma(theta, psi), speed * (1.0 + slope) - rate),
+        method="DOP853",
+        rtol=1e-13,
+        atol=1e-13,
+    )
+    assert sigma(theta + speed * span, x[0]) == pytest.approx(pendulum.y[0, -1], abs=1e-9)
+
+
+def test_pendulum_keeps_its_energy_without_friction() -> None:
+    """a sigma'^2/2 - k cos sigma, from the component's acceleration: its rate of change is zero."""
+    m = thesis_mechanism(0.0, corrected=True)
+    random = np.random.default_rng(2)
+    for theta, psi, rate in random.uniform([0.0, -0.5, -1.0], [TURN, 0.5, 1.0], (50, 3)):
+        phi = math.asin(XI * math.sin(theta))
+        slope = XI * math.cos(theta) / math.cos(phi)
+        curvature = (XI**3 - XI) * math.sin(theta) / math.cos(phi) ** 3
+        change = forms.flight_acceleration(forms.NONLINEAR, theta, 1.0, 0.0, psi, rate, m)
+        restoring = coupling(m) * math.sin(sigma(theta, psi))
+        assert inertia(m) * (curvature - change) + restoring == pytest.approx(0.0, abs=1e-14)
+        assert 1.0 + slope - rate != 0.0
+
+
+def order(error_of: Callable[[float], float], coarse: float = 1e-3) -> float:
+    """Exponent with which an error falls when the clearance is halved."""
+    return math.log2(error_of(coarse) / error_of(0.5 * coarse))
+
+
+@pytest.mark.parametrize("theta", [0.8, 2.4, 4.0])
+@pytest.mark.parametrize("name", ["wall", "acceleration", "force", "torque", "energy"])
+def test_linear_form_is_the_limit_of_small_clearance(name: str, theta: float) -> None:
+    """Second order in psi, third in the energy; at varying speed.
+
+    First order in the wall's force: the linear forms put its lever cos eta at cos phi.
+    """
+    m, speed, acceleration = thesis_mechanism(0.1, corrected=True), 1.3, -0.7
+
+    def value(form: float, gap: float) -> float:
+        psi = forms.wall_angle(form, theta, gap, m)
+        rate = -0.4 * gap
+        if name == "wall":
+            return psi
+        if name == "force":
+            return forms.constraint_force(form, theta, speed, acceleration, psi, m)
+        # The same psi for both, away from the walls.
+        psi = 0.7 * gap
+        if name == "energy":
+            return forms.kinetic_energy(form, theta, speed, psi, rate, m)
+        change = forms.flight_acceleration(form, theta, speed, acceleration, psi, rate, m)
+        if name == "acceleration":
+            return change
+        return forms.crank_torque(form, theta, speed, acceleration, psi, rate, change, 0.0, m)
+
+    def error(gap: float) -> float:
+        return abs(value(forms.NONLINEAR, gap) - value(forms.CORRECTED, gap))
+
+    expected = {"energy": 3.0, "force": 1.0}.get(name, 2.0)
+    assert order(error) == pytest.approx(expected, abs=0.15)
+    assert error(0.001) < 0.001**expected
+
+
+def test_bouncing_motion_converges_to_the_linear_one() -> None:
+    """psi over clearance differs by O(clearance), over a time of some bounces, ~ sqrt(clearance)."""
+
+    def relative_error(gap: float) -> float:
+        ends = []
+        for form in (forms.CORRECTED, forms.NONLINEAR):
+            x = STATE.vector({"psi_rate": math.sqrt(gap)})
+            y = turn(x, thesis_parameters(0.1, gap, form=form), 0.9, 6.0 * math.sqrt(gap))
+            assert y[COUNT] >= 2.0
+            ends.append(x[0])
+        return abs(ends[1] - ends[0]) / gap
+
+    assert order(relative_error) == pytest.approx(1.0, abs=0.15)
+    assert relative_error(1e-4) < 1e-3
+
+
+def struck(form: float, side: float, restitution: float) -> tuple[Vector, Vector, Vector, float, float]:
+    """p, inputs, state just after an impact on a moving film, and psi' and energy just before."""
+    p = thesis_parameters(0.2, 0.02, form=form, restitution=restitution)
+    films = {"upper_film_thickness": 0.003, "lower_film_thickness": 0.001}
+    rates = {"upper_film_rate": 0.02, "lower_film_rate": -0.01}
+    u = INPUTS.vector({"crank_angle": 1.1 + side, "crank_speed": 1.4, **films, **rates})
+    gap = side * (0.02 - (0.003 if side > 0.0 else 0.001))
+    psi = forms.wall_angle(form, u[0], gap, thesis_mechanism(0.2, corrected=True))
+    x, e = STATE.vector({"psi": psi, "psi_rate": side * 0.3}), np.zeros(3)
+    CRANK.flat_energy(0.0, x, u, p, e)
+    CRANK.flat_transition(0 if side > 0.0 else 1, 0.0, x, u, p)
+    return p, u, x, side * 0.3, e[0]
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("restitution", [0.0, 0.6, 1.0])
+def test_impact_reverses_the_pistons_velocity_relative_to_the_moving_wall(
+    side: float, restitution: float
+) -> None:
+    """F (2.16): y' - wall' -> -e (y' - wall'), with y = xi sin theta - sin eta exactly."""
+    _, u, x, before, _ = struck(forms.NONLINEAR, side, restitution)
+    theta, speed = u[0], u[1]
+    wall = -side * (0.02 if side > 0.0 else -0.01)
+
+    def lateral(rate: float) -> float:
+        phi = math.asin(XI * math.sin(theta))
+        eta_rate = XI * math.cos(theta) / math.cos(phi) * speed - rate
+        return XI * math.cos(theta) * speed - math.cos(phi - x[0]) * eta_rate
+
+    assert lateral(x[1]) - wall == pytest.approx(-restitution * (lateral(before) - wall), abs=1e-14)
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("restitution", [0.6, 1.0])
+def test_energy_of_an_impact_is_work_of_crank_and_film_less_its_loss(
+    form: float, side: float, restitution: float
+) -> None:
+    """Kinetic energy jumps by (crank impulse) theta' + (wall impulse) film' - loss; no loss if elastic."""
+    p, u, x, _, before = struck(form, side, restitution)
+    e = np.zeros(3)
+    CRANK.flat_energy(0.0, x, u, p, e)
+    names = ("crank_impact_impulse", "upper_impact_impulse", "lower_impact_impulse", "impact_loss")
+    on_crank, upper, lower, loss = (x[STATE.index(name)] for name in names)
+    work = on_crank * u[1] + upper * 0.02 - lower * 0.01
+    kinetic = e[0] - loss + x[STATE.index("impact_work")]
+    # psi is put inside by two roundings.
+    assert kinetic - before == pytest.approx(work - loss, abs=1e-14)
+    assert x[STATE.index("impact_work")] == pytest.approx(work, abs=1e-14)
+    assert (loss == 0.0) == (restitution == 1.0)
+
+
+@settings(max_examples=20, deadline=None, derandomize=True)
+@given(
+    damping=st.floats(0.0, 0.4),
+    gap=st.floats(1e-4, 0.08),
+    restitution=st.floats(0.0, 0.95),
+    rate=st.floats(-0.2, 0.2),
+    start=st.floats(0.0, 6.0),
+    form=st.sampled_from(FORMS),
+)
+def test_reflected_machine_moves_as_the_mirror_image(
+    damping: float, gap: float, restitution: float, rate: float, start: float, form: float
+) -> None:
+    """Crank and rod reflected in the cylinder's axis: psi changes sign, the walls their places."""
+    p = thesis_parameters(damping, gap, restitution=restitution, form=form)
+
+    def motion(side: float) -> tuple[Vector, Vector]:
+        x, U = STATE.vector({"psi_rate": side * rate}), CRANK.input_polynomial()
+        U[0, :2], U[1, 0] = (side * start, side), side
+        u, y = np.zeros(INPUTS.size), np.zeros(OUTPUTS.size)
+        assert CRANK.step(0.0, 4.0, x, U, p, SCALE, np.zeros(CRANK.work_size), u, y) == OK
+        return x, y
+
+    (x, y), (mirrored, outputs) = motion(1.0), motion(-1.0)
+    for name in ("psi", "psi_rate", "mode", "crank_impact_impulse"):
+        assert mirrored[STATE.index(name)] == -x[STATE.index(name)]
+    assert outputs[OUTPUTS.index("crank_torque")] == -y[OUTPUTS.index("crank_torque")]
+    for upper in (name for name in STATE.names if name.startswith("upper")):
+        lower = upper.replace("upper", "lower")
+        assert mirrored[STATE.index(lower)] == x[STATE.index(upper)]
+        assert mirrored[STATE.index(upper)] == x[STATE.index(lower)]
+
+
+def test_wide_clearance_is_carried() -> None:
+    """Far beyond small angles: the walls at 0.3 rod lengths are kept to rounding, and only push."""
+    p, x, impacts = thesis_parameters(0.1, 0.3, form=forms.NONLINEAR), STATE.vector(), 0.0
+    for part in range(60):
+        y = turn(x, p, 0.5 * part, 0.5)
+        assert abs(y[OUTPUTS.index("piston_offset")]) <= 0.3 * (1.0 + 1e-13)
+        assert min(y[OUTPUTS.index("upper_wall_force")], y[OUTPUTS.index("lower_wall_force")]) >= -1e-12
+        impacts = y[COUNT]
+    assert impacts > 5.0
