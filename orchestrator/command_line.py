@@ -169,13 +169,11 @@ def reproduce_source(
     from models.system import suggestion
 
     from .errors import MistakeError
-    from .reproduce import SOURCES
+    from .reproduce import SOURCES, publication
 
     if source not in SOURCES:
         raise MistakeError(f"no source {source!r} to reproduce; {suggestion(source, SOURCES)}")
-    from importlib import import_module
-
-    import_module(f".reproduce.{source}", __package__).reproduce(out or Path("results") / source, overwrite)
+    publication(source).reproduce(out or Path("results") / source, overwrite)
 
 
 @fmu_app.command("build")

@@ -1,8 +1,19 @@
 """Published sources reproduced: their figures drawn, and every quantitative statement checked.
 
-To add one: a module with `reproduce(folder, overwrite, reporter)`, listed here.
+To add one: a module with a `Publication` named PUBLICATION, listed here.
 """
 
 from __future__ import annotations
 
+from importlib import import_module
+from typing import Any
+
+from .publication import Publication
+
 SOURCES = ("kushwaha2000",)
+
+
+def publication(source: str) -> Publication[Any]:
+    """The source of that name."""
+    found: Publication[Any] = import_module(f".{source}", __package__).PUBLICATION
+    return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -14,17 +14,43 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from .statements import Statement, Verdict
+from .statement import Statement, Verdict
 
-STYLES = {Verdict.MET: "green", Verdict.NOT_MET: "yellow", Verdict.CANNOT: "red"}
+STYLES = {
+    Verdict.MET: "green",
+    Verdict.NOT_MET: "yellow",
+    Verdict.CANNOT: "red",
+    Verdict.UNCHECKED: "magenta",
+}
 HEADINGS = ("Place", "Statement", "Computed", "Verdict", "Reason")
+# Of a source whose own model and the corrected one are judged side by side.
+TWO_FORMS = ("Place", "Statement", "As published", "Verdict", "Corrected", "Corrected verdict", "Reason")
 
 
 def tally(statements: Sequence[Statement]) -> str:
     """How many statements have each verdict."""
-    count = Counter(s.verdict for s in statements)
-    parts = ", ".join(f"{count[verdict]} {verdict}" for verdict in Verdict)
-    return f"{len(statements)} statements: {parts}"
+    text = f"{len(statements)} statements: {_counted(s.verdict for s in statements)}"
+    second = [s.corrected_verdict for s in statements if s.corrected_verdict]
+    if second:
+        text += f"; of the {len(second)} that depend on the form, corrected: {_counted(second)}"
+    return text
+
+
+def _counted(verdicts: Iterable[Verdict]) -> str:
+    count = Counter(verdicts)
+    return ", ".join(f"{count[verdict]} {verdict}" for verdict in Verdict if count[verdict])
+
+
+def headings(statements: Sequence[Statement]) -> tuple[str, ...]:
+    """The columns that these statements need."""
+    return TWO_FORMS if any(s.corrected for s in statements) else HEADINGS
+
+
+def cells(s: Statement, columns: Sequence[str]) -> tuple[str, ...]:
+    """A statement's row."""
+    if columns is HEADINGS:
+        return s.place, s.text, s.computed, s.verdict, s.reason
+    return s.place, s.text, s.computed, s.verdict, s.corrected, s.corrected_verdict or "", s.reason
 
 
 def show(statements: Sequence[Statement], console: Console) -> None:
@@ -33,17 +59,23 @@ def show(statements: Sequence[Statement], console: Console) -> None:
         table.add_column(name.lower(), ratio=ratio, overflow="fold")
     table.add_column("verdict", ratio=2)
     for s in statements:
-        reason = f"\n{s.reason}" if s.reason else ""
-        computed = Text(s.computed).append(reason, style="dim")
-        table.add_row(Text(s.place), Text(s.text), computed, Text(s.verdict, STYLES[s.verdict]))
+        computed, verdict = Text(s.computed), Text(s.verdict, STYLES[s.verdict])
+        if s.corrected:
+            computed.append(f"\ncorrected: {s.corrected}")
+        if s.corrected_verdict:
+            verdict.append(f"\n{s.corrected_verdict}", STYLES[s.corrected_verdict])
+        if s.reason:
+            computed.append(f"\n{s.reason}", style="dim")
+        table.add_row(Text(s.place), Text(s.text), computed, verdict)
     console.print(table)
 
 
 def write_csv(statements: Sequence[Statement], path: Path) -> None:
+    columns = headings(statements)
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(["key", *(name.lower() for name in HEADINGS)])
-        writer.writerows([s.key, s.place, s.text, s.computed, s.verdict, s.reason] for s in statements)
+        writer.writerow(["key", *(name.lower() for name in columns)])
+        writer.writerows([s.key, *cells(s, columns)] for s in statements)
 
 
 def write_json(statements: Sequence[Statement], path: Path) -> None:
@@ -51,6 +83,10 @@ def write_json(statements: Sequence[Statement], path: Path) -> None:
 
 
 def markdown(statements: Sequence[Statement]) -> str:
-    rows = [HEADINGS, ("---",) * len(HEADINGS)]
-    rows += [(s.place, s.text, s.computed, f"**{s.verdict}**", s.reason) for s in statements]
+    columns = headings(statements)
+    rows: list[Sequence[str]] = [columns, ("---",) * len(columns)]
+    for s in statements:
+        row = cells(s, columns)
+        pairs = zip(columns, row, strict=True)
+        rows.append([f"**{text}**" if "erdict" in name and text else text for name, text in pairs])
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows)

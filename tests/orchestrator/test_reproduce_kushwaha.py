@@ -10,13 +10,16 @@ import pytest
 from typer.testing import CliRunner
 
 from orchestrator.command_line import app
-from orchestrator.reproduce import kushwaha2000
-from orchestrator.reproduce.figures import FIGURES, PREFIX
-from orchestrator.reproduce.film_iteration import ITERATIONS, implicit, iterate
-from orchestrator.reproduce.runs import NEGATIVE, REVERSALS_DEG, Runs
-from orchestrator.reproduce.statements import CHECKS, Statement, Verdict
+from orchestrator.reproduce import kushwaha2000, publication
+from orchestrator.reproduce.kushwaha2000.figures import FIGURES, PREFIX
+from orchestrator.reproduce.kushwaha2000.film_iteration import ITERATIONS, implicit, iterate
+from orchestrator.reproduce.kushwaha2000.runs import NEGATIVE, REVERSALS_DEG, Runs
+from orchestrator.reproduce.kushwaha2000.statements import CHECKS
+from orchestrator.reproduce.publication import CSV, JSON
+from orchestrator.reproduce.statement import Statement, Verdict
 
 DOCS = Path(__file__).parents[2] / "docs"
+PAGE = publication("kushwaha2000").page_name
 # A figure beyond this does not belong into a repository.
 LARGEST_FIGURE_BYTES = 150_000
 # What the statements of the parts, equations and cam need no run for.
@@ -150,7 +153,7 @@ def test_every_check_is_named_once() -> None:
 
 
 def test_the_page_has_the_statements_that_need_no_run_and_small_figures(runs: Runs) -> None:
-    text = (DOCS / kushwaha2000.PAGE).read_text("utf-8")
+    text = (DOCS / PAGE).read_text("utf-8")
     assert text.startswith(kushwaha2000.INTRODUCTION)
     for name in WITHOUT_RUNS:
         statement = checked(name, runs)
@@ -158,8 +161,8 @@ def test_the_page_has_the_statements_that_need_no_run_and_small_figures(runs: Ru
         assert len(rows) == 1, f"{statement.key}: regenerate the page"
         assert f"**{statement.verdict}**" in rows[0]
     for number in FIGURES:
-        picture = DOCS / kushwaha2000.FIGURES / f"{PREFIX}{number}.png"
-        assert f"({kushwaha2000.FIGURES}/{picture.name})" in text
+        picture = DOCS / "figures" / f"{PREFIX}{number}.png"
+        assert f"(figures/{picture.name})" in text
         assert 10_000 < picture.stat().st_size < LARGEST_FIGURE_BYTES
 
 
@@ -171,13 +174,13 @@ def test_the_page_is_current(tmp_path: Path) -> None:
     out = tmp_path / "out"
     done = CliRunner().invoke(app, ["reproduce", "kushwaha2000", "--out", str(out)])
     assert done.exit_code == 0, done.output
-    made, kept = ((folder / kushwaha2000.PAGE).read_text("utf-8") for folder in (out, DOCS))
+    made, kept = ((folder / PAGE).read_text("utf-8") for folder in (out, DOCS))
     assert NUMBER.sub("#", made) == NUMBER.sub("#", kept), "regenerate the page"
     for one, other in zip(made.splitlines(), kept.splitlines(), strict=True):
         # Differences that rounding leaves (about 1e-15) carry no meaning.
         pairs = zip(NUMBER.findall(one), NUMBER.findall(other), strict=True)
         assert all(float(a) == pytest.approx(float(b), rel=0.03, abs=0.011) for a, b in pairs), one
-    statements = json.loads((out / kushwaha2000.JSON).read_text("utf-8"))
+    statements = json.loads((out / JSON).read_text("utf-8"))
     assert len(statements) == len({s["key"] for s in statements}) == len(CHECKS)
     assert {path.name for path in (out / "figures").iterdir()} == {f"{PREFIX}{n}.png" for n in FIGURES}
     again = CliRunner().invoke(app, ["reproduce", "kushwaha2000", "--out", str(out)])
@@ -188,8 +191,18 @@ def test_mistakes_are_refused_before_anything_is_computed(tmp_path: Path) -> Non
     unknown = CliRunner().invoke(app, ["reproduce", "kushwaha200", "--out", str(tmp_path / "a")])
     assert unknown.exit_code == 2
     assert "did you mean kushwaha2000?" in unknown.output
-    (tmp_path / kushwaha2000.CSV).write_text("kept")
+    (tmp_path / CSV).write_text("kept")
     held = CliRunner().invoke(app, ["reproduce", "kushwaha2000", "--out", str(tmp_path)])
     assert held.exit_code == 2
     assert "--overwrite" in held.output
-    assert (tmp_path / kushwaha2000.CSV).read_text() == "kept"
+    assert (tmp_path / CSV).read_text() == "kept"
+
+
+def test_figures_alone_are_not_overwritten_either(tmp_path: Path) -> None:
+    picture = tmp_path / "figures" / f"{PREFIX}2.png"
+    picture.parent.mkdir()
+    picture.write_text("kept")
+    held = CliRunner().invoke(app, ["reproduce", "kushwaha2000", "--out", str(tmp_path)])
+    assert held.exit_code == 2
+    assert "figures/kushwaha2000-fig2.png" in held.output.replace("\n", "")
+    assert picture.read_text() == "kept"

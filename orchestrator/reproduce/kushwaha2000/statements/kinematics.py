@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
+from ...statement import Statement, Verdict, met_if, near
 from ..runs import KINEMATIC_SPEED, NOSE_DEG, Runs
-from .statement import Check, Statement, Verdict, met_if, near
+from .check import Check
 
 STATED_REVERSALS = (-36.0, -12.0, 12.0, 36.0)
 # Largest acceleration s'' B^2/S of other rises of the same angle and lift.

@@ -15,8 +15,8 @@ from models.quantities import Vector
 from models.system import System
 from models.valve_train.cam_profile import Lift, cycloidal_lift, entraining_velocity
 
-from ..assembly import system_of
-from ..scenario_files import load
+from ...assembly import system_of
+from ...scenario_files import load
 
 SCENARIO = "valve-train"
 AS_PRINTED, NEGATIVE = "kushwaha", "kushwaha_negative"

@@ -1,8 +1,8 @@
-"""A statement of the source, what the models make of it, and the verdict."""
+"""A statement of a source, what the models make of it, and the verdict."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -10,18 +10,21 @@ import numpy as np
 
 from models.quantities import Vector
 
-from ..runs import Runs
-
 
 class Verdict(StrEnum):
     MET = "met"
     NOT_MET = "not met"
     CANNOT = "cannot be met"
+    UNCHECKED = "cannot be checked"
 
 
 @dataclass(frozen=True)
 class Statement:
-    """`values`: the computed numbers behind the text, SI unless the name says otherwise."""
+    """`values`: the computed numbers behind the text, SI unless the name says otherwise.
+
+    `corrected` and `corrected_verdict`: the same from the source's model without its errors, where the
+    source's own and the right model differ.
+    """
 
     key: str
     place: str
@@ -30,9 +33,8 @@ class Statement:
     verdict: Verdict
     reason: str = ""
     values: Mapping[str, float] = field(default_factory=dict)
-
-
-Check = Callable[[Runs], Statement]
+    corrected: str = ""
+    corrected_verdict: Verdict | None = None
 
 
 def met_if(condition: bool) -> Verdict:

@@ -6,7 +6,7 @@ To add one: a function from `Runs` to a `Statement` in the file of its subject, 
 from __future__ import annotations
 
 from . import contact, equations, film, film_formula, kinematics, load, parts
-from .statement import Check, Statement, Verdict
+from .check import Check
 
 CHECKS: tuple[Check, ...] = (
     *contact.ABSTRACT,
@@ -29,4 +29,4 @@ CHECKS: tuple[Check, ...] = (
     *kinematics.FORMULA,
 )
 
-__all__ = ["CHECKS", "Check", "Statement", "Verdict"]
+__all__ = ["CHECKS", "Check"]

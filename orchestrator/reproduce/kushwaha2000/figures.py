@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 from PIL import Image
 
-from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, saved
+from ...plots.style import ACCENT, COUPLED, MUTED, REFERENCE, saved
 from .runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, NOSE_DEG, SPEEDS, Runs
 
 PREFIX = "kushwaha2000-fig"

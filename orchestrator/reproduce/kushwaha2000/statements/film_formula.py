@@ -9,10 +9,11 @@ import numpy as np
 from models.contact.films import FILMS
 from models.contact.films.groups import groups
 
+from ...statement import Statement, Verdict, met_if
 from ..film_iteration import FIRST_INCREASE, ITERATIONS, FilmIteration, iterate
 from ..runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, Runs
+from .check import Check
 from .contact import at_nose, compliance
-from .statement import Check, Statement, Verdict, met_if
 
 STEPS_PER_TURN = 500
 HOURS_PER_STEP = (5.0, 7.0)

@@ -10,9 +10,10 @@ import numpy as np
 from models.quantities import Vector
 from models.valve_train.camshaft import shaft_element
 
+from ...statement import Statement, Verdict, met_if, rms
 from ..runs import FLEXIBLE_SPEED, INTERVALS, KINEMATIC_SPEED, NOSE_DEG, SPEEDS, Cycle, Runs, parameters
+from .check import Check
 from .equations import bending_rate
-from .statement import Check, Statement, Verdict, met_if, rms
 
 LENGTHS_MM = (100.0, 200.0)
 

@@ -8,8 +8,9 @@ from scipy.integrate import quad
 
 from models.contact.hertz import deflection, elastic_compliance, half_width, maximum_pressure
 
+from ...statement import Statement, Verdict, met_if, near
 from ..runs import NOSE_DEG, Runs
-from .statement import Check, Statement, Verdict, met_if, near
+from .check import Check
 
 
 def compliance(runs: Runs) -> float:

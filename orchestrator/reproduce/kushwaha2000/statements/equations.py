@@ -9,8 +9,9 @@ import numpy as np
 
 from models.valve_train.camshaft import shaft_element
 
+from ...statement import Statement, Verdict, met_if
 from ..runs import Runs
-from .statement import Check, Statement, Verdict, met_if
+from .check import Check
 
 # Equations per part (4.3): six pairs of first order and three momenta.
 FIRST_ORDER, MOMENTA = 12, 3

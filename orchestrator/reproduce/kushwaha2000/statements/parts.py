@@ -7,8 +7,9 @@ from typing import Any
 
 from models.valve_train.valve_spring import lumping, spring_frequencies
 
+from ...statement import Statement, Verdict, met_if, near, rms
 from ..runs import NOSE_DEG, Runs
-from .statement import Check, Statement, Verdict, met_if, near, rms
+from .check import Check
 
 # Table 1: ranges of mass (kg) and of Ixx, Iyy, Izz (kg mm^2).
 Range = tuple[float, float]

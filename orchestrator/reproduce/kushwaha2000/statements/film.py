@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
+from ...statement import Statement, Verdict, met_if
 from ..runs import AS_PRINTED, NEGATIVE, NOSE_DEG, SPEEDS, Cycle, Runs
-from .statement import Check, Statement, Verdict, met_if
+from .check import Check
 
 STATED_MINIMUM, STATED_NOSE, STATED_MAXIMUM = 0.04e-6, 1.0e-6, 1.3e-6
 STATED_TRANSIT = 1e-3
