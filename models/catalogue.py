@@ -7,6 +7,9 @@ from collections.abc import Callable, Mapping
 from .component import Component
 from .contact.ehl_contact import ehl_contact
 from .flywheel import flywheel
+from .slider_crank.piston.cylinder_gas import cylinder_gas
+from .slider_crank.piston.free_piston_crank import free_piston_crank
+from .slider_crank.piston.piston_crank import piston_crank
 from .slider_crank.slider_crank import slider_crank
 from .valve_train.camshaft import camshaft
 from .valve_train.valve_spring import valve_spring
@@ -18,4 +21,7 @@ CATALOGUE: Mapping[str, Callable[..., Component]] = {
     "ehl_contact": ehl_contact,
     "flywheel": flywheel,
     "slider_crank": slider_crank,
+    "piston_crank": piston_crank,
+    "free_piston_crank": free_piston_crank,
+    "cylinder_gas": cylinder_gas,
 }

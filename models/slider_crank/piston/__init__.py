@@ -1,0 +1,1 @@
+"""Slider-crank with a rectangular piston that has clearance in its bore and can tilt."""

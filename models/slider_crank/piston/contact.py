@@ -1,0 +1,277 @@
+"""The piston's four corners on the walls of its bore.
+
+Corners are numbered upper front, upper rear, lower front, lower rear; front is away from the crank. With
+clearance at most two touch at a time: flat on a wall, or diagonally. Number -1 stands for none.
+
+Contact law, for all touching corners at once (Moreau; Flores, Leine and Glocker 2010, section 3):
+
+    Lambda_N >= 0,  gamma_N+ + e gamma_N- >= 0,  one of them zero,
+    |Lambda_T| <= mu Lambda_N, and where gamma_T+ is not zero Lambda_T = -mu Lambda_N sign gamma_T+
+
+(e_T = 0). Lasting contact: N >= 0, gap'' >= 0, one of them zero, with sliding friction.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ...kernel import kernel
+from .mechanics import (
+    Coordinates,
+    Machine,
+    Symmetric,
+    across_row,
+    across_turning,
+    add,
+    along_row,
+    dot,
+    times,
+)
+
+CORNERS = 4
+UPPER, LOWER = 1.0, -1.0
+# A bisection's interval is then shorter than rounding.
+BISECTIONS = 60
+
+
+class Motion(NamedTuple):
+    """The mechanism at an instant: where, how fast, and what forces do to it.
+
+    `inverse` maps forces to accelerations (with zeros for a crank that nothing moves), `free` are the
+    accelerations without walls.
+    """
+
+    q: Coordinates
+    v: Coordinates
+    inverse: Symmetric
+    free: Coordinates
+
+
+class Pair(NamedTuple):
+    """A number for each of two touching corners."""
+
+    first: float
+    second: float
+
+
+class Touching(NamedTuple):
+    """Numbers of up to two corners."""
+
+    first: int
+    second: int
+
+
+@kernel
+def side(corner: int) -> float:
+    return UPPER if corner < 2 else LOWER
+
+
+@kernel
+def along(corner: int, m: Machine) -> float:
+    """Place of a corner along the piston, from the middle."""
+    return m.half_length if corner % 2 == 0 else -m.half_length
+
+
+@kernel
+def across(corner: int, m: Machine) -> float:
+    return side(corner) * m.half_height
+
+
+@kernel
+def exists(corner: int, m: Machine) -> bool:
+    """A piston without length (a roller) has no rear corners of its own."""
+    return m.half_length > 0.0 or corner % 2 == 0
+
+
+@kernel
+def gap(corner: int, offset: float, tilt: float, m: Machine) -> float:
+    """Distance of a corner from its wall; `offset` is that of the piston's middle."""
+    raised = offset + along(corner, m) * math.sin(tilt)
+    return m.clearance - side(corner) * raised + 2.0 * m.half_height * math.sin(0.5 * tilt) ** 2
+
+
+@kernel
+def gap_rate(corner: int, offset_rate: float, tilt: float, tilt_rate: float, m: Machine) -> float:
+    raising = offset_rate + along(corner, m) * math.cos(tilt) * tilt_rate
+    return -side(corner) * raising + m.half_height * math.sin(tilt) * tilt_rate
+
+
+@kernel
+def normal(corner: int, q: Coordinates, m: Machine) -> Coordinates:
+    """Derivatives of the gap by the coordinates."""
+    row = across_row(along(corner, m), across(corner, m), q, m)
+    return Coordinates(-side(corner) * row.theta, -side(corner) * row.eta, -side(corner) * row.chi)
+
+
+@kernel
+def tangent(corner: int, q: Coordinates, m: Machine) -> Coordinates:
+    """Derivatives of the corner's place along the wall by the coordinates."""
+    return along_row(along(corner, m), across(corner, m), q, m)
+
+
+@kernel
+def sliding_velocity(corner: int, q: Coordinates, v: Coordinates, m: Machine) -> float:
+    return dot(tangent(corner, q, m), v)
+
+
+@kernel
+def push(corner: int, ratio: float, q: Coordinates, m: Machine) -> Coordinates:
+    """Generalised force of a unit wall force with friction `ratio` times it, towards -x."""
+    if corner < 0:
+        return Coordinates(0.0, 0.0, 0.0)
+    return add(normal(corner, q, m), -ratio, tangent(corner, q, m))
+
+
+@kernel
+def coupling(corner: int, other: int, ratio: float, s: Motion, m: Machine) -> float:
+    """How much a unit wall force on `other` opens `corner` (its gap's acceleration)."""
+    if corner < 0 or other < 0:
+        return 0.0
+    return dot(normal(corner, s.q, m), times(s.inverse, push(other, ratio, s.q, m)))
+
+
+@kernel
+def gap_acceleration(corner: int, acceleration: Coordinates, s: Motion, m: Machine) -> float:
+    """gap''; 1 without a corner, which then needs no force."""
+    if corner < 0:
+        return 1.0
+    turning = across_turning(along(corner, m), across(corner, m), s.q, s.v, m)
+    return dot(normal(corner, s.q, m), acceleration) - side(corner) * turning
+
+
+@kernel
+def held(a: Pair, b: Pair, w: Pair) -> Pair:
+    """z with A z + w = 0; a and b are the rows of A. A corner that is none has zeros there, and gets 0."""
+    if b.second == 0.0:
+        return Pair(-w.first / a.first if a.first != 0.0 else 0.0, 0.0)
+    if a.first == 0.0:
+        return Pair(0.0, -w.second / b.second)
+    determinant = a.first * b.second - a.second * b.first
+    return Pair(
+        (a.second * w.second - b.second * w.first) / determinant,
+        (b.first * w.first - a.first * w.second) / determinant,
+    )
+
+
+@kernel
+def complementary(a: Pair, b: Pair, w: Pair) -> Pair:
+    """z >= 0 with A z + w >= 0 and z (A z + w) = 0; a and b are the rows of A.
+
+    Exact, by trying which elements of z are positive. Unique where A is a P-matrix (friction that cannot
+    jam the piston); without a solution the better of the single ones.
+    """
+    if w.first >= 0.0 and w.second >= 0.0:
+        return Pair(0.0, 0.0)
+    first = -w.first / a.first if w.first < 0.0 and a.first > 0.0 else 0.0
+    if first > 0.0 and w.second + b.first * first >= 0.0:
+        return Pair(first, 0.0)
+    second = -w.second / b.second if w.second < 0.0 and b.second > 0.0 else 0.0
+    if second > 0.0 and w.first + a.second * second >= 0.0:
+        return Pair(0.0, second)
+    both = held(a, b, w)
+    if both.first >= 0.0 and both.second >= 0.0:
+        return both
+    return Pair(first, 0.0) if w.first < w.second else Pair(0.0, second)
+
+
+@kernel
+def rows(touching: Touching, ratios: Pair, s: Motion, m: Machine) -> tuple[Pair, Pair]:
+    """The matrix that wall forces (or impulses) and gap accelerations (or jumps of gap rates) share."""
+    i, j = touching.first, touching.second
+    return (
+        Pair(coupling(i, i, ratios.first, s, m), coupling(i, j, ratios.second, s, m)),
+        Pair(coupling(j, i, ratios.first, s, m), coupling(j, j, ratios.second, s, m)),
+    )
+
+
+@kernel
+def force_on(corner: int, touching: Touching, forces: Pair) -> float:
+    if corner == touching.first:
+        return forces.first
+    return forces.second if corner == touching.second else 0.0
+
+
+@kernel
+def reaction(touching: Touching, forces: Pair, ratios: Pair, s: Motion, m: Machine) -> Coordinates:
+    """Generalised force (impulse) of the walls with their friction."""
+    total = add(Coordinates(0.0, 0.0, 0.0), forces.first, push(touching.first, ratios.first, s.q, m))
+    return add(total, forces.second, push(touching.second, ratios.second, s.q, m))
+
+
+@kernel
+def after(touching: Touching, forces: Pair, ratios: Pair, start: Coordinates, s: Motion, m: Machine) -> (
+    Coordinates
+):  # fmt: skip
+    """Accelerations (rates) after wall forces (impulses), from those without."""
+    return add(start, 1.0, times(s.inverse, reaction(touching, forces, ratios, s, m)))
+
+
+@kernel
+def sliding_ratio(corner: int, s: Motion, friction: float, creep: float, m: Machine) -> float:
+    """Friction over wall force: mu sign(velocity), rounded off within the creep velocity."""
+    if corner < 0:
+        return 0.0
+    return friction * math.tanh(sliding_velocity(corner, s.q, s.v, m) / creep)
+
+
+@kernel
+def needed(touching: Touching, s: Motion, m: Machine) -> Pair:
+    """The corners' gap accelerations without walls."""
+    return Pair(
+        gap_acceleration(touching.first, s.free, s, m), gap_acceleration(touching.second, s.free, s, m)
+    )
+
+
+@kernel
+def impulses(touching: Touching, ratios: Pair, w: Pair, s: Motion, m: Machine) -> Pair:
+    """Normal impulses with given friction ratios; w = gamma_N- + e gamma_N-."""
+    a, b = rows(touching, ratios, s, m)
+    return complementary(a, b, w)
+
+
+@kernel
+def slip_power(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> float:
+    """Sum of normal impulse times sliding velocity afterwards."""
+    v = after(touching, found, ratios, s.v, s, m)
+    total = 0.0
+    if found.first > 0.0:
+        total += found.first * sliding_velocity(touching.first, s.q, v, m)
+    if found.second > 0.0:
+        total += found.second * sliding_velocity(touching.second, s.q, v, m)
+    return total
+
+
+@kernel
+def slips(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> bool:
+    """True if every corner that got an impulse slides against its friction afterwards."""
+    v = after(touching, found, ratios, s.v, s, m)
+    if found.first > 0.0 and ratios.first * sliding_velocity(touching.first, s.q, v, m) < 0.0:
+        return False
+    return not (found.second > 0.0 and ratios.second * sliding_velocity(touching.second, s.q, v, m) < 0.0)
+
+
+@kernel
+def impact_ratios(touching: Touching, w: Pair, friction: float, s: Motion, m: Machine) -> Pair:
+    """Friction over normal impulse: the directions of sliding that persist, or what stops the sliding.
+
+    Corners that stop together share one ratio, as their velocities are the same while both are closed.
+    """
+    first = second = friction
+    if touching.first >= 0 and sliding_velocity(touching.first, s.q, s.v, m) < 0.0:
+        first = -friction
+    if touching.second >= 0 and sliding_velocity(touching.second, s.q, s.v, m) < 0.0:
+        second = -friction
+    for trial in range(4):
+        ratios = Pair(first if trial < 2 else -first, second if trial % 2 == 0 else -second)
+        if slips(touching, impulses(touching, ratios, w, s, m), ratios, s, m):
+            return ratios
+    low, high = -friction, friction
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        ratios = Pair(middle, middle)
+        if slip_power(touching, impulses(touching, ratios, w, s, m), ratios, s, m) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return Pair(0.5 * (low + high), 0.5 * (low + high))

@@ -1,0 +1,263 @@
+"""Impacts and releases of the piston's corners as events of a component."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...component import Events
+from ...kernel import kernel
+from ...quantities import Vector
+from .contact import (
+    CORNERS,
+    Motion,
+    Pair,
+    Touching,
+    after,
+    complementary,
+    exists,
+    force_on,
+    gap,
+    gap_acceleration,
+    gap_rate,
+    impact_ratios,
+    impulses,
+    needed,
+    reaction,
+    rows,
+    side,
+)
+from .mechanics import Coordinates, Machine, across_row, add, dot
+from .motion import Place, closed, machine, placed, ratios_of, wall_forces
+
+# After an event an open corner that touched is this share of the clearance inside its wall: a hundred
+# times the rounding of a gap.
+INSIDE = 1e-13
+# Corners nearer than this many times that meet the wall together.
+TOGETHER = 10.0
+# Bounces lower than this many times that drown in it; chatter ends there at the latest.
+UNRESOLVED = 100.0
+# Rates that should be zero are so to this share of the mechanism's velocities.
+STILL = 1e-13
+
+
+@kernel
+def touching_with(corner: int, x: Any, place: Place, m: Machine) -> Touching:
+    """The corner and the other one that touches, if any: closed, or at its wall at the same instant."""
+    for i in range(CORNERS):
+        near = gap(i, place.offset, place.tilt, m) <= TOGETHER * INSIDE * m.clearance
+        if i != corner and exists(i, m) and (x.closed[i] != 0.0 or near):
+            return Touching(corner, i)
+    return Touching(corner, -1)
+
+
+@kernel
+def approach(corner: int, place: Place, m: Machine) -> float:
+    """Gap rate; 1 without a corner, which then gets no impulse."""
+    return 1.0 if corner < 0 else gap_rate(corner, place.offset_rate, place.tilt, place.tilt_rate, m)
+
+
+@kernel
+def with_restitution(rate: float, restitution: float) -> float:
+    """gamma_N- + e gamma_N-, for a corner that approaches."""
+    return rate + restitution * min(rate, 0.0)
+
+
+@kernel
+def chosen(touching: Touching, first: bool, second: bool) -> Touching:
+    """The wanted ones of the two corners."""
+    return Touching(touching.first if first else -1, touching.second if second else -1)
+
+
+@kernel
+def pressing(corner: int, other: int, s: Motion, p: Any, m: Machine) -> float:
+    """Acceleration of a corner towards its wall when another one is held (if its wall pushes)."""
+    partner = Touching(-1, other)
+    force = max(0.0, wall_forces(partner, s, p, m).second)
+    q2 = after(partner, Pair(0.0, force), ratios_of(partner, s, p, m), s.free, s, m)
+    return -gap_acceleration(corner, q2, s, m)
+
+
+@kernel
+def ends(corner: int, other: int, rebound: float, s: Motion, p: Any, m: Machine) -> bool:
+    """True if the bounces that would follow this rebound end now, for all that can be told."""
+    if corner < 0:
+        return False
+    if rebound <= 0.0:
+        return True
+    pressed = pressing(corner, other, s, p, m)
+    if pressed <= 0.0:
+        return False
+    soon = 2.0 * rebound <= (1.0 - p.restitution) * pressed * p.chatter_time
+    low = rebound**2 <= 2.0 * pressed * UNRESOLVED * INSIDE * m.clearance
+    return soon or low
+
+
+@kernel
+def move_inside(x: Any, touching: Touching, m: Machine) -> None:
+    """Put open corners that touch just inside their walls: the first by the offset, the
+    second by the tilt."""
+    margin = INSIDE * m.clearance
+    place = placed(x, m)
+    x.offset = place.offset
+    x.tilt = place.tilt
+    i, j = touching.first, touching.second
+    if i >= 0 and x.closed[i] == 0.0:
+        short = margin - gap(i, x.offset, x.tilt, m)
+        if short > 0.0:
+            x.offset -= side(i) * short
+    if j >= 0 and x.closed[j] == 0.0:
+        short = margin - gap(j, x.offset, x.tilt, m)
+        if short > 0.0:
+            turn_by = short / (
+                gap_rate(j, 0.0, x.tilt, 1.0, m) - side(i) * side(j) * gap_rate(i, 0.0, x.tilt, 1.0, m)
+            )
+            x.tilt += turn_by
+            x.offset += side(i) * gap_rate(i, 0.0, x.tilt, 1.0, m) * turn_by
+
+
+@kernel
+def rate_after(corner: int, touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> float:
+    """Gap rate of a corner after an impact."""
+    v = after(touching, found, ratios, s.v, s, m)
+    place = Place(0.0, dot(across_row(0.0, 0.0, s.q, m), v), s.q.chi, v.chi)
+    return approach(corner, place, m)
+
+
+@kernel
+def speed_scale(v: Coordinates, m: Machine) -> float:
+    """Velocities from which gap rates are made (m/s)."""
+    size = m.half_length + m.half_height
+    return m.crank_radius * abs(v.theta) + m.rod_length * abs(v.eta) + size * abs(v.chi)
+
+
+def contact_events(motion: Any, give: Any) -> Events:
+    """Events of a component: each corner's gap while open, its wall force while closed.
+
+    motion(x, u, p) -> Motion; give(x, u, s, jump, walls): what an impact's jump of the rates, with the
+    generalised impulse of the walls, does to crank angle states and books.
+    """
+
+    @kernel
+    def guards(t: float, x: Any, u: Any, p: Any, g: Vector) -> None:
+        m = machine(p)
+        place, touching = placed(x, m), closed(x)
+        for i in range(CORNERS):
+            g[i] = gap(i, place.offset, place.tilt, m) if exists(i, m) else 1.0
+        if touching.first >= 0:
+            forces = wall_forces(touching, motion(x, u, p), p, m)
+            g[touching.first] = forces.first
+            if touching.second >= 0:
+                g[touching.second] = forces.second
+
+    @kernel
+    def open_all(x: Any, m: Machine) -> None:
+        """Write the place into the state and open all corners."""
+        place = placed(x, m)
+        x.offset = place.offset
+        x.offset_rate = place.offset_rate
+        x.tilt = place.tilt
+        x.tilt_rate = place.tilt_rate
+        for i in range(CORNERS):
+            x.closed[i] = 0.0
+
+    @kernel
+    def close_pressed(x: Any, u: Any, p: Any, touching: Touching, m: Machine) -> None:
+        """Of the corners that touch and do not part, close those that are pressed."""
+        s = motion(x, u, p)
+        a, b = rows(touching, ratios_of(touching, s, p, m), s, m)
+        forces = complementary(a, b, needed(touching, s, m))
+        if forces.first > 0.0:
+            x.closed[touching.first] = 1.0
+        if forces.second > 0.0:
+            x.closed[touching.second] = 1.0
+
+    @kernel
+    def release(k: int, x: Any, u: Any, p: Any, m: Machine) -> None:
+        """A wall would have to pull: open what the accelerations open."""
+        before = closed(x)
+        other = before.second if before.first == k else before.first
+        open_all(x, m)
+        close_pressed(x, u, p, Touching(k, other), m)
+        # To rounding both may be pressed still.
+        if x.closed[k] != 0.0 and (other < 0 or x.closed[other] != 0.0):
+            x.closed[k] = 0.0
+        move_inside(x, Touching(other, k) if other >= 0 else Touching(k, -1), m)
+
+    @kernel
+    def book(
+        t: float, x: Any, u: Any, p: Any, s: Motion, touching: Touching, found: Pair, ratios: Pair, m: Machine
+    ) -> None:
+        """Apply an impact's impulses to rates and books."""
+        v = after(touching, found, ratios, s.v, s, m)
+        jump = add(v, -1.0, s.v)
+        mean = add(s.v, 0.5, jump)
+        walls = reaction(touching, found, ratios, s, m)
+        place = placed(x, m)
+        fastest = 0.0
+        for i in range(CORNERS):
+            impulse = force_on(i, touching, found)
+            if impulse > 0.0:
+                towards = -approach(i, place, m)
+                x.impact_impulse[i] += impulse
+                if towards > STILL * speed_scale(s.v, m):
+                    x.impact_count[i] += 1.0
+                fastest = max(fastest, towards)
+        x.last_impact_time = t
+        x.last_impact_velocity = fastest
+        x.impact_loss -= dot(walls, mean)
+        x.offset_rate += dot(across_row(0.0, 0.0, s.q, m), jump)
+        x.tilt_rate += jump.chi
+        give(x, u, s, jump, walls, m)
+
+    @kernel
+    def strike(k: int, t: float, x: Any, u: Any, p: Any, m: Machine) -> None:
+        """A corner has reached its wall."""
+        place = placed(x, m)
+        touching = touching_with(k, x, place, m)
+        i, j = touching.first, touching.second
+        j_closed = j >= 0 and x.closed[j] != 0.0
+        open_all(x, m)
+        s = motion(x, u, p)
+        rate_i, rate_j = approach(i, place, m), approach(j, place, m)
+        if rate_i >= 0.0:  # found outside a wall, and leaving already
+            if j_closed:
+                close_pressed(x, u, p, Touching(-1, j), m)
+            move_inside(x, Touching(j, i) if j_closed else touching, m)
+            return
+        e = p.restitution
+        w = Pair(with_restitution(rate_i, e), with_restitution(rate_j, e))
+        ratios = impact_ratios(touching, w, p.wall_friction, s, m)
+        found = impulses(touching, ratios, w, s, m)
+        still = STILL * speed_scale(s.v, m)
+        after_i, after_j = rate_after(i, touching, found, ratios, s, m), 1.0
+        if j >= 0:
+            after_j = rate_after(j, touching, found, ratios, s, m)
+        i_ends = ends(i, j if after_j <= still else -1, after_i, s, p, m)
+        j_ends = j >= 0 and (j_closed or ends(j, i if after_i <= still else -1, after_j, s, p, m))
+        if i_ends or (j_ends and not j_closed):
+            w = Pair(
+                with_restitution(rate_i, 0.0 if i_ends else e), with_restitution(rate_j, 0.0 if j_ends else e)
+            )
+            ratios = impact_ratios(touching, w, p.wall_friction, s, m)
+            found = impulses(touching, ratios, w, s, m)
+        book(t, x, u, p, s, touching, found, ratios, m)
+        place = placed(x, m)
+        resting = chosen(
+            touching,
+            i_ends and approach(i, place, m) <= still,
+            j_ends and approach(j, place, m) <= still,
+        )
+        close_pressed(x, u, p, resting, m)
+        if j >= 0 and x.closed[j] != 0.0:
+            touching = Touching(j, i)
+        move_inside(x, touching, m)
+
+    @kernel
+    def transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
+        m = machine(p)
+        if x.closed[k] != 0.0:
+            release(k, x, u, p, m)
+        else:
+            strike(k, t, x, u, p, m)
+
+    return Events(CORNERS, guards, transition)

@@ -1,0 +1,135 @@
+"""Slider-crank with a tilting piston, its crank free under a torque."""
+
+from __future__ import annotations
+
+from ...component import Component, PowerBond
+from ...kernel import kernel
+from ...quantities import Layout, Vector
+from .contact import CORNERS, Motion
+from .events import contact_events
+from .mechanics import (
+    Coordinates,
+    Machine,
+    add,
+    applied_forces,
+    free_inverse,
+    gas_power,
+    kinetic_energy,
+    mass_matrix,
+    potential_energy,
+    times,
+    turning_forces,
+)
+from .motion import (
+    accelerations,
+    coordinates,
+    differentiate,
+    faults,
+    friction_power,
+    machine,
+    observe,
+    placed,
+    rates,
+)
+from .records import (
+    FreePistonCrankInputs,
+    FreePistonCrankOutputs,
+    FreePistonCrankState,
+    FreePistonParameters,
+)
+
+
+@kernel
+def motion(x: FreePistonCrankState, u: FreePistonCrankInputs, p: FreePistonParameters) -> Motion:
+    """Crank, rod and piston under their forces."""
+    m = machine(p)
+    place = placed(x, m)
+    q = coordinates(x.crank_angle, place, m)
+    v = rates(x.crank_speed, q, place, m)
+    inverse = free_inverse(mass_matrix(q, m))
+    forces = add(applied_forces(q, v, u.gas_pressure, m), -1.0, turning_forces(q, v, m))
+    driven = Coordinates(forces.theta + u.crank_drive, forces.eta, forces.chi)
+    return Motion(q, v, inverse, times(inverse, driven))
+
+
+@kernel
+def give(
+    x: FreePistonCrankState,
+    u: FreePistonCrankInputs,
+    s: Motion,
+    jump: Coordinates,
+    walls: Coordinates,
+    m: Machine,
+) -> None:
+    """The crank takes its part of the jump."""
+    x.crank_speed += jump.theta
+
+
+@kernel
+def derivative(
+    t: float,
+    x: FreePistonCrankState,
+    u: FreePistonCrankInputs,
+    p: FreePistonParameters,
+    dx: FreePistonCrankState,
+) -> None:
+    s, m = motion(x, u, p), machine(p)
+    differentiate(x, s, p, m, dx)
+    dx.crank_angle = x.crank_speed
+    dx.crank_speed = accelerations(x, s, p, m).theta
+
+
+@kernel
+def output(
+    t: float,
+    x: FreePistonCrankState,
+    u: FreePistonCrankInputs,
+    p: FreePistonParameters,
+    y: FreePistonCrankOutputs,
+) -> None:
+    observe(x, motion(x, u, p), u.gas_pressure, p, machine(p), y)
+    y.crank_angle = x.crank_angle
+    y.crank_speed = x.crank_speed
+
+
+@kernel
+def energy(
+    t: float, x: FreePistonCrankState, u: FreePistonCrankInputs, p: FreePistonParameters, e: Vector
+) -> None:
+    """Stored: kinetic and potential energy, and what impacts lost (so that it is continuous). Dissipated:
+    friction. Source: the gas."""
+    m, s = machine(p), motion(x, u, p)
+    e[0] = kinetic_energy(s.q, s.v, m) + potential_energy(s.q, m) + x.impact_loss
+    e[1] = friction_power(x, s, p, m)
+    e[2] = gas_power(s.q, s.v, u.gas_pressure, m)
+
+
+def free_piston_crank() -> Component:
+    """The slider-crank with a tilting piston on a crank of its own."""
+    forced = ("crank_drive", "gas_pressure")
+    sizes = {"corners": CORNERS}
+    return Component(
+        name="free_piston_crank",
+        description="Slider-crank with a piston that tilts in its bore, crank free under a torque",
+        parameters=Layout(FreePistonParameters),
+        state=Layout(FreePistonCrankState, sizes),
+        inputs=Layout(FreePistonCrankInputs),
+        outputs=Layout(FreePistonCrankOutputs, sizes),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            "upper_front_force": forced,
+            "upper_rear_force": forced,
+            "lower_front_force": forced,
+            "lower_rear_force": forced,
+            "wall_friction_force": forced,
+            "pin_force_along": forced,
+            "pin_force_across": forced,
+            "friction_power": forced,
+        },
+        bonds=(PowerBond("crank_drive", "crank_speed", +1),),
+        events=contact_events(motion, give),
+        check=faults,
+        runs_on=True,
+    )

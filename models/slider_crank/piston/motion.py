@@ -1,0 +1,269 @@
+"""What both components share: states and outputs, walls as guards, impacts and releases as transitions.
+
+The state has the piston's offset and tilt, in which the walls' equations do not contain the crank; while
+corners are closed, the coordinates that they determine are taken from the walls, so that integration
+cannot drift off them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from ...kernel import kernel
+from .contact import (
+    CORNERS,
+    Motion,
+    Pair,
+    Touching,
+    after,
+    along,
+    force_on,
+    gap,
+    held,
+    needed,
+    reaction,
+    rows,
+    side,
+    sliding_ratio,
+    sliding_velocity,
+)
+from .mechanics import (
+    Coordinates,
+    Machine,
+    across_row,
+    across_turning,
+    along_row,
+    along_turning,
+    dot,
+    joint_loss,
+    position_along,
+)
+
+
+class Place(NamedTuple):
+    """The piston in its bore."""
+
+    offset: float
+    offset_rate: float
+    tilt: float
+    tilt_rate: float
+
+
+@kernel
+def machine(p: Any) -> Machine:
+    return Machine(
+        p.crank_radius,
+        p.rod_length,
+        p.crank_inertia + p.crank_mass * p.crank_centre**2,
+        p.crank_mass * p.crank_centre,
+        p.rod_mass,
+        p.rod_centre,
+        p.rod_inertia,
+        p.piston_mass,
+        p.piston_inertia,
+        p.half_length,
+        p.half_height,
+        p.clearance,
+        p.pin_height,
+        p.pin_offset,
+        p.mass_height,
+        p.mass_offset,
+        p.crank_pin_friction,
+        p.piston_pin_friction,
+        p.gravity_along,
+        p.gravity_across,
+        p.bore_area,
+    )
+
+
+@kernel
+def closed(x: Any) -> Touching:
+    """The closed corners."""
+    first = second = -1
+    for i in range(CORNERS):
+        if x.closed[i] != 0.0:
+            if first < 0:
+                first = i
+            else:
+                second = i
+    return Touching(first, second)
+
+
+@kernel
+def jammed_tilt(m: Machine) -> float:
+    """Tilt with which the piston touches both walls: L sin chi + H cos chi = H + clearance."""
+    l, c = m.half_length, m.clearance
+    return 2.0 * math.atan(c / (l + math.sqrt(l**2 - c * (2.0 * m.half_height + c))))
+
+
+@kernel
+def placed(x: Any, m: Machine) -> Place:
+    """The state, with what closed corners determine taken from their walls."""
+    corners = closed(x)
+    i, j = corners.first, corners.second
+    if i < 0:
+        return Place(x.offset, x.offset_rate, x.tilt, x.tilt_rate)
+    if j < 0:
+        sine, k = math.sin(x.tilt), along(i, m)
+        lift = m.clearance + 2.0 * m.half_height * math.sin(0.5 * x.tilt) ** 2
+        slope = side(i) * m.half_height * sine - k * math.cos(x.tilt)
+        return Place(side(i) * lift - k * sine, slope * x.tilt_rate, x.tilt, x.tilt_rate)
+    if side(i) == side(j):
+        return Place(side(i) * m.clearance, 0.0, 0.0, 0.0)
+    return Place(0.0, 0.0, math.copysign(jammed_tilt(m), along(i, m)), 0.0)
+
+
+@kernel
+def coordinates(theta: float, place: Place, m: Machine) -> Coordinates:
+    """q from the crank angle and the piston's place."""
+    pin = place.offset + m.pin_along * math.sin(place.tilt) + m.pin_across * math.cos(place.tilt)
+    eta = math.asin((m.crank_radius * math.sin(theta) - pin) / m.rod_length)
+    return Coordinates(theta, eta, place.tilt)
+
+
+@kernel
+def rates(speed: float, q: Coordinates, place: Place, m: Machine) -> Coordinates:
+    """q' from the crank speed and the piston's rates."""
+    lever = m.pin_along * math.cos(q.chi) - m.pin_across * math.sin(q.chi)
+    pin = place.offset_rate + lever * place.tilt_rate
+    eta = (m.crank_radius * math.cos(q.theta) * speed - pin) / (m.rod_length * math.cos(q.eta))
+    return Coordinates(speed, eta, place.tilt_rate)
+
+
+@kernel
+def ratios_of(touching: Touching, s: Motion, p: Any, m: Machine) -> Pair:
+    """Friction over wall force in lasting contact."""
+    return Pair(
+        sliding_ratio(touching.first, s, p.wall_friction, p.creep_velocity, m),
+        sliding_ratio(touching.second, s, p.wall_friction, p.creep_velocity, m),
+    )
+
+
+@kernel
+def wall_forces(touching: Touching, s: Motion, p: Any, m: Machine) -> Pair:
+    """Forces that keep the corners closed; negative ones would have to pull."""
+    a, b = rows(touching, ratios_of(touching, s, p, m), s, m)
+    return held(a, b, needed(touching, s, m))
+
+
+@kernel
+def accelerations(x: Any, s: Motion, p: Any, m: Machine) -> Coordinates:
+    """q'' with the forces of closed corners."""
+    touching = closed(x)
+    return after(touching, wall_forces(touching, s, p, m), ratios_of(touching, s, p, m), s.free, s, m)
+
+
+@kernel
+def differentiate(x: Any, s: Motion, p: Any, m: Machine, dx: Any) -> None:
+    """The derivatives of the shared states."""
+    place, touching = placed(x, m), closed(x)
+    forces = wall_forces(touching, s, p, m)
+    q2 = accelerations(x, s, p, m)
+    dx.offset = place.offset_rate
+    dx.offset_rate = dot(across_row(0.0, 0.0, s.q, m), q2) + across_turning(0.0, 0.0, s.q, s.v, m)
+    dx.tilt = place.tilt_rate
+    dx.tilt_rate = q2.chi
+    for i in range(CORNERS):
+        dx.closed[i] = 0.0
+        dx.impact_count[i] = 0.0
+        dx.impact_impulse[i] = 0.0
+        dx.force_integral[i] = force_on(i, touching, forces)
+    dx.last_impact_time = 0.0
+    dx.last_impact_velocity = 0.0
+    dx.impact_loss = 0.0
+
+
+@kernel
+def wall_reaction(s: Motion, touching: Touching, forces: Pair, p: Any, m: Machine) -> Coordinates:
+    """Generalised force of the walls with their friction."""
+    return reaction(touching, forces, ratios_of(touching, s, p, m), s, m)
+
+
+@kernel
+def wall_loss(s: Motion, touching: Touching, forces: Pair, p: Any, m: Machine) -> float:
+    """Power (W) that the walls' friction takes."""
+    ratios = ratios_of(touching, s, p, m)
+    total = 0.0
+    if touching.first >= 0:
+        total += ratios.first * forces.first * sliding_velocity(touching.first, s.q, s.v, m)
+    if touching.second >= 0:
+        total += ratios.second * forces.second * sliding_velocity(touching.second, s.q, s.v, m)
+    return total
+
+
+@kernel
+def friction_power(x: Any, s: Motion, p: Any, m: Machine) -> float:
+    """Power (W) that all friction takes between impacts."""
+    touching = closed(x)
+    return joint_loss(s.v, m) + wall_loss(s, touching, wall_forces(touching, s, p, m), p, m)
+
+
+@kernel
+def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) -> None:
+    """The shared outputs."""
+    place, touching = placed(x, m), closed(x)
+    forces = wall_forces(touching, s, p, m)
+    ratios = ratios_of(touching, s, p, m)
+    q2 = accelerations(x, s, p, m)
+    a, b = m.mass_along, m.mass_across
+    y.piston_position = position_along(0.0, 0.0, s.q, m)
+    y.piston_velocity = dot(along_row(0.0, 0.0, s.q, m), s.v)
+    y.piston_offset = place.offset
+    y.piston_offset_rate = place.offset_rate
+    y.piston_tilt = place.tilt
+    y.piston_tilt_rate = place.tilt_rate
+    y.rod_angle = s.q.eta
+    y.upper_front_gap = gap(0, place.offset, place.tilt, m)
+    y.upper_rear_gap = gap(1, place.offset, place.tilt, m)
+    y.lower_front_gap = gap(2, place.offset, place.tilt, m)
+    y.lower_rear_gap = gap(3, place.offset, place.tilt, m)
+    y.upper_front_force = force_on(0, touching, forces)
+    y.upper_rear_force = force_on(1, touching, forces)
+    y.lower_front_force = force_on(2, touching, forces)
+    y.lower_rear_force = force_on(3, touching, forces)
+    y.wall_friction_force = -ratios.first * forces.first - ratios.second * forces.second
+    x2 = dot(along_row(a, b, s.q, m), q2) + along_turning(a, b, s.q, s.v, m)
+    y2 = dot(across_row(a, b, s.q, m), q2) + across_turning(a, b, s.q, s.v, m)
+    gas = -gas_pressure * m.bore_area
+    y.pin_force_along = m.piston_mass * (x2 - m.gravity_along) - y.wall_friction_force - gas
+    upper = y.upper_front_force + y.upper_rear_force
+    lower = y.lower_front_force + y.lower_rear_force
+    y.pin_force_across = m.piston_mass * (y2 - m.gravity_across) + upper - lower
+    y.upper_wall_impulse = 0.0
+    y.lower_wall_impulse = 0.0
+    y.impact_count = 0.0
+    for i in range(CORNERS):
+        y.corner_impact_count[i] = x.impact_count[i]
+        y.corner_impact_impulse[i] = x.impact_impulse[i]
+        y.impact_count += x.impact_count[i]
+    for i in range(2):
+        y.upper_wall_impulse += x.impact_impulse[i] + x.force_integral[i]
+        y.lower_wall_impulse += x.impact_impulse[2 + i] + x.force_integral[2 + i]
+    y.last_impact_time = x.last_impact_time
+    y.last_impact_velocity = x.last_impact_velocity
+    y.friction_power = friction_power(x, s, p, m)
+    y.impact_loss = x.impact_loss
+
+
+def faults(p: Any) -> Sequence[str]:
+    """What the ranges alone cannot say about the parameters of either component."""
+    found = []
+    # The largest offset of the pin: the piston in a corner of its play.
+    play = p.clearance + abs(p.pin_offset) + abs(p.pin_height)
+    if p.crank_radius + play >= p.rod_length:
+        found.append(
+            f"crank_radius = {p.crank_radius:g} m: must be less than "
+            f"{p.rod_length - play:g} m, the rod_length less clearance and place of the pin, "
+            "or the crank cannot turn"
+        )
+    if p.clearance > 0.5 * max(p.half_length, p.crank_radius):
+        found.append(f"clearance = {p.clearance:g} m: must be at most half the skirt's half_length")
+    if p.half_length > 0.0 and p.half_length**2 <= p.clearance * (2.0 * p.half_height + p.clearance):
+        found.append(
+            f"half_length = {p.half_length:g} m: must be more than "
+            f"{math.sqrt(p.clearance * (2.0 * p.half_height + p.clearance)):g} m for this half_height and "
+            "clearance, or the piston can turn over in its bore; 0 makes it a roller"
+        )
+    return found

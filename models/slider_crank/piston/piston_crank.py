@@ -1,0 +1,140 @@
+"""Slider-crank with a tilting piston, its crank turning as the inputs say."""
+
+from __future__ import annotations
+
+from ...component import Component, PowerBond
+from ...kernel import kernel
+from ...quantities import Layout, Vector
+from .contact import CORNERS, Motion
+from .events import contact_events
+from .mechanics import (
+    Coordinates,
+    Machine,
+    add,
+    applied_forces,
+    gas_power,
+    kinetic_energy,
+    mass_matrix,
+    potential_energy,
+    prescribed_inverse,
+    times,
+    turning_forces,
+)
+from .motion import (
+    accelerations,
+    closed,
+    coordinates,
+    differentiate,
+    faults,
+    friction_power,
+    machine,
+    observe,
+    placed,
+    rates,
+    wall_forces,
+    wall_reaction,
+)
+from .records import PistonCrankInputs, PistonCrankOutputs, PistonCrankState, PistonParameters
+
+
+@kernel
+def motion(x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters) -> Motion:
+    """Rod and piston under their forces, the crank's acceleration given."""
+    m = machine(p)
+    place = placed(x, m)
+    q = coordinates(u.crank_angle, place, m)
+    v = rates(u.crank_speed, q, place, m)
+    matrix = mass_matrix(q, m)
+    inverse = prescribed_inverse(matrix)
+    forces = add(applied_forces(q, v, u.gas_pressure, m), -1.0, turning_forces(q, v, m))
+    driven = Coordinates(
+        0.0,
+        forces.eta - matrix.theta_eta * u.crank_acceleration,
+        forces.chi - matrix.theta_chi * u.crank_acceleration,
+    )
+    response = times(inverse, driven)
+    return Motion(q, v, inverse, Coordinates(u.crank_acceleration, response.eta, response.chi))
+
+
+@kernel
+def crank_torque(x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters) -> float:
+    """Torque that the mechanism takes: theta's row of the equation of motion."""
+    m, s, touching = machine(p), motion(x, u, p), closed(x)
+    q2 = accelerations(x, s, p, m)
+    walls = wall_reaction(s, touching, wall_forces(touching, s, p, m), p, m)
+    inertial = times(mass_matrix(s.q, m), q2).theta + turning_forces(s.q, s.v, m).theta
+    return inertial - applied_forces(s.q, s.v, u.gas_pressure, m).theta - walls.theta
+
+
+@kernel
+def give(
+    x: PistonCrankState, u: PistonCrankInputs, s: Motion, jump: Coordinates, walls: Coordinates, m: Machine
+) -> None:
+    """The crank keeps its speed and gives the angular impulse that this takes."""
+    impulse = times(mass_matrix(s.q, m), jump).theta - walls.theta
+    x.crank_impact_impulse += impulse
+    x.impact_work += impulse * u.crank_speed
+
+
+@kernel
+def derivative(
+    t: float, x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters, dx: PistonCrankState
+) -> None:
+    differentiate(x, motion(x, u, p), p, machine(p), dx)
+    dx.crank_impact_impulse = 0.0
+    dx.impact_work = 0.0
+
+
+@kernel
+def output(
+    t: float, x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters, y: PistonCrankOutputs
+) -> None:
+    observe(x, motion(x, u, p), u.gas_pressure, p, machine(p), y)
+    y.crank_torque = crank_torque(x, u, p)
+    y.crank_impact_impulse = x.crank_impact_impulse
+
+
+@kernel
+def energy(t: float, x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters, e: Vector) -> None:
+    """Stored: kinetic and potential energy, and what impacts lost less what the crank gave in them (so
+    that it is continuous). Dissipated: friction. Source: the gas."""
+    m, s = machine(p), motion(x, u, p)
+    e[0] = kinetic_energy(s.q, s.v, m) + potential_energy(s.q, m) + x.impact_loss - x.impact_work
+    e[1] = friction_power(x, s, p, m)
+    e[2] = gas_power(s.q, s.v, u.gas_pressure, m)
+
+
+def piston_crank() -> Component:
+    """The slider-crank with a tilting piston on a crank that is driven."""
+    turning = ("crank_angle", "crank_speed")
+    forced = (*turning, "crank_acceleration", "gas_pressure")
+    sizes = {"corners": CORNERS}
+    return Component(
+        name="piston_crank",
+        description="Slider-crank with a piston that tilts in its bore, crank motion given",
+        parameters=Layout(PistonParameters),
+        state=Layout(PistonCrankState, sizes),
+        inputs=Layout(PistonCrankInputs),
+        outputs=Layout(PistonCrankOutputs, sizes),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            "piston_position": ("crank_angle",),
+            "piston_velocity": turning,
+            "rod_angle": ("crank_angle",),
+            "upper_front_force": forced,
+            "upper_rear_force": forced,
+            "lower_front_force": forced,
+            "lower_rear_force": forced,
+            "wall_friction_force": forced,
+            "pin_force_along": forced,
+            "pin_force_across": forced,
+            "friction_power": forced,
+            "crank_torque": forced,
+        },
+        bonds=(PowerBond("crank_torque", "crank_speed", +1),),
+        events=contact_events(motion, give),
+        check=faults,
+        runs_on=True,
+    )
