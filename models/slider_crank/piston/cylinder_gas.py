@@ -29,7 +29,7 @@ _DEGREE = math.pi / 180.0
 
 @dataclass
 class CylinderGasParameters:
-    """Defaults chosen here: full load of a petrol engine at 2000 r/min (some 5 MPa at most)."""
+    """Defaults chosen here: full load of a petrol engine at 2000 r/min (4.7 MPa at most)."""
 
     crank_radius: Annotated[
         float, Quantity("m", "crank radius", nominal=0.1, positive=True, display_unit="mm")
@@ -61,14 +61,14 @@ class CylinderGasParameters:
     ] = 1.27
     pressure_ratio: Annotated[
         float, Quantity("1", "rise R by heat release at constant volume; 1: motored", minimum=1.0)
-    ] = 3.4
+    ] = 4.0
     firing_angle: Annotated[
         float, Quantity("rad", "crank angle of the firing dead centre", display_unit="deg")
     ] = 0.0
     burn_start: Annotated[
         float,
         Quantity("rad", "begin of heat release before dead centre", minimum=0.0, display_unit="deg"),
-    ] = 20.0 * _DEGREE
+    ] = 25.0 * _DEGREE
     burn_duration: Annotated[
         float, Quantity("rad", "duration of the heat release", positive=True, display_unit="deg")
     ] = 60.0 * _DEGREE

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...component import Component, PowerBond
 from ...kernel import kernel
 from ...quantities import Layout, Vector
+from .checks import check, check_start
 from .contact import CORNERS, Motion
 from .events import contact_events
 from .mechanics import (
@@ -24,7 +25,6 @@ from .motion import (
     accelerations,
     coordinates,
     differentiate,
-    faults,
     friction_power,
     machine,
     observe,
@@ -130,6 +130,7 @@ def free_piston_crank() -> Component:
         },
         bonds=(PowerBond("crank_drive", "crank_speed", +1),),
         events=contact_events(motion, give),
-        check=faults,
+        check=check,
+        check_start=check_start,
         runs_on=True,
     )

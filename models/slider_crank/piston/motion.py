@@ -8,7 +8,6 @@ cannot drift off them.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from ...kernel import kernel
@@ -245,25 +244,3 @@ def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) 
     y.last_impact_velocity = x.last_impact_velocity
     y.friction_power = friction_power(x, s, p, m)
     y.impact_loss = x.impact_loss
-
-
-def faults(p: Any) -> Sequence[str]:
-    """What the ranges alone cannot say about the parameters of either component."""
-    found = []
-    # The largest offset of the pin: the piston in a corner of its play.
-    play = p.clearance + abs(p.pin_offset) + abs(p.pin_height)
-    if p.crank_radius + play >= p.rod_length:
-        found.append(
-            f"crank_radius = {p.crank_radius:g} m: must be less than "
-            f"{p.rod_length - play:g} m, the rod_length less clearance and place of the pin, "
-            "or the crank cannot turn"
-        )
-    if p.clearance > 0.5 * max(p.half_length, p.crank_radius):
-        found.append(f"clearance = {p.clearance:g} m: must be at most half the skirt's half_length")
-    if p.half_length > 0.0 and p.half_length**2 <= p.clearance * (2.0 * p.half_height + p.clearance):
-        found.append(
-            f"half_length = {p.half_length:g} m: must be more than "
-            f"{math.sqrt(p.clearance * (2.0 * p.half_height + p.clearance)):g} m for this half_height and "
-            "clearance, or the piston can turn over in its bore; 0 makes it a roller"
-        )
-    return found

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...component import Component, PowerBond
 from ...kernel import kernel
 from ...quantities import Layout, Vector
+from .checks import check, check_start
 from .contact import CORNERS, Motion
 from .events import contact_events
 from .mechanics import (
@@ -25,7 +26,6 @@ from .motion import (
     closed,
     coordinates,
     differentiate,
-    faults,
     friction_power,
     machine,
     observe,
@@ -135,6 +135,7 @@ def piston_crank() -> Component:
         },
         bonds=(PowerBond("crank_torque", "crank_speed", +1),),
         events=contact_events(motion, give),
-        check=faults,
+        check=check,
+        check_start=check_start,
         runs_on=True,
     )

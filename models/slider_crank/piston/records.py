@@ -150,16 +150,17 @@ class PistonParameters:
         float, Quantity("1", "coefficient of restitution e normal to the walls", minimum=0.0, maximum=1.0)
     ] = 0.3
     # Bounces of rebound v under a pressing acceleration a end after another 2 v / ((1 - e) a). Ended
-    # early, the piston misses excursions of v^2 / (2 a) <= a (1 - e)^2 time^2 / 8: some 1e-15 m here.
+    # early, the piston misses excursions of v^2/(2 a), at most a (1 - e)^2 time^2 / 8 (some 1e-12 m
+    # here), and keeps its momentum: an impact gives at once what the bounces would have given.
     chatter_time: Annotated[
         float,
         Quantity(
             "s",
             "bounces that would end within this time end at once, in contact",
-            nominal=1e-9,
+            nominal=1e-7,
             minimum=0.0,
         ),
-    ] = 1e-9
+    ] = 1e-7
     gravity_along: Annotated[
         float, Quantity("m/s2", "gravity along the cylinder, + away from the crank", nominal=10.0)
     ] = 0.0
