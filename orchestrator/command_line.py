@@ -158,6 +158,35 @@ def scenarios(
         print(f"{name:24} {tomllib.loads(path.read_text('utf-8')).get('description', '')}")
 
 
+@app.command("analyse")
+@reported
+def run_analysis(
+    name: Annotated[
+        str | None, typer.Argument(help="An analysis, or your own as module:object. [default: list them]")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="PARAMETER=VALUE", help="Set a parameter, e.g. damping=0.1."),
+    ] = None,
+    show_parameters: Annotated[
+        bool, typer.Option("--parameters", help="List the parameters and compute nothing.")
+    ] = False,
+    out: Annotated[Path | None, typer.Option(help="Output folder. [default: results/NAME]")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+) -> None:
+    """Analyse one motion or machine: results, table (netCDF, CSV) and figure."""
+    from .analyse import analyse, listed, parameters
+    from .report import Reporter
+
+    reporter = Reporter()
+    if name is None:
+        reporter.console.print(listed())
+    elif show_parameters:
+        reporter.console.print(parameters(name))
+    else:
+        analyse(name, set_ or [], out, overwrite, reporter)
+
+
 @app.command("reproduce")
 @reported
 def reproduce_source(

@@ -2,51 +2,40 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
-from models.slider_crank.lyapunov import lyapunov_exponents
+from ._machine import MACHINE, START, duration, motion_of
+from .protocol import Analysis, Result
 
-from .protocol import Analysis, Parameter, Result
 
-
-def evaluate(values: Mapping[str, Any]) -> dict[str, float]:
-    found = lyapunov_exponents(
-        values["damping"],
-        values["gap"],
-        values["restitution"],
-        corrected=values["form"] == "corrected",
-        cycles=values["cycles"],
-        transient=values["transient"],
-    )
+def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
+    found = motion_of(values).exponents(values["cycles"])
+    slides = math.isinf(found.largest)
     return {
         "largest": found.largest,
         "second": found.second,
-        "sum_rule_error": found.largest + found.second - found.exact_sum,
+        "uncertainty": found.uncertainty,
+        "sum_rule_error": 0.0 if slides else found.largest + found.second - found.exact_sum,
         "impacts_per_cycle": found.impacts_per_cycle,
+        "motion": "slides" if slides else "bounces",
     }
 
 
 ANALYSIS = Analysis(
     name="exponents",
     description="Lyapunov exponents of the slider-crank with clearance",
-    parameters={
-        "damping": Parameter(0.05, "1", "viscous friction at the slider, F's lambda", minimum=0.0),
-        "gap": Parameter(0.01, "1", "clearance over rod length, F's rho", positive=True),
-        "restitution": Parameter(0.9, "1", "coefficient of restitution", positive=True, maximum=1.0),
-        "form": Parameter(
-            "as_published", "1", "sign of the rod's inertia", choices=("as_published", "corrected")
-        ),
-        "cycles": Parameter(2000, "1", "crank cycles averaged over", minimum=1.0, integer=True),
-        "transient": Parameter(200, "1", "crank cycles left out before", minimum=0.0, integer=True),
-    },
+    parameters={**MACHINE, **START, **duration(2000, 200)},
     results={
-        "largest": Result("1/rad", "largest Lyapunov exponent per crank angle"),
-        "second": Result("1/rad", "second Lyapunov exponent per crank angle"),
+        "largest": Result("1/rad", "largest Lyapunov exponent per crank angle; -inf: slides"),
+        "second": Result("1/rad", "second Lyapunov exponent per crank angle; -inf: slides"),
+        "uncertainty": Result("1/rad", "standard error of the largest"),
         "sum_rule_error": Result(
             "1/rad", "sum of the exponents less -lambda/a + 2 N ln e/(2 pi), N impacts a cycle"
         ),
         "impacts_per_cycle": Result("1", "impacts per crank cycle"),
+        "motion": Result("1", "slides (its memory ends) or bounces", text=True),
     },
     evaluate=evaluate,
 )

@@ -1,17 +1,21 @@
-"""What an analysis is: scalar results as a pure function of named parameters."""
+"""What an analysis is: scalar results as a pure function of named parameters, with what lies behind them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from models.quantities import Quantity
 from models.system import suggestion
 
 from ..errors import MistakeError
 from ..values import Value, meaning, number
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,12 @@ class Parameter:
             choices=self.choices,
             boolean=isinstance(self.default, bool),
         )
+
+    @property
+    def allowed(self) -> str:
+        """The allowed values in words."""
+        words = self.quantity.allowed().removeprefix("one of ")
+        return f"whole, {words}" if self.integer else words
 
     def checked(self, name: str, value: Any) -> Value:
         """`value` (a text may have a unit) as `evaluate` gets it; MistakeError with the allowed range."""
@@ -76,6 +86,9 @@ class Analysis:
 
     What `evaluate` raises is recorded as the message of that point of a study. Any function can be studied:
     `module:object` names one outside this package.
+
+    `table` returns what lies behind the results and, as variables without dimension, the results; `draw`
+    makes a figure of a table and the parameters.
     """
 
     name: str
@@ -83,6 +96,8 @@ class Analysis:
     parameters: Mapping[str, Parameter]
     results: Mapping[str, Result]
     evaluate: Callable[[Mapping[str, Any]], Mapping[str, float | str]]
+    table: Callable[[Mapping[str, Any]], xarray.Dataset] | None = None
+    draw: Callable[[xarray.Dataset, Mapping[str, Any]], Figure] | None = None
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name; MistakeError if there is none."""

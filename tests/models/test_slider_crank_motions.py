@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
 from models.quantities import Vector
-from models.slider_crank.lyapunov import lyapunov_exponents
+from models.slider_crank.machine import Machine, Motion
 
 from .test_slider_crank import CRANK, INPUTS, OUTPUTS, SCALE, STATE, TURN, thesis_parameters
 
@@ -136,32 +138,37 @@ def test_permanent_sliding_above_its_threshold(corrected: bool) -> None:
 EXPONENTS = [(0.05, 0.01, 0.414), (0.025, 0.02, 0.387), (0.05, 0.015, -0.147), (0.075, 0.02, 0.333)]
 
 
+def published(damping: float, gap: float) -> Motion:
+    return Motion(Machine(damping, gap, form="as_published"))
+
+
 @pytest.mark.parametrize(("damping", "gap", "reference"), EXPONENTS)
 def test_lyapunov_exponents(damping: float, gap: float, reference: float) -> None:
-    """The largest within the statistics of 300 revolutions; their sum exactly."""
-    found = lyapunov_exponents(damping, gap, cycles=300, transient=100)
+    """The largest within the references' 2 % and four standard errors; their sum exactly."""
+    found = published(damping, gap).skip(200).exponents(5000)
     assert found.largest + found.second == pytest.approx(found.exact_sum, abs=1e-11)
-    assert found.largest == pytest.approx(reference, rel=0.1)
+    assert found.largest == pytest.approx(reference, abs=0.02 * abs(reference) + 4.0 * found.uncertainty)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize(("damping", "gap", "reference"), EXPONENTS)
 def test_lyapunov_exponents_long(damping: float, gap: float, reference: float) -> None:
-    """Successive spans of 4000 revolutions of (0.075, 0.02) scatter by 0.005; three times that."""
-    found = lyapunov_exponents(damping, gap, cycles=8000)
-    assert found.largest == pytest.approx(reference, abs=0.015)
+    """Within 2 %, at a standard error of 0.2 %."""
+    found = published(damping, gap).skip(200).exponents(200_000)
+    assert found.largest == pytest.approx(reference, rel=0.02)
 
 
 def test_periodic_orbit_has_half_the_sum() -> None:
     """(0.05, 0.015): its multipliers are complex, so both exponents are half of the exact sum."""
-    found = lyapunov_exponents(0.05, 0.015, cycles=300)
+    found = published(0.05, 0.015).skip(200).exponents(1000)
     assert found.impacts_per_cycle == 8.0
     assert found.largest == pytest.approx(0.5 * found.exact_sum, rel=0.01)
 
 
 def test_sliding_motion_has_no_exponents() -> None:
-    with pytest.raises(ValueError, match="slides"):
-        lyapunov_exponents(0.25, 0.015, cycles=20, transient=0)
+    """At a release from rest at a fixed crank angle every deviation has ended."""
+    found = published(0.25, 0.015).exponents(20)
+    assert (found.largest, found.second) == (-math.inf, -math.inf)
 
 
 def test_impacts_per_revolution_of_the_periodic_orbit() -> None:

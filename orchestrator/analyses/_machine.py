@@ -1,0 +1,55 @@
+"""Parameters of the slider-crank with clearance, for all of its analyses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+from models.slider_crank.equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI
+from models.slider_crank.machine import FORMS, Machine, Motion
+
+from ..errors import MistakeError
+from .protocol import Parameter
+
+MACHINE = {
+    "damping": Parameter(0.05, "1", "friction of the crank pin c2 / (M l^2 Omega), F's lambda", minimum=0.0),
+    "gap": Parameter(0.01, "1", "clearance over rod length, F's rho", positive=True),
+    "restitution": Parameter(0.9, "1", "coefficient of restitution", minimum=0.0, maximum=1.0),
+    "form": Parameter("corrected", "1", "equations of motion", choices=FORMS),
+    "xi": Parameter(THESIS_XI, "1", "crank radius over rod length", minimum=0.0, maximum=1.0),
+    "alpha": Parameter(THESIS_ALPHA, "1", "rod mass over piston mass", minimum=0.0),
+    "beta": Parameter(THESIS_BETA, "1", "rod inertia over piston mass and rod length squared", minimum=0.0),
+    "sliding_threshold": Parameter(
+        0.0, "1", "rebound below which it slides (F: 0.005); 0: chatter to its limit", minimum=0.0
+    ),
+}
+
+START = {
+    "psi": Parameter(0.0, "rad", "deviation of the rod at the start, crank angle 0"),
+    "psi_rate": Parameter(0.0, "1", "its derivative by crank angle"),
+}
+
+
+def duration(cycles: int, transient: int) -> dict[str, Parameter]:
+    """How long a motion is looked at, with these defaults."""
+    return {
+        "cycles": Parameter(cycles, "1", "crank cycles", minimum=1.0, integer=True),
+        "transient": Parameter(transient, "1", "crank cycles left out before", minimum=0.0, integer=True),
+    }
+
+
+def machine_of(values: Mapping[str, Any]) -> Machine:
+    """The machine; MistakeError where its parameters do not fit together."""
+    try:
+        return Machine(**{field.name: values[field.name] for field in fields(Machine)})
+    except ValueError as error:
+        raise MistakeError(str(error)) from None
+
+
+def motion_of(values: Mapping[str, Any]) -> Motion:
+    """The motion after its transient; MistakeError for a start outside the walls."""
+    try:
+        return Motion(machine_of(values), values["psi"], values["psi_rate"]).skip(values["transient"])
+    except ValueError as error:
+        raise MistakeError(str(error)) from None

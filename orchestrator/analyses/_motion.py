@@ -1,0 +1,48 @@
+"""The table of a motion, for the analyses that draw it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray
+
+from models.slider_crank.portrait import portrait
+
+from ._machine import MACHINE, START, duration, motion_of
+from ._table import column
+from .protocol import Parameter, Result
+
+PARAMETERS = {
+    **MACHINE,
+    **START,
+    **duration(3, 200),
+    "points": Parameter(1000, "1", "equally spaced points a revolution", minimum=2.0, integer=True),
+}
+RESULTS = {
+    "impacts_per_cycle": Result("1", "impacts per crank cycle"),
+    "sliding_share": Result("1", "part of the time that the slider slides"),
+    "largest_rate": Result("1", "largest |psi'|"),
+}
+
+
+def table(values: Mapping[str, Any]) -> xarray.Dataset:
+    """Points of the motion, those before and after each impact included."""
+    motion = motion_of(values)
+    found = portrait(motion, values["cycles"], values["points"])
+    widths = np.diff(found.theta)
+    theta = column("point", found.theta, "rad", "crank angle since the start; equal twice at an impact")
+    return xarray.Dataset(
+        {
+            "psi": column("point", found.psi, "rad", "deviation of the rod"),
+            "psi_rate": column("point", found.psi_rate, "1", "its derivative by crank angle"),
+            "side": column("point", found.side, "1", "wall on which it slides: 1 upper, -1 lower, 0 flight"),
+            "upper": column("point", found.upper, "rad", "psi at the upper wall"),
+            "lower": column("point", found.lower, "rad", "psi at the lower wall"),
+            "impacts_per_cycle": np.count_nonzero(widths == 0.0) / values["cycles"],
+            "sliding_share": float(widths[found.side[:-1] != 0.0].sum() / widths.sum()),
+            "largest_rate": float(abs(found.psi_rate).max()),
+        },
+        coords={"theta": theta},
+    )

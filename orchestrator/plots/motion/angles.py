@@ -1,0 +1,36 @@
+"""Crank angles on axes."""
+
+from __future__ import annotations
+
+import math
+
+from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, MultipleLocator
+
+from models.quantities import Vector
+
+
+def turns(axes: Axes, low: float = 0.0, high: float = 2.0 * math.pi) -> None:
+    """An abscissa of crank angle in rad, ticks at parts of pi."""
+    axes.set_xlim(low, high)
+    span = (high - low) / math.pi
+    axes.xaxis.set_major_locator(MultipleLocator(math.pi * (0.5 if span <= 4.0 else 1.0)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda angle, _: in_pi(angle)))
+    axes.set_xlabel("crank angle θ (rad)")
+
+
+def in_pi(angle: float) -> str:
+    """Multiples of pi/2 as they are written: 0, π/2, 3π/2."""
+    halves = round(2.0 * angle / math.pi)
+    number, denominator = (halves // 2, "") if halves % 2 == 0 else (halves, "/2")
+    if number == 0:
+        return "0"
+    sign, size = "−" if number < 0 else "", abs(number)
+    return f"{sign}{'' if size == 1 else size}π{denominator}"
+
+
+def from_first_turn(theta: Vector) -> Vector:
+    """The same angles, counted from the start of the first one's revolution."""
+    turn = 2.0 * math.pi
+    shifted: Vector = theta - turn * math.floor(theta[0] / turn + 1e-9)
+    return shifted

@@ -1,0 +1,35 @@
+"""psi over crank angle, between its walls (F 4.1)."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from models.quantities import Vector
+
+from ..style import ACCENT, COUPLED, MUTED
+from .angles import from_first_turn, turns
+
+MILLI = 1e3
+
+
+def draw_trace(
+    axes: Axes, theta: Vector, psi: Vector, side: Vector, upper: Vector, lower: Vector, label: bool = True
+) -> None:
+    """Arrays as a `Portrait`'s; walls dashed, sliding in another colour."""
+    angle = from_first_turn(theta)
+    draw_walls(axes, angle, upper, lower)
+    axes.plot(angle, MILLI * psi, color=COUPLED, lw=1.0, label="flight")
+    if np.any(side != 0.0):
+        sliding = np.where(side != 0.0, MILLI * psi, np.nan)
+        axes.plot(angle, sliding, color=ACCENT, lw=2.4, solid_capstyle="butt", label="sliding")
+    turns(axes, angle[0], 2.0 * np.pi * np.ceil(angle[-1] / (2.0 * np.pi)))
+    axes.margins(y=0.08)
+    if label:
+        axes.set_ylabel("ψ (mrad)")
+
+
+def draw_walls(axes: Axes, angle: Vector, upper: Vector, lower: Vector) -> None:
+    """Both walls in psi over crank angle."""
+    for n, wall in enumerate((upper, lower)):
+        axes.plot(angle, MILLI * wall, color=MUTED, lw=0.9, ls=(0, (5, 3)), label="walls" if n == 0 else None)

@@ -1,0 +1,101 @@
+"""The command `analyse`: what it writes reads back, and what it refuses."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from typer.testing import CliRunner
+
+from models.slider_crank.machine import FORMS
+from orchestrator.analyse import analyse, setting
+from orchestrator.analyses import load, names
+from orchestrator.command_line import app
+from orchestrator.errors import MistakeError
+
+# Enough to run every line; each analysis takes those that it has.
+SHORT = {"cycles": 30, "transient": 20, "points": 50}
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("name", names())
+def test_runs_for_every_form(name: str, form: str) -> None:
+    """Results are those declared, numbers or texts as declared; the table holds the same ones."""
+    analysis = load(name)
+    values = analysis.complete(
+        {"form": form, **{key: SHORT[key] for key in SHORT if key in analysis.parameters}}
+    )
+    found = analysis.evaluate(values)
+    assert set(found) == set(analysis.results)
+    for key, result in analysis.results.items():
+        assert isinstance(found[key], str) == result.text
+        assert result.text or not np.isnan(found[key])
+    if analysis.table:
+        table = analysis.table(values)
+        assert {key: table[key].item() for key in found} == found
+
+
+def test_files_read_back(tmp_path: Path) -> None:
+    """netCDF with units, parameters and versions; CSV with as many rows; PNG."""
+    results = analyse("trace", ["cycles=2", "points=40", "form=as_published"], tmp_path)
+    with xarray.open_dataset(tmp_path / "trace.nc", engine="h5netcdf") as table:
+        assert {name: table[name].item() for name in results} == results
+        assert (table.attrs["form"], table.attrs["cycles"], table.psi.units) == ("as_published", 2, "rad")
+        assert "numpy" in table.attrs["versions"]
+        rows = list(csv.reader((tmp_path / "trace.csv").read_text().splitlines()))
+        assert len(rows) == 1 + table.sizes["point"]
+        column = rows[0].index("psi [rad]")
+        np.testing.assert_array_equal([float(row[column]) for row in rows[1:]], table.psi)
+    assert (tmp_path / "trace.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["trce"], "did you mean trace?"),
+        (["trace", "--set", "dampng=1"], "did you mean damping?"),
+        (["trace", "--set", "damping=-1"], "must be >= 0"),
+        (["trace", "--set", "restitution=1.1"], "must be >= 0 and <= 1"),
+        (["trace", "--set", "form=fast"], "must be one of as_published"),
+        (["trace", "--set", "cycles=2.5"], "must be a whole number"),
+        (["trace", "--set", "damping"], "must be parameter=value"),
+        (["trace", "--set", "damping=5 mm"], "a plain number is needed"),
+        (["trace", "--set", "psi=0.02"], "must be between the walls"),
+        (["trace", "--set", "gap=0.5"], "form 'nonlinear' has no such limit"),
+        (["trace", "--set", "xi=1"], "crank radius less than rod length"),
+    ],
+)
+def test_refusals(arguments: list[str], said: str, tmp_path: Path) -> None:
+    """Exit status 2, one line, and no file."""
+    ended = CliRunner().invoke(app, ["analyse", *arguments, "--out", str(tmp_path / "out")])
+    assert ended.exit_code == 2
+    assert said in ended.stderr
+    assert ended.stderr.count("\n") == 1
+    assert not list(tmp_path.rglob("*.*"))
+
+
+def test_a_result_is_not_overwritten_unasked(tmp_path: Path) -> None:
+    (tmp_path / "exponents.nc").write_text("mine")
+    with pytest.raises(MistakeError, match="--overwrite"):
+        analyse("exponents", ["cycles=20"], tmp_path)
+    assert (tmp_path / "exponents.nc").read_text() == "mine"
+    analyse("exponents", ["cycles=20"], tmp_path, overwrite=True)
+    assert (tmp_path / "exponents.nc").read_bytes() != b"mine"
+
+
+def test_lists_analyses_and_parameters() -> None:
+    """Each analysis with its description, each parameter with its default."""
+    listed = CliRunner().invoke(app, ["analyse"]).stdout
+    assert all(name in listed for name in names())
+    shown = CliRunner().invoke(app, ["analyse", "trace", "--parameters"]).stdout
+    assert all(name in shown for name in load("trace").parameters)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("a=1", 1), ("a = 0.5", 0.5), ("a=true", True), ("a=8 mm", "8 mm"), ("a=x", "x")]
+)
+def test_setting_is_read_as_toml_where_it_is_toml(text: str, value: object) -> None:
+    assert setting(text) == ("a", value)
