@@ -58,9 +58,10 @@ class Component:
     `check(p)` and `check_start(p, x, u)` give messages for parameters that do not fit together, and for start
     states that do not fit parameters and inputs; a message on a start begins with the state's name.
     `advance_maker`, if given, replaces the standard integrator (with events: the hybrid one):
-    (component) -> advance kernel. `runs_on`: it moves while the mechanisms it drives are at rest, so that
-    an equilibrium does not ask it to stand still. `input_rates` names inputs that are the time derivative
-    of another input: rate -> input; inside a step they follow that input's polynomial.
+    (component) -> advance kernel, with `extra_work` elements of scratch more. `runs_on`: it moves while the
+    mechanisms it drives are at rest, so that an equilibrium does not ask it to stand still. `input_rates`
+    names inputs that are the time derivative of another input: rate -> input; inside a step they follow that
+    input's polynomial.
     """
 
     name: str
@@ -78,6 +79,7 @@ class Component:
     check: Callable[[Any], Sequence[str]] = field(default=lambda parameters: ())
     check_start: Callable[[Any, Any, Any], Sequence[str]] | None = None
     advance_maker: Callable[[Component], Any] | None = None
+    extra_work: int = 0
     structure: Mapping[str, int] = field(default_factory=dict)
     runs_on: bool = False
     input_rates: Mapping[str, str] = field(default_factory=dict)
@@ -157,7 +159,8 @@ class Component:
     @property
     def work_size(self) -> int:
         """Length of the scratch vector for `step`."""
-        return hybrid_work_size(self) if self.events else work_size(self.state, self.inputs)
+        standard = hybrid_work_size(self) if self.events else work_size(self.state, self.inputs)
+        return standard + self.extra_work
 
     def parameter_faults(self, p: Vector) -> list[str]:
         """Messages for parameters outside their ranges, alone or together."""

@@ -34,14 +34,16 @@ CELL, FRACTION, Y, RATE_OF_Y, SIDE, POSITION_SIZE = 0, 1, 2, 3, 4, 5
 FREE, UPPER, LOWER = 0.0, 1.0, -1.0
 # What `next_event` returns.
 END, UPPER_IMPACT, LOWER_IMPACT, RELEASE = 0, 1, 2, 3
-# Radians of crank. Release is from the wall, with the wall's velocity: when exactly sliding began leaves
-# no trace in the motion after it.
+# Chatter is at its end when what remains of it takes no more than this much of crank angle (rad). The
+# plastic impact put in its place and the sliding force of that time give the impulse, the energy loss and
+# the place on the wall that the bounces would have given, but for the change of the pressing acceleration
+# within that time: 1e-8 of it. Sliding that would have ended within it is missed or added.
 CHATTER_LEFT = 1e-8
 # This part of a cell after the zero of the pressing acceleration it is negative beyond rounding; the
 # slider, released from rest, is then some 1e-33 off.
 PAST_ZERO = 1e-11
 # Distances from a wall below this part of it are rounding.
-ON_WALL = 1e-15
+ON_WALL = 4e-15
 # Rows of scratch: a flight's series, a quotient, and what flights need for themselves.
 FLIGHT, QUOTIENT, OWN, SCRATCH_ROWS = 0, 1, 2, 8
 

@@ -6,9 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Annotated
 
+from ..kernel import kernel
 from ..quantities import Quantity
-from .equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI
-from .forms import CORRECTED
+from .equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI, Mechanism
+from .forms import AS_PUBLISHED, CORRECTED
 
 # F section 4.1 gives M = 0.00210 lbf s^2/in and l = 5.4570 in (exact conversions: 4.4482216152605 N/lbf,
 # 0.0254 m/in). r, m and J_r follow from F's rounded xi, alpha, beta, which its results were made with;
@@ -209,3 +210,14 @@ class SliderCrankOutputs:
     last_impact_velocity: Annotated[
         float, Quantity("m/s", "velocity towards the wall just before the last impact")
     ] = 0.0
+
+
+@kernel
+def mechanism(p: SliderCrankParameters) -> Mechanism:
+    """The dimensionless numbers, with damping c2 / (M l^2) in 1/s."""
+    scale = p.piston_mass * p.rod_length**2
+    beta = p.rod_inertia / scale
+    sign = -1.0 if p.form == AS_PUBLISHED else 1.0
+    return Mechanism(
+        p.crank_radius / p.rod_length, p.rod_mass / p.piston_mass, beta, sign * beta, p.joint_friction / scale
+    )

@@ -16,10 +16,10 @@ import math
 from ..component import Component, Events, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Vector
+from .bouncing import CHATTER_LEFT, FREE, LOWER, UPPER
 from .checks import check, check_start
-from .equations import Mechanism, inertia, joint_rate, rebound
+from .equations import inertia, joint_rate, rebound
 from .forms import (
-    AS_PUBLISHED,
     constraint_force,
     crank_impulse,
     crank_torque,
@@ -40,33 +40,17 @@ from .records import (
     SliderCrankOutputs,
     SliderCrankParameters,
     SliderCrankState,
+    mechanism,
 )
+from .steady import EXTRA_WORK, make_advance
 
-FREE = 0.0
-UPPER, LOWER = 1.0, -1.0
 # Guards.
 UPPER_WALL, LOWER_WALL, RELEASE = 0, 1, 2
 # Two units of rounding: after an impact the slider is inside its wall.
 INSIDE = 4.4e-16
-# Chatter is at its end when what remains of it takes no more than this much of crank angle (rad). The
-# plastic impact put in its place and the sliding force of that time give the impulse, the energy loss and
-# the place on the wall that the bounces would have given, but for the change of the pressing acceleration
-# within that time: 1e-8 of it. Sliding that would have ended within it is missed or added.
-CHATTER_LEFT = 1e-8
 # Bounces lower than this fraction of the wall's psi drown in its rounding, and end there at the latest (at
 # a restitution of 0.9 some 1e-7 rad before the end of the chatter).
 UNRESOLVED = 1e-14
-
-
-@kernel
-def mechanism(p: SliderCrankParameters) -> Mechanism:
-    """The dimensionless numbers, with damping c2 / (M l^2) in 1/s."""
-    scale = p.piston_mass * p.rod_length**2
-    beta = p.rod_inertia / scale
-    sign = -1.0 if p.form == AS_PUBLISHED else 1.0
-    return Mechanism(
-        p.crank_radius / p.rod_length, p.rod_mass / p.piston_mass, beta, sign * beta, p.joint_friction / scale
-    )
 
 
 @kernel
@@ -202,7 +186,7 @@ def ends_chatter(
     than `height`. What remains of the bounces lasts T = 2 parting / ((1 - e) pressing), in which the crank
     turns by |theta'| T + |theta''| T^2/2.
     """
-    if pressing <= 0.0:
+    if pressing < 0.0:
         return False
     slow = parting <= p.sliding_threshold * abs(u.crank_speed)
     low = parting**2 <= 2.0 * pressing * height
@@ -352,6 +336,8 @@ def slider_crank() -> Component:
         },
         bonds=(PowerBond("crank_torque", "crank_speed", +1),),
         events=Events(3, guards, transition),
+        advance_maker=make_advance,
+        extra_work=EXTRA_WORK,
         check=check,
         check_start=check_start,
         runs_on=True,

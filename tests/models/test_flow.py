@@ -12,7 +12,8 @@ from scipy.integrate import solve_ivp
 
 from models.slider_crank.flow import MOST_CELLS, UnresolvedError, tabulated
 from models.slider_crank.linear_flight import at_start, carry
-from models.slider_crank.machine import Machine, offset_acceleration
+from models.slider_crank.machine import Machine
+from models.slider_crank.samples import offset_acceleration
 from models.slider_crank.series import (
     NEVER,
     TERMS,

@@ -12,7 +12,9 @@ from hypothesis import strategies as st
 
 from models.quantities import Vector
 from models.slider_crank import forms
-from models.slider_crank.slider_crank import CHATTER_LEFT, ends_chatter, mechanism
+from models.slider_crank.bouncing import CHATTER_LEFT
+from models.slider_crank.records import mechanism
+from models.slider_crank.slider_crank import ends_chatter
 
 from .test_slider_crank import CRANK, INPUTS, STATE, TURN, thesis_parameters, turn
 

@@ -1,0 +1,266 @@
+"""The component's advance at constant crank speed: exact flights instead of integration.
+
+Inside a step in which the crank turns uniformly and no film is on the walls, the motion is that of
+`bouncing`, on a flow tabulated once for the parameters and the speed. Everything else goes to the hybrid
+integrator. The table is derived data in the scratch vector: the state alone decides what happens.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..hybrid import MOST_EVENTS, hybrid_work_size, make_hybrid_advance
+from ..integrator import OK, TOO_MANY_EVENTS, taylor
+from ..kernel import kernel
+from . import histories
+from .bouncing import (
+    CELL,
+    END,
+    FRACTION,
+    FREE,
+    LOWER,
+    POSITION_SIZE,
+    RATE_OF_Y,
+    RELEASE,
+    SCRATCH_ROWS,
+    SIDE,
+    UPPER,
+    UPPER_IMPACT,
+    Walls,
+    Y,
+)
+from .equations import Mechanism
+from .flow import COLUMNS, FEWEST_CELLS, UNRESOLVED, Flow, tabulate
+from .forms import NONLINEAR, offset, offset_slope, wall_angle, wall_rate
+from .pendulum_flight import PendulumFlow
+from .records import mechanism
+from .samples import sample_flow, sample_pressing
+from .series import TERMS
+
+if TYPE_CHECKING:
+    from ..component import Component
+
+# With so many cells r = 0.4 l is resolved (`flow.tabulated` doubles them; here the room is fixed).
+CELLS = FEWEST_CELLS
+# Radians by which a crank may depart from uniform turning within a step: the rounding of its angle.
+UNIFORM = 1e-13
+# Panels of Gauss's rule for the sliding force: 8 points of 0.4 rad leave 1e-16 of it.
+PANEL = 0.4
+NODES, WEIGHTS = (tuple(float(v) for v in values) for values in np.polynomial.legendre.leggauss(8))
+
+# Where the parts of the extra scratch end.
+_CELLS = 3 * CELLS * TERMS
+_ENDS = _CELLS + 6 * CELLS
+_BOUNDS = _ENDS + 4 * CELLS
+_PRESSING = _BOUNDS + 2 * CELLS * TERMS
+_SAMPLES = _PRESSING + CELLS * COLUMNS
+_MODES = _SAMPLES + CELLS * COLUMNS
+_SERIES = _MODES + COLUMNS * TERMS
+_SCRATCH = _SERIES + SCRATCH_ROWS * TERMS
+_POSITION = _SCRATCH + POSITION_SIZE
+EXTRA_WORK = _POSITION + 8
+
+
+@kernel
+def parts(xi: float, extra: Any) -> Any:
+    """Flow, position, scratch, key, and room for `flow.tabulate`, in the extra scratch."""
+    flow = Flow(
+        xi,
+        extra[:_CELLS].reshape((CELLS, 3, TERMS)),
+        extra[_CELLS:_ENDS].reshape((CELLS, 3, 2)),
+        extra[_ENDS:_BOUNDS].reshape((CELLS, 4)),
+        extra[_BOUNDS:_PRESSING].reshape((CELLS, 2, TERMS)),
+    )
+    room = (
+        extra[_PRESSING:_SAMPLES].reshape((CELLS, COLUMNS)),
+        extra[_SAMPLES:_MODES].reshape((CELLS // 2, COLUMNS, 2)),
+        extra[_MODES:_SERIES].reshape((COLUMNS, TERMS)),
+    )
+    scratch = extra[_SERIES:_SCRATCH].reshape((SCRATCH_ROWS, TERMS))
+    return flow, extra[_SCRATCH:_POSITION], scratch, extra[_POSITION:], room
+
+
+@kernel
+def tabulate_for(form: float, m: Mechanism, gap: float, flow: Flow, key: Any, room: Any) -> bool:
+    """Fill `flow` for a mechanism at unit speed, if it is not there already; False if it is unresolved.
+
+    room: samples, modes and series as `flow.tabulate` needs them. key: what the table was made for.
+    """
+    known = key[7] != 0.0 and key[0] == form and key[6] == gap
+    known = known and key[1] == m.xi and key[2] == m.alpha and key[3] == m.beta
+    if not (known and key[4] == m.forcing_beta and key[5] == m.damping):
+        samples, modes, series = room
+        samples[:, :] = 0.0
+        if form != NONLINEAR:
+            sample_flow(m, samples)
+        sample_pressing(form, m, gap, samples)
+        resolved = tabulate(samples, flow, modes, series) <= UNRESOLVED
+        key[0], key[1], key[2], key[3] = form, m.xi, m.alpha, m.beta
+        key[4], key[5], key[6] = m.forcing_beta, m.damping, gap
+        key[7] = 1.0 if resolved else -1.0
+    return key[7] > 0.0
+
+
+def make_fly(component: Component, next_event: Any) -> Any:
+    """fly(t, h, x, U, p, flow, walls, position, scratch, work) -> status: exact motion over [t, t + h].
+
+    work: u, then the derivative of the state.
+    """
+    derivative, transition = component.flat_derivative, component.flat_transition
+    n, m = component.state.size, component.inputs.size
+    P = component.parameters.dtype
+    psi_at, rate_at, mode_at = (component.state.index(name) for name in ("psi", "psi_rate", "mode"))
+    upper_at, lower_at = (component.state.index(f"{side}_force_integral") for side in ("upper", "lower"))
+    angle_at, speed_at = component.inputs.index("crank_angle"), component.inputs.index("crank_speed")
+    width = 2.0 * math.pi / CELLS
+
+    @kernel
+    def leave(position: Any, x: Any, u: Any, p: Any) -> None:
+        """psi and its rate from the position."""
+        parameters = p.view(P)[0]
+        theta, speed, mech = u[angle_at], u[speed_at], mechanism(parameters)
+        psi = wall_angle(parameters.form, theta, position[Y], mech)
+        slope = offset_slope(parameters.form, theta, psi, mech)
+        x[psi_at] = psi
+        x[rate_at] = wall_rate(parameters.form, theta, speed, psi, mech) + position[RATE_OF_Y] * speed / slope
+
+    @kernel
+    def press(t: float, start: float, end: float, x: Any, U: Any, p: Any, u: Any, dx: Any) -> None:
+        """Add the time integrals of the sliding forces from start to end of the step.
+
+        A release comes after the force's zero (PAST_ZERO): a wall has not pulled before.
+        """
+        panels = int((end - start) * U[0, speed_at] / PANEL) + 1
+        half = 0.5 * (end - start) / panels
+        for panel in range(panels):
+            for node in range(len(NODES)):
+                s = start + half * (2.0 * panel + 1.0 + NODES[node])
+                taylor(U, s, u)
+                derivative(t + s, x, u, p, dx)
+                x[upper_at] += half * WEIGHTS[node] * max(0.0, dx[upper_at])
+                x[lower_at] += half * WEIGHTS[node] * max(0.0, dx[lower_at])
+
+    @kernel
+    def fly(
+        t: float, h: float, x: Any, U: Any, p: Any, flow: Any, walls: Walls, position: Any, scratch: Any,
+        work: Any,
+    ) -> int:  # fmt: skip
+        u, dx = work[0:m], work[m : m + n]
+        speed = U[0, speed_at]
+        first = position[CELL] + position[FRACTION]
+        last = first + speed * h / width
+        turned, elapsed, events = 0, 0.0, 0
+        while True:
+            left = last - turned * CELLS
+            whole = left >= CELLS
+            k = CELLS - 1 if whole else int(left)
+            started = elapsed
+            code = next_event(flow, walls, position, k, 1.0 if whole else left - k, scratch)
+            elapsed = (position[CELL] + position[FRACTION] + turned * CELLS - first) * width / speed
+            if code == END and not whole:
+                elapsed = h
+            if x[mode_at] != FREE:
+                press(t, started, elapsed, x, U, p, u, dx)
+            taylor(U, elapsed, u)
+            if code != END:
+                leave(position, x, u, p)
+                transition(code - UPPER_IMPACT, t + elapsed, x, u, p)
+                settle(walls, position, code, x[mode_at])
+                events += 1
+                if events > MOST_EVENTS:
+                    return TOO_MANY_EVENTS
+            elif whole:
+                position[CELL] = position[FRACTION] = 0.0
+                turned += 1
+            else:
+                leave(position, x, u, p)
+                return OK
+
+    return fly
+
+
+@kernel
+def settle(walls: Walls, position: Any, code: int, mode: float) -> None:
+    """Bring the position to what the component's transition has decided: `mode`."""
+    if code == RELEASE:
+        return
+    side = UPPER if code == UPPER_IMPACT else LOWER
+    position[SIDE] = mode
+    position[Y] = walls.upper if side == UPPER else -walls.lower
+    rebound = walls.restitution * max(0.0, side * position[RATE_OF_Y])
+    position[RATE_OF_Y] = -side * rebound if mode == FREE else 0.0
+
+
+def make_advance(component: Component) -> Any:
+    """advance(t, h, x, U, p, scale, work) -> status, as `integrator.make_advance`."""
+    hybrid = make_hybrid_advance(component)
+    fly_linear = make_fly(component, histories.LINEAR.next_event)
+    fly_nonlinear = make_fly(component, histories.NONLINEAR.next_event)
+    base, n = hybrid_work_size(component), component.state.size
+    P = component.parameters.dtype
+    names = component.inputs.names
+    angle_at, speed_at = names.index("crank_angle"), names.index("crank_speed")
+    psi_at, rate_at, mode_at = (component.state.index(name) for name in ("psi", "psi_rate", "mode"))
+
+    @kernel
+    def uniform(h: float, U: Any) -> bool:
+        """True if the crank turns forward at constant speed and no film is on the walls."""
+        speed = U[0, speed_at]
+        astray = h * abs(U[1, angle_at] - speed)
+        astray += h * h * (0.5 * abs(U[2, angle_at]) + h * abs(U[3, angle_at]) / 6.0)
+        astray += h * h * (abs(U[1, speed_at]) + h * (abs(U[2, speed_at]) + h * abs(U[3, speed_at])))
+        if not speed > 0.0 or astray > UNIFORM:
+            return False
+        for i in range(U.shape[1]):
+            if i not in (angle_at, speed_at):
+                for k in range(U.shape[0]):
+                    if U[k, i] != 0.0:
+                        return False
+        return True
+
+    @kernel
+    def enter(x: Any, U: Any, p: Any, gap: float, position: Any) -> None:
+        """The position from the state and the inputs at the start."""
+        parameters = p.view(P)[0]
+        theta, speed, m = U[0, angle_at], U[0, speed_at], mechanism(parameters)
+        place = (theta / (2.0 * math.pi) - math.floor(theta / (2.0 * math.pi))) * CELLS
+        position[CELL] = min(int(place), CELLS - 1)
+        position[FRACTION] = place - position[CELL]
+        position[SIDE] = x[mode_at]
+        position[Y] = x[mode_at] * gap
+        position[RATE_OF_Y] = 0.0
+        if x[mode_at] == FREE:
+            psi = x[psi_at]
+            off_wall = x[rate_at] - wall_rate(parameters.form, theta, speed, psi, m)
+            position[Y] = min(max(offset(parameters.form, theta, psi, m), -gap), gap)
+            position[RATE_OF_Y] = offset_slope(parameters.form, theta, psi, m) * off_wall / speed
+
+    @kernel
+    def advance(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any) -> int:
+        if not uniform(h, U):
+            return hybrid(t, h, x, U, p, scale, work)
+        parameters = p.view(P)[0]
+        m = mechanism(parameters)
+        m = Mechanism(m.xi, m.alpha, m.beta, m.forcing_beta, m.damping / U[0, speed_at])
+        gap = parameters.clearance / parameters.rod_length
+        extra = work[base:]
+        flow, position, scratch, key, room = parts(m.xi, extra)
+        if not tabulate_for(parameters.form, m, gap, flow, key, room):
+            return hybrid(t, h, x, U, p, scale, work)
+        walls = Walls(gap, gap, parameters.restitution, 0.0)
+        enter(x, U, p, gap, position)
+        start = work[:n]
+        start[:] = x
+        if parameters.form == NONLINEAR:
+            swinging = PendulumFlow(m.xi, m, flow.pressing)
+            status = fly_nonlinear(t, h, x, U, p, swinging, walls, position, scratch, work[n:])
+        else:
+            status = fly_linear(t, h, x, U, p, flow, walls, position, scratch, work[n:])
+        if status != OK:
+            x[:] = start
+        return status
+
+    return advance
