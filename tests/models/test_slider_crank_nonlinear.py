@@ -189,12 +189,16 @@ def test_energy_of_an_impact_is_work_of_crank_and_film_less_its_loss(
 def test_reflected_machine_moves_as_the_mirror_image(
     damping: float, gap: float, restitution: float, rate: float, start: float, form: float
 ) -> None:
-    """Crank and rod reflected in the cylinder's axis: psi changes sign, the walls their places."""
+    """Crank and rod reflected in the cylinder's axis: psi changes sign, the walls their places.
+
+    Films of 1e-300 m send both motions to the integrator, which has this symmetry to the last bit.
+    """
     p = thesis_parameters(damping, gap, restitution=restitution, form=form)
 
     def motion(side: float) -> tuple[Vector, Vector]:
         x, U = STATE.vector({"psi_rate": side * rate}), CRANK.input_polynomial()
         U[0, :2], U[1, 0] = (side * start, side), side
+        U[0, 3:5] = 1e-300
         u, y = np.zeros(INPUTS.size), np.zeros(OUTPUTS.size)
         assert CRANK.step(0.0, 4.0, x, U, p, SCALE, np.zeros(CRANK.work_size), u, y) == OK
         return x, y
