@@ -34,13 +34,14 @@ F = TypeVar("F", bound=Callable[..., Any])
 def kernel(function: F) -> F:
     """Compile `function` at its first call; without numba, return it unchanged.
 
-    Division by zero gives inf or nan (as in numpy), so that kernels cannot raise.
+    Division by zero gives inf or nan (as in numpy), so that kernels cannot raise. They release the
+    interpreter, so that threads run them side by side.
     """
     if not COMPILED:
         return function
     if function.__closure__:
         _name_by_content(function)
-    dispatcher: Any = numba.njit(error_model="numpy")(function)
+    dispatcher: Any = numba.njit(error_model="numpy", nogil=True)(function)
     # Where numba changed inside, or there is no place to write (nor a home), starting is only slower.
     with contextlib.suppress(AttributeError, TypeError, OSError, RuntimeError):
         dispatcher._cache = _DigestCache(function)

@@ -1,0 +1,98 @@
+"""Bifurcation diagrams over any parameter of the machine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ..parallel import each, no_progress
+from ..quantities import Vector
+from .forms import wall_angle
+from .machine import FORMS, Machine, Motion
+from .maps import varied
+
+
+class Diagram(NamedTuple):
+    """Points of a diagram: the parameter's value and what was recorded at it, one element each."""
+
+    value: Vector
+    recorded: Vector
+
+
+def strobe_psi(motion: Motion, cycles: int) -> Vector:
+    """psi at crank angle zero."""
+    return motion.strobe(cycles)[:, 0]
+
+
+def impact_rate(motion: Motion, cycles: int) -> Vector:
+    """psi' before the impacts on the upper wall."""
+    impacts = motion.events(cycles).impacts
+    return impacts.rate[impacts.side > 0.0]
+
+
+def impact_angle(motion: Motion, cycles: int) -> Vector:
+    """Crank angle of the impacts on the upper wall."""
+    impacts = motion.events(cycles).impacts
+    return impacts.theta[impacts.side > 0.0]
+
+
+# What can be recorded.
+RECORDS: Mapping[str, Callable[[Motion, int], Vector]] = {
+    "impact_rate": impact_rate,
+    "impact_angle": impact_angle,
+    "strobe_psi": strobe_psi,
+}
+
+
+def from_rest(
+    machine: Machine,
+    name: str,
+    values: Vector,
+    record: str = "impact_rate",
+    cycles: int = 100,
+    transient: int = 400,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] = no_progress,
+) -> Diagram:
+    """Every value from psi = psi' = 0; ValueError for a parameter or value that the machine refuses."""
+
+    def point(at: Machine) -> Vector:
+        return RECORDS[record](Motion(at).skip(transient), cycles)
+
+    return _diagram(values, each(point, varied(machine, name, values), workers, progress))
+
+
+def followed(
+    machine: Machine,
+    name: str,
+    values: Vector,
+    record: str = "impact_rate",
+    cycles: int = 100,
+    transient: int = 400,
+    progress: Callable[[int, int], None] = no_progress,
+) -> Diagram:
+    """Every value from the state in which the one before ended; ValueError as in `from_rest`.
+
+    An attractor is followed as far as it is stable: the diagram of the reversed values shows hysteresis.
+    """
+    state, recorded = np.zeros(2), []
+    for done, at in enumerate(varied(machine, name, values)):
+        motion = Motion(at, *between_walls(at, state)).skip(transient)
+        recorded.append(RECORDS[record](motion, cycles))
+        state = motion.strobe(1)[-1, :2]
+        progress(done + 1, len(values))
+    return _diagram(values, recorded)
+
+
+def between_walls(machine: Machine, state: Vector) -> tuple[float, float]:
+    """(psi, psi') at crank angle zero, moved to the nearer wall if the gap has become too small for it."""
+    form, m = float(FORMS.index(machine.form)), machine.mechanism
+    least, most = (wall_angle(form, 0.0, side * machine.gap, m) for side in (-1.0, 1.0))
+    return min(max(float(state[0]), least), most), float(state[1])
+
+
+def _diagram(values: Vector, recorded: list[Vector]) -> Diagram:
+    counts = [len(found) for found in recorded]
+    return Diagram(np.repeat(values, counts), np.concatenate(recorded))

@@ -1,0 +1,96 @@
+"""Maps over two parameters of the machine: largest exponent and period."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import fields, replace
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+
+from ..parallel import each, no_progress
+from ..quantities import Vector
+from .machine import Machine, Motion
+from .recurrence import until_recurrent
+
+# What a map or a bifurcation diagram can be drawn over.
+VARIABLES = tuple(field.name for field in fields(Machine) if field.name != "form")
+# Revolutions that tell whether a motion repeats by sliding, before many are computed: chatter is the dearest
+# motion, and its exponent is known.
+FIRST_LOOK = 20
+
+
+class ExponentMap(NamedTuple):
+    """Of every point, (rows of y, columns of x): the largest exponent per radian, -inf where the motion
+    slides, its standard error, and impacts per cycle."""
+
+    largest: Vector
+    uncertainty: Vector
+    impacts_per_cycle: Vector
+
+
+def exponent_map(
+    machine: Machine,
+    x: tuple[str, Vector],
+    y: tuple[str, Vector],
+    cycles: int = 1000,
+    transient: int = 200,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] = no_progress,
+) -> ExponentMap:
+    """Largest exponent from psi = psi' = 0 over the values of two parameters of `machine`.
+
+    ValueError if a parameter has no such name or a value that the machine refuses (before any is computed).
+    """
+
+    def point(at: Machine) -> tuple[float, float, float]:
+        return largest_exponent(at, cycles, transient)
+
+    found = np.array(each(point, grid(machine, x, y), workers, progress))
+    return ExponentMap(*found.T.reshape(3, len(y[1]), len(x[1])))
+
+
+def period_map(
+    machine: Machine,
+    x: tuple[str, Vector],
+    y: tuple[str, Vector],
+    cycles: int = 2000,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] = no_progress,
+) -> Vector:
+    """Period in cycles (rows of y, columns of x) of the motion from psi = psi' = 0; 0 where none is found
+    within so many cycles. ValueError as in `exponent_map`."""
+
+    def point(at: Machine) -> int:
+        found = until_recurrent(Motion(at), cycles)[1]
+        return found.period if found else 0
+
+    found = np.array(each(point, grid(machine, x, y), workers, progress))
+    return found.reshape(len(y[1]), len(x[1]))
+
+
+def grid(machine: Machine, x: tuple[str, Vector], y: tuple[str, Vector]) -> list[Machine]:
+    """The machines of a map, row by row."""
+    if x[0] == y[0]:
+        raise ValueError(f"x = y = {x[0]!r}: must be two different parameters")
+    return [along for row in varied(machine, *y) for along in varied(row, *x)]
+
+
+def varied(machine: Machine, name: str, values: Sequence[float] | Vector) -> list[Machine]:
+    """The machine with other values of one parameter."""
+    names = tuple(field.name for field in fields(machine) if field.name != "form")
+    if name not in names:
+        raise ValueError(f"no parameter {name!r}: must be one of {', '.join(names)}")
+    return [replace(machine, **cast(Any, {name: float(value)})) for value in values]
+
+
+def largest_exponent(machine: Machine, cycles: int, transient: int) -> tuple[float, float, float]:
+    """Largest exponent, its standard error and impacts per cycle after a transient from psi = psi' = 0."""
+    motion = Motion(machine)
+    states = motion.strobe(min(FIRST_LOOK, transient))
+    if not (states[:-1] == states[-1:]).all(axis=1).any():
+        motion.skip(transient - len(states))
+    first = motion.exponents(FIRST_LOOK)
+    found = first if first.largest == -math.inf else motion.exponents(cycles)
+    return found.largest, found.uncertainty, found.impacts_per_cycle

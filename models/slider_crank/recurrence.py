@@ -1,0 +1,94 @@
+"""Periodicity of a motion from its states at crank angle zero (the stroboscopic map)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from ..quantities import Vector
+
+# Of the largest psi and psi'. Rounding (1e-16) grows over one revolution by its impacts, by 1e3 near grazing,
+# and dies out on a stable orbit: far below. A chaotic motion of correlation dimension D comes so near to a
+# given state by chance once in 1e9^D cycles, and does not stay for REPEATS periods.
+TOLERANCE = 1e-9
+# A motion is settled on its orbit where it stays for good within this part of the largest psi and psi': a
+# line's width in a figure.
+SETTLED = 1e-3
+# Periods in succession that make a recurrence. A state that comes back to the last bit needs only one: the
+# same state has the same future.
+REPEATS = 20
+# Near returns that are tried as a period before a motion counts as not recurrent.
+TRIES = 64
+# Revolutions before the first look for a period; each further look has twice as many.
+FIRST_LOOK = 256
+
+
+class Recurrence(NamedTuple):
+    """A motion that repeats every `period` cycles.
+
+    repeats: periods in succession, up to the last state, within TOLERANCE. distance: the largest difference
+    of states one period apart over the last REPEATS periods (fewer if `exact`), as part of the largest psi
+    and psi'. transient: cycles until the motion is settled on the orbit. exact: it repeats to the last bit.
+    """
+
+    period: int
+    repeats: int
+    distance: float
+    transient: int
+    exact: bool
+
+
+class Strobed(Protocol):
+    """A motion that can be looked at once a revolution: (cycles, 3) of psi, psi' and the sliding side."""
+
+    def strobe(self, cycles: int) -> Vector: ...
+
+
+def recurrence(states: Vector) -> Recurrence | None:
+    """The smallest period with which states (cycles, 3: psi, psi', side) repeat at their end, or None."""
+    last = len(states) - 1
+    scale = scales(states)
+    near = last - np.flatnonzero(distances(states[:-1], states[-1:], scale) <= TOLERANCE)[::-1]
+    exact = last - np.flatnonzero((states[:-1] == states[-1]).all(axis=1))[::-1]
+    for period in near[near * REPEATS <= last][:TRIES]:
+        end = states[-1 - REPEATS * period :]
+        distance = float(distances(end[period:], end[:-period], scale).max())
+        if distance <= TOLERANCE:
+            return _described(states, int(period), distance, scale, period in exact)
+    return _described(states, int(exact[0]), 0.0, scale, True) if exact.size else None
+
+
+def until_recurrent(motion: Strobed, cycles: int) -> tuple[Vector, Recurrence | None]:
+    """States of a motion until a period is found, or over so many cycles, and the recurrence."""
+    states = motion.strobe(min(FIRST_LOOK, cycles))
+    while (found := recurrence(states)) is None and len(states) < cycles:
+        states = np.concatenate([states, motion.strobe(min(len(states), cycles - len(states)))])
+    return states, found
+
+
+def scales(states: Vector) -> Vector:
+    """What differences of states are measured by: the largest psi and psi', and nothing for the side."""
+    largest = np.abs(states[:, :2]).max(axis=0)
+    return np.append(np.where(largest > 0.0, largest, 1.0), np.finfo(float).tiny)
+
+
+def distances(states: Vector, others: Vector, scale: Vector) -> Vector:
+    """The larger relative difference in psi and psi', infinite where one slides and the other does not."""
+    with np.errstate(over="ignore"):
+        return (np.abs(states - others) / scale).max(axis=1)
+
+
+def _described(states: Vector, period: int, distance: float, scale: Vector, exact: bool) -> Recurrence:
+    """How long the last `period` states have been the motion's orbit."""
+    back = np.arange(len(states))[::-1]
+    away = distances(states, states[-1 - back % period], scale)
+    return Recurrence(
+        period, _kept(away, TOLERANCE) // period, distance, len(away) - _kept(away, SETTLED), exact
+    )
+
+
+def _kept(away: Vector, tolerance: float) -> int:
+    """Elements at the end that stay within the tolerance."""
+    outside = np.flatnonzero(away > tolerance)
+    return len(away) - (int(outside[-1]) + 1 if outside.size else 0)
