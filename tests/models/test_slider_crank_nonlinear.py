@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from models.integrator import OK
 from models.quantities import Vector
@@ -107,6 +108,30 @@ def test_linear_form_is_the_limit_of_small_clearance(name: str, theta: float) ->
     expected = {"energy": 3.0, "force": 1.0}.get(name, 2.0)
     assert order(error) == pytest.approx(expected, abs=0.15)
     assert error(0.001) < 0.001**expected
+
+
+def permanent_sliding(form: float, gap: float) -> float:
+    """The friction from which the upper wall holds the slider through the whole revolution."""
+    angles = np.linspace(0.0, TURN, 1001)
+
+    def least(damping: float) -> float:
+        m = thesis_mechanism(damping, corrected=form != forms.AS_PUBLISHED)
+        walls = ((t, forms.wall_angle(form, t, gap, m)) for t in angles)
+        return min(forms.constraint_force(form, t, 1.0, 0.0, psi, m) for t, psi in walls)
+
+    return float(brentq(least, 0.01, 0.5, xtol=1e-9))
+
+
+def test_permanent_sliding_begins_where_the_linear_form_says() -> None:
+    """0.1196 at vanishing clearance for both; then they part with its square."""
+    assert permanent_sliding(forms.NONLINEAR, 0.0) == pytest.approx(0.1196, abs=5e-5)
+
+    def error(gap: float) -> float:
+        return permanent_sliding(forms.NONLINEAR, gap) - permanent_sliding(forms.CORRECTED, gap)
+
+    assert order(error, 0.01) == pytest.approx(2.0, abs=0.1)
+    found = [permanent_sliding(form, 0.02) for form in FORMS]
+    assert found == pytest.approx([0.2660, 0.1069, 0.1071], abs=5e-5)
 
 
 def test_bouncing_motion_converges_to_the_linear_one() -> None:
