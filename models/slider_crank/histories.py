@@ -17,6 +17,7 @@ from .bouncing import (
     FRACTION,
     FREE,
     LOWER,
+    POSITION_SIZE,
     RATE_OF_Y,
     RELEASE,
     SIDE,
@@ -137,12 +138,13 @@ def make_histories(flight: Any, skip: Any, carry: Any, kick: Any) -> Histories:
         for _ in range(cycles):
             code = -1
             while code != END:
-                start[:] = position
+                for i in range(POSITION_SIZE):  # one by one: what a GPU thread can do
+                    start[i] = position[i]
                 code = next_event(flow, walls, position, last, 1.0, scratch)
                 if start[SIDE] == FREE:
                     carry(flow, start, position, v, scratch)
                 else:
-                    v[:, :] = 0.0
+                    v[0, 0] = v[0, 1] = v[1, 0] = v[1, 1] = 0.0
                 if code in (END, RELEASE):
                     continue
                 side = UPPER if code == UPPER_IMPACT else LOWER
@@ -151,7 +153,7 @@ def make_histories(flight: Any, skip: Any, carry: Any, kick: Any) -> Histories:
                 strike(flow, walls, position, side)
                 impacts += 1
                 if position[SIDE] != FREE:
-                    v[:, :] = 0.0
+                    v[0, 0] = v[0, 1] = v[1, 0] = v[1, 1] = 0.0
                 elif rate != 0.0:
                     across_impact(walls.restitution, jerk, rate, v)
             begin_cycle(position)
