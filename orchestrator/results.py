@@ -32,15 +32,15 @@ class Series:
         self._hdf5 = hdf5
         self._group = group
         self._group.dimensions["time"] = None  # unlimited
-        self._variables = [
-            self._make("time", TIME),
-            *(self._make(name, quantity) for name, quantity in variables.items()),
-        ]
-        self._rows = np.empty((BLOCK, len(self._variables)))
+        columns = {"time": TIME, **variables}
+        for name, quantity in columns.items():
+            self._make(name, quantity)
+        self._paths = [f"{group.name}/{name}" for name in columns]
+        self._rows = np.empty((BLOCK, len(columns)))
         self._held = self._written = 0
         self._flushed = clock.monotonic()
 
-    def _make(self, name: str, quantity: Quantity) -> Any:
+    def _make(self, name: str, quantity: Quantity) -> None:
         variable = self._group.create_variable(
             name, ("time",), np.float64, chunks=(BLOCK,), compression="gzip", compression_opts=1, shuffle=True
         )
@@ -50,7 +50,6 @@ class Series:
             variable.attrs["display_units"] = quantity.display_unit
         if quantity.choices:
             variable.attrs["flag_meanings"] = " ".join(quantity.choices)
-        return variable
 
     def append(self, time: float, values: Vector) -> None:
         """One row; `values` is copied."""
@@ -65,9 +64,11 @@ class Series:
         """Write what is held, down to the file."""
         if self._held:
             end = self._written + self._held
-            self._group.resize_dimension("time", end)
-            for i, variable in enumerate(self._variables):
-                variable[self._written : end] = self._rows[: self._held, i]
+            # Each by itself: what HDF5 lists as attached to a dimension has been seen to lack one.
+            for i, path in enumerate(self._paths):
+                dataset = self._hdf5[path]
+                dataset.resize(end, axis=0)
+                dataset[self._written : end] = self._rows[: self._held, i]
             self._written, self._held = end, 0
         self._hdf5.flush()
         self._flushed = clock.monotonic()

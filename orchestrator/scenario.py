@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import fields
 from typing import Annotated, Any, Literal
 
@@ -48,6 +49,7 @@ def _scalar(value: Any) -> Any:
 
 Seconds = Annotated[float, BeforeValidator(_seconds, json_schema_input_type=float | str)]
 Written = Annotated[Value, BeforeValidator(_scalar)]
+Location = tuple[int | str, ...]
 Tolerance = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
 
 
@@ -211,14 +213,16 @@ def scenario_of(content: dict[str, Any]) -> Scenario:
         raise ScenarioError("\n".join(messages(error))) from None
 
 
-def messages(error: ValidationError) -> list[str]:
-    """What pydantic found, in the words of the scenario file."""
+def messages(error: ValidationError, known: Callable[[Location], list[str]] | None = None) -> list[str]:
+    """What pydantic found, in the words of the file; `known` gives the keys known at a place."""
     lines: list[str] = []
     for fault in error.errors():
         path = ".".join(str(part) for part in fault["loc"])
         kind, shown = fault["type"], fault["input"]
         if kind == "extra_forbidden":
-            lines.append(f"{path}: unknown key; {suggestion(str(fault['loc'][-1]), _keys(fault['loc']))}")
+            lines.append(
+                f"{path}: unknown key; {suggestion(str(fault['loc'][-1]), (known or _keys)(fault['loc']))}"
+            )
         elif kind == "missing":
             lines.append(f"{path}: missing")
         elif kind == "value_error":
@@ -238,7 +242,7 @@ def messages(error: ValidationError) -> list[str]:
     return lines
 
 
-def _keys(location: tuple[int | str, ...]) -> list[str]:
+def _keys(location: Location) -> list[str]:
     """The keys known where an unknown one was found."""
     if len(location) == 1:
         return [*Scenario.model_fields, "extends"]

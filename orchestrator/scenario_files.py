@@ -125,23 +125,34 @@ def override(content: dict[str, Any], text: str) -> None:
         value = tomllib.loads(f"value = {written.strip()}")["value"]
     except tomllib.TOMLDecodeError:
         value = written.strip()
-    keys = path.split(".")
+    put(content, path, value, "--set ")
+
+
+def put(content: dict[str, Any], path: str, value: Any, said: str = "") -> None:
+    """Put `value` at `path`, e.g. components.camshaft.parameters.lift; `said` begins the error's message."""
+    keys = keys_of(path)
     known = list(Scenario.model_fields)
     if keys[0] not in known:
-        raise ScenarioError(f"--set {path}: unknown key {keys[0]!r}; {suggestion(keys[0], known)}")
+        raise ScenarioError(f"{said}{path}: unknown key {keys[0]!r}; {suggestion(keys[0], known)}")
     if path == "master.name":
         content["master"] = without_foreign_options(content.get("master", {}), str(value))
         return
     table = content
-    # components.NAME.parameters.VARIABLE; anything else has one table at most, whose keys may have dots.
-    depth = min(3, len(keys) - 1) if keys[0] == "components" else min(1, len(keys) - 1)
-    for i, key in enumerate(keys[:depth]):
+    for i, key in enumerate(keys[:-1]):
         if i == 1 and key not in table:
-            raise ScenarioError(f"--set {path}: no component {key!r}; {suggestion(key, table)}")
+            raise ScenarioError(f"{said}{path}: no component {key!r}; {suggestion(key, table)}")
         table = table.setdefault(key, {})
         if not isinstance(table, dict):
-            raise ScenarioError(f"--set {path}: {'.'.join(keys[: i + 1])} is not a table")
-    table[".".join(keys[depth:])] = value
+            raise ScenarioError(f"{said}{path}: {'.'.join(keys[: i + 1])} is not a table")
+    table[keys[-1]] = value
+
+
+def keys_of(path: str) -> list[str]:
+    """The keys of a path: components.NAME.parameters.VARIABLE; anything else has one table at most, whose
+    keys may have dots."""
+    keys = path.split(".")
+    depth = min(3 if keys[0] == "components" else 1, len(keys) - 1)
+    return [*keys[:depth], ".".join(keys[depth:])]
 
 
 def written(scenario: Scenario) -> str:

@@ -23,7 +23,7 @@ def names() -> list[str]:
 def load(name: str) -> Analysis:
     """The analysis of that name, or the Analysis at `module:object`; MistakeError if there is none."""
     if ":" in name:
-        return _foreign(*name.split(":", 1), name)
+        return _foreign(name)
     if name not in names():
         raise MistakeError(
             f"no analysis {name!r}; {suggestion(name, names())} (or name your own as module:object)"
@@ -32,7 +32,8 @@ def load(name: str) -> Analysis:
     return analysis
 
 
-def _foreign(module: str, attribute: str, name: str) -> Analysis:
+def _foreign(name: str) -> Analysis:
+    module, _, attribute = name.partition(":")
     if "" not in sys.path:  # a user's own module lies where the command is called
         sys.path.insert(0, "")
     try:

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 class Parameter:
     """One argument of an analysis: its default, unit (SI symbols), meaning and allowed range.
 
-    `positive` excludes zero, `choices` are names, `integer` asks for a whole number; a bool as default asks
-    for true or false.
+    `positive` excludes zero, `choices` are names, `integer` asks for a whole number. A bool as default asks
+    for true or false, a text without choices for any text.
     """
 
     default: Value
@@ -57,6 +57,8 @@ class Parameter:
         """`value` (a text may have a unit) as `evaluate` gets it; MistakeError with the allowed range."""
         if not isinstance(value, (bool, int, float, str)):
             raise MistakeError(f"{name} = {value!r} ({self.description}): must be a single value")
+        if isinstance(self.default, str) and not self.choices:
+            return str(value)
         try:
             found = meaning(self.quantity, value)
         except ValueError as error:

@@ -1,0 +1,87 @@
+"""Where points are evaluated: processes of this machine, or the workers of a scheduler that runs already."""
+
+from __future__ import annotations
+
+import logging
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing import resource_tracker
+
+import dask
+from dask.system import CPU_COUNT
+from distributed import Client, LocalCluster
+
+from models.kernel import user_cache_directory
+
+from ..errors import MistakeError
+
+# Deaths of workers that a point may have been on. It is then judged alone, so that few are enough.
+DEATHS = 1
+
+
+@contextmanager
+def connected(scheduler: str | None, workers: int | None, timeout: float) -> Iterator[Client]:
+    """A client of the scheduler at the address, or of as many processes as there are cores."""
+    with _silent(), _there(scheduler, timeout) if scheduler else _here(workers or CPU_COUNT) as client:
+        yield client
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """What goes wrong is in the store or in our messages."""
+    logger = logging.getLogger("distributed")
+    level = logger.level
+    logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
+
+
+@contextmanager
+def _here(workers: int) -> Iterator[Client]:
+    settings = {
+        "distributed.scheduler.allowed-failures": DEATHS,
+        "temporary-directory": str(user_cache_directory()),  # where the next start clears up after a kill
+        "distributed.worker.memory.pause": False,  # points hold no data: a full memory ends the worker
+    }
+    with dask.config.set(settings):
+        with _interrupts_held():
+            cluster = LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                dashboard_address="127.0.0.1:0",  # any free port: none can be taken
+                silence_logs=logging.CRITICAL,
+            )
+        with cluster, Client(cluster) as client:
+            yield client
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Threads and processes that start inside never see Ctrl-C, which a terminal sends to all of them:
+    workers end when they are told to. One that comes meanwhile arrives afterwards."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows has no such mask
+        yield
+        return
+    resource_tracker.ensure_running()  # which lifts the mask at its own start, before the first worker's
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _there(address: str, timeout: float) -> Iterator[Client]:
+    try:
+        client = Client(address, timeout=timeout)
+    except (OSError, ValueError) as error:
+        reason = f"no answer within {timeout:g} s" if isinstance(error, OSError) else str(error)
+        raise MistakeError(
+            f"--scheduler {address}: {reason}; start one with 'dask scheduler', or leave --scheduler out to "
+            "use this machine"
+        ) from None
+    with client:
+        yield client

@@ -1,0 +1,85 @@
+"""Points to workers and outcomes back, as they come."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import islice
+
+from distributed import Client, Future, as_completed
+from distributed.scheduler import KilledWorker
+
+from ..errors import RunError
+from .points import Points
+from .subjects import Subject
+from .task import Outcome, Refusal, evaluate, message_of
+
+# Points given out for each thread: enough that none waits for the next, few enough to forget at once.
+AHEAD = 4
+
+DIED = "the worker's process died at this point, more than once (out of memory, or a crash in compiled code)"
+
+
+class WorkerError(RunError):
+    """A worker that cannot take part, or a scheduler that is gone."""
+
+
+class Execution:
+    """Evaluates points of a study on a cluster."""
+
+    def __init__(self, client: Client, subject: Subject, points: Points, versions: dict[str, str]) -> None:
+        self._client = client
+        self._subject = subject
+        self._points = points
+        self._versions = versions
+
+    def outcomes(self, indices: Sequence[int]) -> Iterator[list[tuple[int, Outcome]]]:
+        """The outcomes of these points in the order in which they come, all that are there at a time.
+
+        A point on a worker that dies goes to another. One that was on several that died may have been
+        among others, so it is evaluated again alone, and only then is it recorded as what kills them.
+        """
+        suspects: list[int] = []
+        for batch in self._completed(indices, ahead=AHEAD):
+            suspects += [index for index, outcome in batch if outcome is None]
+            yield [(index, outcome) for index, outcome in batch if outcome is not None]
+        for index in sorted(suspects):
+            for batch in self._completed([index], ahead=1):
+                yield [(index, outcome or Outcome({}, DIED)) for index, outcome in batch]
+
+    def _completed(self, indices: Sequence[int], ahead: int) -> Iterator[list[tuple[int, Outcome | None]]]:
+        """Outcomes; None where workers died."""
+        waiting = iter(indices)
+        places: dict[Future, int] = {}
+        completed = as_completed()
+        try:
+            self._give(islice(waiting, self._room(ahead)), places, completed)
+            for batch in completed.batches():
+                yield [(places.pop(future), self._outcome(future)) for future in batch]
+                self._give(islice(waiting, max(0, self._room(ahead) - len(places))), places, completed)
+        finally:
+            self._client.cancel(list(places))
+
+    def _room(self, ahead: int) -> int:
+        return max(1, ahead * sum(self._client.nthreads().values()))
+
+    def _give(self, indices: Iterator[int], places: dict[Future, int], completed: as_completed) -> None:
+        for index in indices:
+            values = self._points[index]
+            future = self._client.submit(evaluate, self._subject, values, self._versions, pure=False)
+            places[future] = index
+            completed.add(future)
+
+    def _outcome(self, future: Future) -> Outcome | None:
+        if future.status == "cancelled":
+            raise WorkerError("the scheduler is gone; what is finished is kept")
+        error = future.exception()
+        if isinstance(error, KilledWorker):
+            return None
+        if isinstance(error, ImportError) or isinstance(getattr(error, "__cause__", None), ImportError):
+            raise WorkerError(f"a worker cannot import what it needs ({error}); install tribocosim there")
+        if error is not None:
+            return Outcome({}, message_of(error))
+        outcome = future.result()
+        if isinstance(outcome, Refusal):
+            raise WorkerError(f"a worker {outcome.message}; install there what runs here")
+        return outcome

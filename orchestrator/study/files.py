@@ -1,0 +1,135 @@
+"""Study files: found, read and resolved."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, ValidationError, model_validator
+
+from models.system import suggestion
+
+from ..assembly import Builder
+from ..errors import MistakeError
+from ..scenario import Written, messages
+from ..scenario_files import contents, find, put
+from ..values import Value
+from .points import POINT, Grid, Points, Rows, Sobol, Table, expanded, keys_of, kind_of
+from .subjects import AnalysisSubject, Subject, analysis_of
+
+SHIPPED = Path(__file__).parents[1] / "studies"
+# Variables of every store.
+STATUS, MESSAGE = "status", "message"
+
+
+class StudyError(MistakeError):
+    """A study that cannot be made; a line for each fault."""
+
+
+class Study(Table):
+    """A study file."""
+
+    name: str = Field(description="Name of the study; default: that of the file", pattern=r"^[\w .-]+$")
+    description: str = Field("", description="What the study shows, in a line")
+    scenario: str | None = Field(None, description="A shipped scenario, or a path beside the file")
+    analysis: str | None = Field(None, description="An analysis by name, or your own as module:object")
+    names: dict[str, Annotated[list[str], Field(min_length=1)]] = Field(
+        {}, description="Short names for settings of the scenario, each for one or several"
+    )
+    fixed: dict[str, Written] = Field({}, description="Values set at every point")
+    points: Annotated[Grid | Sobol | Rows, BeforeValidator(kind_of)]
+
+    @model_validator(mode="after")
+    def _one_subject(self) -> Study:
+        if (self.scenario is None) == (self.analysis is None):
+            raise ValueError("must have one of scenario and analysis")
+        if self.names and self.analysis is not None:
+            raise ValueError("names: are for settings of a scenario; an analysis has names of its own")
+        if both := [name for name in self.points.parameters if name in self.fixed]:
+            raise ValueError(f"fixed.{both[0]}: is also a parameter of the points; remove one of them")
+        return self
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A study with everything resolved."""
+
+    study: Study
+    subject: Subject
+    points: Points
+
+    def attributes(self) -> dict[str, str]:
+        """What a store says of itself."""
+        return {
+            "title": self.study.description or self.study.name,
+            "study": json.dumps(self.study.model_dump(exclude_none=True, by_alias=True)),
+            "subject": self.subject.content(),
+        }
+
+
+def shipped() -> dict[str, Path]:
+    """The studies that come with the program, by name."""
+    return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+
+
+def file_of(name: str) -> Path:
+    """The file of a shipped study or a path; StudyError if there is neither."""
+    path = shipped().get(name, Path(name).expanduser())
+    if path.is_file():
+        return path
+    if path.suffix == ".toml" or path.exists():
+        raise StudyError(f"{path}: no such study file")
+    raise StudyError(f"no study {name!r}; {suggestion(name, shipped())} (or give the path of a .toml file)")
+
+
+def load(name: str, build: Builder) -> Plan:
+    """The study of that name or path, resolved; StudyError with the file's name for each fault."""
+    path = file_of(name)
+    try:
+        content = tomllib.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise StudyError(f"{path}: cannot be read ({error.strerror})") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise StudyError(f"{path}: not a valid TOML file: {error}") from None
+    content.setdefault("name", path.stem)
+    try:
+        return resolved(study_of(content), path.parent, build)
+    except MistakeError as error:
+        lines = (f"{path.name}: {line}" for line in str(error).split("\n"))
+        raise StudyError("\n".join(lines)) from None
+
+
+def study_of(content: Mapping[str, Any]) -> Study:
+    """A Study of a file's content; StudyError with a line for each fault."""
+    try:
+        return Study.model_validate(content)
+    except ValidationError as error:
+        lines = messages(error, lambda place: keys_of(Study))
+        raise StudyError("\n".join(lines)) from None
+
+
+def resolved(study: Study, folder: Path, build: Builder) -> Plan:
+    """The study with values in the parameters' units; MistakeError for a fault."""
+    subject = _subject(study, folder, build)
+    points = expanded(study.points, subject.resolved)
+    taken = {STATUS, MESSAGE, POINT, *points.coordinates}
+    if clash := taken & set(subject.results):
+        raise StudyError(f"{min(clash)}: is the name of a result; call the parameter something else")
+    return Plan(study, subject, points)
+
+
+def _subject(study: Study, folder: Path, build: Builder) -> Subject:
+    if study.analysis is not None:
+        fixed: dict[str, Value] = analysis_of(study.analysis).complete(study.fixed)
+        return AnalysisSubject(study.analysis, fixed)
+    from .scenario_subject import ScenarioSubject
+
+    tables = contents(find(str(study.scenario), folder))
+    for name, value in study.fixed.items():
+        for path in study.names.get(name, [name]):
+            put(tables, path, value)
+    return ScenarioSubject(tables, study.names, build)

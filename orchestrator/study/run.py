@@ -1,0 +1,84 @@
+"""One start of a study: what is pending is evaluated and stored."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..report import Reporter
+from .cluster import connected
+from .execution import Execution
+from .files import Plan
+from .progress import StudyProgress
+from .source import fingerprint
+from .store import DONE, FAILED, PENDING, Store, opened
+
+COMPLETE, SOME_FAILED = 0, 1
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where points are evaluated: at `scheduler`, or on `workers` processes here (default: all cores)."""
+
+    scheduler: str | None = None
+    workers: int | None = None
+    timeout: float = 10.0
+
+
+def run(
+    plan: Plan,
+    out: Path,
+    where: Where,
+    reporter: Reporter,
+    overwrite: bool = False,
+    retry_failed: bool = False,
+) -> int:
+    """Evaluate what is pending in the store at `out`; the exit status of the command.
+
+    KeyboardInterrupt says how to continue.
+    MistakeError before anything is written; RunError if the workers cannot go on: what is finished is kept.
+    """
+    versions = fingerprint(plan.subject)
+    with (
+        connected(where.scheduler, where.workers, where.timeout) as client,
+        opened(out, plan, versions, overwrite) as store,
+    ):
+        if retry_failed:
+            store.retry_failed()
+        if not client.nthreads():
+            at = where.scheduler
+            reporter.line(f"no workers at {at} yet; start some with: dask worker {at}")
+        execution = Execution(client, plan.subject, plan.points, versions)
+        try:
+            with StudyProgress(reporter, plan.study.name, len(plan.points)) as progress:
+                _evaluate(execution, store, progress)
+        except KeyboardInterrupt:
+            left = store.count(PENDING)
+            raise KeyboardInterrupt(
+                f"interrupted; {len(plan.points) - left} points are kept in {out}, {left} are left: "
+                "the same command continues"
+            ) from None
+        return _end(plan, store, out, reporter)
+
+
+def _evaluate(execution: Execution, store: Store, progress: StudyProgress) -> None:
+    progress.show(store.count(DONE), store.count(FAILED))
+    for batch in execution.outcomes(store.pending()):
+        for index, outcome in batch:
+            store.record(index, outcome)
+        store.flush()
+        progress.show(store.count(DONE), store.count(FAILED))
+
+
+def _end(plan: Plan, store: Store, out: Path, reporter: Reporter) -> int:
+    failed = np.flatnonzero(store.status == FAILED)
+    line = f"{out}: {store.count(DONE)} points done, {len(failed)} failed"
+    if not len(failed):
+        reporter.line(line)
+        return COMPLETE
+    first = int(failed[0])
+    values = ", ".join(f"{name} = {value}" for name, value in plan.points[first].items())
+    reporter.line(f"{line}, the first at {values}: {store.message(first)}")
+    return SOME_FAILED

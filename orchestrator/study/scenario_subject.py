@@ -1,0 +1,175 @@
+"""A scenario as what is studied: each point is a run, its results are what the run came to."""
+
+from __future__ import annotations
+
+import copy
+import functools
+import hashlib
+import tempfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+
+from models.quantities import Quantity
+
+from ..analyses import Result
+from ..assembly import Builder
+from ..comparison import VariableError
+from ..errors import MistakeError, RunError
+from ..report import Reporter
+from ..results import open_result
+from ..run import run
+from ..scenario import Scenario, ends, scenario_of
+from ..scenario_files import keys_of, put, written
+from ..values import Value, meaning
+
+STATISTICS = {"minimum": np.min, "maximum": np.max, "mean": np.mean}
+ERRORS = {
+    "error": ("relative RMS error", lambda error: error.relative_rms),
+    "uncertainty": (
+        "relative RMS uncertainty of the reference",
+        lambda error: error.uncertainty.relative_rms,
+    ),
+}
+
+
+@dataclass(frozen=True)
+class ScenarioSubject:
+    """The tables of a scenario, short names for its settings, and what builds FMUs where they are needed."""
+
+    tables: Mapping[str, Any]
+    names: Mapping[str, list[str]]
+    build: Builder
+
+    @functools.cached_property
+    def scenario(self) -> Scenario:
+        return scenario_of(dict(self.tables))
+
+    def at(self, values: Mapping[str, Value]) -> Scenario:
+        """The scenario at a point; ScenarioError names the fault."""
+        tables = copy.deepcopy(dict(self.tables))
+        for name, value in values.items():
+            for path in self._paths(name):
+                put(tables, path, value)
+        return scenario_of(tables)
+
+    @property
+    def results(self) -> Mapping[str, Result]:
+        """Of the scenario as fixed: statistics of all outputs over time, and errors where compared."""
+        found = {
+            f"{name}.{statistic}": Result(quantity.unit, f"{quantity.description}: {statistic} over time")
+            for name, quantity in self._outputs().items()
+            for statistic in STATISTICS
+        }
+        found |= {
+            f"{name}.{key}": Result("1", f"{name}: {text}")
+            for name in self._compared()
+            for key, (text, _) in ERRORS.items()
+        }
+        found["macro_steps"] = Result("1", "macro steps")
+        found["iterations"] = Result("1", "iterations of the master")
+        return found
+
+    def _outputs(self) -> dict[str, Quantity]:
+        return {
+            f"{name}.{field.name}": field.quantity
+            for name, table in self.scenario.components.items()
+            for field in table.made().outputs.fields
+        }
+
+    def _compared(self) -> list[str]:
+        if not self.scenario.reference.enabled:
+            return []
+        driving = {ends(line)[0] for line in self.scenario.connections}
+        return [name for name in self._outputs() if name in driving or name in self.scenario.tolerance]
+
+    def _paths(self, name: str) -> list[str]:
+        return self.names.get(name, [name])
+
+    def _quantity(self, path: str) -> Quantity | None:
+        """What a component's value is; None for other settings. ScenarioError if there is no such value."""
+        keys = keys_of(path)
+        if keys[0] != "components" or len(keys) < 4 or keys[2] not in ("parameters", "start", "inputs"):
+            return None
+        table = self.scenario.components.get(keys[1])
+        if table is None:
+            return None
+        component = table.made()
+        layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
+        layout = layouts[keys[2]]
+        return layout.field(keys[3]).quantity if keys[3] in layout else None
+
+    def resolved(self, name: str, value: Value) -> Value:
+        found = {self._resolved(path, value) for path in self._paths(name)}
+        if len(found) != 1:
+            raise MistakeError(f"{name} = {value!r}: must mean the same in all of {self._paths(name)}")
+        return found.pop()
+
+    def _resolved(self, path: str, value: Value) -> Value:
+        quantity = self._quantity(path)
+        if quantity is None:
+            return _found(self.at({path: value}), keys_of(path))
+        try:
+            return meaning(quantity, value)
+        except ValueError as error:
+            raise MistakeError(f"{path} = {value!r} ({quantity.description}): {error}") from None
+
+    def described(self, name: str) -> tuple[str, str]:
+        path = self._paths(name)[0]
+        quantity = self._quantity(path)
+        if quantity is not None:
+            return quantity.unit, quantity.description
+        return "s" if path in ("stop_time", "macro_step", "output_step") else "1", path
+
+    def content(self) -> str:
+        return written(self.scenario) + "".join(self._foreign_fmus())
+
+    def _foreign_fmus(self) -> Iterator[str]:
+        for name, table in self.scenario.components.items():
+            path = Path(table.participant)
+            if path.suffix == ".fmu" and path.is_file():
+                yield f"# {name}: SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}\n"
+
+    def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
+        """RunError if the run does not come to its end."""
+        quiet = Reporter(Console(quiet=True))
+        with tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
+            summary = run(self.at(values), Path(folder), self.build, quiet, figures=False)
+            if not summary.complete:
+                raise RunError(summary.message)
+            found = _statistics(Path(folder))
+        found["macro_steps"] = summary.macro_steps
+        found["iterations"] = summary.iterations
+        return found | _errors(summary.errors)
+
+
+def _found(scenario: Scenario, keys: list[str]) -> Value:
+    """The value at a path of a whole scenario."""
+    content: Any = scenario.model_dump()
+    for key in keys:
+        content = content[key]
+    if not isinstance(content, (bool, int, float, str)):
+        raise MistakeError(f"{'.'.join(keys)}: must be a single value")
+    return content
+
+
+def _statistics(folder: Path) -> dict[str, float]:
+    with open_result(folder) as tree:
+        coupled = tree["coupled"]
+        return {
+            f"{name}.{statistic}": float(function(coupled[name].values))
+            for name in coupled.data_vars
+            for statistic, function in STATISTICS.items()
+        }
+
+
+def _errors(errors: Mapping[str, VariableError]) -> dict[str, float]:
+    return {
+        f"{name}.{key}": value_of(error)
+        for name, error in errors.items()
+        for key, (_, value_of) in ERRORS.items()
+    }

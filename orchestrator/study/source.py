@@ -1,0 +1,52 @@
+"""What computes: the source and the libraries that results depend on, equal on all workers of a study."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import inspect
+import platform
+from importlib import metadata
+from pathlib import Path
+
+from .subjects import AnalysisSubject, Subject
+
+PACKAGES = ("models", "fmus", "orchestrator")
+LIBRARIES = ("numpy", "scipy", "numba")
+
+
+@functools.cache
+def source() -> str:
+    """SHA-256 over the Python files of our packages (first 16 digits)."""
+    root = Path(__file__).parents[2]
+    digest = hashlib.sha256()
+    for package in PACKAGES:
+        for file in sorted((root / package).rglob("*.py")):
+            digest.update(file.relative_to(root).as_posix().encode())
+            digest.update(file.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+@functools.cache
+def _of_module(file: str) -> str:
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest()[:16]
+
+
+@functools.cache
+def _libraries() -> dict[str, str]:
+    return {name: metadata.version(name) for name in LIBRARIES}
+
+
+def fingerprint(subject: Subject) -> dict[str, str]:
+    """What must be equal for equal results, by name. MistakeError if the subject cannot be found here."""
+    found = {"tribocosim": source(), "python": platform.python_version(), "machine": platform.machine()}
+    found |= _libraries()
+    if isinstance(subject, AnalysisSubject) and ":" in subject.name:
+        found[subject.name] = _of_module(inspect.getfile(subject.analysis.evaluate))
+    return found
+
+
+def difference(expected: dict[str, str], seen: dict[str, str]) -> str:
+    """The entries that differ, in words; "" if none."""
+    names = [name for name in expected if seen.get(name) != expected[name]]
+    return ", ".join(f"{name} {seen.get(name, 'missing')} instead of {expected[name]}" for name in names)

@@ -1,0 +1,250 @@
+"""The zarr store of a study: a coordinate for each parameter, a variable for each result, status, message.
+
+Only the process that runs the study writes it. Files are replaced whole, those of a point's results before
+the one that says that it is done, and nothing depends on when or in which order points came: killed at any
+moment and continued, a study ends with the same store.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import shutil
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import locket
+import numpy as np
+import zarr
+from numpy.typing import NDArray
+
+from ..errors import RunError
+from .files import MESSAGE, STATUS, Plan, StudyError
+from .points import POINT
+from .source import difference
+from .task import Outcome
+
+PENDING, DONE, FAILED = 0, 1, 2
+FLAGS = {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"}
+FORMAT = "tribocosim study 1"
+# Points of a chunk, which is written whole: few enough to be quick, enough for few files.
+CHUNK = 4096
+
+
+class Store:
+    """An open store; all arrays are held in memory and written by chunks."""
+
+    def __init__(self, path: Path) -> None:
+        group = zarr.open_group(path, mode="r+")
+        self._path = path
+        attributes: dict[str, Any] = dict(group.attrs)
+        self._results: list[str] = attributes["results"]
+        self._written = [*self._results, MESSAGE, STATUS]  # in this order
+        self._arrays: dict[str, Any] = {name: group[name] for name in self._written}
+        self._values = {name: np.asarray(array[...]) for name, array in self._arrays.items()}
+        self._changed: set[tuple[int, ...]] = set()
+
+    @property
+    def status(self) -> NDArray[np.int8]:
+        """Of every point, in the order of the study."""
+        return self._values[STATUS].ravel()
+
+    def message(self, index: int) -> str:
+        return str(self._values[MESSAGE].ravel()[index])
+
+    def pending(self) -> list[int]:
+        return [int(index) for index in np.flatnonzero(self.status == PENDING)]
+
+    def count(self, status: int) -> int:
+        return int(np.count_nonzero(self.status == status))
+
+    def retry_failed(self) -> None:
+        """Make failed points pending again."""
+        for index in np.flatnonzero(self.status == FAILED):
+            self._set(int(index), STATUS, PENDING)
+            self._set(int(index), MESSAGE, "")
+        self.flush()
+
+    def record(self, index: int, outcome: Outcome) -> None:
+        """Keep a point's outcome; `flush` writes it."""
+        for name in self._results:
+            if name in outcome.values:
+                self._set(index, name, outcome.values[name])
+        self._set(index, MESSAGE, outcome.message)
+        self._set(index, STATUS, FAILED if outcome.message else DONE)
+
+    def _set(self, index: int, name: str, value: Any) -> None:
+        values = self._values[name]
+        place = np.unravel_index(index, values.shape)
+        values[place] = value
+        chunks = self._arrays[STATUS].chunks
+        self._changed.add(tuple(int(i) // n for i, n in zip(place, chunks, strict=True)))
+
+    def flush(self) -> None:
+        """Write what is new, the status last; RunError if the disk does not take it."""
+        try:
+            for name in self._written:
+                for chunk in sorted(self._changed):
+                    self._write(name, chunk)
+        except OSError as error:
+            raise RunError(
+                f"{self._path}: cannot be written ({error.strerror or error}); what is finished is kept, the "
+                "same command continues"
+            ) from None
+        self._changed.clear()
+
+    def _write(self, name: str, chunk: tuple[int, ...]) -> None:
+        array = self._arrays[name]
+        region = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, array.chunks, strict=True))
+        array[region] = self._values[name][region]
+
+
+@contextmanager
+def opened(path: Path, plan: Plan, versions: Mapping[str, str], overwrite: bool) -> Iterator[Store]:
+    """The store at `path`, made if it isn't there; StudyError if it is another study's, or in use."""
+    with _locked(path):
+        try:
+            _prepare(path, plan, versions, overwrite)
+        except OSError as error:
+            raise _unwritable(path, error) from None
+        yield Store(path)
+
+
+def _prepare(path: Path, plan: Plan, versions: Mapping[str, str], overwrite: bool) -> None:
+    if overwrite and path.exists():
+        _attributes(path)
+        shutil.rmtree(path)
+    if not path.exists():
+        _make(path, plan, versions)
+        return
+    _compare(path, plan, versions)
+    for left in path.rglob("*.partial"):
+        left.unlink()
+
+
+def _unwritable(path: Path, error: OSError) -> StudyError:
+    return StudyError(f"{path}: cannot be written ({error.strerror or error}); choose another --out")
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    """Two processes that write one store would undo each other's points. Ends with the process."""
+    file = path.with_name(f".{path.name}.lock")
+    lock = locket.lock_file(str(file), timeout=0)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        lock.acquire()
+    except OSError as error:
+        raise _unwritable(path, error) from None
+    except locket.LockError:
+        raise StudyError(f"{path}: another process is working on it; wait for its end") from None
+    try:
+        yield
+    finally:
+        lock.release()
+        file.unlink(missing_ok=True)
+
+
+def _attributes(path: Path) -> dict[str, Any]:
+    """What a store says of itself; StudyError if it is not a study's."""
+    try:
+        found = dict(zarr.open_group(path, mode="r").attrs)
+    except (OSError, ValueError, KeyError):
+        found = {}
+    if found.get("format") != FORMAT:
+        raise StudyError(f"{path}: is not the store of a study; choose another --out")
+    return found
+
+
+def _compare(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
+    """StudyError unless the store is of this study, begun by the same source."""
+    found = _attributes(path)
+    remedy = "choose another --out, or replace it with --overwrite"
+    group: Any = zarr.open_group(path, mode="r")
+    same_points = set(found["parameters"]) == set(plan.points.coordinates) and all(
+        np.array_equal(group[name][...], _array(values)) for name, values in plan.points.coordinates.items()
+    )
+    if found["subject"] != plan.subject.content() or not same_points:
+        what = "other points" if found["subject"] == plan.subject.content() else "another study"
+        raise StudyError(f"{path}: holds {what}; {remedy}")
+    if changed := difference(json.loads(found["versions"]), dict(versions)):
+        raise StudyError(f"{path}: was begun by another version ({changed}); {remedy}")
+
+
+def _make(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
+    """A store with all points pending; it appears whole."""
+    unfinished = path.with_name(f".{path.name}.new")
+    shutil.rmtree(unfinished, ignore_errors=True)
+    points, results = plan.points, plan.subject.results
+    attributes: dict[str, Any] = plan.attributes() | {
+        "format": FORMAT,
+        "versions": json.dumps(dict(versions)),
+        "parameters": list(points.coordinates),
+        "results": list(results),
+    }
+    if POINT in points.dimensions:
+        attributes["coordinates"] = " ".join(points.coordinates)
+    group = zarr.create_group(unfinished, zarr_format=3, attributes=attributes)
+    for name, values in points.coordinates.items():
+        array = _array(values)
+        unit, text = plan.subject.described(name)
+        along = name if name in points.dimensions else POINT
+        _create(group, name, [along], array, {"long_name": text, "units": unit}, array.shape)
+    chunks = chunks_of(points.shape)
+    for name, result in results.items():
+        empty = np.full(points.shape, "" if result.text else math.nan, object if result.text else np.float64)
+        about = {"long_name": result.description, "units": result.unit}
+        _create(group, name, points.dimensions, empty, about, chunks)
+    texts, states = np.full(points.shape, "", object), np.zeros(points.shape, np.int8)
+    _create(group, MESSAGE, points.dimensions, texts, {"long_name": "why the point failed"}, chunks)
+    _create(group, STATUS, points.dimensions, states, {"long_name": "state of the point"} | FLAGS, chunks)
+    with warnings.catch_warnings():
+        # zarr says that not every reader of format 3 looks at them; those that do open the store faster.
+        warnings.filterwarnings("ignore", "Consolidated metadata", zarr.errors.ZarrUserWarning)
+        zarr.consolidate_metadata(unfinished)
+    os.replace(unfinished, path)
+
+
+def _create(
+    group: zarr.Group,
+    name: str,
+    dimensions: Sequence[str],
+    values: NDArray[Any],
+    attributes: dict[str, Any],
+    chunks: Sequence[int],
+) -> None:
+    texts = values.dtype == object
+    empty: Any = "" if texts else (math.nan if values.dtype == np.float64 else 0)
+    array = group.create_array(
+        name,
+        shape=values.shape,
+        chunks=tuple(chunks),
+        dtype=str if texts else values.dtype,
+        fill_value=empty,
+        dimension_names=list(dimensions),
+        attributes=attributes,
+    )
+    array[...] = values
+
+
+def chunks_of(shape: Sequence[int]) -> tuple[int, ...]:
+    """Whole trailing dimensions, as far as CHUNK points go."""
+    left, sizes = CHUNK, []
+    for size in reversed(shape):
+        sizes.append(max(1, min(size, left)))
+        left //= sizes[-1]
+    return tuple(reversed(sizes))
+
+
+def _array(values: Sequence[Any]) -> NDArray[Any]:
+    """A parameter's values: truth values, whole numbers, numbers or texts."""
+    for kind in (bool, int):
+        if all(type(value) is kind for value in values):
+            return np.array(values)
+    if any(isinstance(value, str) for value in values):
+        return np.array([str(value) for value in values], dtype=object)
+    return np.array(values, dtype=np.float64)

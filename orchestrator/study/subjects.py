@@ -1,0 +1,72 @@
+"""What is studied: an analysis or a scenario, with all values fixed but those of the points."""
+
+from __future__ import annotations
+
+import functools
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from ..analyses import Analysis, Parameter, Result, load
+from ..values import Value
+
+
+class Subject(Protocol):
+    """Goes to the workers as it is: plain data, and names of functions."""
+
+    @property
+    def results(self) -> Mapping[str, Result]: ...
+
+    def resolved(self, name: str, value: Value) -> Value:
+        """`value` in the parameter's unit; MistakeError for an unknown name or a value out of range."""
+        ...
+
+    def described(self, name: str) -> tuple[str, str]:
+        """Unit and description of a parameter."""
+        ...
+
+    def content(self) -> str:
+        """All that results depend on besides the points and the source."""
+        ...
+
+    def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
+        """The results at a point."""
+        ...
+
+
+@functools.cache
+def analysis_of(name: str) -> Analysis:
+    return load(name)
+
+
+@dataclass(frozen=True)
+class AnalysisSubject:
+    """An analysis by name, with the values of its other parameters."""
+
+    name: str
+    fixed: Mapping[str, Value]
+
+    @property
+    def analysis(self) -> Analysis:
+        return analysis_of(self.name)
+
+    @property
+    def results(self) -> Mapping[str, Result]:
+        return self.analysis.results
+
+    def _parameter(self, name: str) -> Parameter:
+        return self.analysis.parameter(name)
+
+    def resolved(self, name: str, value: Value) -> Value:
+        return self._parameter(name).checked(name, value)
+
+    def described(self, name: str) -> tuple[str, str]:
+        parameter = self._parameter(name)
+        return parameter.unit, parameter.description
+
+    def content(self) -> str:
+        return json.dumps({"analysis": self.name, "parameters": self.analysis.complete(self.fixed)})
+
+    def evaluate(self, values: Mapping[str, Any]) -> Mapping[str, float | str]:
+        return self.analysis.evaluate(self.analysis.complete({**self.fixed, **values}))

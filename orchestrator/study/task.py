@@ -1,0 +1,56 @@
+"""One point, as a worker evaluates it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from models.system import ModelError
+
+from ..errors import MistakeError, RunError
+from ..values import Value
+from .source import difference, fingerprint
+from .subjects import Subject
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The results of a point, or the message of its failure."""
+
+    values: Mapping[str, float | str]
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why a worker cannot take part: its results would not be those of the others."""
+
+    message: str
+
+
+def evaluate(subject: Subject, values: Mapping[str, Value], versions: dict[str, str]) -> Outcome | Refusal:
+    """The outcome of a point where what computes is what the study was begun with."""
+    try:
+        found = difference(versions, fingerprint(subject))
+    except MistakeError as error:
+        return Refusal(str(error))
+    if found:
+        return Refusal(f"computes with {found}")
+    try:
+        results = subject.evaluate(values)
+        return Outcome(
+            {
+                name: str(results[name]) if result.text else float(results[name])
+                for name, result in subject.results.items()
+                if name in results
+            }
+        )
+    except Exception as error:
+        return Outcome({}, message_of(error))
+
+
+def message_of(error: BaseException) -> str:
+    """One of our errors speaks for itself, another needs its type."""
+    if isinstance(error, (MistakeError, ModelError, RunError)):
+        return str(error)
+    return f"{type(error).__name__}: {error}"

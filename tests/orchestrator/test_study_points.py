@@ -1,0 +1,213 @@
+"""Studies as files: what points expand to, and one clear message for each mistake."""
+
+import itertools
+import math
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import qmc
+
+from orchestrator import analyses
+from orchestrator.errors import MistakeError
+from orchestrator.study.files import Plan, load, resolved, shipped, study_of
+from orchestrator.study.store import CHUNK, chunks_of
+
+PLAIN = "tests.orchestrator.studied:PLAIN"
+NUMBERS = st.lists(st.floats(-10.0, 10.0), min_size=1, max_size=4, unique=True)
+
+
+def planned(points: dict[str, Any], **study: Any) -> Plan:
+    content = {"name": "test", "analysis": PLAIN, "points": points} | study
+    return resolved(study_of(content), Path(), _no_fmu)
+
+
+def _no_fmu(name: str, structure: Any) -> Path:
+    raise AssertionError("no FMU is built to plan a study")
+
+
+@given(NUMBERS, NUMBERS)
+@settings(derandomize=True, deadline=None)
+def test_a_grid_is_the_product_of_its_axes(xs: list[float], ys: list[float]) -> None:
+    points = planned({"kind": "grid", "axes": {"x": xs, "y": ys}}).points
+    assert points.shape == (len(xs), len(ys))
+    found = [(point["x"], point["y"]) for point in (points[i] for i in range(len(points)))]
+    assert found == list(itertools.product(xs, ys))
+
+
+@given(st.lists(st.tuples(st.floats(-10.0, 10.0), st.floats(-1e9, 1e9)), min_size=1, max_size=9))
+@settings(derandomize=True, deadline=None)
+def test_a_list_is_its_rows_in_order(rows: list[tuple[float, float]]) -> None:
+    points = planned({"kind": "list", "rows": [{"x": x, "y": y} for x, y in rows]}).points
+    assert [(points[i]["x"], points[i]["y"]) for i in range(len(points))] == rows
+
+
+@given(st.floats(-10.0, 10.0), st.floats(-10.0, 10.0), st.integers(2, 40))
+@settings(derandomize=True, deadline=None)
+def test_a_linear_axis_has_both_ends_and_equal_steps(start: float, stop: float, count: int) -> None:
+    if start == stop:
+        return
+    axis = {"start": start, "stop": stop, "count": count}
+    values = np.array(planned({"kind": "grid", "axes": {"x": axis}}).points.coordinates["x"])
+    assert len(values) == count
+    assert (values[0], values[-1]) == (start, stop)
+    # Each value is rounded twice, at the size of the larger end.
+    rounding = 4.0 * np.spacing(max(abs(start), abs(stop)))
+    assert np.diff(values) == pytest.approx((stop - start) / (count - 1), rel=0.0, abs=rounding)
+
+
+def test_a_logarithmic_axis_has_equal_ratios() -> None:
+    axis = {"start": "1 mm", "stop": "10 m", "count": 5, "spacing": "logarithmic"}
+    values = planned({"kind": "grid", "axes": {"x": axis}}).points.coordinates["x"]
+    assert values == pytest.approx([1e-3, 1e-2, 1e-1, 1.0, 10.0], rel=1e-14)  # rounding of a power
+
+
+def _sobol(seed: int, count: int = 256) -> np.ndarray:
+    ranges = {"x": {"low": -1.0, "high": 3.0}, "y": {"low": 2.0, "high": 4.0}}
+    points = planned({"kind": "sobol", "ranges": ranges, "count": count, "seed": seed}).points
+    values = np.array([points.coordinates["x"], points.coordinates["y"]]).T
+    return (values - [-1.0, 2.0]) / [4.0, 2.0]
+
+
+@pytest.mark.parametrize("seed", [0, 1, 20261121])
+def test_sobol_points_are_balanced_and_of_low_discrepancy(seed: int) -> None:
+    """A scrambled (t, m, s)-net of 2^m points in two dimensions has t = 0: each of the 2^m boxes of equal
+    volume of every shape holds one point."""
+    points = _sobol(seed)
+    for k in range(9):
+        boxes = np.floor(points * [2**k, 2 ** (8 - k)])
+        assert len(np.unique(boxes, axis=0)) == 256
+    random = np.random.default_rng(seed).random((256, 2))
+    assert qmc.discrepancy(points) < 0.1 * qmc.discrepancy(random)
+
+
+def test_sobol_points_are_those_of_their_seed() -> None:
+    assert np.array_equal(_sobol(7), _sobol(7))
+    assert not np.array_equal(_sobol(7), _sobol(8))
+
+
+@given(st.lists(st.integers(1, 300), min_size=1, max_size=4))
+@settings(derandomize=True, deadline=None)
+def test_chunks_are_bounded_and_few(shape: list[int]) -> None:
+    chunks = chunks_of(shape)
+    assert math.prod(chunks) <= CHUNK
+    assert all(1 <= chunk <= size for chunk, size in zip(chunks, shape, strict=True))
+    if math.prod(shape) <= CHUNK:
+        assert list(chunks) == shape
+
+
+MISTAKES = {
+    "analysis = 'plain'": "no analysis 'plain'",
+    "analysis = 'exponent'": "did you mean exponents?",
+    "analysis = 'nowhere:PLAIN'": "cannot be imported (No module named 'nowhere')",
+    "analysis = 'os:path'": "must be an orchestrator.analyses.Analysis",
+    "analysis = 'exponents'\nscenario = 'valve-train'": "must have one of scenario and analysis",
+    "": "must have one of scenario and analysis",
+    "analyss = 'exponents'": "analyss: unknown key; did you mean analysis?",
+    "scenario = 'valve-tran'": "did you mean valve-train?",
+    f"analysis = '{PLAIN}'\nfixed.y = 1": "fixed.y: is also a parameter of the points",
+    f"analysis = '{PLAIN}'\nfixed.z = 1": "plain has no parameter 'z'",
+    f"analysis = '{PLAIN}'\nfixed.mode = 'plan'": "mode = 'plan' (kind of sum): must be one of plain, square",
+    f"analysis = '{PLAIN}'\nfixed.n = 1.5": "n = 1.5 (count): must be a whole number",
+    f"analysis = '{PLAIN}'\nfixed.x = '3 kg'": "a unit like m is needed",
+    f"analysis = '{PLAIN}'\nnames.a = ['x']": "names: are for settings of a scenario",
+}
+
+
+@pytest.mark.parametrize("text", MISTAKES)
+def test_a_mistaken_study_is_one_message(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "mistaken.toml"
+    file.write_text(f"{text}\n[points]\nkind = 'grid'\naxes.y = [1.0]\n")
+    with pytest.raises(MistakeError) as caught:
+        load(str(file), _no_fmu)
+    assert MISTAKES[text] in str(caught.value)
+    assert str(caught.value).startswith("mistaken.toml: ")
+    assert "\n" not in str(caught.value)
+
+
+BAD_POINTS = {
+    "kind = 'gird'": "no kind of points 'gird'; did you mean grid?",
+    "axes.x = [1]": "kind is missing; known: grid, sobol, list",
+    "kind = 'grid'\naxes.z = [1.0]": "plain has no parameter 'z'; known: x, y, n, mode, folder",
+    "kind = 'grid'\naxes.x = [1.0, 11.0]": "x = 11 m (abscissa): must be >= -10 and <= 10",
+    "kind = 'grid'\naxes.x = [1.0, 1.0]": "points.axes.x: has a value twice",
+    "kind = 'grid'\naxes.x = []": "points.axes.x.values: must have at least one entry",
+    "kind = 'grid'\naxes.x = 1.0": "must be a list of values, or a table with start, stop and count",
+    "kind = 'grid'\naxes.x = { start = 0, stop = 1 }": "points.axes.x.count: missing",
+    "kind = 'grid'\naxes.x = { start = 0, stpo = 1, stop = 1, count = 2 }": "stpo: unknown key; did you mean",
+    "kind = 'grid'\naxes.x = { start = 0, stop = 1, count = 2, spacing = 'logarithmic' }": "values > 0",
+    "kind = 'grid'\naxes.x = { start = 0, stop = 11, count = 2 }": "x = 11 m",
+    "kind = 'grid'\naxes.n = { start = 1, stop = 2, count = 3 }": "n = 1.5 (count): must be a whole number",
+    "kind = 'grid'\naxes.mode = { start = 'plain', stop = 'square', count = 2 }": "list the values",
+    "kind = 'sobol'\nranges.x = { low = 0, high = 1 }\ncount = 100\nseed = 1": "power of two",
+    "kind = 'sobol'\nranges.x = { low = 0, high = 1 }\ncount = 64": "points.seed: missing",
+    "kind = 'list'\nrows = [{ x = 1 }, { y = 1 }]": "row 2 and the first do not both set x, y",
+    "kind = 'grid'\naxes.x = { start = 0, stop = 1, count = 10000 }\n"
+    "axes.y = { start = 0, stop = 1, count = 10000 }": "1e+08 of them; at most 1e+07",
+}
+
+
+@pytest.mark.parametrize("text", BAD_POINTS)
+def test_mistaken_points_are_one_message(text: str) -> None:
+    with pytest.raises(MistakeError) as caught:
+        planned(tomllib.loads(text))
+    assert BAD_POINTS[text] in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_values_mean_what_the_scenario_takes_them_for() -> None:
+    speed = [f"components.flywheel.parameters.{name}_speed" for name in ("initial", "final")]
+    plan = planned(
+        {
+            "kind": "grid",
+            "axes": {"speed": ["600 rpm"], "macro_step": ["2 us"], "master.extrapolation": ["hold"]},
+        },
+        analysis=None,
+        scenario="valve-train",
+        names={"speed": speed},
+        fixed={"reference.enabled": False},
+    )
+    assert plan.points[0] == {
+        "speed": pytest.approx(20.0 * math.pi, rel=1e-15),
+        "macro_step": 2e-6,
+        "master.extrapolation": "hold",
+    }
+    assert plan.subject.described("speed") == ("rad/s", "prescribed speed before the ramp")
+    assert not any(name.endswith(".error") for name in plan.subject.results)
+
+
+SETTINGS = {
+    "components.camshaft.parameters.lft": "no such parameter; did you mean lift?",
+    "components.camshft.parameters.lift": "no component 'camshft'; did you mean camshaft?",
+    "macro_stp": "unknown key 'macro_stp'; did you mean macro_step?",
+}
+
+
+@pytest.mark.parametrize("path", SETTINGS)
+@pytest.mark.parametrize("fixed", [True, False])
+def test_an_unknown_setting_of_a_scenario_is_named(path: str, fixed: bool) -> None:
+    axes = {"macro_step": [1e-6]} | ({} if fixed else {path: [1.0]})
+    with pytest.raises(MistakeError, match="did you mean") as caught:
+        planned(
+            {"kind": "grid", "axes": axes},
+            analysis=None,
+            scenario="valve-train",
+            fixed={path: 1.0} if fixed else {},
+        )
+    assert SETTINGS[path] in str(caught.value)
+
+
+def test_every_shipped_study_and_analysis_is_whole() -> None:
+    assert shipped()
+    for name in shipped():
+        assert len(load(name, _no_fmu).points) > 1
+    for name in analyses.names():
+        analysis = analyses.load(name)
+        assert analysis.name == name
+        assert analysis.complete({}) == {key: value.default for key, value in analysis.parameters.items()}
+        for key, parameter in analysis.parameters.items():
+            assert parameter.checked(key, parameter.default) == parameter.default
