@@ -139,7 +139,7 @@ def listed() -> Table:
 def _plain(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for name in columns:
-        table.add_column(name, no_wrap=name not in ("meaning", "what it says"), justify="left")
+        table.add_column(name, no_wrap=name not in ("value", "meaning", "what it says"), justify="left")
     for row in rows:
         table.add_row(*map(Text, row))
     return table

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..quantities import Vector
 from .machine import Exponents, Machine, Motion
 from .recurrence import SETTLED, TOLERANCE, Recurrence, until_recurrent
 from .transients import ORDINARY_TRANSIENT
@@ -90,7 +91,7 @@ _NO_TRANSIENT = (math.nan, math.nan)
 
 def orbit_exponents(motion: Motion, period: int) -> Exponents:
     """Exponents over the orbit on which the motion is."""
-    first = motion.exponents(BLOCKS * period)
+    first = motion.exponents(max(BLOCKS, period), BLOCKS)
     if first.largest == -math.inf:
         return first
     return motion.exponents(BLOCKS * period * -(-ORBIT_CYCLES // (BLOCKS * period)), BLOCKS)
@@ -101,11 +102,16 @@ def transient_exponent(motion: Motion, cycles: int) -> tuple[float, float]:
 
     Windows in which the motion slides are left out: between slides it may be chaotic.
     """
-    found = np.array([motion.exponents(WINDOW, blocks=WINDOW).largest for _ in range(cycles // WINDOW)])
+    found = finite_time_exponents(motion, cycles)
     finite = found[np.isfinite(found)]
     if finite.size < 2:
         return _NO_TRANSIENT
     return float(finite.mean()), float(finite.std(ddof=1) / math.sqrt(finite.size))
+
+
+def finite_time_exponents(motion: Motion, cycles: int, window: int = WINDOW) -> Vector:
+    """The largest exponent of every so many cycles, each for itself; -inf where the motion slides."""
+    return np.array([motion.exponents(window, blocks=window).largest for _ in range(cycles // window)])
 
 
 def _without_period(end: Exponents, cycles: int) -> Classification:

@@ -56,7 +56,9 @@ def recurrence(states: Vector) -> Recurrence | None:
         distance = float(distances(end[period:], end[:-period], scale).max())
         if distance <= TOLERANCE:
             return _described(states, int(period), distance, scale, period in exact)
-    return _described(states, int(exact[0]), 0.0, scale, True) if exact.size else None
+    return (
+        _described(states, _smallest(states, int(exact[0]), scale), 0.0, scale, True) if exact.size else None
+    )
 
 
 def until_recurrent(motion: Strobed, cycles: int) -> tuple[Vector, Recurrence | None]:
@@ -77,6 +79,15 @@ def distances(states: Vector, others: Vector, scale: Vector) -> Vector:
     """The larger relative difference in psi and psi', infinite where one slides and the other does not."""
     with np.errstate(over="ignore"):
         return (np.abs(states - others) / scale).max(axis=1)
+
+
+def _smallest(states: Vector, exact: int, scale: Vector) -> int:
+    """The smallest part of an exact period that is one within TOLERANCE: rounding, carried round a stable
+    orbit, may repeat after several periods only."""
+    orbit = states[-exact:]
+    parts = (part for part in range(1, exact) if exact % part == 0)
+    repeats = (part for part in parts if distances(orbit, np.roll(orbit, part, 0), scale).max() <= TOLERANCE)
+    return next(repeats, exact)
 
 
 def _described(states: Vector, period: int, distance: float, scale: Vector, exact: bool) -> Recurrence:

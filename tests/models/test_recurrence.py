@@ -74,6 +74,13 @@ def test_a_return_to_the_last_bit_is_a_period_however_long() -> None:
     assert (found.period, found.repeats, found.exact) == (97, 2, True)
 
 
+def test_rounding_that_repeats_later_does_not_lengthen_an_exact_period() -> None:
+    psi = np.resize(orbit(4, 1), 60)
+    found = recurrence(states(psi * (1.0 + 1e-15 * (np.arange(60) // 4 % 3))))
+    assert found is not None
+    assert (found.period, found.exact) == (4, True)
+
+
 @given(st.floats(0.05, 0.95))
 @settings(derandomize=True, deadline=None, max_examples=30)
 def test_a_logistic_map_in_chaos_does_not_repeat(start: float) -> None:

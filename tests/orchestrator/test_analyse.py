@@ -17,7 +17,7 @@ from orchestrator.command_line import app
 from orchestrator.errors import MistakeError
 
 # Enough to run every line; each analysis takes those that it has.
-SHORT = {"cycles": 30, "transient": 20, "points": 50}
+SHORT = {"cycles": 40, "transient": 20, "points": 50, "x_count": 3, "y_count": 2, "starts": 4, "count": 3}
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -65,6 +65,11 @@ def test_files_read_back(tmp_path: Path) -> None:
         (["trace", "--set", "damping=5 mm"], "a plain number is needed"),
         (["trace", "--set", "psi=0.02"], "must be between the walls"),
         (["trace", "--set", "gap=0.5"], "form 'nonlinear' has no such limit"),
+        (["exponent_map", "--set", "x=dampng"], "must be one of damping, gap"),
+        (["exponent_map", "--set", "x=gap"], "must be two different parameters"),
+        (["period_map", "--set", "y_from=-0.01"], "gap = -0.01: must be"),
+        (["bifurcation", "--set", "x=restitution", "--set", "x_to=2"], "must be at most 1"),
+        (["basins", "--set", "cycles=5"], "must be >= 40"),
         (["trace", "--set", "xi=1"], "crank radius less than rod length"),
     ],
 )

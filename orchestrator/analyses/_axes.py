@@ -1,0 +1,55 @@
+"""Parameters that a map or a bifurcation diagram is drawn over, for analyses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+import xarray
+
+from models.quantities import Vector
+from models.slider_crank.maps import VARIABLES
+
+from ..errors import MistakeError
+from ._machine import MACHINE
+from ._table import column
+from .protocol import Parameter
+
+
+def axis(letter: str, name: str, first: float, last: float, count: int) -> dict[str, Parameter]:
+    """Which parameter is varied along an axis, from where to where, at how many places."""
+    return {
+        letter: Parameter(name, "1", f"parameter along {letter}", choices=VARIABLES),
+        f"{letter}_from": Parameter(first, "1", f"its first value along {letter}"),
+        f"{letter}_to": Parameter(last, "1", f"its last value along {letter}"),
+        f"{letter}_count": Parameter(count, "1", f"values along {letter}", minimum=1.0, integer=True),
+    }
+
+
+def along(values: Mapping[str, Any], letter: str) -> tuple[str, Vector]:
+    """The varied parameter and its equally spaced values."""
+    first, last, count = (values[f"{letter}_{part}"] for part in ("from", "to", "count"))
+    return values[letter], np.linspace(first, last, count)
+
+
+def coordinate(values: Mapping[str, Any], letter: str) -> xarray.Variable:
+    """The values along an axis with their meaning."""
+    name, found = along(values, letter)
+    return column(letter, found, MACHINE[name].unit, MACHINE[name].description)
+
+
+def fixed(values: Mapping[str, Any], *letters: str) -> dict[str, Any]:
+    """The machine's parameters that are not varied, for a figure's title."""
+    varied = {values[letter] for letter in letters}
+    return {name: values[name] for name in MACHINE if name not in varied}
+
+
+@contextmanager
+def mistakes() -> Iterator[None]:
+    """What a machine refuses is the user's mistake."""
+    try:
+        yield
+    except ValueError as error:
+        raise MistakeError(str(error)) from None

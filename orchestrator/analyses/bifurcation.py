@@ -1,0 +1,85 @@
+"""Bifurcation diagram over any parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray
+
+from models.slider_crank.bifurcation import RECORDS, followed, from_rest
+
+from ._axes import along, axis, fixed, mistakes
+from ._machine import MACHINE, duration, machine_of
+from ._progress import progress
+from ._table import column, scalars
+from .protocol import Analysis, Parameter, Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+STARTS = ("followed", "from_rest")
+UNITS = {"impact_rate": "1", "impact_angle": "rad", "strobe_psi": "rad"}
+UP, DOWN, REST = 1, -1, 0
+
+
+def table(values: Mapping[str, Any]) -> xarray.Dataset:
+    machine, (name, x) = machine_of(values), along(values, "x")
+    how = (values["record"], values["cycles"], values["transient"])
+    with mistakes(), progress("bifurcation diagram") as shown:
+        if values["start"] == "from_rest":
+            diagrams = {REST: from_rest(machine, name, x, *how, progress=shown)}
+        else:
+            diagrams = {
+                UP: followed(machine, name, x, *how, progress=shown),
+                DOWN: followed(machine, name, x[::-1], *how, progress=shown),
+            }
+    value, recorded = (np.concatenate(parts) for parts in zip(*diagrams.values(), strict=True))
+    direction = np.repeat(list(diagrams), [len(diagram.value) for diagram in diagrams.values()])
+    return xarray.Dataset(
+        {
+            "recorded": column("point", recorded, UNITS[values["record"]], values["record"]),
+            "direction": column(
+                "point", direction, "1", "1: values followed upwards, -1: downwards, 0: from rest"
+            ),
+            "points": float(len(recorded)),
+        },
+        coords={"value": column("point", value, MACHINE[name].unit, MACHINE[name].description)},
+    )
+
+
+def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
+    return scalars(table(values))
+
+
+def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    from ..plots.maps.bifurcation import draw_bifurcation
+    from ..plots.motion.titles import legend, titled
+
+    figure, axes = titled("Bifurcation diagram", fixed(values, "x"), width=6.8, height=4.2)
+    draw_bifurcation(axes, data, values["x"], values["record"])
+    legend(figure, axes)
+    return figure
+
+
+ANALYSIS = Analysis(
+    name="bifurcation",
+    description="Bifurcation diagram over any parameter",
+    parameters={
+        **MACHINE,
+        **axis("x", "damping", 0.01, 0.25, 400),
+        "record": Parameter(
+            "impact_rate",
+            "1",
+            "upper-wall impacts: psi' before or angle; psi at angle 0",
+            choices=tuple(RECORDS),
+        ),
+        "start": Parameter("followed", "1", "from the state before, both ways, or from rest", choices=STARTS),
+        **duration(50, 200),
+    },
+    results={"points": Result("1", "points of the diagram")},
+    evaluate=evaluate,
+    table=table,
+    draw=draw,
+)

@@ -1,0 +1,70 @@
+"""Largest Lyapunov exponent over two parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray
+
+from models.slider_crank.maps import exponent_map
+
+from ._axes import along, axis, coordinate, fixed, mistakes
+from ._machine import MACHINE, duration, machine_of
+from ._progress import progress
+from ._table import column, scalars
+from .protocol import Analysis, Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def table(values: Mapping[str, Any]) -> xarray.Dataset:
+    machine, x, y = machine_of(values), along(values, "x"), along(values, "y")
+    with mistakes(), progress("exponent map") as shown:
+        found = exponent_map(machine, x, y, values["cycles"], values["transient"], progress=shown)
+    return xarray.Dataset(
+        {
+            "largest": column(("y", "x"), found.largest, "1/rad", "largest exponent, -inf: slides"),
+            "uncertainty": column(("y", "x"), found.uncertainty, "1/rad", "its standard error"),
+            "impacts_per_cycle": column(("y", "x"), found.impacts_per_cycle, "1", "impacts per cycle"),
+            "chaotic_share": float(np.mean(found.largest > 3.0 * found.uncertainty)),
+            "sliding_share": float(np.mean(np.isneginf(found.largest))),
+            "highest": float(found.largest.max()),
+        },
+        coords={"x": coordinate(values, "x"), "y": coordinate(values, "y")},
+    )
+
+
+def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
+    return scalars(table(values))
+
+
+def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    from ..plots.maps.exponents import draw_exponents
+    from ..plots.motion.titles import titled
+
+    figure, axes = titled("Largest Lyapunov exponent", fixed(values, "x", "y"), width=6.4, height=4.6)
+    draw_exponents(figure, axes, data, values["x"], values["y"])
+    return figure
+
+
+ANALYSIS = Analysis(
+    name="exponent_map",
+    description="Largest Lyapunov exponent over two parameters, every point from rest in the middle",
+    parameters={
+        **MACHINE,
+        **axis("x", "damping", 0.01, 0.25, 60),
+        **axis("y", "gap", 0.005, 0.02, 60),
+        **duration(1000, 200),
+    },
+    results={
+        "chaotic_share": Result("1", "part of the points with an exponent 3 standard errors above 0"),
+        "sliding_share": Result("1", "part of the points whose motion slides"),
+        "highest": Result("1/rad", "highest of the largest exponents"),
+    },
+    evaluate=evaluate,
+    table=table,
+    draw=draw,
+)

@@ -1,0 +1,79 @@
+"""Length of transient chaos over many starts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray
+
+from models.slider_crank.transients import ORDINARY_TRANSIENT, escape_time, random_starts, transients
+
+from ._machine import MACHINE, machine_of
+from ._progress import progress
+from ._table import column, scalars
+from .protocol import Analysis, Parameter, Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def table(values: Mapping[str, Any]) -> xarray.Dataset:
+    machine = machine_of(values)
+    starts = random_starts(machine, values["starts"], values["seed"])
+    with progress("transients") as shown:
+        found = transients(machine, starts, values["cycles"], progress=shown)
+    fit = escape_time(found)
+    return xarray.Dataset(
+        {
+            "psi": column("start", starts[:, 0], "rad", "start, crank angle 0"),
+            "psi_rate": column("start", starts[:, 1], "1", "its derivative by crank angle"),
+            "length": column("start", found.lengths, "1", "cycles until settled, or seen"),
+            "period": column("start", found.periods, "1", "period of the orbit in cycles, 0: not settled"),
+            "settled_share": float(np.mean(found.settled)),
+            "median": float(np.median(found.lengths)),
+            "longest": float(found.lengths.max()),
+            "mean_escape": fit.mean if fit else math.inf,
+            "error": fit.error if fit else math.inf,
+            "distance": fit.distance if fit else 1.0,
+        }
+    )
+
+
+def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
+    return scalars(table(values))
+
+
+def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    from ..plots.maps.escape import draw_escape
+    from ..plots.motion.titles import legend, titled
+
+    figure, axes = titled("Length of transients", values, width=6.0, height=3.8)
+    draw_escape(axes, data, ORDINARY_TRANSIENT)
+    legend(figure, axes)
+    return figure
+
+
+ANALYSIS = Analysis(
+    name="transient",
+    description="Length of transient chaos: distribution over random starts, mean escape time",
+    parameters={
+        **MACHINE,
+        "starts": Parameter(400, "1", "random starts between the walls", minimum=1.0, integer=True),
+        "seed": Parameter(0, "1", "seed of the starts", minimum=0.0, integer=True),
+        "cycles": Parameter(10_000, "1", "cycles that a motion is looked at for", minimum=1.0, integer=True),
+    },
+    results={
+        "mean_escape": Result("1", f"mean escape time in cycles, of transients beyond {ORDINARY_TRANSIENT}"),
+        "error": Result("1", "its standard error"),
+        "distance": Result("1", "largest difference from the exponential distribution"),
+        "settled_share": Result("1", "part of the starts that settled on an orbit"),
+        "median": Result("1", "median length in cycles"),
+        "longest": Result("1", "longest length in cycles"),
+    },
+    evaluate=evaluate,
+    table=table,
+    draw=draw,
+)

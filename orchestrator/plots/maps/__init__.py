@@ -1,0 +1,1 @@
+"""Figures of many motions: maps, bifurcation diagrams, basins, transients."""
