@@ -11,9 +11,12 @@ from hypothesis import strategies as st
 
 from models.slider_crank import histories as h
 from models.slider_crank.bouncing import (
+    CELL,
     CHATTER_LEFT,
     END,
+    FRACTION,
     RATE_OF_Y,
+    RELEASE,
     SIDE,
     UPPER,
     UPPER_IMPACT,
@@ -22,6 +25,7 @@ from models.slider_crank.bouncing import (
     pass_event,
     phase,
 )
+from models.slider_crank.forms import constraint_force, wall_angle
 from models.slider_crank.linear_flight import carry, kick
 from models.slider_crank.machine import FORMS, Machine, Motion
 from models.slider_crank.tangent import across_impact
@@ -102,7 +106,7 @@ def test_sliding_ends_where_the_pressing_acceleration_falls_to_zero() -> None:
     flow, walls = flow_of(lambda x: 0.5 + np.cos(x)), Walls(0.0, 10.0, 0.0, 0.0)
     position = position_at(flow, 0.3, 0.0, 0.0)
     position[SIDE] = UPPER
-    assert h.LINEAR.next_event(flow, walls, position, flow.cells.shape[0] - 1, 1.0, scratch()) == 3
+    assert h.LINEAR.next_event(flow, walls, position, flow.cells.shape[0] - 1, 1.0, scratch()) == RELEASE
     assert phase(flow, position) == pytest.approx(TURN / 3.0, abs=2e-12)
     assert (position[SIDE], position[Y], position[RATE_OF_Y]) == (0.0, 0.0, 0.0)
 
@@ -111,6 +115,55 @@ def test_wall_that_is_pressed_all_the_time_is_never_left() -> None:
     motion = Motion(Machine(0.35, 0.015))
     assert (motion.strobe(30)[-10:, 2] == 1.0).all()
     assert not len(motion.events(10).theta)
+
+
+def released_from_rest(machine: Machine, side: float, theta: float) -> tuple[float, float]:
+    """(sliding side just after, crank angle of the release or nan) of a slider put to rest on a wall."""
+    flow, walls = machine.flow, machine.walls
+    cells = flow.pressing.shape[0]
+    place = theta * cells / TURN
+    position = np.array([int(place), place - int(place), side * machine.gap, 0.0, 0.0])
+    next_event = machine.histories.next_event
+    k = int(position[CELL])
+    while (code := next_event(flow, walls, position, k, position[FRACTION] + 1e-9, scratch())) != END:
+        pass_event(flow, walls, position, code)
+    slides = position[SIDE]
+    if slides != side:
+        return slides, math.nan
+    code = next_event(flow, walls, position, cells - 1, 1.0, scratch())
+    return slides, phase(flow, position) if code == RELEASE else math.nan
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize(
+    ("damping", "gap"), [(0.01, 0.01), (0.1, 0.01), (0.267, 0.02), (0.35, 0.01), (0.0, 0.02)]
+)
+def test_slider_rests_where_the_constraint_force_presses(form: str, damping: float, gap: float) -> None:
+    """In all four kinds of region (upper only, lower only, both, neither) it slides where the force of F
+    2.6 says, and is released at that force's next zero."""
+    machine = Machine(damping, gap, form=form)
+    m, number = machine.mechanism, float(FORMS.index(form))
+
+    def force(side: float, theta: float) -> float:
+        psi = wall_angle(number, theta, side * gap, m)
+        return side * constraint_force(number, theta, 1.0, 0.0, psi, m)
+
+    kinds = set()
+    for theta in np.linspace(0.003, 6.27, 400):
+        holds = [force(side, theta) > 0.0 for side in (1.0, -1.0)]
+        kinds.add(tuple(holds))
+        for side, held in zip((1.0, -1.0), holds, strict=True):
+            slides, released = released_from_rest(machine, side, theta)
+            assert slides == (side if held else 0.0)
+            if math.isfinite(released):
+                assert abs(force(side, released)) < 1e-11
+                between = np.linspace(theta, released, 50)[1:-1]
+                assert min(force(side, t) for t in between) > 0.0
+    if (form, damping, gap) == ("as_published", 0.267, 0.02):
+        assert kinds == {(True, False), (True, True)}
+    if damping == 0.1:
+        assert (True, False) in kinds
+        assert (False, True) in kinds
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
