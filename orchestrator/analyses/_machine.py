@@ -25,6 +25,9 @@ MACHINE = {
     ),
 }
 
+# What the constraint forces depend on.
+MECHANISM = {key: MACHINE[key] for key in MACHINE if key not in ("restitution", "sliding_threshold")}
+
 START = {
     "psi": Parameter(0.0, "rad", "deviation of the rod at the start, crank angle 0"),
     "psi_rate": Parameter(0.0, "1", "its derivative by crank angle"),
@@ -40,9 +43,11 @@ def duration(cycles: int, transient: int) -> dict[str, Parameter]:
 
 
 def machine_of(values: Mapping[str, Any]) -> Machine:
-    """The machine; MistakeError where its parameters do not fit together."""
+    """The machine, with defaults for parameters that an analysis lacks; MistakeError where they do not fit
+    together."""
     try:
-        return Machine(**{field.name: values[field.name] for field in fields(Machine)})
+        names = (field.name for field in fields(Machine) if field.name in values)
+        return Machine(**{name: values[name] for name in names})
     except ValueError as error:
         raise MistakeError(str(error)) from None
 

@@ -10,27 +10,24 @@ from matplotlib.figure import Figure
 
 from ..style import plt
 
+# Inches for both lines.
+TITLE = 0.45
+MACHINE = {"fontsize": 8.5, "color": "#55606b"}
 SYMBOLS = {"damping": "λ", "gap": "ρ", "restitution": "e"}
 
 
 def titled(
-    title: str,
-    values: Mapping[str, Any],
-    width: float,
-    height: float,
-    rows: int = 1,
-    columns: int = 1,
-    **more: Any,
+    title: str, values: Mapping[str, Any], width: float, height: float, mosaic: Any = "A", **more: Any
 ) -> tuple[Figure, Any]:
-    """Figure and axes; the title stands on the left, with the machine in a second line."""
-    figure, axes = plt.subplots(rows, columns, figsize=(width, height + 0.35), **more)
-    figure.suptitle(title, x=0.012, ha="left", fontsize=11, fontweight="bold")
-    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - 0.2 / (height + 0.35)))
-    figure.text(
-        0.012, 1.0 - 0.33 / (height + 0.35), machine_in_words(values), ha="left", va="center", fontsize=8.5,
-        color="#55606b",
-    )  # fmt: skip
-    return figure, axes
+    """Figure and its axes, by name where `mosaic` (as matplotlib's) has several; the title stands on the
+    left, with the machine in a second line."""
+    figure = plt.figure(figsize=(width, height + TITLE))
+    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - TITLE / (height + TITLE)))
+    axes = figure.subplot_mosaic(mosaic, **more)
+    lines = ((title, 0.06, {"fontsize": 11, "fontweight": "bold"}), (machine_in_words(values), 0.27, MACHINE))
+    for text, below, look in lines:
+        figure.text(0.012, 1.0 - below / (height + TITLE), text, ha="left", va="top", **look)
+    return figure, axes if len(axes) > 1 else axes["A"]
 
 
 def legend(figure: Figure, axes: Axes) -> None:

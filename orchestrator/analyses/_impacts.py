@@ -1,0 +1,79 @@
+"""Impacts of a motion, and what the analyses of them have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray
+
+from models.quantities import Vector
+from models.slider_crank import histories as h
+from models.slider_crank.machine import Events
+from models.slider_crank.statistics import Distribution, approach_velocities
+
+from ._machine import MACHINE, START, duration, motion_of
+from ._table import column
+from .protocol import Parameter, Result
+
+PSI_RATE, APPROACH = "psi_rate", "approach"
+IMPACT, CYCLE = "impact", "cycle"
+VELOCITY = Parameter(
+    PSI_RATE, "1", "psi' (F), or the slider's velocity relative to the wall", choices=(PSI_RATE, APPROACH)
+)
+PER = Parameter(IMPACT, "1", "sums over the number of all impacts (F), or of cycles", choices=(IMPACT, CYCLE))
+COUNTS = {
+    "impacts_per_cycle": Result("1", "impacts per crank cycle"),
+    "lower_per_cycle": Result("1", "of them on the lower wall"),
+    "onsets_per_cycle": Result("1", "of them those with which sliding begins"),
+}
+
+
+def parameters(cycles: int, bins: int) -> dict[str, Parameter]:
+    """Machine, start, duration and bins, with these defaults."""
+    wanted = Parameter(bins, "1", "equal parts that are summed over", minimum=2.0, integer=True)
+    return {**MACHINE, **START, **duration(cycles, 200), "bins": wanted}
+
+
+def impacts_of(values: Mapping[str, Any]) -> Events:
+    """The impacts of the motion after its transient."""
+    return motion_of(values).events(values["cycles"]).impacts
+
+
+def counts(impacts: Events, values: Mapping[str, Any]) -> dict[str, float]:
+    """Values of `COUNTS`."""
+    cycles = values["cycles"]
+    return {
+        "impacts_per_cycle": impacts.theta.size / cycles,
+        "lower_per_cycle": np.count_nonzero(impacts.side < 0.0) / cycles,
+        "onsets_per_cycle": np.count_nonzero(impacts.kind == h.ONSET) / cycles,
+    }
+
+
+def velocities_of(impacts: Events, values: Mapping[str, Any]) -> Vector:
+    """The kind of velocities that is asked for."""
+    return impacts.rate if values["velocity"] == PSI_RATE else approach_velocities(impacts)
+
+
+def total_of(impacts: Events, values: Mapping[str, Any]) -> float:
+    """What sums are divided by."""
+    return float(max(impacts.theta.size, 1) if values["per"] == IMPACT else values["cycles"])
+
+
+def binned(found: Distribution, unit: str, place: str, meaning: str) -> xarray.Dataset:
+    """A table with a row for each bin; `unit` and `place`: of the edges."""
+    return xarray.Dataset(
+        {
+            "start": column("bin", found.edges[:-1], unit, f"{place} at which the bin begins"),
+            "end": column("bin", found.edges[1:], unit, f"{place} at which it ends"),
+            "upper": column("bin", found.upper, "1", f"{meaning}, upper wall"),
+            "lower": column("bin", found.lower, "1", f"{meaning}, lower wall"),
+        }
+    )
+
+
+def edges_of(data: xarray.Dataset) -> Vector:
+    """The inverse of `binned`."""
+    edges: Vector = np.append(data["start"].values, data["end"].values[-1])
+    return edges

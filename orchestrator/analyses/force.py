@@ -1,0 +1,87 @@
+"""Constraint force over crank angle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray
+
+from models.slider_crank.bouncing import LOWER, UPPER
+from models.slider_crank.machine import Machine
+from models.slider_crank.regions import holding_intervals, region, sign_changes, wall_forces
+
+from ..errors import MistakeError
+from ._machine import MECHANISM, machine_of
+from ._table import column, scalars
+from .protocol import Analysis, Parameter, Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+TURN = 2.0 * math.pi
+
+
+def table(values: Mapping[str, Any]) -> xarray.Dataset:
+    """Forces over the window, and where they can hold."""
+    if values["end"] <= values["start"]:
+        raise MistakeError(
+            f"end = {values['end']:g} rad: must be greater than start = {values['start']:g} rad"
+        )
+    machine = machine_of(values)
+    theta = np.linspace(values["start"], values["end"], values["points"])
+    return xarray.Dataset(
+        {
+            "upper": column("theta", wall_forces(machine, UPPER, theta), "1", "f_u: force over M l Omega^2"),
+            "lower": column("theta", wall_forces(machine, LOWER, theta), "1", "f_l: force over M l Omega^2"),
+            "region": region(machine),
+            "upper_sign_changes": sign_changes(machine, UPPER),
+            "lower_sign_changes": sign_changes(machine, LOWER),
+            "upper_share": _share(machine, UPPER),
+            "lower_share": _share(machine, LOWER),
+        },
+        coords={"theta": column("theta", theta, "rad", "crank angle")},
+    )
+
+
+def _share(machine: Machine, side: float) -> float:
+    return sum(interval.end - interval.start for interval in holding_intervals(machine, side)) / TURN
+
+
+def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
+    return scalars(table(values))
+
+
+def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    from ..plots.motion.force import draw_force
+    from ..plots.motion.titles import legend, titled
+
+    figure, axes = titled("Constraint forces", values, width=6.8, height=3.0)
+    columns = (data[name].values for name in ("theta", "upper", "lower"))
+    draw_force(axes, *columns, window=(values["start"], values["end"]))
+    legend(figure, axes)
+    return figure
+
+
+ANALYSIS = Analysis(
+    name="force",
+    description="Constraint force: what holds a resting slider at each wall, over crank angle (F 2.6)",
+    parameters={
+        **MECHANISM,
+        "start": Parameter(0.0, "rad", "first crank angle"),
+        "end": Parameter(TURN, "rad", "last crank angle"),
+        "points": Parameter(1441, "1", "crank angles", minimum=2.0, integer=True),
+    },
+    results={
+        "region": Result("1", "F's region of sliding: I, II, III", text=True),
+        "upper_sign_changes": Result("1", "changes of sign of f_u a cycle"),
+        "lower_sign_changes": Result("1", "changes of sign of f_l a cycle"),
+        "upper_share": Result("1", "part of the cycle in which the upper wall can hold the slider"),
+        "lower_share": Result("1", "part of the cycle in which the lower wall can hold the slider"),
+    },
+    evaluate=evaluate,
+    table=table,
+    draw=draw,
+)

@@ -1,0 +1,71 @@
+"""Impact spectra."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import xarray
+
+from models.slider_crank.statistics import impact_spectrum
+
+from ._impacts import (
+    COUNTS,
+    PER,
+    VELOCITY,
+    binned,
+    counts,
+    edges_of,
+    impacts_of,
+    parameters,
+    total_of,
+    velocities_of,
+)
+from ._table import scalars
+from .protocol import Analysis, Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def table(values: Mapping[str, Any]) -> xarray.Dataset:
+    impacts = impacts_of(values)
+    found = impact_spectrum(
+        impacts, velocities_of(impacts, values), values["bins"], total_of(impacts, values)
+    )
+    spectrum = binned(found, "rad", "crank angle", f"sum of impact velocities per {values['per']}")
+    return spectrum.assign(
+        **counts(impacts, values), upper_sum=found.upper.sum(), lower_sum=found.lower.sum()
+    )
+
+
+def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
+    return scalars(table(values))
+
+
+def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    from ..plots.motion.distribution import draw_spectrum
+    from ..plots.motion.titles import titled
+    from ..plots.style import ACCENT, COUPLED
+
+    polar = {"projection": "polar"}
+    figure, axes = titled("Impact spectra", values, 7.2, 3.7, mosaic=[["upper", "lower"]], subplot_kw=polar)
+    for wall, colour in (("upper", COUPLED), ("lower", ACCENT)):
+        draw_spectrum(axes[wall], edges_of(data), data[wall].values, colour)
+        axes[wall].set_title(f"{wall} wall", fontsize=9)
+    return figure
+
+
+ANALYSIS = Analysis(
+    name="spectrum",
+    description="Impact spectra: impact velocities around the crank cycle (F 3.7)",
+    parameters={**parameters(3000, 120), "velocity": VELOCITY, "per": PER},
+    results={
+        **COUNTS,
+        "upper_sum": Result("1", "sum over the upper wall"),
+        "lower_sum": Result("1", "sum over the lower wall (negative)"),
+    },
+    evaluate=evaluate,
+    table=table,
+    draw=draw,
+)

@@ -1,0 +1,88 @@
+"""Wear along the walls."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import xarray
+
+from models.slider_crank.bouncing import LOWER, UPPER
+from models.slider_crank.statistics import (
+    effective_bins,
+    energies,
+    energy_profile,
+    sampling_bias,
+    uniformity,
+)
+
+from ._impacts import COUNTS, binned, counts, edges_of, impacts_of, parameters
+from ._machine import machine_of
+from ._table import column, scalars
+from .protocol import Analysis, Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# The number of bins is also taken smaller and larger, to show what depends on it.
+FACTORS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+WALLS = {"upper": UPPER, "lower": LOWER}
+
+
+def table(values: Mapping[str, Any]) -> xarray.Dataset:
+    """Energies per cycle along the walls, and the worn share over the number of bins."""
+    machine, impacts, cycles = machine_of(values), impacts_of(values), values["cycles"]
+    taken = energies(machine, impacts)
+    numbers = sorted({max(2, round(factor * values["bins"])) for factor in FACTORS})
+    found = {n: energy_profile(machine, impacts, n, cycles) for n in numbers}
+    own = found[values["bins"]]
+    worn = binned(own, "1", "place on the wall x / l", "energy taken per cycle over M l^2 Omega^2")
+    worn = worn.assign_coords(bins=column("bins", numbers, "1", "number of bins"))
+    for wall, side in WALLS.items():
+        share = [effective_bins(getattr(found[n], wall)) / n for n in numbers]
+        weights = getattr(own, wall)
+        worn[f"{wall}_worn_share"] = column("bins", share, "1", "effective bins over all bins")
+        worn[f"{wall}_uniformity"] = uniformity(weights)
+        worn[f"{wall}_bias"] = sampling_bias(weights, taken[impacts.side == side])
+        worn[f"{wall}_spots"] = effective_bins(weights)
+        worn[f"{wall}_energy"] = weights.sum()
+    return worn.assign(**counts(impacts, values))
+
+
+def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
+    return scalars(table(values))
+
+
+def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    from ..plots.motion.distribution import draw_profile
+    from ..plots.motion.titles import legend, titled
+    from ..plots.motion.wear import draw_worn_share
+
+    mosaic = [["profile", "profile", "share"]]
+    figure, axes = titled("Wear: energy that impacts take", values, 9.2, 3.4, mosaic=mosaic)
+    draw_profile(axes["profile"], edges_of(data), data["upper"].values, -data["lower"].values)
+    axes["profile"].set_ylabel("energy per cycle / (M l² Ω²)")
+    shares = {wall: data[f"{wall}_worn_share"].values for wall in WALLS if data[f"{wall}_energy"] > 0.0}
+    draw_worn_share(axes["share"], data["bins"].values, shares)
+    legend(figure, axes["profile"])
+    return figure
+
+
+def _results(wall: str) -> dict[str, Result]:
+    return {
+        f"{wall}_energy": Result("1", f"energy taken by the {wall} wall per cycle over M l^2 Omega^2"),
+        f"{wall}_uniformity": Result("1", "entropy of its distribution over ln(bins): 1 even, 0 one spot"),
+        f"{wall}_bias": Result("1", "by how much that is too small for so many impacts"),
+        f"{wall}_spots": Result("1", "exp(entropy): so many bins alike would have it"),
+    }
+
+
+ANALYSIS = Analysis(
+    name="wear",
+    description="Wear: energy that impacts take along the walls, and how evenly",
+    parameters=parameters(3000, 100),
+    results={**_results("upper"), **_results("lower"), **COUNTS},
+    evaluate=evaluate,
+    table=table,
+    draw=draw,
+)

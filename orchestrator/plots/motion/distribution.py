@@ -1,0 +1,53 @@
+"""Impact distribution profile (F 4.6 to 4.14) and impact spectrum (F 4.16, 4.17)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.projections.polar import PolarAxes
+from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+from models.quantities import Vector
+
+from ..style import ACCENT, COUPLED, MUTED
+from .angles import in_pi
+
+
+def draw_profile(axes: Axes, edges: Vector, upper: Vector, lower: Vector, label: bool = True) -> None:
+    """Bars along the wall: the upper wall's values upwards, the lower one's (negative) downwards."""
+    for values, colour, words in ((upper, COUPLED, "upper wall"), (lower, ACCENT, "lower wall")):
+        axes.stairs(values, edges, fill=True, color=colour, alpha=0.85, lw=0.0, label=words)
+    axes.axhline(0.0, color=MUTED, lw=0.8)
+    axes.set_xlim(edges[0], edges[-1])
+    axes.yaxis.set_major_locator(MaxNLocator(6, symmetric=True))
+    if label:
+        axes.set_xlabel("place on the wall x / l  (left: θ = π, right: θ = 0)")
+
+
+def draw_spectrum(axes: PolarAxes, edges: Vector, values: Vector, colour: str = COUPLED) -> None:
+    """Bars around the revolution, as long as the values are large; the scale stands on the emptier side."""
+    axes.bar(
+        edges[:-1],
+        np.abs(values),
+        width=np.diff(edges),
+        align="edge",
+        color=colour,
+        alpha=0.85,
+        linewidth=0.0,
+    )
+    axes.set_xticks(0.25 * math.pi * np.arange(8))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda angle, _: _eighth(angle)))
+    axes.yaxis.set_major_locator(MaxNLocator(4))
+    axes.tick_params(axis="y", labelsize=7.0, labelcolor="#55606b")
+    middles = 0.5 * (edges[:-1] + edges[1:])
+    axes.set_rlabel_position(
+        math.degrees(float(np.angle(np.sum(np.abs(values) * np.exp(1j * middles))))) + 180.0
+    )
+    axes.spines["polar"].set_color(MUTED)
+
+
+def _eighth(angle: float) -> str:
+    quarters = round(4.0 * angle / math.pi)
+    return in_pi(angle) if quarters % 2 == 0 else f"{'' if quarters == 1 else quarters}π/4"

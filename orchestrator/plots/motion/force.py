@@ -1,0 +1,34 @@
+"""Constraint forces over crank angle (F 2.4 to 2.9)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from models.quantities import Vector
+
+from ..style import ACCENT, COUPLED, MUTED
+from .angles import turns
+
+
+def draw_force(
+    axes: Axes,
+    theta: Vector,
+    upper: Vector,
+    lower: Vector,
+    window: tuple[float, float] = (0.0, 2.0 * math.pi),
+    label: bool = True,
+) -> None:
+    """f_u and f_l, filled where the wall can hold the slider; `window`: crank angles."""
+    inside = (theta >= window[0]) & (theta <= window[1])
+    angle = theta[inside]
+    axes.axhline(0.0, color=MUTED, lw=0.8)
+    for force, colour, words in ((upper, COUPLED, "upper wall"), (lower, ACCENT, "lower wall")):
+        shown = force[inside]
+        axes.fill_between(angle, 0.0, np.maximum(shown, 0.0), color=colour, alpha=0.15, lw=0.0)
+        axes.plot(angle, shown, color=colour, lw=1.3, label=words)
+    turns(axes, *window)
+    if label:
+        axes.set_ylabel("force f / (M l Ω²)")

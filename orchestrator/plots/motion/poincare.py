@@ -1,0 +1,66 @@
+"""Poincaré map: psi' before impacts on one wall over crank angle (F 4.3 to 4.5)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+
+from models.quantities import Vector
+
+from ..style import COUPLED, REFERENCE
+from .angles import turns
+
+# Parts of the height and the width that can be told apart.
+RASTER = 1000.0
+# Crank angles low and high, psi' low and high.
+Window = tuple[float, float, float, float]
+
+
+def draw_poincare(
+    axes: Axes,
+    theta: Vector,
+    rate: Vector,
+    window: Window | None = None,
+    marks: Sequence[Window] = (),
+    label: bool = True,
+) -> None:
+    """Points in the window (default: the whole revolution); `marks`: windows to outline."""
+    if window is not None:
+        inside = (theta >= window[0]) & (theta <= window[1]) & (rate >= window[2]) & (rate <= window[3])
+        theta, rate = theta[inside], rate[inside]
+    axes.scatter(theta, rate, s=dot(theta, rate), color=COUPLED, linewidths=0.0, rasterized=True)
+    if window is None:
+        turns(axes)
+        axes.margins(y=0.04)
+    else:
+        axes.set_xlim(window[0], window[1])
+        axes.set_ylim(window[2], window[3])
+        axes.locator_params(nbins=5)
+    for mark in marks:
+        corner, width, height = (mark[0], mark[2]), mark[1] - mark[0], mark[3] - mark[2]
+        axes.add_patch(Rectangle(corner, width, height, fill=False, ec=REFERENCE, lw=1.0, zorder=3))
+    if label:
+        axes.set_xlabel("crank angle θ (rad)")
+        axes.set_ylabel("ψ′ before impact")
+
+
+def dot(theta: Vector, rate: Vector) -> float:
+    """Area of a dot (points squared): single points are seen, many do not run into each other."""
+    height = float(np.ptp(rate)) if rate.size else 0.0
+    places = np.stack([theta / (2.0 * math.pi), rate / (height or 1.0)])
+    apart = np.unique(np.round(RASTER * places), axis=1).shape[1]
+    return float(np.clip(3000.0 / max(apart, 1), 0.15, 6.0))
+
+
+def magnified(theta: Vector, rate: Vector, centre: tuple[float, float], by: float) -> Window:
+    """The window `by` times smaller than the whole, around the point nearest to `centre`."""
+    width = 2.0 * math.pi
+    height = float(np.ptp(rate)) or 1.0
+    distances = ((theta - centre[0]) / width) ** 2 + ((rate - centre[1]) / height) ** 2
+    i = int(np.argmin(distances))
+    half = (0.5 * width / by, 0.5 * height / by)
+    return theta[i] - half[0], theta[i] + half[0], rate[i] - half[1], rate[i] + half[1]

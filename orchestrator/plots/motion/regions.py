@@ -1,0 +1,56 @@
+"""Regions of sliding in lambda and rho (F 2.10)."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from models.quantities import Vector
+
+from ..style import ACCENT, COUPLED, REFERENCE
+
+INK = "#3a444e"
+
+
+def draw_regions(
+    axes: Axes, gap: Vector, upper: Vector, lower: Vector, damping: tuple[float, float], label: bool = True
+) -> None:
+    """`upper`, `lower`: lambda from which on the upper wall holds throughout and the lower one nowhere;
+    `damping`: the abscissa's limits."""
+    low, high = damping
+    axes.fill_betweenx(gap, low, upper, color=ACCENT, alpha=0.13, lw=0.0)
+    axes.fill_betweenx(gap, upper, lower, color=REFERENCE, alpha=0.22, lw=0.0)
+    axes.fill_betweenx(gap, lower, high, color=COUPLED, alpha=0.13, lw=0.0)
+    axes.plot(upper, gap, color=COUPLED, lw=1.4)
+    axes.plot(lower, gap, color=ACCENT, lw=1.4)
+    axes.set_xlim(low, high)
+    axes.set_ylim(gap[0], gap[-1])
+    if label:
+        axes.set_xlabel("friction λ")
+        axes.set_ylabel("clearance ρ")
+    middle = 0.6 * gap[-1]
+    first, second = np.interp(middle, gap, upper), np.interp(middle, gap, lower)
+    _name(axes, 0.5 * (low + first), middle, "I", "each wall holds\nin a part of the cycle")
+    _name(axes, 0.5 * (second + high), middle, "III", "upper wall throughout,\nlower wall nowhere")
+    _name_between(axes, gap, upper, lower, high - low)
+
+
+def _name(axes: Axes, x: float, y: float, name: str, words: str) -> None:
+    axes.annotate(name, (x, y), ha="center", va="bottom", fontsize=13, fontweight="bold", color=INK)
+    axes.annotate(
+        words, (x, y), (0.0, -3.0), textcoords="offset points", ha="center", va="top", fontsize=7.5, color=INK
+    )
+
+
+def _name_between(axes: Axes, gap: Vector, upper: Vector, lower: Vector, span: float) -> None:
+    """Region II's name in it, or beside it where it is narrow."""
+    y = 0.85 * gap[-1]
+    first, second = np.interp(y, gap, upper), np.interp(y, gap, lower)
+    middle = 0.5 * (first + second)
+    if second - first > 0.08 * span:
+        _name(axes, middle, y, "II", "upper throughout,\nlower in a part")
+        return
+    axes.annotate(
+        "II", (middle, y), (30.0, 0.0), textcoords="offset points", va="center", fontsize=13,
+        fontweight="bold", color=INK, arrowprops={"arrowstyle": "-", "color": INK, "lw": 0.8},
+    )  # fmt: skip

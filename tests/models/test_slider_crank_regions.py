@@ -1,0 +1,182 @@
+"""Where the walls can hold the slider (F 2.6): zeros of the constraint forces, regions, thresholds."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.quantities import Vector
+from models.slider_crank.histories import LIFT
+from models.slider_crank.machine import FORMS, Machine, Motion
+from models.slider_crank.regions import (
+    critical_damping,
+    force_zeros,
+    holding_intervals,
+    region,
+    series_zeros,
+    sign_changes,
+    thresholds,
+    wall_forces,
+)
+from models.slider_crank.series import TERMS
+
+UPPER, LOWER = 1.0, -1.0
+TURN = 2.0 * math.pi
+LIMITS = {"as_published": 0.2669, "corrected": 0.1196, "nonlinear": 0.1196}
+# A force of one unit is that of a body accelerated by l Omega^2; rounding of its sums.
+ROUNDING = 1e-14
+MACHINES = st.builds(
+    Machine,
+    damping=st.floats(0.0, 0.4),
+    gap=st.floats(1e-4, 0.06),
+    form=st.sampled_from(FORMS),
+    xi=st.floats(0.05, 0.6),
+)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_threshold_of_permanent_sliding(form: str) -> None:
+    """0.2669 as published, 0.1196 corrected as rho -> 0, where both walls' forces are opposite."""
+    found = thresholds(Machine(gap=0.0, form=form))
+    assert found.upper == pytest.approx(LIMITS[form], abs=5e-5)
+    assert found.lower == pytest.approx(found.upper, rel=1e-12)
+
+
+@given(machine=MACHINES, side=st.sampled_from([UPPER, LOWER]))
+@settings(derandomize=True, deadline=None, max_examples=60)
+def test_force_is_zero_at_every_boundary_angle(machine: Machine, side: float) -> None:
+    """... of the sign that the intervals say between them, and none is missed by a fine scan."""
+    zeros = force_zeros(machine, side)
+    assert np.all(np.abs(wall_forces(machine, side, zeros)) < ROUNDING)
+    theta = np.linspace(0.001, TURN, 2000, endpoint=False)
+    holds = np.zeros(theta.size, dtype=bool)
+    for start, end in holding_intervals(machine, side):
+        holds |= ((theta > start) & (theta < end)) | (theta + TURN < end)
+    forces = wall_forces(machine, side, theta)
+    clear = np.abs(forces) > 1e-9
+    np.testing.assert_array_equal(holds[clear], forces[clear] > 0.0)
+
+
+@given(machine=MACHINES, side=st.sampled_from([UPPER, LOWER]))
+@settings(derandomize=True, deadline=None, max_examples=60)
+def test_forces_change_sign_an_even_number_of_times(machine: Machine, side: float) -> None:
+    assert sign_changes(machine, side) % 2 == 0
+
+
+def series_of_cosine(cells: int, mean: float, at: float) -> Vector:
+    """mean + cos(theta - at) as series of the cells."""
+    width = TURN / cells
+    starts = width * np.arange(cells) - at
+    orders = np.arange(TERMS)
+    factors = np.array([width**n / math.factorial(n) for n in orders])
+    series: Vector = factors * np.cos(starts[:, np.newaxis] + 0.5 * math.pi * orders)
+    series[:, 0] += mean
+    return series
+
+
+@pytest.mark.parametrize("apart", [1.0, 1e-3, 3e-6])
+@pytest.mark.parametrize("at", [0.0, 1.0, math.pi, 5.0])
+def test_close_zeros_are_both_found(apart: float, at: float) -> None:
+    """cos(apart / 2) + cos(theta - at): two zeros, `apart` from each other, wherever cells begin. Rounding
+    of the function moves them by 1e-16 / apart."""
+    found = series_zeros(series_of_cosine(64, math.cos(0.5 * apart), at))
+    exact = np.sort(np.mod([at + math.pi - 0.5 * apart, at + math.pi + 0.5 * apart], TURN))
+    np.testing.assert_allclose(found, exact, atol=1e-14 + 1e-15 / apart)
+
+
+def test_a_double_zero_is_found_once() -> None:
+    """1 + cos theta at pi, where a cell begins and rounding leaves it exact; 1e-12 above it none."""
+    np.testing.assert_allclose(series_zeros(series_of_cosine(64, 1.0, 0.0)), [math.pi], atol=1e-7)
+    assert len(series_zeros(series_of_cosine(64, 1.0 + 1e-12, 0.0))) == 0
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize(("side", "name"), [(UPPER, "upper"), (LOWER, "lower")])
+def test_two_zeros_end_at_the_threshold(form: str, side: float, name: str) -> None:
+    """1e-9 below it the force has two, 1e-9 above it none."""
+    machine = Machine(gap=0.01, form=form)
+    limit = getattr(thresholds(machine), name)
+    below, above = (force_zeros(replace(machine, damping=limit * (1.0 + d)), side) for d in (-1e-9, 1e-9))
+    assert (len(below), len(above)) == (2, 0)
+
+
+@pytest.mark.parametrize(("form", "changes"), [("as_published", 2), ("corrected", 4), ("nonlinear", 4)])
+@pytest.mark.parametrize("side", [UPPER, LOWER])
+def test_sign_changes_at_little_friction(form: str, changes: int, side: float) -> None:
+    """lambda = 0.01 (F 2.4: two, at about 0 and pi); with beta of the right sign there are four."""
+    assert sign_changes(Machine(damping=0.01, form=form), side) == changes
+
+
+@given(theta=st.floats(0.0, TURN), gap=st.floats(0.0, 0.05), form=st.sampled_from(FORMS))
+@settings(derandomize=True, deadline=None)
+def test_reflected_crank_exchanges_the_walls_without_friction(theta: float, gap: float, form: str) -> None:
+    """lambda = 0: theta -> -theta turns the mechanism over, so that f_u(-theta) = f_l(theta)."""
+    machine = Machine(damping=0.0, gap=gap, form=form)
+    upper = wall_forces(machine, UPPER, np.array([-theta]))
+    assert upper == pytest.approx(wall_forces(machine, LOWER, np.array([theta])), abs=ROUNDING)
+
+
+@given(theta=st.floats(0.0, TURN), damping=st.floats(0.0, 0.5), form=st.sampled_from(FORMS))
+@settings(derandomize=True, deadline=None)
+def test_walls_forces_are_opposite_without_clearance(theta: float, damping: float, form: str) -> None:
+    machine = Machine(damping=damping, gap=0.0, form=form)
+    upper, lower = (wall_forces(machine, side, np.array([theta])) for side in (UPPER, LOWER))
+    assert upper == pytest.approx(-lower, abs=ROUNDING)
+
+
+@given(machine=MACHINES, side=st.sampled_from([UPPER, LOWER]), theta=st.floats(0.0, TURN))
+@settings(derandomize=True, deadline=None)
+def test_critical_damping_makes_the_force_zero(machine: Machine, side: float, theta: float) -> None:
+    """Friction presses to the upper wall: there more of it holds, at the lower wall less."""
+    at = np.array([theta])
+    limit = float(critical_damping(machine, side, at)[0])
+    below, zero, above = (
+        wall_forces(replace(machine, damping=abs(limit) + step), side, at) for step in (0.0, 0.0, 0.1)
+    )
+    if limit >= 0.0:
+        assert zero == pytest.approx(0.0, abs=ROUNDING)
+    assert (above > below) if side == UPPER else (above < below)
+
+
+@given(machine=MACHINES)
+@settings(derandomize=True, deadline=None, max_examples=40)
+def test_region_is_what_the_forces_say(machine: Machine) -> None:
+    """By the intervals found from the forces' zeros, independent of the thresholds."""
+    throughout = holding_intervals(machine, UPPER) == [(0.0, TURN)]
+    lower = bool(holding_intervals(machine, LOWER))
+    said = {(False, True): "I", (True, True): "II", (True, False): "III", (False, False): "none"}
+    assert region(machine) == said[throughout, lower]
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_boundaries_of_the_regions_in_f_2_10(form: str) -> None:
+    """From one point at rho = 0 region II opens: its lower boundary falls with the clearance, its upper one
+    rises, up to twice F's clearances."""
+    machine = Machine(form=form)
+    found = [thresholds(replace(machine, gap=gap)) for gap in np.linspace(0.0, 0.02, 9)]
+    assert np.all(np.diff([one.upper for one in found]) < 0.0)
+    assert np.all(np.diff([one.lower for one in found]) > 0.0)
+
+
+def test_f_2_7_is_in_region_two() -> None:
+    """lambda = 0.267, rho = 0.02: sliding on the lower wall from 4.953 to 5.154 (F, from its own force that
+    is not linear in psi: 4.957 to 5.151)."""
+    machine = Machine(0.267, 0.02, form="as_published")
+    assert region(machine) == "II"
+    (interval,) = holding_intervals(machine, LOWER)
+    assert interval == pytest.approx((4.9531, 5.1541), abs=1e-4)
+
+
+def test_slides_end_where_the_interval_ends() -> None:
+    """(0.25, 0.015): a motion's releases are at the end of the wall's interval."""
+    machine = Machine(0.25, 0.015, form="as_published")
+    events = Motion(machine).skip(20).events(20)
+    (interval,) = holding_intervals(machine, UPPER)
+    released = events.theta[events.kind == LIFT]
+    assert released.size > 0
+    np.testing.assert_allclose(released, interval.end % TURN, atol=1e-10)

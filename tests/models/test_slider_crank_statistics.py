@@ -1,0 +1,173 @@
+"""Impact profiles, spectra and wear (F 3.2, 3.3): sums, bins, bounds of the entropy."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.slider_crank.forms import kinetic_energy, wall_angle
+from models.slider_crank.histories import BOUNCE, ONSET
+from models.slider_crank.machine import FORMS, Events, Machine, Motion
+from models.slider_crank.portrait import rates_after
+from models.slider_crank.statistics import (
+    approach_velocities,
+    effective_bins,
+    energies,
+    energy_profile,
+    impact_profile,
+    impact_spectrum,
+    sampling_bias,
+    uniformity,
+    wall_position,
+)
+
+XI = 0.303
+
+
+@cache
+def motion_impacts(form: str = "as_published", damping: float = 0.05) -> tuple[Machine, Events]:
+    machine = Machine(damping, 0.01, form=form)
+    return machine, Motion(machine).skip(50).events(300).impacts
+
+
+@pytest.mark.parametrize("bins", [1, 7, 100])
+def test_profile_and_spectrum_sum_to_the_mean_velocity(bins: int) -> None:
+    """(3.6), (3.7): over all bins and both walls, the sum of psi' over N."""
+    _, impacts = motion_impacts()
+    n = impacts.theta.size
+    profile = impact_profile(impacts, impacts.rate, XI, bins, n)
+    spectrum = impact_spectrum(impacts, impacts.rate, bins, n)
+    for found in (profile, spectrum):
+        assert found.upper.sum() + found.lower.sum() == pytest.approx(impacts.rate.mean(), rel=1e-12)
+        assert found.upper.sum() == pytest.approx(impacts.rate[impacts.side > 0.0].sum() / n, rel=1e-12)
+
+
+def test_bins_within_bins_add_up() -> None:
+    _, impacts = motion_impacts()
+    for distribution in (
+        lambda bins: impact_profile(impacts, impacts.rate, XI, bins, 1.0),
+        lambda bins: impact_spectrum(impacts, impacts.rate, bins, 1.0),
+    ):
+        coarse, fine = distribution(20), distribution(100)
+        np.testing.assert_allclose(fine.upper.reshape(20, 5).sum(axis=1), coarse.upper, atol=1e-13)
+        np.testing.assert_allclose(fine.lower.reshape(20, 5).sum(axis=1), coarse.lower, atol=1e-13)
+
+
+def test_profile_has_the_same_impacts_as_the_spectrum() -> None:
+    """theta and -theta are one place on the wall: folded, bins between the same places hold the same sums."""
+    _, impacts = motion_impacts()
+    places = wall_position(np.linspace(0.0, math.pi, 9), XI)
+    spectrum = impact_spectrum(impacts, impacts.rate, 16, 1.0)
+    folded = spectrum.upper[:8] + spectrum.upper[:7:-1]
+    x = wall_position(impacts.theta, XI)
+    upper = impacts.side > 0.0
+    for i in range(8):
+        between = upper & (x <= places[i]) & (x > places[i + 1])
+        assert impacts.rate[between].sum() == pytest.approx(folded[i], abs=1e-13)
+
+
+def test_walls_end_at_the_dead_centres() -> None:
+    """x = 1 + xi at theta = 0, 1 - xi at theta = pi."""
+    np.testing.assert_allclose(wall_position(np.array([0.0, math.pi]), XI), [1.0 + XI, 1.0 - XI], rtol=1e-15)
+
+
+def test_an_impact_at_a_dead_centre_is_counted() -> None:
+    """Rounding may put it beyond the wall's end."""
+    ends = np.array([0.0, np.nextafter(2.0 * math.pi, 0.0), math.pi])
+    one = np.ones(3)
+    impacts = Events(one, ends, one, one, one, BOUNCE * one)
+    assert impact_profile(impacts, one, XI, 10, 1.0).upper.sum() == 3.0
+
+
+def test_approach_is_towards_the_wall() -> None:
+    """Positive at the upper wall, negative at the lower one."""
+    _, impacts = motion_impacts()
+    assert np.all(approach_velocities(impacts) * impacts.side > 0.0)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_energy_taken_is_the_kinetic_energy_lost(form: str) -> None:
+    """The rod's kinetic energy before less after, less the work that crank and moving wall frame do:
+    momentum jump times the wall's rate. The quadratic part in psi' is exact in all forms."""
+    machine, impacts = motion_impacts(form)
+    index, m = float(FORMS.index(form)), machine.mechanism
+    taken = energies(machine, impacts)
+    after = rates_after(machine, impacts)
+    for i in range(0, 40):
+        theta = impacts.theta[i]
+        psi = wall_angle(index, theta, impacts.side[i] * machine.gap, m)
+        resting = (after[i] + machine.restitution * impacts.rate[i]) / (1.0 + machine.restitution)
+        energy = lambda rate: kinetic_energy(index, theta, 1.0, psi, rate, m)  # noqa: B023, E731
+        slope = 0.5 * (energy(resting + 1.0) - energy(resting - 1.0))
+        lost = energy(impacts.rate[i]) - energy(after[i]) - slope * (impacts.rate[i] - after[i])
+        assert taken[i] == pytest.approx(lost, rel=1e-9, abs=1e-15)
+
+
+def test_energy_of_the_last_impact_before_sliding_is_all_taken() -> None:
+    """F's threshold stops a rebound of 0.005; what it would have kept is gone too."""
+    machine = Machine(0.25, 0.015, form="as_published", sliding_threshold=0.005)
+    impacts = Motion(machine).skip(20).events(20).impacts
+    onset = impacts.kind == ONSET
+    assert onset.any()
+    taken = energies(machine, impacts)
+    bounced = energies(machine, impacts._replace(kind=np.full_like(impacts.kind, BOUNCE)))
+    np.testing.assert_allclose(taken[onset], bounced[onset] / (1.0 - 0.9**2), rtol=1e-12)
+    np.testing.assert_array_equal(taken[~onset], bounced[~onset])
+
+
+def test_energy_balances_over_a_periodic_motion() -> None:
+    """A bin count does not change the energy per cycle."""
+    machine, impacts = motion_impacts()
+    totals = [energy_profile(machine, impacts, bins, 300.0) for bins in (1, 10, 1000)]
+    for found in totals:
+        assert found.upper.sum() + found.lower.sum() == pytest.approx(
+            energies(machine, impacts).sum() / 300.0, rel=1e-12
+        )
+
+
+WEIGHTS = st.lists(st.floats(1e-6, 1e3), min_size=2, max_size=60)
+
+
+@given(weights=WEIGHTS, scale=st.floats(1e-3, 1e3))
+@settings(derandomize=True, deadline=None)
+def test_entropy_is_between_none_and_even(weights: list[float], scale: float) -> None:
+    """0 <= uniformity <= 1, whatever the order and the unit of the weights."""
+    values = np.array(weights)
+    found = uniformity(values)
+    assert -1e-12 <= found <= 1.0 + 1e-12
+    assert uniformity(scale * values[::-1]) == pytest.approx(found, abs=1e-12)
+    assert 1.0 - 1e-12 <= effective_bins(values) <= len(values) * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("bins", [2, 10, 1000])
+def test_entropy_of_one_spot_and_of_an_even_wall(bins: int) -> None:
+    """Exactly 0 and 1; n equal spots have n effective bins, for any number of bins."""
+    one = np.zeros(bins)
+    one[bins // 3] = 0.7
+    assert uniformity(one) == 0.0
+    assert uniformity(np.full(bins, 0.2)) == pytest.approx(1.0, abs=1e-14)
+    two = np.zeros(bins)
+    two[0] = two[-1] = 3.0
+    assert effective_bins(two) == pytest.approx(2.0, rel=1e-14)
+
+
+def test_no_impacts_have_no_uniformity() -> None:
+    assert math.isnan(uniformity(np.zeros(5)))
+    assert math.isnan(sampling_bias(np.zeros(5), np.zeros(0)))
+
+
+def test_sampling_bias_is_what_is_missing() -> None:
+    """400 independent impacts on an even wall of 50 bins, 300 times: the mean uniformity and the correction
+    make 1 (to the second order, 1/N^2, and four standard errors)."""
+    random = np.random.default_rng(1)
+    found = []
+    for _ in range(300):
+        weights = np.bincount(random.integers(0, 50, 400), minlength=50).astype(float)
+        found.append(uniformity(weights) + sampling_bias(weights, np.ones(400)))
+    error = np.std(found) / math.sqrt(len(found))
+    assert np.mean(found) == pytest.approx(1.0, abs=4.0 * error + (50 / 400) ** 2 / 12.0)
