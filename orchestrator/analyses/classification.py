@@ -60,8 +60,8 @@ def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     from ..plots.motion.titles import titled
 
     title = f"Classification: {data['kind'].item()}"
-    figure, axes = titled(title, values, width=6.8, height=4.4, rows=2, sharex=True)
-    draw_classification(axes, data)
+    figure, axes = titled(title, values, width=6.8, height=4.4, mosaic="A;B", sharex=True)
+    draw_classification([axes["A"], axes["B"]], data)
     return figure
 
 

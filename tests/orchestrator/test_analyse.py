@@ -38,6 +38,15 @@ def test_runs_for_every_form(name: str, form: str) -> None:
         assert {key: table[key].item() for key in found} == found
 
 
+@pytest.mark.parametrize("name", [name for name in names() if load(name).draw])
+def test_every_figure_is_drawn(name: str, tmp_path: Path) -> None:
+    """Also that of a machine that slides for good, without any impact."""
+    for damping in ("0.05", "0.4"):
+        settings = [f"{key}={SHORT[key]}" for key in SHORT if key in load(name).parameters]
+        analyse(name, [*settings, f"damping={damping}"], tmp_path / damping)
+        assert (tmp_path / damping / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
 def test_files_read_back(tmp_path: Path) -> None:
     """netCDF with units, parameters and versions; CSV with as many rows; PNG."""
     results = analyse("trace", ["cycles=2", "points=40", "form=as_published"], tmp_path)

@@ -13,10 +13,10 @@ def draw_escape(axes: Axes, data: xarray.Dataset, after: float) -> None:
     """`data` has length and period (0: not settled) of every start, mean_escape and its error."""
     lengths = data["length"].values
     settled = np.sort(lengths[data["period"].values > 0])
-    left = 1.0 - np.arange(1, len(settled) + 1) / len(lengths)
+    left = 1.0 - np.arange(len(settled) + 1) / len(lengths)
     axes.step(
         np.concatenate([[0.0], settled, [lengths.max()]]),
-        np.concatenate([[1.0], left, left[-1:]]),
+        np.append(left, left[-1]),
         where="post", color=COUPLED, label="starts",
     )  # fmt: skip
     mean, error = data["mean_escape"].item(), data["error"].item()
