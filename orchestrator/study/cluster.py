@@ -23,20 +23,11 @@ DEATHS = 1
 @contextmanager
 def connected(scheduler: str | None, workers: int | None, timeout: float) -> Iterator[Client]:
     """A client of the scheduler at the address, or of as many processes as there are cores."""
-    with _silent(), _there(scheduler, timeout) if scheduler else _here(workers or CPU_COUNT) as client:
+    # What goes wrong is in the store or in our messages; dask's come from threads that outlive the study.
+    for name in ("distributed", "distributed.client"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    with _there(scheduler, timeout) if scheduler else _here(workers or CPU_COUNT) as client:
         yield client
-
-
-@contextmanager
-def _silent() -> Iterator[None]:
-    """What goes wrong is in the store or in our messages."""
-    logger = logging.getLogger("distributed")
-    level = logger.level
-    logger.setLevel(logging.CRITICAL)
-    try:
-        yield
-    finally:
-        logger.setLevel(level)
 
 
 @contextmanager

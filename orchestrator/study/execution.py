@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import pickle
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import islice
+from typing import Any
 
 from distributed import Client, Future, as_completed
 from distributed.scheduler import KilledWorker
@@ -11,7 +14,7 @@ from distributed.scheduler import KilledWorker
 from ..errors import RunError
 from .points import Points
 from .subjects import Subject
-from .task import Outcome, Refusal, evaluate, message_of
+from .task import Outcome, evaluate
 
 # Points given out for each thread: enough that none waits for the next, few enough to forget at once.
 AHEAD = 4
@@ -21,6 +24,21 @@ DIED = "the worker's process died at this point, more than once (out of memory, 
 
 class WorkerError(RunError):
     """A worker that cannot take part, or a scheduler that is gone."""
+
+
+@dataclass(frozen=True)
+class Call:
+    """Unpickles as what `function` returns.
+
+    A worker that lacks our packages would end if it were sent one of our functions; unpickling is a task that
+    any worker can begin, and what is missing comes back as its error.
+    """
+
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        return self.function, self.arguments
 
 
 class Execution:
@@ -65,21 +83,21 @@ class Execution:
     def _give(self, indices: Iterator[int], places: dict[Future, int], completed: as_completed) -> None:
         for index in indices:
             values = self._points[index]
-            future = self._client.submit(evaluate, self._subject, values, self._versions, pure=False)
+            call = pickle.dumps(Call(evaluate, (self._subject, values, self._versions)))
+            future = self._client.submit(pickle.loads, call, pure=False)
             places[future] = index
             completed.add(future)
 
     def _outcome(self, future: Future) -> Outcome | None:
         if future.status == "cancelled":
-            raise WorkerError("the scheduler is gone; what is finished is kept")
+            address = self._client.scheduler.address
+            raise WorkerError(
+                f"the scheduler at {address} is gone; what is finished is kept, the same command continues"
+            )
         error = future.exception()
         if isinstance(error, KilledWorker):
             return None
-        if isinstance(error, ImportError) or isinstance(getattr(error, "__cause__", None), ImportError):
-            raise WorkerError(f"a worker cannot import what it needs ({error}); install tribocosim there")
-        if error is not None:
-            return Outcome({}, message_of(error))
-        outcome = future.result()
-        if isinstance(outcome, Refusal):
-            raise WorkerError(f"a worker {outcome.message}; install there what runs here")
+        outcome = f"cannot take part: {error}" if error else future.result()
+        if isinstance(outcome, str):
+            raise WorkerError(f"a worker {outcome}; install there what runs here")
         return outcome

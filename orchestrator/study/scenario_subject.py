@@ -140,7 +140,7 @@ class ScenarioSubject:
         with tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
             summary = run(self.at(values), Path(folder), self.build, quiet, figures=False)
             if not summary.complete:
-                raise RunError(summary.message)
+                raise RunError(summary.message.removeprefix("incomplete: "))
             found = _statistics(Path(folder))
         found["macro_steps"] = summary.macro_steps
         found["iterations"] = summary.iterations

@@ -21,21 +21,15 @@ class Outcome:
     message: str = ""
 
 
-@dataclass(frozen=True)
-class Refusal:
-    """Why a worker cannot take part: its results would not be those of the others."""
-
-    message: str
-
-
-def evaluate(subject: Subject, values: Mapping[str, Value], versions: dict[str, str]) -> Outcome | Refusal:
-    """The outcome of a point where what computes is what the study was begun with."""
+def evaluate(subject: Subject, values: Mapping[str, Value], versions: dict[str, str]) -> Outcome | str:
+    """The outcome of a point, or why this worker cannot take part: what computes must be what the study was
+    begun with."""
     try:
         found = difference(versions, fingerprint(subject))
     except MistakeError as error:
-        return Refusal(str(error))
+        return f"cannot take part: {error}"
     if found:
-        return Refusal(f"computes with {found}")
+        return f"computes with {found}"
     try:
         results = subject.evaluate(values)
         return Outcome(
@@ -45,7 +39,7 @@ def evaluate(subject: Subject, values: Mapping[str, Value], versions: dict[str, 
                 if name in results
             }
         )
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         return Outcome({}, message_of(error))
 
 

@@ -15,6 +15,8 @@ import numpy as np
 import pytest
 import xarray
 
+from orchestrator.study.files import load
+
 from .test_command_line import ROOT, said, tribocosim
 
 ANALYSIS = "tests.orchestrator.studied"
@@ -63,6 +65,13 @@ def wait_for(condition: object, seconds: float = 60.0) -> None:
         time.sleep(0.02)
 
 
+def status_of(store: Path) -> np.ndarray:
+    """Of every point; of none where there is no store yet."""
+    with contextlib.suppress(OSError, ValueError, KeyError), xarray.open_zarr(store) as found:
+        return found["status"].values.ravel()
+    return np.zeros(0)
+
+
 def processes_of(group: int) -> list[int]:
     """The processes that still run in a group."""
     found = []
@@ -74,9 +83,9 @@ def processes_of(group: int) -> list[int]:
     return found
 
 
-@pytest.fixture(scope="module")
-def cluster() -> Iterator[str]:
-    """A scheduler and two workers as a user starts them; the scheduler's address."""
+@contextlib.contextmanager
+def scheduled(*options_of_workers: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
+    """A scheduler and two workers as a user starts them; the scheduler's address and process."""
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     options = {"stdout": subprocess.DEVNULL, "text": True, "env": environment, "cwd": ROOT}
     dask = [sys.executable, "-m", "dask"]
@@ -88,14 +97,23 @@ def cluster() -> Iterator[str]:
     lines = iter(scheduler.stderr.readline, "")
     address = next(found[0] for line in lines if (found := re.search(r"tcp://[\d.]+:\d+", line)))
     worker = subprocess.Popen(
-        [*dask, "worker", address, "--nworkers", "2", "--nthreads", "1", "--no-dashboard"],
+        [*dask, "worker", address, "--nworkers", "2", "--nthreads", "1", "--no-dashboard",
+         *options_of_workers],
         stderr=subprocess.DEVNULL, **options,
     )  # fmt: skip
-    yield address
-    for process in (worker, scheduler):
-        process.terminate()
-        process.wait(30)
-    scheduler.stderr.close()
+    try:
+        yield address, scheduler
+    finally:
+        for process in (worker, scheduler):
+            process.terminate()
+            process.wait(30)
+        scheduler.stderr.close()
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[str]:
+    with scheduled() as (address, _):
+        yield address
 
 
 @pytest.fixture(scope="module")
@@ -154,21 +172,15 @@ def test_killed_and_continued_ends_with_the_same_store(
 ) -> None:
     store = tmp_path / "store.zarr"
     arguments = [str(undisturbed / "test.toml"), "--out", str(store), "--workers", "2"]
-
-    def status() -> np.ndarray:
-        with contextlib.suppress(OSError, ValueError, KeyError), xarray.open_zarr(store) as found:
-            return found["status"].values.ravel()
-        return np.zeros(20)
-
     for least in after:
         running = started(*arguments)
-        wait_for(lambda least=least: np.count_nonzero(status()) >= least)
+        wait_for(lambda least=least: np.count_nonzero(status_of(store)) >= least)
         if kill == signal.SIGKILL:
             os.kill(running.pid, kill)  # only the process that writes
         else:
             os.killpg(running.pid, kill)  # as a terminal does
         message = running.communicate(timeout=60)[1]
-        finished = np.count_nonzero(status())
+        finished = np.count_nonzero(status_of(store))
         assert least <= finished < 20
         wait_for(lambda pid=running.pid: not processes_of(pid), 10.0)
         if kill == signal.SIGINT:
@@ -221,3 +233,53 @@ def test_workers_of_another_source_are_refused(cluster: str, tmp_path: Path) -> 
     assert done.returncode == 3
     assert "a worker" in said(done)
     assert "No module named 'elsewhere'" in said(done)
+
+
+@pytest.mark.long
+def test_a_worker_without_our_packages_is_refused(tmp_path: Path) -> None:
+    lacking = tmp_path / "lacking.py"
+    lacking.write_text("import sys\nsys.modules['orchestrator'] = None\n")
+    with scheduled("--preload", str(lacking)) as (address, _):
+        store = tmp_path / "store.zarr"
+        done = tribocosim("study", str(study(tmp_path, "PLAIN")), "--scheduler", address, "--out", str(store))
+    assert done.returncode == 3
+    assert "a worker cannot take part: No module named 'orchestrator" in said(done)
+    assert "install there what runs here" in said(done)
+
+
+@pytest.mark.long
+def test_a_scheduler_that_ends_is_named_and_what_is_finished_is_kept(tmp_path: Path) -> None:
+    store = tmp_path / "store.zarr"
+    arguments = [str(study(tmp_path, "SLOW", 8.0, 10)), "--out", str(store)]
+    with scheduled() as (address, scheduler):
+        running = started(*arguments, "--scheduler", address)
+        wait_for(lambda: np.count_nonzero(status_of(store)) >= 3)
+        scheduler.kill()
+        message = running.communicate(timeout=60)[1]
+        assert running.returncode == 3
+        (line,) = message.splitlines()
+        assert f"the scheduler at {address} is gone" in line
+    assert 3 <= np.count_nonzero(status_of(store)) < 20
+
+
+DOCS = (ROOT / "docs" / "studies.md").read_text()
+
+
+def test_the_documented_studies_are_possible(tmp_path: Path) -> None:
+    studies = re.findall(r"```toml\n(.+?)```", DOCS, re.DOTALL)
+    assert len(studies) == 2
+    for number, text in enumerate(studies):
+        file = tmp_path / f"{number}.toml"
+        file.write_text(text)
+        assert len(load(str(file), lambda name, structure: Path()).points) == (6, 2)[number]
+
+
+def test_the_documented_function_is_studied_where_the_command_is_called(tmp_path: Path) -> None:
+    text = next(text for text in re.findall(r"```python\n(.+?)```", DOCS, re.DOTALL) if "HALF" in text)
+    (tmp_path / "mine.py").write_text(text)
+    points = "[points]\nkind = 'grid'\naxes.x = ['1 mm', 3.0]\n"
+    (tmp_path / "halves.toml").write_text("analysis = 'mine:HALF'\n" + points)
+    done = tribocosim("study", "halves.toml", "--workers=1", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    with xarray.open_zarr(tmp_path / "results" / "halves.zarr") as found:
+        assert found["half"].values.tolist() == [0.0005, 1.5]

@@ -1,0 +1,70 @@
+"""A scenario as what is studied: a point is the run that the command makes."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from orchestrator.errors import RunError
+from orchestrator.report import Reporter
+from orchestrator.results import open_result
+from orchestrator.run import run
+from orchestrator.scenario_files import load
+from orchestrator.study.task import evaluate
+
+from .test_study_points import planned
+
+IN_PROCESS = {
+    f"components.{name}.participant": "in-process"
+    for name in ("flywheel", "camshaft", "valve_spring", "contact")
+}
+LIFT = "components.camshaft.parameters.lift"
+
+
+def plan(rows: list[dict[str, Any]]) -> Any:
+    return planned(
+        {"kind": "list", "rows": rows},
+        analysis=None,
+        scenario="valve-train",
+        fixed={"stop_time": "2 ms"} | IN_PROCESS,
+    )
+
+
+def test_results_are_those_of_the_run(tmp_path: Path) -> None:
+    of = plan([{LIFT: "9 mm", "macro_step": "10 us"}])
+    found = of.subject.evaluate(of.points[0])
+    assert set(found) == set(of.subject.results)
+    settings = [f"{path}={value}" for path, value in IN_PROCESS.items()]
+    scenario = load("valve-train", [*settings, "stop_time=2 ms", f"{LIFT}=9 mm", "macro_step=10 us"])
+    summary = run(scenario, tmp_path, _no_fmu, Reporter(Console(quiet=True)), figures=False)
+    assert found["macro_steps"] == summary.macro_steps == 200
+    assert found["iterations"] == summary.iterations
+    for name, error in summary.errors.items():
+        assert found[f"{name}.error"] == error.relative_rms
+        assert found[f"{name}.uncertainty"] == error.uncertainty.relative_rms
+    with open_result(tmp_path) as tree:
+        for name, values in tree["coupled"].data_vars.items():
+            assert found[f"{name}.minimum"] == values.min()
+            assert found[f"{name}.maximum"] == values.max()
+            assert found[f"{name}.mean"] == pytest.approx(np.mean(values.values), rel=1e-15, abs=0.0)
+
+
+def test_a_run_that_fails_is_a_failed_point_with_its_message() -> None:
+    of = plan([{"macro_step": "1 ms", LIFT: "9 mm"}, {"macro_step": "10 us", LIFT: "-9 mm"}])
+    with pytest.raises(RunError, match="reduce macro_step"):
+        of.subject.evaluate(of.points[0] | {"stop_time": 0.05, "reference.enabled": False})
+    with pytest.raises(ValueError, match="lift"):
+        of.subject.evaluate(of.points[1])
+
+
+def test_workers_of_another_version_do_not_evaluate() -> None:
+    of = plan([{"macro_step": "10 us"}])
+    found = evaluate(of.subject, of.points[0], {"tribocosim": "0" * 16})
+    assert isinstance(found, str)
+    assert found.startswith("computes with tribocosim ")
+
+
+def _no_fmu(name: str, structure: Any) -> Path:
+    raise AssertionError("everything is in process")
