@@ -18,10 +18,13 @@ LOOK = 0.2
 
 
 def cores() -> int:
-    """The cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    """The cores that this process may use.
+
+    No more than OMP_NUM_THREADS, which schedulers set to 1 for each of many processes on one machine.
+    """
+    here = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    most = os.environ.get("OMP_NUM_THREADS", "")
+    return min(here, max(1, int(most))) if most.isdecimal() else here
 
 
 def no_progress(done: int, total: int) -> None:

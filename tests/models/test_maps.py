@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from models.parallel import each
+from models.parallel import cores, each
 from models.slider_crank.bifurcation import followed, from_rest
 from models.slider_crank.bouncing import Walls
 from models.slider_crank.flow import Flow
@@ -138,6 +138,12 @@ def test_each_keeps_the_order_and_tells_its_progress() -> None:
     assert found == [n * n for n in range(100)]
     assert seen[-1] == (100, 100)
     assert each(lambda n: n, [], workers=2) == []
+
+
+@pytest.mark.parametrize(("said", "least"), [("1", 1), ("0", 1), ("100000", cores()), ("", cores())])
+def test_no_more_threads_than_a_scheduler_allows(said: str, least: int, monkeypatch) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", said)
+    assert cores() == least
 
 
 def test_a_failing_point_ends_the_work() -> None:
