@@ -43,7 +43,8 @@ def impact_profile(impacts: Events, velocities: Vector, xi: float, bins: int, to
 
     F: velocities psi' (`impacts.rate`), total the number of all impacts. The sum over all bins and both
     walls is then the mean velocity. A motion that slides has infinitely many impacts, of which those above
-    the limit of chatter are here: its number says nothing, and the number of cycles is the better total.
+    the limit of chatter are here: sums of psi', which becomes the wall's, over their number or without it
+    have no limit. Those of `approach_velocities` over the number of cycles have one.
     """
     edges = np.linspace(1.0 - xi, 1.0 + xi, bins + 1)
     return _distributed(impacts, wall_position(impacts.theta, xi), edges, velocities / total)

@@ -17,6 +17,8 @@ from ._machine import MACHINE, START, duration, motion_of
 from ._table import column
 from .protocol import Parameter, Result
 
+# Cycles between looks at how many impacts there are.
+BATCH = 100
 PSI_RATE, APPROACH = "psi_rate", "approach"
 IMPACT, CYCLE = "impact", "cycle"
 VELOCITY = Parameter(
@@ -41,9 +43,23 @@ def impacts_of(values: Mapping[str, Any]) -> Events:
     return motion_of(values).events(values["cycles"]).impacts
 
 
-def counts(impacts: Events, values: Mapping[str, Any]) -> dict[str, float]:
+def first_impacts(values: Mapping[str, Any]) -> tuple[Events, int]:
+    """The same until there are `most` (to the end of the `BATCH` of cycles), and the cycles that took.
+
+    A motion that slides has hundreds of impacts a cycle.
+    """
+    motion, cycles, most = motion_of(values), values["cycles"], values["most"]
+    batches = []
+    begun, count = motion.cycle, 0
+    while count < most and (left := begun + cycles - motion.cycle) > 0:
+        batches.append(motion.events(min(left, BATCH)).impacts)
+        count += batches[-1].theta.size
+    columns = (np.concatenate(column) for column in zip(*batches, strict=True))
+    return Events(*columns), motion.cycle - begun
+
+
+def counts(impacts: Events, cycles: int) -> dict[str, float]:
     """Values of `COUNTS`."""
-    cycles = values["cycles"]
     return {
         "impacts_per_cycle": impacts.theta.size / cycles,
         "lower_per_cycle": np.count_nonzero(impacts.side < 0.0) / cycles,

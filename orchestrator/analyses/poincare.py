@@ -10,7 +10,7 @@ import xarray
 
 from models.slider_crank.bouncing import LOWER, UPPER
 
-from ._impacts import COUNTS, counts, impacts_of
+from ._impacts import COUNTS, counts, first_impacts
 from ._machine import MACHINE, START, duration
 from ._table import column, scalars
 from .protocol import Analysis, Parameter, Result
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
-    impacts = impacts_of(values)
+    impacts, cycles = first_impacts(values)
     chosen = impacts.where(impacts.side == (UPPER if values["wall"] == "upper" else LOWER))
     return xarray.Dataset(
         {
@@ -30,7 +30,8 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
             "approach": column("impact", chosen.approach, "1", "velocity towards the wall, over l Omega"),
             "onset": column("impact", chosen.kind, "1", "1: sliding begins"),
             "points": chosen.theta.size,
-            **counts(impacts, values),
+            "seen": cycles,
+            **counts(impacts, cycles),
         }
     )
 
@@ -69,6 +70,7 @@ ANALYSIS = Analysis(
         **MACHINE,
         **START,
         **duration(40_000, 200),
+        "most": Parameter(400_000, "1", "impacts after which it ends early", minimum=1.0, integer=True),
         "wall": Parameter("upper", "1", "wall", choices=("upper", "lower")),
         "centre_angle": Parameter(
             1.0, "rad", "magnified: around the impact nearest to it", 0.0, 2.0 * math.pi
@@ -76,7 +78,11 @@ ANALYSIS = Analysis(
         "centre_rate": Parameter(0.06, "1", "and to this psi'"),
         "magnification": Parameter(6.0, "1", "of the first window, and of the second over it", minimum=1.0),
     },
-    results={"points": Result("1", "impacts on this wall"), **COUNTS},
+    results={
+        "points": Result("1", "impacts on this wall"),
+        "seen": Result("1", "crank cycles that they took"),
+        **COUNTS,
+    },
     evaluate=evaluate,
     table=table,
     draw=draw,

@@ -34,7 +34,9 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
         impacts, velocities_of(impacts, values), values["xi"], values["bins"], total_of(impacts, values)
     )
     profile = binned(found, "1", "place on the wall x / l", f"sum of impact velocities per {values['per']}")
-    return profile.assign(**counts(impacts, values), upper_sum=found.upper.sum(), lower_sum=found.lower.sum())
+    return profile.assign(
+        **counts(impacts, values["cycles"]), upper_sum=found.upper.sum(), lower_sum=found.lower.sum()
+    )
 
 
 def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:

@@ -35,7 +35,7 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     )
     spectrum = binned(found, "rad", "crank angle", f"sum of impact velocities per {values['per']}")
     return spectrum.assign(
-        **counts(impacts, values), upper_sum=found.upper.sum(), lower_sum=found.lower.sum()
+        **counts(impacts, values["cycles"]), upper_sum=found.upper.sum(), lower_sum=found.lower.sum()
     )
 
 
@@ -52,7 +52,8 @@ def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     figure, axes = titled("Impact spectra", values, 7.2, 3.7, mosaic=[["upper", "lower"]], subplot_kw=polar)
     for wall, colour in (("upper", COUPLED), ("lower", ACCENT)):
         draw_spectrum(axes[wall], edges_of(data), data[wall].values, colour)
-        axes[wall].set_title(f"{wall} wall", fontsize=9)
+        none = "" if data[wall].values.any() else ": no impacts"
+        axes[wall].set_title(f"{wall} wall{none}", fontsize=9)
     return figure
 
 

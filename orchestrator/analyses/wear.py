@@ -46,7 +46,7 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
         worn[f"{wall}_bias"] = sampling_bias(weights, taken[impacts.side == side])
         worn[f"{wall}_spots"] = effective_bins(weights)
         worn[f"{wall}_energy"] = weights.sum()
-    return worn.assign(**counts(impacts, values))
+    return worn.assign(**counts(impacts, values["cycles"]))
 
 
 def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:

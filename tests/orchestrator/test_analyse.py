@@ -113,3 +113,15 @@ def test_lists_analyses_and_parameters() -> None:
 )
 def test_setting_is_read_as_toml_where_it_is_toml(text: str, value: object) -> None:
     assert setting(text) == ("a", value)
+
+
+def test_poincare_map_ends_early_with_enough_impacts() -> None:
+    """Counted to the end of a batch of cycles; what is per cycle does not change."""
+    values = {"form": "as_published", "damping": 0.25, "gap": 0.015, "transient": 50}
+    analysis = load("poincare")
+    short, all_ = (
+        analysis.evaluate(analysis.complete({**values, "cycles": cycles, "most": most}))
+        for cycles, most in ((1000, 20_000), (200, 10**6))
+    )
+    assert short["seen"] == 200
+    assert short == all_

@@ -11,12 +11,14 @@ from models.quantities import Vector
 
 
 def turns(axes: Axes, low: float = 0.0, high: float = 2.0 * math.pi) -> None:
-    """An abscissa of crank angle in rad, ticks at parts of pi."""
+    """An abscissa of crank angle in rad, ticks at parts of pi where it is long enough for some."""
     axes.set_xlim(low, high)
+    axes.set_xlabel("crank angle θ (rad)")
     span = (high - low) / math.pi
+    if span < 1.0:
+        return
     axes.xaxis.set_major_locator(MultipleLocator(math.pi * (0.5 if span <= 4.0 else 1.0)))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda angle, _: in_pi(angle)))
-    axes.set_xlabel("crank angle θ (rad)")
 
 
 def in_pi(angle: float) -> str:

@@ -39,12 +39,14 @@ def draw_spectrum(axes: PolarAxes, edges: Vector, values: Vector, colour: str = 
     )
     axes.set_xticks(0.25 * math.pi * np.arange(8))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda angle, _: _eighth(angle)))
-    axes.yaxis.set_major_locator(MaxNLocator(4))
+    if np.any(values):
+        axes.yaxis.set_major_locator(MaxNLocator(4))
+    else:
+        axes.set_yticks([])
     axes.tick_params(axis="y", labelsize=7.0, labelcolor="#55606b")
     middles = 0.5 * (edges[:-1] + edges[1:])
-    axes.set_rlabel_position(
-        math.degrees(float(np.angle(np.sum(np.abs(values) * np.exp(1j * middles))))) + 180.0
-    )
+    heavy = float(np.angle(np.sum(np.abs(values) * np.exp(1j * middles))))
+    axes.set_rlabel_position(math.degrees(heavy) + 180.0)
     axes.spines["polar"].set_color(MUTED)
 
 
