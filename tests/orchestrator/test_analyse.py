@@ -125,3 +125,21 @@ def test_poincare_map_ends_early_with_enough_impacts() -> None:
     )
     assert short["seen"] == 200
     assert short == all_
+
+
+PAGE = (Path(__file__).parents[2] / "docs" / "analyses.md").read_text("utf-8")
+COMMANDS = [line.split() for line in PAGE.split("```sh\n")[1].split("```")[0].splitlines()]
+
+
+def test_the_page_lists_all_analyses() -> None:
+    listed = PAGE.split("```")[0]
+    assert all(f"`{name}`" in listed for name in names())
+    assert {command[2] for command in COMMANDS} == set(names())
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[2])
+def test_the_pages_commands_are_understood(command: list[str]) -> None:
+    """Every parameter exists and takes the value."""
+    program, verb, name, *rest = command
+    assert (program, verb, set(rest[::2])) == ("tribocosim", "analyse", {"--set"})
+    load(name).complete(dict(setting(text) for text in rest[1::2]))

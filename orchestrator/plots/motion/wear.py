@@ -28,6 +28,6 @@ def draw_worn_share(axes: Axes, bins: Vector, shares: Mapping[str, Vector], labe
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.yaxis.set_major_formatter(ScalarFormatter())
     if label:
-        axes.annotate("spots would fall", (0.06, 0.05), xycoords="axes fraction", fontsize=7.5, color=MUTED)
+        axes.annotate("dotted: spots", (0.06, 0.05), xycoords="axes fraction", fontsize=7.5, color=MUTED)
         axes.set_xlabel("bins")
         axes.set_ylabel("worn share of the wall")
