@@ -65,13 +65,9 @@ def computed(analysis: Analysis, values: Mapping[str, Value]) -> xarray.Dataset:
     for name, result in analysis.results.items():
         table[name].attrs.update(units=result.unit, long_name=result.description)
     versions = ", ".join(f"{name} {metadata.version(name)}" for name in ("tribocosim", "numpy", "numba"))
-    return table.assign_attrs(
-        Conventions="CF-1.10",
-        title=analysis.description,
-        analysis=analysis.name,
-        versions=versions,
-        **{name: int(value) if isinstance(value, bool) else value for name, value in values.items()},
-    )
+    settings = {name: int(value) if isinstance(value, bool) else value for name, value in values.items()}
+    about = {"title": analysis.description, "analysis": analysis.name, "versions": versions}
+    return table.assign_attrs({**settings, **about, "Conventions": "CF-1.10"})
 
 
 def prepare(folder: Path, name: str, overwrite: bool) -> None:

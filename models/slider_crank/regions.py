@@ -67,8 +67,10 @@ def series_zeros(series: Vector) -> Vector:
     """Zeros in [0, 2 pi) of a function given by its series (cells, TERMS) as in a `Flow`.
 
     Searched as by `bouncing.slide`: none is passed over, however close to the next. A double zero counts
-    once, if rounding leaves it one.
+    once, if rounding leaves it one. A function that is zero everywhere has none.
     """
+    if not series.any():
+        return np.zeros(0)
     width = TURN / len(series)
     found: list[float] = []
     sign = 1.0 if series[0, 0] >= 0.0 else -1.0
@@ -156,7 +158,7 @@ def _greatest(machine: Machine, side: float) -> float:
         )
         for i in peaks
     )
-    return max(-float(found.fun) for found in refined)
+    return max([float(values.max()), *(-float(found.fun) for found in refined)])
 
 
 def region(machine: Machine) -> str:

@@ -180,3 +180,13 @@ def test_slides_end_where_the_interval_ends() -> None:
     released = events.theta[events.kind == LIFT]
     assert released.size > 0
     np.testing.assert_allclose(released, interval.end % TURN, atol=1e-10)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_without_a_crank_only_friction_presses(form: str) -> None:
+    """xi = 0: the upper wall holds throughout at any friction; without it there is no force, and no zero."""
+    still = Machine(damping=0.0, xi=0.0, form=form)
+    assert thresholds(still) == pytest.approx((0.0, 0.0), abs=ROUNDING)
+    assert (len(force_zeros(still, UPPER)), sign_changes(still, UPPER)) == (0, 0)
+    assert holding_intervals(replace(still, damping=0.1), UPPER) == [(0.0, TURN)]
+    assert region(replace(still, damping=0.1)) == "III"
