@@ -14,7 +14,7 @@ import numpy as np
 
 from ..quantities import Vector
 from .bouncing import POSITION_SIZE, SCRATCH_ROWS
-from .machine import Machine
+from .machine import BLOCKS, Exponents, Machine, exponents_of
 from .series import TERMS
 
 THREADS = 64
@@ -27,49 +27,68 @@ class NoDeviceError(RuntimeError):
 
 
 class Followed(NamedTuple):
-    """For each machine: both exponents per radian (-inf: it slides), impacts, and y and y' at the end."""
+    """For each machine: logarithmic growths (., blocks, 2) of two tangent vectors over blocks of `length`
+    revolutions, impacts (.) in all of them, and y and y' (., 2) at the end."""
 
-    largest: Vector
-    second: Vector
+    growths: Vector
     impacts: Vector
     state: Vector
+    length: int
 
 
-def follow(machines: Sequence[Machine], cycles: int, transient: int = 0) -> Followed:
-    """Exponents over `cycles` revolutions after `transient` ones, from psi = psi' = 0.
+def exponents(machines: Sequence[Machine], cycles: int, transient: int = 0) -> list[Exponents]:
+    """Exponents over `cycles` revolutions (rounded up to whole blocks) after `transient` ones, from rest in
+    the middle. Errors as `follow`."""
+    found = follow(machines, cycles, transient)
+    return [
+        exponents_of(machine, growths, float(impacts), found.length)
+        for machine, growths, impacts in zip(machines, found.growths, found.impacts, strict=True)
+    ]
 
-    ValueError if linear and nonlinear forms are mixed, NoDeviceError without a device.
+
+def follow(machines: Sequence[Machine], cycles: int, transient: int = 0, blocks: int = BLOCKS) -> Followed:
+    """The motions from psi = psi' = 0 with their tangent vectors.
+
+    ValueError if linear and nonlinear forms, or machines with different numbers of cells, are mixed;
+    NoDeviceError without a device.
     """
     kinds = {machine.form == "nonlinear" for machine in machines}
+    cells = {machine.flow.pressing.shape[0] for machine in machines}
     if len(kinds) != 1:
         raise ValueError("follow one kind of form at a time, linear or nonlinear")
-    run = _kernels().nonlinear if kinds.pop() else _kernels().linear
-    batches = [machines[i : i + BATCH] for i in range(0, len(machines), BATCH)]
-    parts = [_follow_batch(run, batch, cycles, transient) for batch in batches]
-    return Followed(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-
-
-def _follow_batch(run: Any, machines: Sequence[Machine], cycles: int, transient: int) -> Followed:
-    count = len(machines)
-    cells = {machine.flow.pressing.shape[0] for machine in machines}
-    if len(cells) > 1:
+    if len(cells) != 1:
         raise ValueError(f"follow machines with equal numbers of cells together, not {sorted(cells)}")
+    run = _kernels().nonlinear if kinds.pop() else _kernels().linear
+    length = -(-cycles // blocks)
+    parts = [
+        _follow_batch(run, machines[i : i + BATCH], length, blocks, transient)
+        for i in range(0, len(machines), BATCH)
+    ]
+    growths, impacts, state = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    return Followed(growths, impacts, state, length)
+
+
+def _follow_batch(
+    run: Any, machines: Sequence[Machine], length: int, blocks: int, transient: int
+) -> tuple[Vector, Vector, Vector]:
+    cuda, count = _kernels().cuda, len(machines)
     tables = [np.array(parts) for parts in zip(*(_flat(machine) for machine in machines), strict=True)]
-    walls = np.array([machine.walls for machine in machines])
-    position = np.zeros((count, POSITION_SIZE))
-    v = np.tile(np.eye(2), (count, 1, 1))
-    scratch = np.zeros((count, SCRATCH_ROWS, TERMS))
-    impacts = np.zeros(count)
-    cuda = _kernels().cuda
-    on_device = [cuda.to_device(table) for table in (*tables, walls, position, v, scratch, impacts)]
-    blocks = (count + THREADS - 1) // THREADS
-    growth = cuda.to_device(np.zeros((count, 2 + POSITION_SIZE)))
-    run[blocks, THREADS](*on_device, transient, growth)
-    growth = cuda.to_device(np.zeros((count, 2 + POSITION_SIZE)))
-    run[blocks, THREADS](*on_device, cycles, growth)
-    exponents = growth.copy_to_host()[:, :2] / (2.0 * np.pi * cycles)
-    state = on_device[-4].copy_to_host()[:, 2:4]
-    return Followed(exponents[:, 0], exponents[:, 1], on_device[-1].copy_to_host(), state)
+    walls = cuda.to_device(np.array([machine.walls for machine in machines]))
+    position = cuda.to_device(np.zeros((count, POSITION_SIZE)))
+    v = cuda.to_device(np.tile(np.eye(2), (count, 1, 1)))
+    scratch = cuda.to_device(np.zeros((count, SCRATCH_ROWS, TERMS)))
+    on_device = [*(cuda.to_device(table) for table in tables), walls, position, v, scratch]
+    grid = (count + THREADS - 1) // THREADS, THREADS
+
+    def block(revolutions: int) -> tuple[Vector, Vector]:
+        impacts, growth = np.zeros(count), np.zeros((count, 2 + POSITION_SIZE))
+        impacts_there, growth_there = cuda.to_device(impacts), cuda.to_device(growth)
+        run[grid](*on_device, impacts_there, revolutions, growth_there)
+        return growth_there.copy_to_host()[:, :2], impacts_there.copy_to_host()
+
+    block(transient)
+    growths, impacts = zip(*(block(length) for _ in range(blocks)), strict=True)
+    return np.stack(growths, axis=1), np.sum(impacts, axis=0), position.copy_to_host()[:, 2:4]
 
 
 def _flat(machine: Machine) -> tuple[Any, ...]:

@@ -34,6 +34,8 @@ from .series import TERMS
 FORMS = ("as_published", "corrected", "nonlinear")
 # Events kept per call of the recording kernel.
 BATCH = 4096
+# Spans whose scatter tells the uncertainty of an exponent.
+BLOCKS = 20
 
 
 @dataclass(frozen=True)
@@ -204,9 +206,9 @@ class Motion:
         self.impact_count += int(np.count_nonzero(table[:, h.KIND] != h.LIFT))
         return self._events(table)
 
-    def exponents(self, cycles: int, blocks: int = 20) -> Exponents:
+    def exponents(self, cycles: int, blocks: int = BLOCKS) -> Exponents:
         """Lyapunov exponents over so many revolutions (rounded up to whole blocks)."""
-        machine, m = self.machine, self.machine.mechanism
+        machine = self.machine
         v, length = np.eye(2), -(-cycles // blocks)
         growths, impacts = np.zeros((blocks, 2)), 0
         for block in range(blocks):
@@ -217,22 +219,7 @@ class Motion:
             growths[block] = growth[:2]
         self.cycle += blocks * length
         self.impact_count += impacts
-        radians = 2.0 * math.pi * length
-        per_cycle = impacts / (blocks * length)
-        rates = growths / radians
-        sum_rule = -math.inf
-        if machine.restitution > 0.0:
-            sum_rule = -m.damping / inertia(m) + 2.0 * per_cycle * math.log(machine.restitution) / (
-                2.0 * math.pi
-            )
-        slides = not np.isfinite(growths).all()
-        return Exponents(
-            -math.inf if slides else float(rates[:, 0].mean()),
-            -math.inf if slides else float(rates[:, 1].mean()),
-            0.0 if slides else float(rates[:, 0].std(ddof=1) / math.sqrt(blocks)),
-            sum_rule,
-            per_cycle,
-        )
+        return exponents_of(machine, growths, impacts, length)
 
     def _in_psi(self, phases: Vector, states: Vector) -> Vector:
         result = np.empty_like(states)
@@ -245,6 +232,20 @@ class Motion:
         states = np.stack([side * self.machine.gap, rate, np.zeros_like(rate)], axis=1)
         psi_rate = self._in_psi(theta, states)[:, RATE]
         return Events(cycle, theta, side, psi_rate, np.where(kind == h.LIFT, 0.0, side * rate), kind)
+
+
+def exponents_of(machine: Machine, growths: Vector, impacts: float, length: int) -> Exponents:
+    """Exponents from the logarithmic growths (blocks, 2) over blocks of `length` revolutions."""
+    blocks, m, e = len(growths), machine.mechanism, machine.restitution
+    per_cycle = impacts / (blocks * length)
+    lost = -math.log(e) if e > 0.0 else math.inf
+    by_impacts = 2.0 * per_cycle * lost / (2.0 * math.pi) if per_cycle else 0.0
+    exact_sum = -m.damping / inertia(m) - by_impacts
+    if not np.isfinite(growths).all():
+        return Exponents(-math.inf, -math.inf, 0.0, exact_sum, per_cycle)
+    rates = growths / (2.0 * math.pi * length)
+    scatter = float(rates[:, 0].std(ddof=1) / math.sqrt(blocks))
+    return Exponents(float(rates[:, 0].mean()), float(rates[:, 1].mean()), scatter, exact_sum, per_cycle)
 
 
 # Columns of a state.

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..parallel import each, no_progress
 from ..quantities import Vector
+from . import gpu
 from .machine import Machine, Motion
 from .recurrence import until_recurrent
 
@@ -48,6 +49,22 @@ def exponent_map(
         return largest_exponent(at, cycles, transient)
 
     found = np.array(each(point, grid(machine, x, y), workers, progress))
+    return ExponentMap(*found.T.reshape(3, len(y[1]), len(x[1])))
+
+
+def exponent_map_on_device(
+    machine: Machine,
+    x: tuple[str, Vector],
+    y: tuple[str, Vector],
+    cycles: int = 1000,
+    transient: int = 200,
+) -> ExponentMap:
+    """`exponent_map` on a CUDA device; its errors and those of `gpu.follow`.
+
+    Values agree within their uncertainty: in chaos, rounding decides after some 80 rad what happens.
+    """
+    every = gpu.exponents(grid(machine, x, y), cycles, transient)
+    found = np.array([(one.largest, one.uncertainty, one.impacts_per_cycle) for one in every])
     return ExponentMap(*found.T.reshape(3, len(y[1]), len(x[1])))
 
 

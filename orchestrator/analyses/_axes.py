@@ -10,6 +10,7 @@ import numpy as np
 import xarray
 
 from models.quantities import Vector
+from models.slider_crank.gpu import NoDeviceError
 from models.slider_crank.maps import VARIABLES
 
 from ..errors import MistakeError
@@ -48,8 +49,8 @@ def fixed(values: Mapping[str, Any], *letters: str) -> dict[str, Any]:
 
 @contextmanager
 def mistakes() -> Iterator[None]:
-    """What a machine refuses is the user's mistake."""
+    """What a machine refuses is the user's mistake, and so is a device that is not there."""
     try:
         yield
-    except ValueError as error:
+    except (ValueError, NoDeviceError) as error:
         raise MistakeError(str(error)) from None

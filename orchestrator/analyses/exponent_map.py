@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray
 
-from models.slider_crank.maps import exponent_map
+from models.slider_crank.maps import exponent_map, exponent_map_on_device
 
 from ._axes import along, axis, coordinate, fixed, mistakes
 from ._machine import MACHINE, duration, machine_of
 from ._progress import progress
 from ._table import column, scalars
-from .protocol import Analysis, Result
+from .protocol import Analysis, Parameter, Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,8 +22,12 @@ if TYPE_CHECKING:
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
     machine, x, y = machine_of(values), along(values, "x"), along(values, "y")
+    length = values["cycles"], values["transient"]
     with mistakes(), progress("exponent map") as shown:
-        found = exponent_map(machine, x, y, values["cycles"], values["transient"], progress=shown)
+        if values["device"] == "cuda":
+            found = exponent_map_on_device(machine, x, y, *length)
+        else:
+            found = exponent_map(machine, x, y, *length, progress=shown)
     return xarray.Dataset(
         {
             "largest": column(("y", "x"), found.largest, "1/rad", "largest exponent, -inf: slides"),
@@ -58,6 +62,7 @@ ANALYSIS = Analysis(
         **axis("x", "damping", 0.01, 0.25, 60),
         **axis("y", "gap", 0.005, 0.02, 60),
         **duration(1000, 200),
+        "device": Parameter("cpu", "1", "where it is computed", choices=("cpu", "cuda")),
     },
     results={
         "chaotic_share": Result("1", "part of the points with an exponent 3 standard errors above 0"),

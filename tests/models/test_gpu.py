@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from models.slider_crank import gpu
-from models.slider_crank.machine import Machine, Motion
+from models.slider_crank.machine import Machine, Motion, exponents_of
 
 # Chaotic, periodic, sliding.
 CASES = [(0.05, 0.01), (0.05, 0.015), (0.25, 0.015), (0.025, 0.02)]
@@ -20,25 +20,48 @@ CYCLES = 4
 def compare(form: str) -> None:
     """Four revolutions: rounding of 1e-16 grown by e^(0.42 * 25) = 4e4 stays below 1e-10."""
     machines = [Machine(damping, gap, form=form) for damping, gap in CASES]
-    found = gpu.follow(machines, CYCLES)
-    for i, machine in enumerate(machines):
+    found = gpu.follow(machines, CYCLES, blocks=CYCLES)
+    for machine, growths, impacts, state in zip(machines, *found[:3], strict=True):
         motion = Motion(machine)
-        exponents = motion.exponents(CYCLES, blocks=CYCLES)
-        assert found.impacts[i] == motion.impact_count
-        if np.isfinite(exponents.largest):
-            assert found.largest[i] == pytest.approx(exponents.largest, abs=1e-10)
-            assert found.second[i] == pytest.approx(exponents.second, abs=1e-10)
+        expected = motion.exponents(CYCLES, blocks=CYCLES)
+        assert impacts == motion.impact_count
+        assert state == pytest.approx(motion._position[2:4], abs=1e-10)
+        exponents = exponents_of(machine, growths, float(impacts), found.length)
+        if np.isfinite(expected.largest):
+            assert exponents == pytest.approx(expected, abs=1e-10)
         else:
-            assert not np.isfinite(found.largest[i])
-        assert found.state[i] == pytest.approx(motion._position[2:4], abs=1e-10)
+            assert not np.isfinite(exponents.largest)
 
 
+def missing() -> str:
+    """Why there is no device; empty if there is one."""
+    try:
+        gpu.follow([Machine()], 1, blocks=1)
+    except gpu.NoDeviceError as reason:
+        return str(reason)
+    return ""
+
+
+@pytest.fixture(scope="module")
+def device() -> None:
+    if reason := missing():
+        pytest.skip(reason)
+
+
+@pytest.mark.usefixtures("device")
 @pytest.mark.parametrize("form", ["as_published", "nonlinear"])
 def test_device_agrees_with_the_processor(form: str) -> None:
-    try:
-        compare(form)
-    except gpu.NoDeviceError as reason:
-        pytest.skip(str(reason))
+    compare(form)
+
+
+@pytest.mark.usefixtures("device")
+def test_exponents_on_a_device_agree_within_their_uncertainty() -> None:
+    found = gpu.exponents([Machine(0.05, 0.01, form="as_published")], 4000, transient=50)[0]
+    assert found.largest == pytest.approx(0.4116, abs=5.0 * found.uncertainty)
+
+
+def test_missing_device_is_named() -> None:
+    assert missing() == "" or "no CUDA device" in missing() or "pip install 'tribocosim[cuda]'" in missing()
 
 
 @pytest.mark.parametrize("form", ["as_published", "nonlinear"])
