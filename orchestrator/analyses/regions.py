@@ -50,7 +50,7 @@ def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     shown = {name: value for name, value in values.items() if name not in ("damping", "gap")}
     figure, axes = titled("Regions of sliding", shown, width=5.6, height=3.8)
     columns = [data[name].values for name in ("gap", "upper", "lower")]
-    highest = 1.4 * max(columns[2].max(), values["damping"])
+    highest = 1.4 * max(columns[1].max(), columns[2].max(), values["damping"])
     draw_regions(axes, *columns, damping=(0.0, highest))
     axes.plot(values["damping"], values["gap"], "o", color="#3a444e", ms=4.5)
     axes.annotate(

@@ -71,7 +71,9 @@ def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
 def _results(wall: str) -> dict[str, Result]:
     return {
         f"{wall}_energy": Result("1", f"energy taken by the {wall} wall per cycle over M l^2 Omega^2"),
-        f"{wall}_uniformity": Result("1", "entropy of its distribution over ln(bins): 1 even, 0 one spot"),
+        f"{wall}_uniformity": Result(
+            "1", "entropy of its distribution over ln(bins): 1 even, 0 one spot, nan no impacts"
+        ),
         f"{wall}_bias": Result("1", "by how much that is too small for so many impacts"),
         f"{wall}_spots": Result("1", "exp(entropy): so many bins alike would have it"),
     }

@@ -163,6 +163,17 @@ def test_boundaries_of_the_regions_in_f_2_10(form: str) -> None:
     assert np.all(np.diff([one.lower for one in found]) > 0.0)
 
 
+def test_there_is_a_region_that_f_does_not_have() -> None:
+    """Wide clearance and a heavy rod: at the lower threshold the upper wall still lets go."""
+    machine = Machine(gap=0.065, form="nonlinear", xi=0.53, alpha=3.9, beta=0.18)
+    limits = thresholds(machine)
+    assert limits.lower < limits.upper
+    between = replace(machine, damping=0.5 * (limits.lower + limits.upper))
+    assert region(between) == "none"
+    assert holding_intervals(between, LOWER) == []
+    assert holding_intervals(between, UPPER) != [(0.0, TURN)]
+
+
 def test_f_2_7_is_in_region_two() -> None:
     """lambda = 0.267, rho = 0.02: sliding on the lower wall from 4.953 to 5.154 (F, from its own force that
     is not linear in psi: 4.957 to 5.151)."""

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from orchestrator.plots.motion.angles import from_first_turn, in_pi
 from orchestrator.plots.motion.phase import draw_phase
 from orchestrator.plots.motion.poincare import draw_poincare, magnified
+from orchestrator.plots.motion.titles import machine_in_words
 from orchestrator.plots.style import plt
 
 
@@ -20,6 +21,11 @@ from orchestrator.plots.style import plt
 )
 def test_angles_are_written_in_pi(halves: int, text: str) -> None:
     assert in_pi(0.5 * math.pi * halves) == text
+
+
+def test_titles_say_what_is_not_usual() -> None:
+    values = {"damping": 0.05, "gap": 0.01, "form": "as_published", "xi": 0.303, "beta": 0.158}
+    assert machine_in_words(values) == "λ = 0.05, ρ = 0.01, β = 0.158, as published"
 
 
 @given(turns=st.integers(0, 10**6), phase=st.floats(0.0, 6.2))

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from models.quantities import Vector
 
-from ..style import ACCENT, COUPLED, REFERENCE
+from ..style import ACCENT, COUPLED, MUTED, REFERENCE
 
 INK = "#3a444e"
 
@@ -18,9 +18,11 @@ def draw_regions(
     """`upper`, `lower`: lambda from which on the upper wall holds throughout and the lower one nowhere;
     `damping`: the abscissa's limits."""
     low, high = damping
-    axes.fill_betweenx(gap, low, upper, color=ACCENT, alpha=0.13, lw=0.0)
-    axes.fill_betweenx(gap, upper, lower, color=REFERENCE, alpha=0.22, lw=0.0)
-    axes.fill_betweenx(gap, lower, high, color=COUPLED, alpha=0.13, lw=0.0)
+    first, last = np.minimum(upper, lower), np.maximum(upper, lower)
+    axes.fill_betweenx(gap, low, first, color=ACCENT, alpha=0.13, lw=0.0)
+    axes.fill_betweenx(gap, first, last, where=lower > upper, color=REFERENCE, alpha=0.22, lw=0.0)
+    axes.fill_betweenx(gap, first, last, where=lower < upper, color=MUTED, alpha=0.22, lw=0.0)
+    axes.fill_betweenx(gap, last, high, color=COUPLED, alpha=0.13, lw=0.0)
     axes.plot(upper, gap, color=COUPLED, lw=1.4)
     axes.plot(lower, gap, color=ACCENT, lw=1.4)
     axes.set_xlim(low, high)
@@ -29,9 +31,9 @@ def draw_regions(
         axes.set_xlabel("friction λ")
         axes.set_ylabel("clearance ρ")
     middle = 0.6 * gap[-1]
-    first, second = np.interp(middle, gap, upper), np.interp(middle, gap, lower)
-    _name(axes, 0.5 * (low + first), middle, "I", "each wall holds\nin a part of the cycle")
-    _name(axes, 0.5 * (second + high), middle, "III", "upper wall throughout,\nlower wall nowhere")
+    left, right = np.interp(middle, gap, first), np.interp(middle, gap, last)
+    _name(axes, 0.5 * (low + left), middle, "I", "each wall holds\nin a part of the cycle")
+    _name(axes, 0.5 * (right + high), middle, "III", "upper wall throughout,\nlower wall nowhere")
     _name_between(axes, gap, upper, lower, high - low)
 
 
@@ -43,14 +45,18 @@ def _name(axes: Axes, x: float, y: float, name: str, words: str) -> None:
 
 
 def _name_between(axes: Axes, gap: Vector, upper: Vector, lower: Vector, span: float) -> None:
-    """Region II's name in it, or beside it where it is narrow."""
+    """The name of region II in it, or beside it where it is narrow; that of none of F's where it is in II's
+    place."""
     y = 0.85 * gap[-1]
     first, second = np.interp(y, gap, upper), np.interp(y, gap, lower)
+    name, words = "II", "upper throughout,\nlower in a part"
+    if second < first:
+        name, words = "none", "upper in a part,\nlower nowhere"
     middle = 0.5 * (first + second)
-    if second - first > 0.08 * span:
-        _name(axes, middle, y, "II", "upper throughout,\nlower in a part")
+    if abs(second - first) > 0.2 * span:
+        _name(axes, middle, y, name, words)
         return
     axes.annotate(
-        "II", (middle, y), (30.0, 0.0), textcoords="offset points", va="center", fontsize=13,
+        name, (middle, y), (30.0, 0.0), textcoords="offset points", va="center", fontsize=13,
         fontweight="bold", color=INK, arrowprops={"arrowstyle": "-", "color": INK, "lw": 0.8},
     )  # fmt: skip

@@ -8,12 +8,21 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from models.slider_crank.equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI
+
 from ..style import plt
 
 # Inches for both lines.
 TITLE = 0.45
 MACHINE = {"fontsize": 8.5, "color": "#55606b"}
 SYMBOLS = {"damping": "λ", "gap": "ρ", "restitution": "e"}
+# Said where they are not these.
+USUAL = {
+    "xi": ("ξ", THESIS_XI),
+    "alpha": ("α", THESIS_ALPHA),
+    "beta": ("β", THESIS_BETA),
+    "sliding_threshold": ("ε", 0.0),
+}
 
 
 def titled(
@@ -41,4 +50,9 @@ def legend(figure: Figure, axes: Axes) -> None:
 def machine_in_words(values: Mapping[str, Any]) -> str:
     """λ = 0.05, ρ = 0.01, e = 0.9, corrected."""
     parts = [f"{symbol} = {values[name]:g}" for name, symbol in SYMBOLS.items() if name in values]
+    parts += [
+        f"{symbol} = {values[name]:g}"
+        for name, (symbol, usual) in USUAL.items()
+        if values.get(name, usual) != usual
+    ]
     return ", ".join([*parts, str(values["form"]).replace("_", " ")])
