@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
 from typing import Any
@@ -16,7 +18,7 @@ from .points import Points
 from .subjects import Subject
 from .task import Outcome, evaluate
 
-# Points given out for each thread: enough that none waits for the next, few enough to forget at once.
+# Points given out for each thread: none waits while outcomes are written, and a scheduler holds few.
 AHEAD = 4
 
 DIED = "the worker's process died at this point, more than once (out of memory, or a crash in compiled code)"
@@ -46,6 +48,7 @@ class Execution:
 
     def __init__(self, client: Client, subject: Subject, points: Points, versions: dict[str, str]) -> None:
         self._client = client
+        self._scheduler = client.scheduler_info()["address"]
         self._subject = subject
         self._points = points
         self._versions = versions
@@ -56,6 +59,15 @@ class Execution:
         A point on a worker that dies goes to another. One that was on several that died may have been
         among others, so it is evaluated again alone, and only then is it recorded as what kills them.
         """
+        try:
+            yield from self._outcomes(indices)
+        except (OSError, CancelledError):
+            raise WorkerError(
+                f"the scheduler at {self._scheduler} is gone; what is finished is kept, the same command "
+                "continues"
+            ) from None
+
+    def _outcomes(self, indices: Sequence[int]) -> Iterator[list[tuple[int, Outcome]]]:
         suspects: list[int] = []
         for batch in self._completed(indices, ahead=AHEAD):
             suspects += [index for index, outcome in batch if outcome is None]
@@ -75,7 +87,8 @@ class Execution:
                 yield [(places.pop(future), self._outcome(future)) for future in batch]
                 self._give(islice(waiting, max(0, self._room(ahead) - len(places))), places, completed)
         finally:
-            self._client.cancel(list(places))
+            with suppress(OSError, CancelledError):
+                self._client.cancel(list(places))
 
     def _room(self, ahead: int) -> int:
         return max(1, ahead * sum(self._client.nthreads().values()))
@@ -90,10 +103,7 @@ class Execution:
 
     def _outcome(self, future: Future) -> Outcome | None:
         if future.status == "cancelled":
-            address = self._client.scheduler.address
-            raise WorkerError(
-                f"the scheduler at {address} is gone; what is finished is kept, the same command continues"
-            )
+            raise CancelledError
         error = future.exception()
         if isinstance(error, KilledWorker):
             return None

@@ -161,8 +161,8 @@ def _statistics(folder: Path) -> dict[str, float]:
     with open_result(folder) as tree:
         coupled = tree["coupled"]
         return {
-            f"{name}.{statistic}": float(function(coupled[name].values))
-            for name in coupled.data_vars
+            f"{name}.{statistic}": float(function(values.values))
+            for name, values in coupled.data_vars.items()
             for statistic, function in STATISTICS.items()
         }
 

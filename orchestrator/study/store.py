@@ -63,10 +63,9 @@ class Store:
         return int(np.count_nonzero(self.status == status))
 
     def retry_failed(self) -> None:
-        """Make failed points pending again."""
+        """Make failed points pending again; their messages stay until there is another outcome."""
         for index in np.flatnonzero(self.status == FAILED):
             self._set(int(index), STATUS, PENDING)
-            self._set(int(index), MESSAGE, "")
         self.flush()
 
     def record(self, index: int, outcome: Outcome) -> None:
