@@ -8,9 +8,9 @@ import numpy as np
 
 from ..quantities import Vector
 
-# Of the largest psi and psi'. Rounding (1e-16) grows over one revolution by its impacts, by 1e3 near grazing,
-# and dies out on a stable orbit: far below. A chaotic motion of correlation dimension D comes so near to a
-# given state by chance once in 1e9^D cycles, and does not stay for REPEATS periods.
+# Of the largest psi and psi'. On stable orbits rounding makes differences of up to 2e-13, far below. Chaos of
+# correlation dimension D comes so near to a given state by chance once in 1e9^D cycles, and does not stay for
+# REPEATS periods.
 TOLERANCE = 1e-9
 # A motion is settled on its orbit where it stays for good within this part of the largest psi and psi': a
 # line's width in a figure.
