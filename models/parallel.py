@@ -11,8 +11,8 @@ from typing import TypeVar
 Point = TypeVar("Point")
 Value = TypeVar("Value")
 
-# Points that a thread takes at a time: few enough that all threads end together.
-CHUNK = 16
+# Points that a thread takes at a time: at most so many, and few enough that each thread comes back so often.
+LARGEST_CHUNK, CHUNKS = 16, 8
 # Seconds between two looks at what is done; an interruption is answered as fast.
 LOOK = 0.2
 
@@ -50,8 +50,10 @@ def each(
 
     # The first point alone: kernels are compiled, or loaded, once.
     values = [function(point) for point in points[:1]]
-    parts = [points[first : first + CHUNK] for first in range(1, len(points), CHUNK)]
-    with ThreadPoolExecutor(workers or cores()) as pool:
+    threads = workers or cores()
+    size = min(LARGEST_CHUNK, max(1, len(points) // (CHUNKS * threads)))
+    parts = [points[first : first + size] for first in range(1, len(points), size)]
+    with ThreadPoolExecutor(threads) as pool:
         futures = [pool.submit(run, part) for part in parts]
         waiting = set(futures)
         try:
