@@ -225,7 +225,7 @@ def run_study(
 @app.command("reproduce")
 @reported
 def reproduce_source(
-    source: Annotated[str, typer.Argument(help="A published source: kushwaha2000.")],
+    source: Annotated[str, typer.Argument(help="A published source: farahanchi1991 or kushwaha2000.")],
     out: Annotated[Path | None, typer.Option(help="Output folder. [default: results/SOURCE]")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
 ) -> None:

@@ -39,13 +39,13 @@ RC = {
 }
 
 
-def saved(make: Callable[[], Figure], path: Path) -> Path:
-    """Make the figure in this style and save it."""
+def saved(make: Callable[[], Figure], path: Path, dpi: float | None = None) -> Path:
+    """Make the figure in this style and save it, with the style's dots per inch where none are given."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with plt.rc_context(RC):
         figure = make()
         try:
-            figure.savefig(path)
+            figure.savefig(path, dpi=dpi)
         finally:
             plt.close(figure)
     return path

@@ -16,14 +16,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
-from PIL import Image
 
-from ...plots.style import ACCENT, COUPLED, MUTED, REFERENCE, saved
+from ...plots.style import ACCENT, COUPLED, MUTED, REFERENCE
+from ..pictures import compact
 from .runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, NOSE_DEG, SPEEDS, Runs
 
 PREFIX = "kushwaha2000-fig"
 MICRO, MILLI = 1e6, 1e3
-PALETTE = 128
 INK = "#333c46"
 # One hue, darker with speed: the order of the curves is read without the legend.
 SPEED_COLOURS = dict(zip(SPEEDS, ("#9bc4e2", "#5b9bd0", "#1f66a8", "#0a2f5c"), strict=True))
@@ -36,10 +35,7 @@ def draw(runs: Runs, folder: Path) -> list[Path]:
     """Draw every figure into `folder`."""
     paths = []
     for number, make in FIGURES.items():
-        path = saved(lambda make=make: make(runs), folder / f"{PREFIX}{number}.png")
-        # Line drawings lose nothing in a palette, and become small enough for a repository.
-        Image.open(path).convert("RGB").quantize(PALETTE).save(path, optimize=True)
-        paths.append(path)
+        paths.append(compact(lambda make=make: make(runs), folder / f"{PREFIX}{number}.png"))
     return paths
 
 

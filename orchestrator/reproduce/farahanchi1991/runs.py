@@ -1,0 +1,69 @@
+"""The motions behind the reproduction, each computed when asked for and kept."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from models.slider_crank.classification import Classification, classify
+from models.slider_crank.histories import ONSET
+from models.slider_crank.machine import Events, Motion
+from models.slider_crank.transients import Transients, random_starts, transients
+
+from .cases import CYCLES, TRANSIENT, Case
+
+# Cycles in which a repetition is sought: several times what F recorded.
+SOUGHT = 20_000
+# F does not give its start; statements about transients are judged over so many random ones.
+STARTS = 24
+STARTS_SOUGHT = 6000
+
+
+class Runs:
+    """Motions start in the middle, at rest relative to the nominal rod, where nothing else is said."""
+
+    def __init__(self) -> None:
+        self.events = cache(self._events)
+        self.final = cache(self._final)
+        self.kind = cache(self._kind)
+        self.settling = cache(self._settling)
+        self.sliding_share = cache(self._sliding_share)
+        self.orbit_slides = cache(self._orbit_slides)
+
+    @staticmethod
+    def motion(case: Case, after: int = TRANSIENT) -> Motion:
+        """The motion after so many cycles."""
+        return Motion(case.machine).skip(after)
+
+    def _events(self, case: Case, cycles: int = CYCLES) -> Events:
+        """All events of F's record."""
+        return self.motion(case).events(cycles)
+
+    def _final(self, case: Case) -> Events:
+        """All events of one period after the transient, or of F's record where there is no period."""
+        kind = self.kind(case)
+        if not kind.period:
+            return self.events(case)
+        return self.motion(case, kind.transient + TRANSIENT).events(kind.period)
+
+    @staticmethod
+    def _kind(case: Case) -> Classification:
+        return classify(case.machine, SOUGHT)
+
+    @staticmethod
+    def _settling(case: Case) -> Transients:
+        return transients(case.machine, random_starts(case.machine, STARTS), STARTS_SOUGHT)
+
+    def _sliding_share(self, case: Case, cycles: int = 200, points: int = 200) -> float:
+        """Share of the time during which the roller slides."""
+        _, states = self.motion(case).trace(cycles, points)
+        return float(np.mean(states[:, 2] != 0.0))
+
+    def _orbit_slides(self, case: Case, start: int) -> bool:
+        """True if the orbit on which that one of the random starts settles has sliding in it, "
+        "however short."""
+        found = self.settling(case)
+        motion = Motion(case.machine, *found.starts[start]).skip(int(found.lengths[start]) + TRANSIENT)
+        begins = motion.events(int(found.periods[start])).kind == ONSET
+        return bool(begins.any() or motion.strobe(1)[0, 2] != 0.0)
