@@ -60,7 +60,45 @@ def slider_crank(axes: Axes) -> None:
     axes.add_patch(Circle(wrist, 0.35, facecolor="white", **_LINE))
 
 
-ICONS: tuple[Callable[[Axes], None], ...] = (camshaft, valve_spring, ehl_contact, flywheel, slider_crank)
+def tilting_piston(axes: Axes, crank: str) -> None:
+    """The slider-crank in section, its piston leaning in the bore."""
+    axes.add_patch(Circle((2.6, 4), 2.2, facecolor=crank, **_LINE))
+    pin, wrist = (2.6 + 1.6 * math.cos(1.0), 4 + 1.6 * math.sin(1.0)), (7.2, 4)
+    corners = np.array([(-1.3, -1.3), (1.5, -1.3), (1.5, 1.3), (-1.3, 1.3)])
+    turned = np.array([[math.cos(0.2), -math.sin(0.2)], [math.sin(0.2), math.cos(0.2)]])
+    axes.add_patch(Polygon(corners @ turned.T + wrist, facecolor=OIL, **_LINE))
+    axes.plot([pin[0], wrist[0]], [pin[1], wrist[1]], color=INK, linewidth=4)
+    axes.plot([4.9, 9.7], [5.75, 5.75], color=INK, linewidth=2.5)
+    axes.plot([4.9, 9.7], [2.25, 2.25], color=INK, linewidth=2.5)
+    axes.add_patch(Circle(pin, 0.35, facecolor="white", **_LINE))
+    axes.add_patch(Circle(wrist, 0.35, facecolor="white", **_LINE))
+
+
+def piston_crank(axes: Axes) -> None:
+    tilting_piston(axes, STEEL)
+
+
+def free_piston_crank(axes: Axes) -> None:
+    tilting_piston(axes, "white")
+
+
+def cylinder_gas(axes: Axes) -> None:
+    volume = np.linspace(1.0, 9.0, 100)
+    up, down = 1.2 + 7.5 * (volume[0] / volume) ** 1.3, 1.2 + 0.35 * 7.5 * (volume[0] / volume) ** 1.3
+    axes.fill(np.r_[volume, volume[::-1]], np.r_[up, down[::-1]], facecolor=OIL, **_LINE)
+    axes.plot([0.7, 0.7, 9.5], [9.3, 0.9, 0.9], color=INK, linewidth=2.5)
+
+
+ICONS: tuple[Callable[[Axes], None], ...] = (
+    camshaft,
+    valve_spring,
+    ehl_contact,
+    flywheel,
+    slider_crank,
+    piston_crank,
+    free_piston_crank,
+    cylinder_gas,
+)
 
 
 def draw(icon: Callable[[Axes], None], path: Path) -> None:

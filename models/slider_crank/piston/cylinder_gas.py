@@ -86,7 +86,9 @@ class CylinderGasParameters:
 
 @dataclass
 class CylinderGasState:
-    indicated_work: Annotated[float, Quantity("J", "work given to the piston", nominal=100.0)] = 0.0
+    indicated_work: Annotated[
+        float, Quantity("J", "work given to a piston without clearance and pin offset", nominal=100.0)
+    ] = 0.0
 
 
 @dataclass
@@ -102,7 +104,9 @@ class CylinderGasOutputs:
     gas_pressure: Annotated[
         float, Quantity("Pa", "gas pressure above that of the crankcase", nominal=1e5, display_unit="MPa")
     ] = 0.0
-    indicated_work: Annotated[float, Quantity("J", "work given to the piston", nominal=100.0)] = 0.0
+    indicated_work: Annotated[
+        float, Quantity("J", "work given to a piston without clearance and pin offset", nominal=100.0)
+    ] = 0.0
 
 
 @kernel

@@ -19,6 +19,7 @@ from .contact import (
     gap,
     gap_acceleration,
     gap_rate,
+    held,
     impact_ratios,
     impulses,
     needed,
@@ -124,6 +125,13 @@ def rate_after(corner: int, touching: Touching, found: Pair, ratios: Pair, s: Mo
 
 
 @kernel
+def parting(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> float:
+    """The larger gap rate of both corners after an impact."""
+    first = rate_after(touching.first, touching, found, ratios, s, m)
+    return max(first, rate_after(touching.second, touching, found, ratios, s, m))
+
+
+@kernel
 def speed_scale(v: Coordinates, m: Machine) -> float:
     """Velocities from which gap rates are made (m/s)."""
     size = m.half_length + m.half_height
@@ -196,7 +204,7 @@ def contact_events(motion: Any, give: Any) -> Events:
         fastest = 0.0
         for i in range(CORNERS):
             impulse = force_on(i, touching, found)
-            if impulse > 0.0:
+            if impulse != 0.0:
                 towards = -approach(i, place, m)
                 x.impact_impulse[i] += impulse
                 if towards > STILL * speed_scale(s.v, m):
@@ -232,14 +240,19 @@ def contact_events(motion: Any, give: Any) -> Events:
         after_i, after_j = rate_after(i, touching, found, ratios, s, m), 1.0
         if j >= 0:
             after_j = rate_after(j, touching, found, ratios, s, m)
-        i_ends = ends(i, j if after_j <= still else -1, after_i, s, p, m)
-        j_ends = j >= 0 and (j_closed or ends(j, i if after_i <= still else -1, after_j, s, p, m))
+        i_ends = ends(i, j if after_j <= still else -1, after_i - still, s, p, m)
+        j_ends = ends(j, i if after_i <= still else -1, after_j - still, s, p, m)
         if i_ends or (j_ends and not j_closed):
             w = Pair(
                 with_restitution(rate_i, 0.0 if i_ends else e), with_restitution(rate_j, 0.0 if j_ends else e)
             )
             ratios = impact_ratios(touching, w, p.wall_friction, s, m)
             found = impulses(touching, ratios, w, s, m)
+        if i_ends and j_ends and parting(touching, found, ratios, s, m) > still:
+            # One corner would lift the other: the limit of bounces that rock between them.
+            ratios = ratios_of(touching, s, p, m)
+            a, b = rows(touching, ratios, s, m)
+            found = held(a, b, Pair(rate_i, rate_j))
         book(t, x, u, p, s, touching, found, ratios, m)
         place = placed(x, m)
         resting = chosen(

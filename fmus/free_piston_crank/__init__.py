@@ -1,0 +1,6 @@
+"""FMU of the slider-crank with a tilting piston on a free crank."""
+
+from ..description import Experiment
+
+# Some turns at 1000 rpm.
+EXPERIMENT = Experiment(stop_time=0.2, step_size=1e-5)
