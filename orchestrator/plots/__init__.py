@@ -17,6 +17,7 @@ KINDS = (
     "difference",
     "slider_crank_motion",
     "slider_crank_phase",
+    "piston",
     "effort",
 )
 

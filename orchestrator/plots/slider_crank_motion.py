@@ -10,7 +10,7 @@ from .style import ACCENT, COUPLED, MUTED, REFERENCE, both, legend_above, panels
 
 
 def applies(data: FigureData) -> bool:
-    return data.find("piston_offset") is not None
+    return data.find("piston_offset") is not None and data.find("psi") is not None
 
 
 def figure(data: FigureData) -> Figure:

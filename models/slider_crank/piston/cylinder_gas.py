@@ -29,7 +29,7 @@ _DEGREE = math.pi / 180.0
 
 @dataclass
 class CylinderGasParameters:
-    """Defaults chosen here: full load of a petrol engine at 2000 r/min (4.7 MPa at most)."""
+    """Defaults chosen here: full load of a petrol engine at 2000 r/min (4.9 MPa at most)."""
 
     crank_radius: Annotated[
         float, Quantity("m", "crank radius", nominal=0.1, positive=True, display_unit="mm")

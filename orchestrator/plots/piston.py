@@ -1,0 +1,51 @@
+"""Tilting piston: gaps and wall forces of its four corners, tilt, impacts, gas pressure."""
+
+from __future__ import annotations
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .data import FigureData
+from .style import ACCENT, COUPLED, MUTED, REFERENCE, both, legend_above, panels
+
+# Front corners are solid, rear ones dashed.
+CORNERS = (
+    ("upper_front", COUPLED, "-"),
+    ("upper_rear", COUPLED, "--"),
+    ("lower_front", ACCENT, "-"),
+    ("lower_rear", ACCENT, "--"),
+)
+
+
+def applies(data: FigureData) -> bool:
+    return data.find("piston_tilt") is not None
+
+
+def figure(data: FigureData) -> Figure:
+    tilt = str(data.find("piston_tilt"))
+    instance = tilt.split(".")[0]
+    gas = data.find("gas_pressure")
+    made, axes = panels(5 if gas else 4, data, f"{data.title}: piston in its bore")
+    _corners(axes[0], data, instance, "gap", "Gap")
+    both(axes[1], data, tilt, "Tilt")
+    axes[1].axhline(0.0, color=MUTED, lw=0.7)
+    _corners(axes[2], data, instance, "force", "Wall force")
+    both(axes[3], data, f"{instance}.impact_count", "Impacts")
+    if gas:
+        both(axes[4], data, gas, "Gas pressure")
+    axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2)
+    legend_above(made, axes[1])
+    return made
+
+
+def _corners(axes: Axes, data: FigureData, instance: str, quantity: str, words: str) -> None:
+    for corner, colour, line in CORNERS:
+        name = f"{instance}.{corner}_{quantity}"
+        factor, _ = data.shown(name)
+        if name in data.reference:
+            axes.plot(data.x(True), factor * data.reference[name], color=REFERENCE, alpha=0.3, lw=2.4)
+        axes.plot(
+            data.x(), factor * data.coupled[name], color=colour, ls=line, lw=1.0,
+            label=corner.replace("_", " "),
+        )  # fmt: skip
+    axes.set_ylabel(data.label(name, words))
