@@ -25,12 +25,6 @@ ENERGIES = (
 )
 
 
-def with_suffix(name: str, suffix: str) -> str:
-    """`name` with a suffix that stands before an index: `torque[2]` and `_der1` give `torque_der1[2]`."""
-    stem, bracket, index = name.partition("[")
-    return stem + suffix + bracket + index
-
-
 @dataclass(frozen=True)
 class Variable:
     """One scalar variable of an FMU. `kind` is Real, Integer, Boolean or Enumeration.
@@ -76,7 +70,7 @@ class Memory:
             for i, f in enumerate(component.parameters.fields)
         ]
         for i, f in enumerate(component.state.fields, self.starts):
-            name = with_suffix(f.name, "_start")
+            name = f.suffixed("_start")
             found.append(
                 _variable(name, i, "parameter", f, "fixed", f"start of {f.name}: ", state_start=True)
             )
@@ -128,7 +122,7 @@ def _derivative(field: Any, reference: int, order: int) -> Variable:
     """The optional input for the derivative of an input; held when it stays zero."""
     text = f"optional: derivative {order} of {field.name} by time, for inputs that vary inside a step"
     return Variable(
-        with_suffix(field.name, f"_der{order}"),
+        field.suffixed(f"_der{order}"),
         reference,
         "Real",
         "input",

@@ -7,23 +7,15 @@ an FMU is.
 from __future__ import annotations
 
 import hashlib
-import stat
 import zipfile
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath, PureWindowsPath
+from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
 from fmpy.model_description import read_model_description
 from fmpy.validation import validate_fmu
 
-# More than any FMU here has by a factor of a hundred; a compressed bomb is refused before it is unpacked.
-MAXIMUM_UNPACKED_BYTES = 2_000_000_000
-
-_DESCRIPTION = "modelDescription.xml"
-
-
-class FmuFileError(ValueError):
-    """The file is not an FMU that can be read; the message says why in one line."""
+from models.fmu_archive import DESCRIPTION, FmuFileError, archive_faults, one_line, opened
 
 
 @dataclass(frozen=True)
@@ -82,15 +74,15 @@ def validate(path: Path | str) -> list[str]:
     """What is wrong with the FMU at `path`: the archive first, then its content (fmpy's checks and ours)."""
     path = Path(path)
     try:
-        with _opened(path) as archive:
-            faults = _archive_faults(archive)
+        with opened(path) as archive:
+            faults = archive_faults(archive)
             if faults:
                 return faults
             version = _fmi_version(archive)
             names = set(archive.namelist())
     except FmuFileError as error:
         return [str(error)]
-    faults = [_one_line(problem) for problem in validate_fmu(str(path))]
+    faults = [one_line(problem) for problem in validate_fmu(str(path))]
     if version == "2.0" and not faults:
         faults += _content_faults(path, names)
     return faults
@@ -99,8 +91,8 @@ def validate(path: Path | str) -> list[str]:
 def info(path: Path | str) -> FmuInfo:
     """What the FMU at `path` is. FmuFileError with one line if it cannot be read."""
     path = Path(path)
-    with _opened(path) as archive:
-        if faults := _archive_faults(archive):
+    with opened(path) as archive:
+        if faults := archive_faults(archive):
             raise FmuFileError(faults[0])
         _fmi_version(archive)
         parts = (PurePosixPath(name).parts for name in archive.namelist())
@@ -108,7 +100,7 @@ def info(path: Path | str) -> FmuInfo:
     try:
         described = read_model_description(str(path), validate=False)
     except Exception as error:  # fmpy lets through whatever its XML libraries raise
-        raise FmuFileError(f"{path}: {_DESCRIPTION} cannot be read: {_one_line(error)}") from None
+        raise FmuFileError(f"{path}: {DESCRIPTION} cannot be read: {one_line(error)}") from None
     kinds = {"co-simulation": described.coSimulation, "model exchange": described.modelExchange}
     return FmuInfo(
         path=path,
@@ -144,60 +136,16 @@ def checksum(path: Path | str) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _opened(path: Path) -> zipfile.ZipFile:
-    if not path.is_file():
-        raise FmuFileError(f"{path}: no such file")
-    try:
-        return zipfile.ZipFile(path)
-    except (zipfile.BadZipFile, OSError) as error:
-        raise FmuFileError(f"{path}: not a zip archive, so not an FMU ({_one_line(error)})") from None
-
-
-def _archive_faults(archive: zipfile.ZipFile) -> list[str]:
-    """Entries that would be unpacked elsewhere, damage, and what is missing."""
-    faults = [fault for entry in archive.infolist() if (fault := _entry_fault(entry))]
-    names = archive.namelist()
-    faults += [
-        f"{name}: is in the archive twice" for name in sorted({n for n in names if names.count(n) > 1})
-    ]
-    unpacked = sum(entry.file_size for entry in archive.infolist())
-    if unpacked > MAXIMUM_UNPACKED_BYTES:
-        faults.append(f"{unpacked:.3g} bytes when unpacked: must be at most {MAXIMUM_UNPACKED_BYTES:.3g}")
-    if faults:
-        return faults
-    try:
-        damaged = archive.testzip()
-    except Exception as error:  # zlib, struct and others, depending on what is damaged
-        return [f"damaged archive: {_one_line(error)}"]
-    if damaged:
-        return [f"damaged archive: {damaged} does not match its checksum"]
-    if _DESCRIPTION not in names:
-        return [f"{_DESCRIPTION} is missing, so this is not an FMU"]
-    return []
-
-
-def _entry_fault(entry: zipfile.ZipInfo) -> str | None:
-    name = entry.orig_filename
-    path = PurePosixPath(name)
-    if path.is_absolute() or ".." in path.parts or PureWindowsPath(name).drive or "\0" in name:
-        return f"{name!r}: the path leaves the archive; the FMU is not safe to unpack"
-    if "\\" in name:
-        return f"{name!r}: the path has a backslash; FMUs separate folders by /"
-    if stat.S_ISLNK(entry.external_attr >> 16):
-        return f"{name!r}: is a symbolic link; the FMU is not safe to unpack"
-    return None
-
-
 def _fmi_version(archive: zipfile.ZipFile) -> str:
     try:
-        root = ElementTree.fromstring(archive.read(_DESCRIPTION))
+        root = ElementTree.fromstring(archive.read(DESCRIPTION))
     except ElementTree.ParseError as error:
-        raise FmuFileError(f"{_DESCRIPTION}: not XML: {_one_line(error)}") from None
+        raise FmuFileError(f"{DESCRIPTION}: not XML: {one_line(error)}") from None
     version = root.get("fmiVersion", "")
     if root.tag != "fmiModelDescription" or not version:
-        raise FmuFileError(f"{_DESCRIPTION}: is not a model description (root element {root.tag!r})")
+        raise FmuFileError(f"{DESCRIPTION}: is not a model description (root element {root.tag!r})")
     if version not in ("1.0", "2.0") and not version.startswith("3."):
-        raise FmuFileError(f"{_DESCRIPTION}: fmiVersion = {version!r}: must be 1.0, 2.0 or 3.x")
+        raise FmuFileError(f"{DESCRIPTION}: fmiVersion = {version!r}: must be 1.0, 2.0 or 3.x")
     return version
 
 
@@ -207,7 +155,7 @@ def _content_faults(path: Path, names: set[str]) -> list[str]:
     faults = []
     slave = described.coSimulation or described.modelExchange
     if slave is None:
-        return [f"{_DESCRIPTION}: neither co-simulation nor model exchange"]
+        return [f"{DESCRIPTION}: neither co-simulation nor model exchange"]
     binaries = [name for name in names if name.startswith("binaries/") and not name.endswith("/")]
     stems = {PurePosixPath(name).stem for name in binaries}
     sources = any(name.startswith("sources/") for name in names)
@@ -226,7 +174,3 @@ def _range_faults(variable) -> list[str]:
     if low <= start <= high:
         return []
     return [f"{variable.name}: start = {start:g} is outside [{low:g}, {high:g}]"]
-
-
-def _one_line(error: object) -> str:
-    return " ".join(str(error).split())

@@ -80,6 +80,11 @@ class Field:
     quantity: Quantity
     start: float
 
+    def suffixed(self, suffix: str) -> str:
+        """The name with a suffix, which stands before an index: torque[2] and _der1 give torque_der1[2]."""
+        stem, bracket, index = self.name.partition("[")
+        return stem + suffix + bracket + index
+
 
 class Layout:
     """The fields of a record type as a flat vector of doubles.

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import hashlib
-import zipfile
-import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
+from models.fmu_archive import FmuFileError, archive_faults, opened
 from models.quantities import Quantity
 from models.system import Instance, System, suggestion
 
-from .errors import RunError
-from .participants import Participant, fmu, in_process
+from .participants import Participant, fmu, in_process, missing
 from .scenario import ComponentTable, Scenario, ScenarioError, ends
 from .values import numbers
 
@@ -23,9 +21,6 @@ Builder = Callable[[str, Mapping[str, int]], Path]
 
 def system_of(scenario: Scenario) -> System:
     """The scenario's system with its start values as given; ModelError or ScenarioError for faults."""
-    for name, table in scenario.components.items():
-        if table.participant.endswith(".fmu") and not Path(table.participant).is_file():
-            raise ScenarioError(f"components.{name}.participant: {table.participant}: no such file")
     instances = {name: _instance(table) for name, table in scenario.components.items()}
     system = System(instances, [ends(line) for line in scenario.connections])
     for name in scenario.tolerance:
@@ -33,7 +28,20 @@ def system_of(scenario: Scenario) -> System:
             raise ScenarioError(f"tolerance.{name}: no such output; {suggestion(name, system.outputs.names)}")
     if scenario.start == "given":
         system.check_start(0.0, system.x0)
+    check_order(scenario)
+    for name, table in scenario.components.items():
+        if table.participant.endswith(".fmu"):
+            check_file(name, Path(table.participant), variables_used(name, system, scenario.start))
     return system
+
+
+def check_order(scenario: Scenario) -> None:
+    """ScenarioError unless the master's order, if it has one, names every component once."""
+    order = getattr(scenario.master.made(), "order", ())
+    if order and sorted(order) != sorted(scenario.components):
+        raise ScenarioError(
+            f"master.order = {', '.join(order)}: must name each of {', '.join(scenario.components)} once"
+        )
 
 
 def _instance(table: ComponentTable) -> Instance:
@@ -93,28 +101,32 @@ def fmu_files(scenario: Scenario, build: Builder) -> dict[str, FmuFile]:
             continue
         own = table.participant == "fmu"
         path = build(table.component, table.structure) if own else Path(table.participant)
-        if not own:
-            check_archive(name, path)
         files[name] = FmuFile(path, hashlib.sha256(path.read_bytes()).hexdigest())
     return files
 
 
-def check_archive(name: str, path: Path) -> None:
-    """RunError unless the file is a sound archive with a model description and all paths inside."""
+def check_file(name: str, path: Path, variables: Iterable[str]) -> None:
+    """ScenarioError unless the file is a sound co-simulation FMU with these variables."""
+    where = f"components.{name}.participant: "
     try:
-        with zipfile.ZipFile(path) as archive:
-            members = archive.namelist()
-            damaged = archive.testzip()
-    except (OSError, zipfile.BadZipFile, zlib.error) as error:
-        raise RunError(f"{name}: {path} is not an FMU ({error}); give another file") from None
-    if damaged:
-        raise RunError(f"{name}: {path} is damaged: {damaged} does not fit its checksum; get the file again")
-    for member in members:
-        parts = PurePosixPath(member.replace("\\", "/")).parts
-        if ".." in parts or member.startswith(("/", "\\")) or ":" in member.partition("/")[0]:
-            raise RunError(f"{name}: {path} is refused: {member!r} lies outside the archive")
-    if "modelDescription.xml" not in members:
-        raise RunError(f"{name}: {path} is not an FMU (no modelDescription.xml); give another file")
+        with opened(path) as archive:
+            faults = archive_faults(archive)
+    except FmuFileError as error:
+        raise ScenarioError(f"{where}{error}") from None
+    faults = faults or missing(path, variables)
+    if faults:
+        raise ScenarioError(f"{where}{path}: {faults[0]}; give another file")
+
+
+def variables_used(name: str, system: System, start: str) -> list[str]:
+    """What an FMU has to have to take the place of an instance."""
+    instance = system.instances[name]
+    states = instance.component.state
+    sources = {c.source.variable for c in system.connections if c.source.instance == name}
+    targets = {c.target.variable for c in system.connections if c.target.instance == name}
+    started = states.names if start == "equilibrium" else instance.start
+    starts = (states.field(state).suffixed("_start") for state in started)
+    return [*sorted(sources), *sorted(targets), *instance.parameters, *starts, *instance.inputs]
 
 
 def participants_of(system: System, files: Mapping[str, FmuFile]) -> dict[str, Participant]:

@@ -294,6 +294,8 @@ def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")]) -> No
 def _existing(file: Path) -> Path:
     from .errors import MistakeError
 
+    if file.is_dir():
+        raise MistakeError(f"{file}: is a folder; give its files: {file / '*.fmu'}")
     if not file.is_file():
-        raise MistakeError(f"{file}: no such file")
+        raise MistakeError(f"{file}: no such file; tribocosim fmu build makes the FMUs")
     return file

@@ -2,6 +2,16 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
+
+def one_of(names: Iterable[str], given: object = "") -> str:
+    """The end of a message about a choice: all of them, and the one that was probably meant."""
+    known = list(names)
+    close = difflib.get_close_matches(str(given).lower(), known, n=1)
+    return f"must be one of {', '.join(known)}" + (f"; did you mean {close[0]}?" if close else "")
+
 
 class RunError(Exception):
     """A coupled run that cannot go on; what was computed before it is valid."""

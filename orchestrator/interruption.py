@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import FrameType, TracebackType
 from typing import Any
 
@@ -45,7 +45,7 @@ class Interruption:
     def begin(self, names: Sequence[str]) -> None:
         pass
 
-    def observe(self, time: float, outputs: Vector, iterations: int) -> None:
+    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
         if self._asked:
             raise KeyboardInterrupt
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -34,10 +34,10 @@ class ResultRecorder:
         self._coupled = self._file.series("coupled", {name: self._quantities[name] for name in names})
         self._steps = self._file.series("steps", STEP_VARIABLES)
 
-    def observe(self, time: float, outputs: Vector, iterations: int) -> None:
+    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
         assert self._coupled
         if self._count % self._every == 0:
-            self._coupled.append(time, outputs)
+            self._coupled.append(time, outputs())
         if self._count:
             self._step[0] = time - self._last
             self._step[1] = iterations
@@ -63,10 +63,10 @@ class CsvRecorder:
         self._file = self._path.open("w", encoding="ascii", buffering=1 << 20)
         self._file.write(",".join(f'"{name}"' for name in ("time", *names)) + "\n")
 
-    def observe(self, time: float, outputs: Vector, iterations: int) -> None:
+    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
         if next(self._count) % self._every == 0:
             # repr: the shortest text that reads back as the same number.
-            self._file.write(",".join(map(repr, (time, *outputs.tolist()))) + "\n")
+            self._file.write(",".join(map(repr, (time, *outputs().tolist()))) + "\n")
 
     def end(self, complete: bool, message: str) -> None:
         self._file.close()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time as clock
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from models.quantities import Vector
 
 from .comparison import Errors, VariableError
 from .summary import Summary
+from .validity import lines
 
 SHOWN_EVERY_S = 0.1
 
@@ -34,7 +35,7 @@ class Bar:
     def begin(self, names: Sequence[str]) -> None:
         pass
 
-    def observe(self, time: float, outputs: Vector, iterations: int) -> None:
+    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
         self._count += 1
         if self._count % 64 == 0:
             now = clock.monotonic()
@@ -74,9 +75,10 @@ class Reporter:
 
     def errors(self, errors: Errors) -> None:
         """The comparison as a table; variables with a tolerance first."""
+        starred = any(error.below_uncertainty for error in errors.values())
         table = Table(
             title="Coupled run against the monolithic reference (SI units)",
-            caption="* below the reference's own uncertainty",
+            caption="* below the reference's own uncertainty" if starred else None,
             title_justify="left",
             caption_justify="left",
             box=box.SIMPLE_HEAD,
@@ -110,6 +112,8 @@ class Reporter:
                 + ("" if reference is None else f"; reference {reference:.2f} s")
                 + f"; all {summary.wall_time_s:.1f} s"
             )
+        for line in lines(summary.validity):
+            self.line(line)
         if summary.complete:
             self.line(f"{summary.scenario}: {summary.verdict}")
         self.line(f"results in {out}: {', '.join(str(file.relative_to(out)) for file in files)}")

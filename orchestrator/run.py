@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib import metadata
 from pathlib import Path
@@ -23,6 +23,7 @@ from .scenario import Scenario
 from .scenario_files import written
 from .simulation import simulate
 from .summary import FAILED, INTERRUPTED, NOT_COMPARED, OUTSIDE, WITHIN, Summary
+from .validity import excursions
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
@@ -97,6 +98,8 @@ def _stages(
         with _outcome(summary):
             system = assembly.at_start(scenario, system)
             _coupled(scenario, system, files, result, out / CSV, summary, reporter)
+            rows = slice(None, None, compared_every(result))
+            summary.validity = excursions(system, lambda names: result.read("coupled", names, rows))
             if scenario.reference.enabled:
                 _compared(scenario, system, result, summary, reporter)
             else:
@@ -109,7 +112,7 @@ def _stages(
 
             with reporter.stage("figures"):
                 title = scenario.name if summary.complete else f"{scenario.name} (incomplete)"
-                plots.draw(result, out / FIGURES, title)
+                plots.draw(result, out / FIGURES, title, scenario)
     finally:
         result.close()
 
@@ -207,7 +210,7 @@ class _Counter:
     def begin(self, names: Sequence[str]) -> None:
         self._began = clock.perf_counter()
 
-    def observe(self, time: float, outputs: Vector, iterations: int) -> None:
+    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
         self.steps += 1
         self.iterations += iterations
 
@@ -215,10 +218,15 @@ class _Counter:
         self.time_s = clock.perf_counter() - self._began
 
 
+def compared_every(result: ResultFile) -> int:
+    """Records of the coupled run from one compared to the next."""
+    return -(-result.length("coupled") // COMPARED_RECORDS)
+
+
 def _compared(
     scenario: Scenario, system: System, result: ResultFile, summary: Summary, reporter: Reporter
 ) -> None:
-    rows = slice(None, None, -(-result.length("coupled") // COMPARED_RECORDS))
+    rows = slice(None, None, compared_every(result))
     names = assembly.compared(scenario, system)
     coupled = result.read("coupled", ["time", *names], rows)
     reference = _reference(scenario, system, coupled["time"], reporter)

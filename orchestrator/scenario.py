@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import fields
 from typing import Annotated, Any, Literal
@@ -21,7 +22,7 @@ from pydantic import (
 from models.component import Component
 from models.system import suggestion
 
-from .errors import MistakeError
+from .errors import MistakeError, one_of
 from .masters import MASTERS
 from .units import to_unit
 from .values import Faults, Value, component_of, meanings
@@ -89,7 +90,7 @@ class ComponentTable(_Table):
     def _kind(cls, kind: str) -> str:
         if kind in ("fmu", "in-process") or kind.endswith(".fmu"):
             return kind
-        raise ValueError(f"{kind!r}: must be fmu, in-process or the path of an .fmu file")
+        raise ValueError(f"{kind!r}: {one_of(('fmu', 'in-process'), kind)} (or the path of an .fmu file)")
 
     @field_validator("parameters", "start", "inputs")
     @classmethod
@@ -197,6 +198,16 @@ class Scenario(_Table):
         return max(1, round((self.output_step or self.macro_step) / self.macro_step))
 
 
+# What to write where one of these is missing.
+REMEDIES = {
+    "tolerance": "; state the largest relative RMS error of at least one output: [tolerance] "
+    '"contact.load" = 1e-3',
+    "stop_time": '; e.g. stop_time = "120 ms"',
+    "macro_step": '; e.g. macro_step = "5 us"',
+    "components": '; e.g. [components.camshaft] component = "camshaft"',
+}
+
+
 def ends(line: str) -> tuple[str, str]:
     """Source and target of a connection's line; ValueError if it is not one."""
     source, arrow, target = (part.strip() for part in line.partition("->"))
@@ -224,7 +235,7 @@ def messages(error: ValidationError, known: Callable[[Location], list[str]] | No
                 f"{path}: unknown key; {suggestion(str(fault['loc'][-1]), (known or _keys)(fault['loc']))}"
             )
         elif kind == "missing":
-            lines.append(f"{path}: missing")
+            lines.append(f"{path}: missing{REMEDIES.get(path, '')}")
         elif kind == "value_error":
             reason = fault["ctx"]["error"]
             if isinstance(reason, Faults):
@@ -233,6 +244,9 @@ def messages(error: ValidationError, known: Callable[[Location], list[str]] | No
                 lines.append(f"{path}: {reason}" if path else str(reason))
         elif kind == "greater_than":
             lines.append(f"{path} = {shown}: must be > {fault['ctx']['gt']:g}")
+        elif kind == "literal_error":
+            choices = re.findall("'(.*?)'", fault["ctx"]["expected"])
+            lines.append(f"{path} = {shown!r}: {one_of(choices, shown)}")
         elif kind == "too_short":
             lines.append(f"{path}: must have at least one entry")
         else:

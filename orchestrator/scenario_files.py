@@ -7,6 +7,7 @@ are dropped.
 
 from __future__ import annotations
 
+import difflib
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
@@ -34,11 +35,28 @@ def find(name: str | Path, beside: Path | None = None) -> Path:
     path = (beside or Path()) / Path(name).expanduser()
     if path.is_file():
         return path
-    if path.suffix == ".toml" or path.exists():
-        raise ScenarioError(f"{path}: no such scenario file")
+    if path.is_dir():
+        raise ScenarioError(f"{path}: is a folder; give {_in_folder(path)}")
+    if path.suffix == ".toml":
+        raise ScenarioError(f"{path}: no such scenario file; {_beside(path)}")
     raise ScenarioError(
         f"no scenario {str(name)!r}; {suggestion(str(name), shipped())} (or give the path of a .toml file)"
     )
+
+
+def _in_folder(folder: Path) -> str:
+    """What to give instead of a folder."""
+    files = sorted(file.name for file in folder.glob("*.toml") if file.name != "pyproject.toml")
+    if files:
+        return f"a file in it: {', '.join(str(folder / file) for file in files[:5])}"
+    return f"the path of a .toml file, or a shipped scenario: {', '.join(shipped())}"
+
+
+def _beside(path: Path) -> str:
+    """What to give instead of a file that is not there."""
+    near = {file.stem: str(file) for file in path.parent.glob("*.toml")} | {name: name for name in shipped()}
+    close = difflib.get_close_matches(path.stem, near, n=1, cutoff=0.75)
+    return f"did you mean {near[close[0]]}?" if close else f"shipped scenarios: {', '.join(shipped())}"
 
 
 def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:

@@ -15,6 +15,8 @@ import numpy as np
 
 from models.quantities import Vector
 
+from .errors import one_of
+
 DEGREES = {"hold": 0, "linear": 1, "quadratic": 2}
 POINTS = 3
 
@@ -22,7 +24,7 @@ POINTS = 3
 def degree_of(name: str) -> int:
     """The degree of an input signal by name; ValueError with the known names."""
     if name not in DEGREES:
-        raise ValueError(f"extrapolation = {name!r}: must be one of {', '.join(DEGREES)}")
+        raise ValueError(f"extrapolation = {name!r}: {one_of(DEGREES, name)}")
     return DEGREES[name]
 
 

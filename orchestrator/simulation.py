@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -28,8 +28,12 @@ class Observer(Protocol):
         """Before the first values: the names of all outputs, "participant.variable"."""
         ...
 
-    def observe(self, time: float, outputs: Vector, iterations: int) -> None:
-        """All outputs at the start (iterations 0) and after each macro step. The array is reused."""
+    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
+        """At the start (iterations 0) and after each macro step.
+
+        `outputs()` gives all outputs at `time`, in memory that is reused. They are read when the first
+        observer asks: a step that nobody records costs no reading.
+        """
         ...
 
     def end(self, complete: bool, message: str) -> None:
@@ -47,8 +51,29 @@ class Statistics:
     coupled_time_s: float
 
 
+class LatestOutputs:
+    """All outputs of all participants after the latest step, read once, when they are asked for."""
+
+    def __init__(self, exchange: Exchange) -> None:
+        self._exchange = exchange
+        self._values = np.zeros(exchange.system.outputs.size)
+        self._read = False
+
+    def outdate(self) -> None:
+        """A step has been made."""
+        self._read = False
+
+    def __call__(self) -> Vector:
+        if not self._read:
+            self._exchange.read_all(self._values)
+            self._read = True
+        return self._values
+
+
 class RunawayGuard:
     """Names an unstable explicit coupling before it ends in numbers that are not finite.
+
+    It judges the exchanged values, which the master reads in every step.
 
     An explicit master is right only where exchanged values follow their own prediction. Where they swing
     with the macro step itself, or a contact bounces within single steps, the sum of what they miss their
@@ -115,7 +140,7 @@ def simulate(
     if not stop_time > start_time:
         raise RunError(f"stop_time = {stop_time:g} s: must be after the start at {start_time:g} s")
     exchange = Exchange(system, participants, master.degree)
-    outputs = np.zeros(system.outputs.size)
+    outputs = LatestOutputs(exchange)
     steps = iterations = 0
     message, complete = "", False
     for observer in observers:
@@ -126,7 +151,7 @@ def simulate(
         probe_start(exchange, start_time, min(macro_step, stop_time - start_time))
         began = clock.perf_counter()
         guard = RunawayGuard(exchange, master)
-        _show(observers, exchange, start_time, outputs, 0)
+        _show(observers, start_time, outputs, 0)
         # Times are multiples of the step: a sum of steps would drift.
         total = max(1, round((stop_time - start_time) / macro_step - 1e-9 + 0.5))
         time = start_time
@@ -135,7 +160,7 @@ def simulate(
             used = master.step(exchange, time, end - time)
             guard.append(end, end - time)
             time, steps, iterations = end, n, iterations + used
-            _show(observers, exchange, time, outputs, used)
+            _show(observers, time, outputs, used)
         complete = True
     except KeyboardInterrupt:
         message = "interrupted"
@@ -150,13 +175,10 @@ def simulate(
     return Statistics(steps, 0, iterations, elapsed)
 
 
-def _show(
-    observers: Sequence[Observer], exchange: Exchange, time: float, outputs: Vector, iterations: int
-) -> None:
-    if observers:
-        exchange.read_all(outputs)
-        for observer in observers:
-            observer.observe(time, outputs, iterations)
+def _show(observers: Sequence[Observer], time: float, outputs: LatestOutputs, iterations: int) -> None:
+    outputs.outdate()
+    for observer in observers:
+        observer.observe(time, outputs, iterations)
 
 
 def _name(master: Master) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .comparison import Errors
+from .validity import Excursions
 
 # Exit statuses of the command line.
 WITHIN, OUTSIDE, MISTAKE, FAILED, NOT_COMPARED, INTERRUPTED = 0, 1, 2, 3, 4, 130
@@ -36,6 +37,7 @@ class Summary:
     reference_time_s: float | None = None
     reference_uncertainty: float | None = None
     errors: Errors = field(default_factory=dict)
+    validity: Excursions = field(default_factory=dict)
     fmus: dict[str, str] = field(default_factory=dict)
 
     def content(self) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import functools
 import re
 from typing import Any
@@ -10,6 +11,16 @@ from typing import Any
 class UnitError(ValueError):
     """A text that is not a number with a unit of the wanted kind."""
 
+
+# What is suggested where a unit is not known.
+COMMON = (
+    *("mm", "um", "cm", "m", "metre", "millimetre", "micrometre", "inch"),
+    *("ms", "us", "s", "second", "millisecond", "microsecond", "minute"),
+    *("g", "kg", "gram", "kilogram", "N", "kN", "mN", "newton", "N.m", "N.mm", "kN.m"),
+    *("Pa", "kPa", "MPa", "GPa", "bar", "pascal", "Pa.s", "mPa.s", "1/GPa", "1/Pa"),
+    *("deg", "rad", "mrad", "degree", "radian", "rpm", "rad/s", "deg/s", "r/min"),
+    *("mm/s", "m/s", "km/h", "N/mm", "N/m", "kg.m2", "J", "kJ", "mJ", "W", "kW", "Hz", "kHz"),
+)
 
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 
@@ -29,7 +40,7 @@ def to_unit(text: str, unit: str) -> float:
     try:
         units = _registry().Unit(_as_pint(given))
     except Exception:
-        raise UnitError(f"{text!r}: {given!r} is not a known unit") from None
+        raise UnitError(f"{text!r}: {given!r} is not a known unit; {_remedy(given, unit)}") from None
     wanted = _registry().Unit("" if unit == "1" else _as_pint(unit))
     if _kind(units) != _kind(wanted):
         needed = "a plain number" if unit == "1" else f"a unit like {unit}"
@@ -40,6 +51,19 @@ def to_unit(text: str, unit: str) -> float:
     if parts and abs(factor * parts - 1.0) < 1e-14:
         return number / parts
     return number * factor
+
+
+def _remedy(given: str, unit: str) -> str:
+    """What to write instead of an unknown unit where `unit` is wanted."""
+    if unit == "1":
+        return "a plain number is needed"
+    wanted = _kind(_registry().Unit(_as_pint(unit)))
+    fitting = [name for name in COMMON if _kind(_registry().Unit(_as_pint(name))) == wanted]
+    known = {name.lower(): name for name in (*fitting, unit)}
+    close = difflib.get_close_matches(given.lower(), known, n=1)
+    if close:
+        return f"did you mean {known[close[0]]}?"
+    return f"write {' or '.join(dict.fromkeys((unit, *fitting[:3])))}"
 
 
 @functools.cache

@@ -12,6 +12,7 @@ from models.component import Component
 from models.quantities import Layout, Quantity
 from models.system import suggestion
 
+from .errors import one_of
 from .units import UnitError, to_unit
 
 
@@ -53,7 +54,7 @@ def meaning(quantity: Quantity, value: Any) -> Value:
     if quantity.choices:
         if value in quantity.choices:
             return str(value)
-        raise ValueError(f"must be one of {', '.join(quantity.choices)}")
+        raise ValueError(one_of(quantity.choices, value))
     if quantity.boolean:
         if isinstance(value, bool) or value in (0.0, 1.0):
             return bool(value)

@@ -10,7 +10,7 @@ import numpy as np
 
 from models.quantities import Vector
 
-from ..errors import NonConvergenceError
+from ..errors import NonConvergenceError, one_of
 from ..exchange import Exchange
 from ..signals import degree_of, extrapolate, interpolate
 from .acceleration import ACCELERATIONS
@@ -38,7 +38,7 @@ class Iterated:
         degree_of(self.extrapolation)
         if self.acceleration not in ACCELERATIONS:
             raise ValueError(
-                f"acceleration = {self.acceleration!r}: must be one of {', '.join(ACCELERATIONS)}"
+                f"acceleration = {self.acceleration!r}: {one_of(ACCELERATIONS, self.acceleration)}"
             )
         if not self.tolerance > 0.0:
             raise ValueError(f"tolerance = {self.tolerance:g}: must be > 0")

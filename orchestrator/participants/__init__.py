@@ -1,7 +1,8 @@
 """Participants of a co-simulation: FMUs and components in this process, behind one protocol."""
 
 from .fmu import FmuParticipant as fmu
+from .fmu import missing
 from .in_process import InProcessParticipant as in_process
 from .protocol import Participant
 
-__all__ = ["Participant", "fmu", "in_process"]
+__all__ = ["Participant", "fmu", "in_process", "missing"]

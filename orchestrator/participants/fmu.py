@@ -10,7 +10,7 @@ import contextlib
 import ctypes
 import shutil
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -87,6 +87,19 @@ class Calls:
     def release(self, state: ctypes.c_void_p) -> int:
         """fmi2FreeFMUstate."""
         return self._release(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]
+
+
+def missing(path: Path, names: Iterable[str]) -> list[str]:
+    """What keeps the FMU at `path` from being a participant with these variables; nothing of it is run."""
+    try:
+        description = read_model_description(str(path))
+    except Exception as error:
+        return [f"cannot be read as an FMU: {' '.join(str(error).split())}"]
+    if description.coSimulation is None or description.fmiVersion != "2.0":
+        return ["is not an FMI 2.0 co-simulation FMU"]
+    known = [variable.name for variable in description.modelVariables]
+    absent = [name for name in names if name not in known]
+    return [f"the FMU has no variable {name!r}; {suggestion(name, known)}" for name in absent]
 
 
 class FmuParticipant:
@@ -169,9 +182,10 @@ class FmuParticipant:
         self, input_names: Sequence[str], inputs: Vector, output_names: Sequence[str], outputs: Vector
     ) -> None:
         found, rows, columns = [], [], []
+        layout = self._instance.component.inputs
         for order in range(len(inputs)):
             for column, name in enumerate(input_names):
-                full = _suffixed(name, f"_der{order}" if order else "")
+                full = layout.field(name).suffixed(f"_der{order}") if order else name
                 if order == 0 or full in self._variables:
                     found.append(self._reference(full))
                     rows.append(order)
@@ -206,7 +220,8 @@ class FmuParticipant:
             for name, value in self._instance.parameters.items():
                 self._assign(name, component.parameters.field(name).quantity, value)
             for name, value in self._instance.start.items():
-                self._assign(_suffixed(name, "_start"), component.state.field(name).quantity, value)
+                field = component.state.field(name)
+                self._assign(field.suffixed("_start"), field.quantity, value)
             for name, value in self._instance.inputs.items():
                 self._assign(name, component.inputs.field(name).quantity, value)
 
@@ -273,9 +288,3 @@ class FmuParticipant:
                 self._slave.freeInstance()
         self._instantiated = False
         shutil.rmtree(getattr(self, "_folder", ""), ignore_errors=True)
-
-
-def _suffixed(name: str, suffix: str) -> str:
-    """`name` with a suffix before its index: position_start, coil_position_start[1]."""
-    base, bracket, index = name.partition("[")
-    return f"{base}{suffix}{bracket}{index}"

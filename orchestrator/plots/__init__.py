@@ -9,6 +9,7 @@ import importlib
 from pathlib import Path
 
 from ..results import ResultFile
+from ..scenario import Scenario
 from .data import FigureData
 
 KINDS = (
@@ -22,11 +23,11 @@ KINDS = (
 )
 
 
-def draw(result: ResultFile, folder: Path, title: str) -> list[Path]:
+def draw(result: ResultFile, folder: Path, title: str, scenario: Scenario) -> list[Path]:
     """Draw every figure that applies into `folder`, as PNG."""
     from .style import saved
 
-    data = FigureData.read(result, title)
+    data = FigureData.read(result, title, scenario)
     paths = []
     for name in KINDS:
         kind = importlib.import_module(f".{name}", __package__)

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from models.quantities import Quantity, Vector
 
 from ..results import ResultFile
+from ..scenario import Scenario, ends
 from ..units import to_unit
+from ..values import numbers
 
 # More points than these cannot be told apart in a figure, but would take memory.
 POINTS = 20_000
+
+# Variables that a figure is drawn against, and their names.
+ANGLES = {"cam_angle": "Cam angle (°)", "angle": "Crank angle (°)", "crank_angle": "Crank angle (°)"}
 
 # Units as they are set in a figure.
 SYMBOLS = {
@@ -30,7 +35,11 @@ SYMBOLS = {
 
 @dataclass(frozen=True)
 class FigureData:
-    """Values by "instance.variable" in SI units. `reference` is empty if there is none."""
+    """Values by "instance.variable" in SI units. `reference` is empty if there is none.
+
+    `drivers` gives the output that drives an input, `parameters` what the scenario states. `angle` is the
+    variable to draw against; "": the first angle that there is.
+    """
 
     title: str
     time: Vector
@@ -40,9 +49,12 @@ class FigureData:
     quantities: Mapping[str, Quantity]
     step_time: Vector
     iterations: Vector
+    drivers: Mapping[str, str] = field(default_factory=dict)
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    angle: str = ""
 
     @classmethod
-    def read(cls, result: ResultFile, title: str) -> FigureData:
+    def read(cls, result: ResultFile, title: str, scenario: Scenario) -> FigureData:
         """Everything in the file, thinned to POINTS."""
         quantities = result.quantities("coupled")
         names = [name for name in quantities if name != "time"]
@@ -66,6 +78,8 @@ class FigureData:
             quantities=quantities,
             step_time=steps["time"],
             iterations=steps["iterations"],
+            drivers={target: source for source, target in map(ends, scenario.connections)},
+            parameters=parameters_of(scenario),
         )
 
     def find(self, variable: str) -> str | None:
@@ -99,12 +113,26 @@ class FigureData:
         unit = self.shown(name)[1]
         return words if unit == "1" else f"{words} ({unit})"
 
+    def of(self, instance: str) -> FigureData:
+        """The same, drawn against the angle of the shaft that drives `instance`: the nearest one upstream."""
+        waiting, seen = [instance], {instance}
+        while waiting:
+            at = waiting.pop(0)
+            own = next((f"{at}.{angle}" for angle in ANGLES if f"{at}.{angle}" in self.coupled), None)
+            if own:
+                return replace(self, angle=own)
+            above = [
+                source.split(".")[0] for target, source in self.drivers.items() if target.startswith(f"{at}.")
+            ]
+            waiting += [name for name in dict.fromkeys(above) if name not in seen]
+            seen.update(above)
+        return self
+
     def abscissa(self) -> tuple[str, str]:
         """What to draw against: the cam or crank angle at constant speed, else the time ("")."""
-        for variable, words in (("cam_angle", "Cam angle (°)"), ("angle", "Crank angle (°)")):
-            name = self.find(variable)
-            if name is None:
-                continue
+        angles = [self.angle] if self.angle else [name for name in map(self.find, ANGLES) if name]
+        for name in angles:
+            words = ANGLES[name.split(".", 1)[1]]
             angle = self.coupled[name]
             line = np.linspace(angle[0], angle[-1], len(angle))
             turned = abs(angle[-1] - angle[0])
@@ -119,3 +147,13 @@ class FigureData:
         if not name:
             return 1e3 * (self.reference_time if reference else self.time)
         return np.degrees((self.reference if reference else self.coupled)[name])
+
+
+def parameters_of(scenario: Scenario) -> dict[str, float]:
+    """The value of every parameter by "instance.parameter", in its unit; of a choice its number."""
+    found = {}
+    for name, table in scenario.components.items():
+        layout = table.made().parameters
+        values = {field.name: field.start for field in layout.fields} | numbers(layout, table.parameters)
+        found |= {f"{name}.{parameter}": value for parameter, value in values.items()}
+    return found

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from .data import FigureData
-from .style import over_time, plt
+from .style import headed, over_time, plt
 
 # Rounding errors, relative to the range; what is below is not shown.
 FLOOR = 1e-15
@@ -29,9 +29,7 @@ def _names(data: FigureData) -> list[str]:
 def figure(data: FigureData) -> Figure:
     names = _names(data)
     made, ax = plt.subplots(figsize=(6.8, 4.2))
-    made.suptitle(
-        f"{data.title}: error of the coupled run", x=0.012, ha="left", fontsize=11, fontweight="bold"
-    )
+    headed(made, f"{data.title}: error of the coupled run")
     colours = plt.get_cmap("viridis")(np.linspace(0.0, 0.88, len(names)))
     x = data.x(True)
     for name, colour in zip(names, colours, strict=True):

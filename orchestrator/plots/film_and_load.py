@@ -1,39 +1,62 @@
-"""Load and film thickness of every contact against the reference, with their errors below."""
+"""Load and film thickness of every loaded contact against the reference, with their errors below.
+
+A column for each contact, over the angle of the shaft that drives it.
+"""
 
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .data import FigureData
-from .style import ACCENT, both, legend_above, panels
+from .style import ACCENT, both, headed, legend_above, over_time, plt
+
+VARIABLES = {"load": "Load", "film_thickness": "Film thickness"}
 
 
 def applies(data: FigureData) -> bool:
-    return bool(data.reference) and bool(_names(data))
+    return bool(data.reference) and bool(contacts(data))
 
 
-def _names(data: FigureData) -> list[str]:
-    contacts = [name.split(".")[0] for name in data.all("film_thickness")]
-    return [f"{contact}.{variable}" for contact in contacts for variable in ("load", "film_thickness")]
+def contacts(data: FigureData) -> list[str]:
+    """Those that ever carry load, in either run."""
+    names = [name.split(".")[0] for name in data.all("film_thickness")]
+    return [
+        name
+        for name in names
+        if any(np.any(values.get(f"{name}.load", 0.0)) for values in (data.coupled, data.reference))
+    ]
 
 
 def figure(data: FigureData) -> Figure:
-    names = _names(data)
-    made, axes = panels(2 * len(names), data, f"{data.title}: load and film, with their errors", height=1.45)
-    for i, name in enumerate(names):
-        contact, variable = name.split(".", 1)
-        words = variable.replace("_", " ")
-        above, below = axes[2 * i], axes[2 * i + 1]
-        both(above, data, name, f"{contact}\n{words}")
-        factor, unit = data.shown(name)
-        error = factor * (data.coupled[name] - data.reference[name])
-        finite = np.abs(error[np.isfinite(error)])
-        below.plot(data.x(True), error, color=ACCENT, lw=0.8)
-        below.axhline(0.0, color="0.4", lw=0.7)
-        top = 1.1 * float(finite.max(initial=0.0)) or 1.0
-        below.set_ylim(-top, top)
-        below.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
-        below.set_ylabel(f"error ({unit})")
-    legend_above(made, axes[0])
+    names = contacts(data)
+    width = 6.8 if len(names) == 1 else 0.8 + 4.6 * len(names)
+    made, axes = plt.subplots(
+        4, len(names), sharex="col", squeeze=False, figsize=(width, 7.0), height_ratios=(3, 2, 3, 2)
+    )
+    headed(made, f"{data.title}: load and film, with their errors")
+    for column, name in zip(axes.T, names, strict=True):
+        own = data.of(name)
+        for row, (variable, words) in enumerate(VARIABLES.items()):
+            above = column[2 * row]
+            both(above, own, f"{name}.{variable}", words)
+            above.set_ylim(bottom=min(0.0, above.get_ylim()[0]))
+            _error(column[2 * row + 1], own, f"{name}.{variable}")
+        over_time(column[-1], own)
+        column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
+    made.align_ylabels(axes)
+    legend_above(made, axes[0, -1])
     return made
+
+
+def _error(ax: Axes, data: FigureData, name: str) -> None:
+    factor, unit = data.shown(name)
+    error = factor * (data.coupled[name] - data.reference[name])
+    finite = np.abs(error[np.isfinite(error)])
+    ax.plot(data.x(True), error, color=ACCENT, lw=0.8)
+    ax.axhline(0.0, color="0.4", lw=0.7)
+    top = 1.1 * float(finite.max(initial=0.0)) or 1.0
+    ax.set_ylim(-top, top)
+    ax.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
+    ax.set_ylabel(f"Error ({unit})")

@@ -1,43 +1,61 @@
-"""Slider-crank with clearance: psi between its walls, wall force and impacts."""
+"""Slider-crank with clearance: the piston between its walls, wall forces and impacts."""
 
 from __future__ import annotations
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from .data import FigureData
 from .style import ACCENT, COUPLED, MUTED, REFERENCE, both, legend_above, panels
 
+WALLS = {"upper": COUPLED, "lower": ACCENT}
+
 
 def applies(data: FigureData) -> bool:
-    return data.find("piston_offset") is not None and data.find("psi") is not None
+    return data.find("psi") is not None and data.find("piston_offset") is not None
 
 
 def figure(data: FigureData) -> Figure:
-    offset = str(data.find("piston_offset"))
-    instance = offset.split(".")[0]
-    rows = 4 if f"{instance}.impact_count" in data.coupled else 3
-    made, axes = panels(rows, data, f"{data.title}: motion between the walls")
-    both(axes[0], data, offset, "Piston offset")
-    # Contact is kept to the walls, so the largest excursion on each side shows where they are.
-    both(axes[1], data, f"{instance}.psi", "Deviation ψ")
-    _forces(axes[2], data, instance)
-    if rows == 4:
-        both(axes[3], data, f"{instance}.impact_count", "Impacts")
-    for ax in axes[:2]:
-        ax.axhline(0.0, color=MUTED, lw=0.7)
-    legend_above(made, axes[0])
+    instance = str(data.find("psi")).split(".")[0]
+    data = data.of(instance)
+    struck = bool(np.any(data.coupled.get(f"{instance}.impact_count", 0.0)))
+    wanted = {_offset: True, _forces: bool(loaded(data, instance)), _impacts: struck}
+    rows = [row for row, there in wanted.items() if there]
+    made, axes = panels(len(rows), data, f"{data.title}: motion between the walls", height=1.9)
+    for ax, row in zip(axes, rows, strict=True):
+        row(ax, data, instance)
+    legend_above(made, axes[0], columns=3)
     return made
 
 
+def loaded(data: FigureData, instance: str) -> dict[str, str]:
+    """The force on each wall that carries any."""
+    forces = {side: f"{instance}.{side}_wall_force" for side in WALLS}
+    return {side: name for side, name in forces.items() if np.any(data.coupled.get(name, 0.0))}
+
+
+def _offset(ax: Axes, data: FigureData, instance: str) -> None:
+    name = f"{instance}.piston_offset"
+    both(ax, data, name, "Piston offset")
+    ax.axhline(0.0, color=MUTED, lw=0.7)
+    clearance = data.shown(name)[0] * data.parameters.get(f"{instance}.clearance", np.nan)
+    for side, words in ((-1.0, "walls"), (1.0, "")):
+        ax.axhline(side * clearance, color="0.25", lw=0.9, ls=(0, (5, 3)), label=words)
+
+
 def _forces(ax: Axes, data: FigureData, instance: str) -> None:
-    for variable, colour, words in (
-        ("upper_wall_force", COUPLED, "upper wall"),
-        ("lower_wall_force", ACCENT, "lower wall"),
-    ):
-        name = f"{instance}.{variable}"
+    for side, name in loaded(data, instance).items():
         if name in data.reference:
             ax.plot(data.x(True), data.reference[name], color=REFERENCE, alpha=0.5, lw=3.0)
-        ax.plot(data.x(), data.coupled[name], color=colour, lw=1.1, label=words)
+        ax.plot(data.x(), data.coupled[name], color=WALLS[side], lw=1.1, label=f"{side} wall")
     ax.set_ylabel("Wall force (N)")
+    ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]))
     ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
+
+
+def _impacts(ax: Axes, data: FigureData, instance: str) -> None:
+    both(ax, data, f"{instance}.impact_count", "Impacts")
+    ax.yaxis.set_major_locator(MaxNLocator("auto", integer=True, steps=[1, 2, 5, 10]))
+    ax.set_ylim(bottom=0.0)

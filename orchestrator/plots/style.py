@@ -51,11 +51,16 @@ def saved(make: Callable[[], Figure], path: Path, dpi: float | None = None) -> P
     return path
 
 
+def headed(figure: Figure, title: str) -> None:
+    """The title of a figure stands on the left."""
+    figure.suptitle(title, x=0.012, ha="left", fontsize=11, fontweight="bold")
+
+
 def panels(rows: int, data: FigureData, title: str, height: float = 1.75) -> tuple[Figure, Any]:
-    """Panels one below the other over the same abscissa; the title stands on the left."""
+    """Panels one below the other over the same abscissa."""
     figure, axes = plt.subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + height * rows))
     axes = axes[:, 0]
-    figure.suptitle(title, x=0.012, ha="left", fontsize=11, fontweight="bold")
+    headed(figure, title)
     over_time(axes[-1], data)
     figure.align_ylabels(axes)
     return figure, axes

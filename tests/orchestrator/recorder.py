@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -17,9 +17,9 @@ class Recorder:
         self.iterations: list[int] = []
         self.ended: tuple[bool, str] | None = None
 
-    def observe(self, time: float, outputs: Vector, iterations: int) -> None:
+    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
         self._times.append(time)
-        self._rows.append(outputs.copy())
+        self._rows.append(outputs().copy())
         self.iterations.append(iterations)
 
     def end(self, complete: bool, message: str) -> None:

@@ -167,6 +167,34 @@ def test_a_failure_in_mid_run_names_the_culprit_and_keeps_what_was_seen(nan, mat
     assert recorder.ended[0] is False
 
 
+def test_steps_that_nobody_records_read_no_outputs():
+    """An observer's `outputs()` reads every participant once a step; a step without it reads none."""
+
+    class Sparse(Recorder):
+        def observe(self, time, outputs, iterations):
+            if round(time / 1e-2) % 10 == 0:
+                super().observe(time, outputs, iterations)
+
+    class Counting:
+        def __init__(self, inner):
+            self._inner, self.reads = inner, 0
+
+        def __getattr__(self, name):
+            return getattr(self._inner, name)
+
+        def read_all(self, values):
+            self.reads += 1
+            self._inner.read_all(values)
+
+    system, sparse, dense = two_masses(), Sparse(), Recorder()
+    units = {name: Counting(in_process(name, instance)) for name, instance in system.instances.items()}
+    simulate(system, units, Jacobi(), 1e-2, 1.0, [sparse, Sparse()])
+    assert [unit.reads for unit in units.values()] == [11, 11]
+    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    simulate(system, units, Jacobi(), 1e-2, 1.0, [dense])
+    np.testing.assert_array_equal(sparse["second.position"], dense["second.position"][::10])
+
+
 def test_an_interrupt_reaches_the_observers():
     class Interrupting(Recorder):
         def observe(self, time, outputs, iterations):

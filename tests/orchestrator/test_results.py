@@ -26,7 +26,7 @@ def _recorded(path: Path, steps: int, every: int) -> None:
     values = np.zeros(2)
     for i in range(steps + 1):
         values[:] = i, -i
-        recorder.observe(1e-6 * i, values, min(i, 1))
+        recorder.observe(1e-6 * i, values.copy, min(i, 1))
     recorder.end(True, "")
     file.finish(True, "")
     file.close()
@@ -55,7 +55,7 @@ def test_csv_is_in_cross_check_layout_and_exact(tmp_path: Path) -> None:
     recorder.begin(list(QUANTITIES))
     values = np.array([1.0 / 3.0, 1e-300])
     for i in range(5):
-        recorder.observe(0.1 * i, values, 1)
+        recorder.observe(0.1 * i, values.copy, 1)
     recorder.end(True, "")
     with (tmp_path / "out.csv").open() as file:
         first = file.readline().strip()
@@ -84,7 +84,7 @@ def test_what_was_flushed_survives_a_killed_process(tmp_path: Path) -> None:
         recorder = ResultRecorder(ResultFile(Path({str(path)!r}), {{}}), QUANTITIES, 1)
         recorder.begin(list(QUANTITIES))
         for i in range(BLOCK + 7):
-            recorder.observe(1e-6 * i, np.array([i, 0.0]), 1)
+            recorder.observe(1e-6 * i, np.array([i, 0.0]).copy, 1)
         os._exit(9)
     """)
     assert done.returncode == 9
@@ -115,7 +115,7 @@ def test_memory_does_not_grow_with_the_steps(tmp_path: Path, steps: int) -> None
             status = Path("/proc/self/status").read_text()
             return int(status.split("VmHWM:")[1].split()[0]) / 1024.0
         for i in range({steps}):
-            recorder.observe(1e-6 * i, values, 1)
+            recorder.observe(1e-6 * i, values.copy, 1)
             if i == 20_000:
                 before = peak()
         recorder.end(True, "")

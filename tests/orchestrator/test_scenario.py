@@ -62,9 +62,13 @@ BAD = {
     "macro_step=0": ("macro_step", "> 0"),
     "macro_step=nan": ("macro_step", "> 0"),
     "macro_step=3 kg": ("macro_step", "kg", "like s"),
+    "macro_step=3 microsecnd": ("macro_step", "did you mean microsecond?"),
+    "components.camshaft.parameters.lift=3 milimetre": ("lift", "did you mean millimetre?"),
+    "components.camshaft.parameters.lift=3 qwx": ("lift", "write m or mm"),
     "macro_step=1 s": ("macro_step", "stop_time"),
     "stop_time=[1]": ("stop_time", "number of seconds"),
     "start=rest": ("start", "rest", "equilibrium"),
+    "start=equilibrum": ("start", "did you mean equilibrium?"),
     "name=a/b": ("name", "a/b"),
     "tolerance=3": ("tolerance", "table"),
     "tolerance.contact.load=-1": ("tolerance.contact.load", "-1", "> 0"),
@@ -73,6 +77,8 @@ BAD = {
     "master.name=jacob": ("master.name", "did you mean jacobi?"),
     "master.tolerance=3": ("master.tolerance", "gauss_seidel"),
     "master.extrapolation=cubic": ("extrapolation", "cubic", "quadratic"),
+    "master.extrapolation=Quadratc": ("extrapolation", "did you mean quadratic?"),
+    "components.camshaft.participant=in_process": ("participant", "did you mean in-process?"),
     "components.camshft.parameters.flexible=true": ("camshft", "did you mean camshaft?"),
     "components.camshaft.component=camshft": ("camshft", "did you mean camshaft?"),
     "components.camshaft.participnt=fmu": ("participnt", "did you mean participant?"),
@@ -83,7 +89,12 @@ BAD = {
     "components.camshaft.parameters.lift=3 kg": ("lift", "kg", "like m"),
     "components.camshaft.parameters.lift=[1]": ("lift", "must be a number"),
     "components.camshaft.start.twst=1": ("start.twst", "did you mean twist?"),
-    "components.contact.parameters.film_model=kushwa": ("film_model", "kushwa", "dowson_higginson"),
+    "components.contact.parameters.film_model=kushwa": (
+        "film_model",
+        "kushwa",
+        "dowson_higginson",
+        "did you mean kushwaha?",
+    ),
     "components.contact.parameters.film_model=3": ("film_model", "3", "one of"),
     "components.valve_spring.structure.coils=3": ("coils", "did you mean coil_masses?"),
     "components.valve_spring.structure.coil_masses=0": ("coil_masses", "0", "at least 1"),
@@ -107,6 +118,7 @@ BAD_SYSTEMS = {
     "components.camshaft.parameters.base_radius=2 mm": ("curvature", "undercut"),
     "tolerance.contact.lod=1e-3": ("contact.lod", "contact.load"),
     "components.contact.inputs.approach=1": ("contact.approach", "constant value", "keep one"),
+    "master.order=['camshaft']": ("master.order = camshaft", "each of flywheel"),
     "components.contact.participant=nowhere.fmu": ("contact", "nowhere.fmu", "no such file"),
 }
 
@@ -165,7 +177,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
         bare: ("components: missing", "stop_time: missing", "tolerance: missing"),
         binary: ("binary.toml", "not a valid TOML file"),
         tmp_path / "none.toml": ("none.toml", "no such scenario file"),
-        tmp_path: (str(tmp_path), "no such scenario file"),
+        tmp_path: (str(tmp_path), "is a folder; give a file in it", "bare.toml"),
         "valve-trian": ("valve-trian", "did you mean valve-train?"),
     }.items():
         with pytest.raises(ScenarioError) as error:

@@ -1,0 +1,69 @@
+"""Checks of an FMU's archive without unpacking it: damage, entries that would leave it, what is missing.
+
+No model needs them: they stand here because the packaging and the master share only this folder.
+"""
+
+from __future__ import annotations
+
+import stat
+import zipfile
+from pathlib import Path, PurePosixPath, PureWindowsPath
+
+DESCRIPTION = "modelDescription.xml"
+
+# More than any FMU here has by a factor of a hundred; a compressed bomb is refused before it is unpacked.
+MAXIMUM_UNPACKED_BYTES = 2_000_000_000
+
+
+class FmuFileError(ValueError):
+    """The file is not an FMU that can be read; the message says why in one line."""
+
+
+def opened(path: Path) -> zipfile.ZipFile:
+    """The archive, to be closed by the caller; FmuFileError if there is none."""
+    if not path.is_file():
+        raise FmuFileError(f"{path}: {'is a folder; give an .fmu file' if path.is_dir() else 'no such file'}")
+    try:
+        return zipfile.ZipFile(path)
+    except (zipfile.BadZipFile, OSError) as error:
+        raise FmuFileError(f"{path}: not a zip archive, so not an FMU ({one_line(error)})") from None
+
+
+def archive_faults(archive: zipfile.ZipFile) -> list[str]:
+    """Entries that would be unpacked elsewhere, damage, and what is missing; a line each."""
+    faults = [fault for entry in archive.infolist() if (fault := _entry_fault(entry))]
+    names = archive.namelist()
+    faults += [
+        f"{name}: is in the archive twice" for name in sorted({n for n in names if names.count(n) > 1})
+    ]
+    unpacked = sum(entry.file_size for entry in archive.infolist())
+    if unpacked > MAXIMUM_UNPACKED_BYTES:
+        faults.append(f"{unpacked:.3g} bytes when unpacked: must be at most {MAXIMUM_UNPACKED_BYTES:.3g}")
+    if faults:
+        return faults
+    try:
+        damaged = archive.testzip()
+    except Exception as error:  # zlib, struct and others, depending on what is damaged
+        return [f"damaged archive: {one_line(error)}"]
+    if damaged:
+        return [f"damaged archive: {damaged} does not match its checksum"]
+    if DESCRIPTION not in names:
+        return [f"{DESCRIPTION} is missing, so this is not an FMU"]
+    return []
+
+
+def _entry_fault(entry: zipfile.ZipInfo) -> str | None:
+    name = entry.orig_filename
+    path = PurePosixPath(name)
+    if path.is_absolute() or ".." in path.parts or PureWindowsPath(name).drive or "\0" in name:
+        return f"{name!r}: the path leaves the archive; the FMU is not safe to unpack"
+    if "\\" in name:
+        return f"{name!r}: the path has a backslash; FMUs separate folders by /"
+    if stat.S_ISLNK(entry.external_attr >> 16):
+        return f"{name!r}: is a symbolic link; the FMU is not safe to unpack"
+    return None
+
+
+def one_line(error: object) -> str:
+    """The message of an error without line breaks."""
+    return " ".join(str(error).split())

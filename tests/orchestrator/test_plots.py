@@ -1,0 +1,96 @@
+"""Figures of a run: what they leave out, what they are drawn against, where their lines are cut."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.quantities import Quantity
+from orchestrator.plots import film_and_load, slider_crank_motion, slider_crank_phase
+from orchestrator.plots.data import FigureData, parameters_of
+from orchestrator.plots.style import plt, saved
+from orchestrator.scenario import ends
+from orchestrator.scenario_files import load
+
+METRE, RADIAN, FORCE, NUMBER = (Quantity(unit, unit) for unit in ("m", "rad", "N", "1"))
+
+
+@pytest.fixture
+def engine() -> FigureData:
+    """Four turns of the crank: the slider strikes its upper wall twice, the lower wall is never loaded."""
+    scenario = load("engine")
+    time = np.linspace(0.0, 0.12, 401)
+    angle = 2.0 * np.pi * time / 0.03
+    coupled = {
+        "flywheel.angle": (angle, RADIAN),
+        "camshaft.cam_angle": (0.5 * angle, RADIAN),
+        "slider_crank.piston_offset": (1e-4 * np.sin(angle), METRE),
+        "slider_crank.psi": (7e-4 * np.sin(angle), RADIAN),
+        "slider_crank.psi_rate": (np.cos(angle), RADIAN),
+        "slider_crank.upper_wall_force": (np.zeros(401), FORCE),
+        "slider_crank.lower_wall_force": (np.zeros(401), FORCE),
+        "slider_crank.impact_count": (
+            np.where(time > 0.03, 1.0, 0.0) + np.where(time > 0.08, 2.0, 0.0),
+            NUMBER,
+        ),
+    }
+    for contact, load_size in (("contact", 500.0), ("upper_wall", 300.0), ("lower_wall", 0.0)):
+        coupled[f"{contact}.load"] = (load_size * (1.0 + np.cos(angle)), FORCE)
+        coupled[f"{contact}.film_thickness"] = (1e-6 * (2.0 + np.cos(angle)), METRE)
+    values = {name: value for name, (value, _) in coupled.items()}
+    return FigureData(
+        title="engine",
+        time=time,
+        coupled=values,
+        reference_time=time,
+        reference=values,
+        quantities={name: quantity for name, (_, quantity) in coupled.items()},
+        step_time=time,
+        iterations=np.ones(401),
+        drivers={target: source for source, target in map(ends, scenario.connections)},
+        parameters=parameters_of(scenario),
+    )
+
+
+def test_each_component_is_drawn_against_its_own_shaft(engine: FigureData) -> None:
+    """The nearest angle upstream: the crank's for the slider and its walls, the cam's for its contact."""
+    assert engine.of("slider_crank").abscissa() == ("flywheel.angle", "Crank angle (°)")
+    assert engine.of("upper_wall").abscissa() == ("flywheel.angle", "Crank angle (°)")
+    assert engine.of("contact").abscissa() == ("camshaft.cam_angle", "Cam angle (°)")
+    still = replace(engine, coupled=engine.coupled | {"flywheel.angle": np.zeros(401)})
+    assert still.of("slider_crank").abscissa() == ("", "Time (ms)")
+
+
+def test_contacts_that_carry_no_load_are_left_out(engine: FigureData) -> None:
+    assert film_and_load.contacts(engine) == ["contact", "upper_wall"]
+    figure = film_and_load.figure(engine)
+    assert [ax.get_xlabel() for ax in figure.axes if ax.get_xlabel()] == ["Cam angle (°)", "Crank angle (°)"]
+    plt.close(figure)
+
+
+def test_walls_are_dashed_at_the_clearance_and_empty_panels_left_out(engine: FigureData) -> None:
+    figure = slider_crank_motion.figure(engine)
+    assert [ax.get_ylabel() for ax in figure.axes] == ["Piston offset (m)", "Impacts"]
+    walls = [line.get_ydata()[0] for line in figure.axes[0].lines if line.get_linestyle() == "--"]
+    assert sorted(walls) == [-1e-4, 1e-4]
+    plt.close(figure)
+
+
+def test_the_phase_portrait_is_cut_at_impacts(engine: FigureData) -> None:
+    """Two records with an impact since the one before: three pieces, which together have every point."""
+    figure = slider_crank_phase.figure(engine)
+    pieces = [line.get_xydata() for line in figure.axes[0].lines if len(line.get_xydata())]
+    assert len(pieces) == 3
+    np.testing.assert_array_equal(np.concatenate(pieces)[:, 1], engine.coupled["slider_crank.psi_rate"])
+    (jumps,) = figure.axes[0].collections
+    assert len(jumps.get_segments()) == 2
+    plt.close(figure)
+
+
+@pytest.mark.parametrize("kind", [film_and_load, slider_crank_motion, slider_crank_phase])
+def test_figures_are_saved(kind, engine: FigureData, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    assert kind.applies(engine)
+    assert saved(lambda: kind.figure(engine), tmp_path / "figure.png").stat().st_size > 10_000

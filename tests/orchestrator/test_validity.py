@@ -1,0 +1,69 @@
+"""Excursions from the ranges of a film formula, as a run's summary states them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from models.contact.ehl_contact import TABLE_3
+from orchestrator.assembly import system_of
+from orchestrator.scenario_files import load
+from orchestrator.validity import excursions, lines
+
+RECORDS = 200
+
+
+def _run(*changes: str):  # type: ignore[no-untyped-def]
+    """The system, and outputs of its contact at random inputs, a quarter of them without load."""
+    system = system_of(load("valve-train", changes))
+    instance = system.instances["contact"]
+    component = instance.component
+    random = np.random.default_rng(7)
+    p = component.parameters.vector(instance.parameters)
+    columns = {name: np.zeros(RECORDS) for name in system.outputs.names}
+    drivers = {c.target.variable: str(c.source) for c in system.connections if c.target.instance == "contact"}
+    for i in range(RECORDS):
+        inputs = {
+            "approach": random.uniform(-5e-6, 15e-6),
+            "entraining_velocity": random.uniform(-4.0, 4.0),
+            "radius_of_curvature": random.uniform(0.005, 0.05),
+        }
+        y = np.zeros(component.outputs.size)
+        x = np.array([random.uniform(0.1e-6, 2e-6)])
+        component.flat_output(0.0, x, component.inputs.vector(inputs), p, y)
+        for name, value in inputs.items():
+            columns[drivers[name]][i] = value
+        for name, value in component.outputs.named(y).items():
+            columns[f"contact.{name}"][i] = value
+    return system, columns
+
+
+@pytest.fixture(scope="module")
+def run():  # type: ignore[no-untyped-def]
+    return _run()
+
+
+def test_shares_and_extremes_agree_with_the_flags_of_the_contact(run) -> None:  # type: ignore[no-untyped-def]
+    """A group is listed exactly if its flag fell under load, with that share and values beyond its range."""
+    system, columns = run
+    found = excursions(system, lambda names: {name: columns[name] for name in names})["contact"]
+    loaded = columns["contact.load"] > 0.0
+    assert 0.0 < np.mean(loaded) < 1.0
+    for group, (low, high) in TABLE_3.items():
+        outside = columns[f"contact.{group}_in_range"][loaded] == 0.0
+        assert (group in found) == outside.any()
+        if group in found:
+            assert found[group].share == np.mean(outside)
+            assert found[group].least < low or found[group].most > high
+    # U = eta |u| / (E R) with E = pi / compliance, for two equal steels pi E1 / (2 (1 - nu^2)).
+    fastest = np.abs(columns["camshaft.entraining_velocity"]) / columns["camshaft.radius_of_curvature"]
+    modulus = np.pi * 207e9 / (2.0 * (1.0 - 0.3**2))
+    assert found["speed"].most == pytest.approx(0.036 * fastest[loaded].max() / modulus, rel=1e-12)
+
+
+def test_a_sentence_for_each_contact_and_none_for_another_formula(run) -> None:  # type: ignore[no-untyped-def]
+    system, columns = run
+    (line,) = lines(excursions(system, lambda names: {name: columns[name] for name in names}))
+    assert line.startswith("contact: film formula outside its ranges")
+    other = system_of(load("valve-train", ["components.contact.parameters.film_model=dry"]))
+    assert excursions(other, lambda names: {name: columns[name] for name in names}) == {}
