@@ -232,7 +232,9 @@ def impulses(touching: Touching, ratios: Pair, w: Pair, s: Motion, m: Machine) -
 
 @kernel
 def slip_power(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> float:
-    """Sum of normal impulse times sliding velocity afterwards."""
+    """Sum of normal impulse times sliding velocity afterwards; where friction jams, away from it."""
+    if found.first == 0.0 and found.second == 0.0:
+        return -ratios.first
     v = after(touching, found, ratios, s.v, s, m)
     total = 0.0
     if found.first > 0.0:
@@ -244,7 +246,9 @@ def slip_power(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Mach
 
 @kernel
 def slips(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> bool:
-    """True if every corner that got an impulse slides against its friction afterwards."""
+    """True if there are impulses, and every corner that got one slides against its friction afterwards."""
+    if found.first == 0.0 and found.second == 0.0:
+        return False
     v = after(touching, found, ratios, s.v, s, m)
     if found.first > 0.0 and ratios.first * sliding_velocity(touching.first, s.q, v, m) < 0.0:
         return False
