@@ -21,7 +21,14 @@ from orchestrator.reproduce.farahanchi1991.figures import PICTURES, PREFIX
 from orchestrator.reproduce.farahanchi1991.forces import LOWER, TURN, UPPER, changes, curve, limits, shares
 from orchestrator.reproduce.farahanchi1991.lagrange import equation, printed
 from orchestrator.reproduce.farahanchi1991.runs import Runs
-from orchestrator.reproduce.farahanchi1991.statements import CHECKS, derivation, engine, force, walls
+from orchestrator.reproduce.farahanchi1991.statements import (
+    CHECKS,
+    derivation,
+    engine,
+    force,
+    force_law,
+    walls,
+)
 from orchestrator.reproduce.pictures import compact
 from orchestrator.reproduce.publication import JSON
 from orchestrator.reproduce.statement import Statement, Verdict
@@ -31,7 +38,15 @@ PUBLICATION = publication("farahanchi1991")
 # A figure beyond this does not belong into a repository.
 LARGEST_FIGURE_BYTES = 60_000
 # Statements that need no motion, or a short one.
-QUICK = (*derivation.CHECKS, *walls.CHECKS, *force.CHECKS, engine.ratios, engine.uniform_rod)
+QUICK = (
+    *derivation.CHECKS,
+    *walls.CHECKS,
+    *force.REGIONS,
+    *force_law.CHECKS,
+    *force.CHECKS,
+    engine.ratios,
+    engine.uniform_rod,
+)
 
 
 @pytest.fixture(scope="module")

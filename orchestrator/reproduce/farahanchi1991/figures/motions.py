@@ -38,7 +38,8 @@ def trace(runs: Runs, picture: Picture, cycles: int = 3, after: int = TRANSIENT)
         draw_trace(axes[form], motion.theta, motion.psi, motion.side, motion.upper, motion.lower)
         caption(axes[form], f"{LABELS[form]}, after {after} cycles")
     axes[PUBLISHED].set_xlabel("")
-    legend(figure, axes[CORRECTED])
+    # One panel may have sliding and the other none.
+    legend(figure, max(axes.values(), key=lambda ax: len(ax.get_legend_handles_labels()[1])))
     return figure
 
 

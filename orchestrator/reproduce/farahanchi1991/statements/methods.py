@@ -97,10 +97,10 @@ def profile_without_limit(runs: Runs) -> Statement:
 
 def limiting_distribution(runs: Runs) -> Statement:
     def judge(form: str) -> Found:
-        case = Case(0.025, 0.02, form=form)
+        events = runs.motion(Case(0.025, 0.02, form=form)).events(64 * CYCLES)
 
         def found(cycles: int) -> Vector:
-            return profile(runs.events(case, cycles), UPPER, cycles)
+            return profile(events.where(events.cycle < TRANSIENT + cycles), UPPER, cycles)
 
         long = found(64 * CYCLES)
         errors = [float(np.abs(found(n * CYCLES) - long).sum() / long.sum()) for n in (1, 4)]
