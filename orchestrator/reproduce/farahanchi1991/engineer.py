@@ -57,10 +57,9 @@ def section(runs: Runs) -> str:
             "## What the sign error changes for an engineer\n",
             *(f"- {text}" for text in findings(runs)),
             "",
-            f"Motion by most of {STARTS} starts, share of the time in which the roller slides, "
-            f"largest velocity "
-            "of approach over lΩ and energy that the impacts take per cycle over M l²Ω² (in millionths), "
-            "3000 cycles after 30, e = 0.9:\n",
+            f"Motion by most of {STARTS} starts, share of the time in which the roller slides, largest "
+            "velocity of approach over lΩ and energy that the impacts take per cycle over M l²Ω² (in "
+            "millionths), 3000 cycles after 30, e = 0.9:\n",
             _table([HEADINGS, *(_row(runs, case) for case in matrix((*LOW_DAMPINGS, *HIGH_DAMPINGS)))]),
             "",
         ]
@@ -76,11 +75,9 @@ def _threshold() -> str:
     published, corrected = (limits(form)[0] for form in FORMS)
     return (
         "**Permanent sliding.** As ρ → 0 a slider on the upper wall never leaves it from λ = "
-        f"{published:.4f} "
-        f"on as published, from {corrected:.4f} on with the right sign. As λ ∝ 1/Ω, an engine can "
-        f"run without "
-        f"piston slap up to {published / corrected:.2f} times the speed that F's equations give. A bouncing "
-        "motion may exist beside the rest: (0.15, 0.02) with the right sign."
+        f"{published:.4f} on as published, from {corrected:.4f} on with the right sign. As λ ∝ 1/Ω, an "
+        f"engine can run without piston slap up to {published / corrected:.2f} times the speed that F's "
+        "equations give. A bouncing motion may exist beside the rest: (0.15, 0.02) with the right sign."
     )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from models.slider_crank.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS
 
 from .cases import SUSTAINED, TRANSIENT, Case
-from .runs import STARTS_SOUGHT, Runs
+from .runs import NARROW, STARTS_SOUGHT, Runs
 
 __all__ = ["CHAOTIC", "PERIODIC", "TRANSIENT_CHAOS", "Observed", "observed"]
 # More than this share of the starts makes a kind.
@@ -39,18 +39,16 @@ def observed(runs: Runs, case: Case) -> Observed:
     share, median = float(regular.mean()), float(np.median(found.lengths))
     if share <= MOST:
         return Observed(CHAOTIC, share, median, runs.kind(case).slides, _irregular(runs, case, share))
-    periods = np.unique(found.periods[regular])
-    sliding = [bool(runs.orbit_slides(case, int(np.argmax(found.periods == period)))) for period in periods]
-    orbits = ", ".join(
-        f"{period}{' with sliding' if slides else ''}"
-        for period, slides in zip(periods, sliding, strict=True)
+    orbits = sorted(
+        {(int(found.periods[n]), runs.orbit_slides(case, int(n))) for n in np.flatnonzero(regular)}
     )
+    named = ", ".join(f"{period}{' with sliding' if slides else ''}" for period, slides in orbits)
     least, most = int(found.lengths[regular].min()), int(found.lengths[regular].max())
     kind = TRANSIENT_CHAOS if median > TRANSIENT else PERIODIC
-    words = f"{kind}: period {orbits}, after {least} to {most} cycles, median {median:.0f}"
+    words = f"{kind}: period {named}, after {least} to {most} cycles, median {median:.0f}"
     if share < 1.0:
         words += f" ({100 * share:.0f} % of the starts within {STARTS_SOUGHT})"
-    return Observed(kind, share, median, any(sliding), words)
+    return Observed(kind, share, median, any(slides for _, slides in orbits), words)
 
 
 def _irregular(runs: Runs, case: Case, share: float) -> str:
@@ -60,6 +58,9 @@ def _irregular(runs: Runs, case: Case, share: float) -> str:
         words = f"irregular, but exactly periodic as it slides ({period})"
     else:
         words = f"chaotic: exponent {kind.exponent:.3f} ± {max(kind.uncertainty, 5e-4):.3f} per rad"
+        period, width = runs.band(case)
+        if width < NARROW:
+            words += f", but within {100 * width:.1f} % of the gap of period {period}"
     if share:
         words += f"; {100 * share:.0f} % of the starts settle within {STARTS_SOUGHT} cycles"
     return words

@@ -18,6 +18,10 @@ SOUGHT = 20_000
 # F does not give its start; statements about transients are judged over so many random ones.
 STARTS = 24
 STARTS_SOUGHT = 6000
+# Longer periods are not seen as such in a figure.
+LONGEST_SEEN = 8
+# Chaos within so much of the gap looks periodic in F's figures.
+NARROW = 0.02
 
 
 class Runs:
@@ -28,6 +32,7 @@ class Runs:
         self.final = cache(self._final)
         self.kind = cache(self._kind)
         self.settling = cache(self._settling)
+        self.band = cache(self._band)
         self.sliding_share = cache(self._sliding_share)
         self.orbit_slides = cache(self._orbit_slides)
 
@@ -54,6 +59,15 @@ class Runs:
     @staticmethod
     def _settling(case: Case) -> Transients:
         return transients(case.machine, random_starts(case.machine, STARTS), STARTS_SOUGHT)
+
+    def _band(self, case: Case, cycles: int = 1000) -> tuple[int, float]:
+        """The shortest period that a motion keeps within NARROW, or else that of at most LONGEST_SEEN cycles
+        that it keeps best, and the largest change of psi from one period to the next, over the gap."""
+        psi = self.motion(case, 10 * TRANSIENT).strobe(cycles)[:, 0]
+        changes = {p: float(np.abs(psi[p:] - psi[:-p]).max()) / case.gap for p in range(1, LONGEST_SEEN + 1)}
+        best = min(changes, key=lambda p: changes[p])
+        period = next((p for p, change in changes.items() if change < NARROW), best)
+        return period, changes[period]
 
     def _sliding_share(self, case: Case, cycles: int = 200, points: int = 200) -> float:
         """Share of the time during which the roller slides."""

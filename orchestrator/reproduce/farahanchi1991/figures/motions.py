@@ -18,7 +18,7 @@ from ....plots.motion.trace import draw_trace
 from ....plots.style import REFERENCE
 from ..cases import CORRECTED, FORMS, PUBLISHED, TRANSIENT, Case
 from ..impacts import UPPER, on_wall
-from ..runs import Runs
+from ..runs import NARROW, Runs
 from .picture import LABELS, Picture, caption, note
 
 # F's 3000 cycles show the first magnification; the second needs more points.
@@ -96,7 +96,12 @@ def in_words(runs: Runs, case: Case) -> str:
     if not runs.events(case).theta.size:
         return "permanent sliding"
     if not kind.period:
-        return kind.kind if not kind.slides else "irregular, slides"
+        if kind.slides:
+            return "irregular, slides"
+        period, width = runs.band(case)
+        if width < NARROW:
+            return f"chaotic within {100 * width:.1f} % of the gap of period {period}"
+        return kind.kind
     words = f"period {kind.period}" + (" with sliding" if kind.slides else "")
     return f"{words} after {kind.transient} cycles" if kind.transient > TRANSIENT else words
 

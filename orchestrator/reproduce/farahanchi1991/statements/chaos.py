@@ -107,10 +107,12 @@ def several_lobes(runs: Runs) -> Statement:
         return Found(f"{lobes} separate ranges of crank angle hold all upper impacts", met_if(lobes > 1))
 
     return in_both_forms(
-        "several-lobes", "4.2, Fig. 4.3", "The attractor is composed of several lobes, some of them "
-        "distinct", judge,
+        "several-lobes",
+        "4.2, Fig. 4.3",
+        "The attractor is composed of several lobes, some of them distinct",
+        judge,
         "distinct in crank angle, to half a degree; distinct lobes may still share crank angles",
-    )  # fmt: skip
+    )
 
 
 CHECKS: tuple[Check, ...] = (not_periodic, sensitive, fractal, descending_series, several_lobes)

@@ -57,8 +57,8 @@ def _in_matrix(damping: float, gap: float, kind: str, figure: str) -> Check:
         f"4.3, Fig. {figure}",
         f"({damping:g}, {gap:g}) {PHRASES[kind]}",
         f"kind-{damping:g}-{gap:g}",
-        "F's start is not known: from some starts the transient is shorter than the 30 cycles that "
-        "F leaves out"
+        "F's start is not known: from some starts the transient is shorter than the 30 cycles that F "
+        "leaves out"
         if kind == PERIODIC
         else "",
     )

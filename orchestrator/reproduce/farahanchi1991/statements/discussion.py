@@ -43,8 +43,8 @@ def chaos_prevails(runs: Runs) -> Statement:
         "Chaos is prevalent at high speed or low friction with nearly ideal impacts; periodic motion at "
         "low speed or low e",
         judge,
-        "prevalent: more than half of the cases, and more than at low speed or low e. As published λ = 0.15 "
-        "and 0.20 are as chaotic as small λ, and only λ = 0.25 is periodic",
+        "prevalent: more than half of the cases, and more than at low speed or low e. As published λ = "
+        "0.15 and 0.20 are as chaotic as small λ, and only λ = 0.25 is periodic",
     )
 
 

@@ -202,9 +202,12 @@ def upper_worn(runs: Runs) -> Statement:
         )
 
     return in_both_forms(
-        "upper-worn", "4.3, Figs. 4.6-4.14", "The same, of the profiles' areas", judge,
+        "upper-worn",
+        "4.3, Figs. 4.6-4.14",
+        "The same, of the profiles' areas",
+        judge,
         "the bars of (3.6) weigh the velocities by the number of impacts",
-    )  # fmt: skip
+    )
 
 
 def slow_impacts(runs: Runs) -> Statement:
@@ -213,18 +216,20 @@ def slow_impacts(runs: Runs) -> Statement:
         without = [str(case) for case, value in least.items() if value > SLOW]
         slowest = max(least.values())
         return Found(
-            f"{len(least) - len(without)} of {len(least)} cases have impacts slower than {SLOW}; "
-            f"the slowest are "
-            f"{min(least.values()):.0e} to {slowest:.0e}"
+            f"{len(least) - len(without)} of {len(least)} cases have impacts slower than {SLOW}; the "
+            f"slowest are {min(least.values()):.0e} to {slowest:.0e}"
             + (f"; not {', '.join(without)}" if without else ""),
             met_if(not without),
             {"slowest": slowest},
         )
 
     return in_both_forms(
-        "slow-impacts", "4.3", "In all cases there are regions of very small impact velocities", judge,
+        "slow-impacts",
+        "4.3",
+        "In all cases there are regions of very small impact velocities",
+        judge,
         "very small: below a tenth of the mean; periodic motions have a few velocities only",
-    )  # fmt: skip
+    )
 
 
 def slight_changes(runs: Runs) -> Statement:
