@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from PIL import Image
 from typer.testing import CliRunner
 
-from models.slider_crank.machine import Machine
+from models.slider_crank.machine import Machine, Motion
 from orchestrator.command_line import app
 from orchestrator.reproduce import publication
 from orchestrator.reproduce.farahanchi1991 import INTRODUCTION, SHOWN
@@ -162,6 +162,14 @@ def test_high_friction_with_the_right_sign_is_rest_on_the_upper_wall(runs: Runs)
     assert len(runs.events(published).impacts.theta) > 0
     assert len(runs.events(corrected).theta) == 0
     assert runs.sliding_share(corrected) == 1.0
+
+
+def test_rest_and_bouncing_exist_side_by_side_where_the_page_says_so() -> None:
+    machine = Case(0.15, 0.02, form=CORRECTED).machine
+    # On the wall at crank angle zero, where Lambda is 1 and the wall does not move.
+    resting, bouncing = Motion(machine, psi=machine.gap), Motion(machine)
+    assert (resting.skip(10).strobe(50)[:, 2] == UPPER).all()
+    assert len(bouncing.skip(1000).events(50).impacts.theta) == 200
 
 
 def test_the_thesis_s_threshold_makes_a_chaotic_motion_periodic(runs: Runs) -> None:
