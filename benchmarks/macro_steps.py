@@ -10,6 +10,7 @@ from __future__ import annotations
 import ctypes
 import shutil
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,12 +19,13 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 from fmus.build import build
+from models.quantities import Vector
 from models.system import System
 from orchestrator import assembly
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import fmu
 from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.simulation import Observer, simulate
 
 from .measure import medians
 
@@ -161,13 +163,32 @@ def bare_loop(system: System) -> float:
     return rate
 
 
-def coupled(system: System, master: Any) -> float:
+@dataclass
+class Sparse:
+    """An observer that asks for the outputs of every n-th step, as one that records them does."""
+
+    every: int
+    steps: int = 0
+
+    def begin(self, names: Sequence[str]) -> None:
+        pass
+
+    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
+        if self.steps % self.every == 0:
+            outputs()
+        self.steps += 1
+
+    def end(self, complete: bool, message: str) -> None:
+        pass
+
+
+def coupled(system: System, master: Any, observers: Sequence[Observer] = ()) -> float:
     """Macro steps per second of our master."""
     participants = {
         name: fmu(name, build(instance.component.name), instance)
         for name, instance in system.instances.items()
     }
-    statistics = simulate(system, participants, master, STEP, STEPS * STEP)
+    statistics = simulate(system, participants, master, STEP, STEPS * STEP, observers)
     for participant in participants.values():
         participant.close()
     return statistics.macro_steps / statistics.coupled_time_s
@@ -183,6 +204,12 @@ def rows() -> list[tuple[str, str]]:
             "bare ctypes loop, inputs held": lambda: bare_loop(system),
             "gauss_seidel, hold": lambda: coupled(system, GaussSeidel("hold")),
             "gauss_seidel, quadratic": lambda: coupled(system, GaussSeidel("quadratic")),
+            "gauss_seidel, quadratic, outputs of every step": lambda: coupled(
+                system, GaussSeidel("quadratic"), [Sparse(1)]
+            ),
+            "gauss_seidel, quadratic, outputs of every 10th step": lambda: coupled(
+                system, GaussSeidel("quadratic"), [Sparse(10)]
+            ),
             "jacobi, quadratic": lambda: coupled(system, Jacobi("quadratic")),
             "iterated, quadratic": lambda: coupled(system, Iterated("quadratic")),
         }
