@@ -107,12 +107,13 @@ def run_scenario(
     4: not compared (reference.enabled=false), 130: interrupted.
     """
     from .report import Reporter
-    from .run import run
-    from .scenario_files import load
+    from .run import run, spare
+    from .scenario_files import find, load
 
     overrides = [f"master.name={master}"] if master else []
     loaded = load(scenario, overrides + (set_ or []))
     folder = out or Path("results") / loaded.name
+    spare(find(scenario), loaded, folder)
     summary = run(loaded, folder, _fmu, Reporter(), overwrite, figures=not no_figures)
     if not summary.complete:
         _say(summary.message)

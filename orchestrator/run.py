@@ -131,6 +131,16 @@ def _outcome(summary: Summary) -> Iterator[None]:
     summary.complete = False
 
 
+def spare(source: Path, scenario: Scenario, out: Path) -> None:
+    """OutputFolderError if the result's own scenario file would replace `source` by something else."""
+    target = out / SCENARIO
+    if target.exists() and target.samefile(source) and source.read_text("utf-8") != written(scenario):
+        raise OutputFolderError(
+            f"{target}: is the scenario itself, which a result here would replace; choose another folder "
+            "with --out"
+        )
+
+
 def prepare(out: Path, overwrite: bool) -> None:
     """Make the folder; a result in it is removed if `overwrite`, and refused otherwise."""
     if out.exists() and not out.is_dir():

@@ -189,13 +189,19 @@ class Scenario(_Table):
         try:
             master.made()
         except ValidationError as error:
-            raise Faults(*(("", f": {line}") for line in messages(error))) from None
+            raise Faults(*map(_of_option, messages(error))) from None
         return master
 
     @property
     def record_every(self) -> int:
         """Macro steps from one record to the next."""
         return max(1, round((self.output_step or self.macro_step) / self.macro_step))
+
+
+def _of_option(line: str) -> tuple[str, str]:
+    """Key and rest of a message about a master's option."""
+    option, equals, rest = line.partition(" = ")
+    return (option, equals + rest) if option.isidentifier() and equals else ("", f": {line}")
 
 
 # What to write where one of these is missing.
@@ -247,6 +253,8 @@ def messages(error: ValidationError, known: Callable[[Location], list[str]] | No
         elif kind == "literal_error":
             choices = re.findall("'(.*?)'", fault["ctx"]["expected"])
             lines.append(f"{path} = {shown!r}: {one_of(choices, shown)}")
+        elif kind in ("bool_parsing", "bool_type"):
+            lines.append(f"{path} = {shown!r}: must be true or false")
         elif kind == "too_short":
             lines.append(f"{path}: must have at least one entry")
         else:

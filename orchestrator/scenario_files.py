@@ -46,9 +46,10 @@ def find(name: str | Path, beside: Path | None = None) -> Path:
 
 def _in_folder(folder: Path) -> str:
     """What to give instead of a folder."""
-    files = sorted(file.name for file in folder.glob("*.toml") if file.name != "pyproject.toml")
+    found = [*sorted(folder.glob("*.toml")), *sorted(folder.glob("*/scenario.toml"))]
+    files = [str(file) for file in found if file.name != "pyproject.toml"]
     if files:
-        return f"a file in it: {', '.join(str(folder / file) for file in files[:5])}"
+        return f"a file in it: {', '.join(files[:5])}"
     return f"the path of a .toml file, or a shipped scenario: {', '.join(shipped())}"
 
 

@@ -33,7 +33,10 @@ def to_unit(text: str, unit: str) -> float:
     """
     match = _NUMBER_AND_UNIT.fullmatch(text)
     if match is None:
-        raise UnitError(f"{text!r} is not a number with a unit; write for example '8 mm'")
+        if unit == "1":
+            raise UnitError(f"{text!r} is not a number")
+        example = "mm" if unit == "m" else unit
+        raise UnitError(f"{text!r} is not a number with a unit; write for example '8 {example}'")
     number, given = float(match[1]), match[2]
     if not given:
         return number

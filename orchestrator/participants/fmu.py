@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import difflib
 import shutil
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
@@ -99,7 +100,13 @@ def missing(path: Path, names: Iterable[str]) -> list[str]:
         return ["is not an FMI 2.0 co-simulation FMU"]
     known = [variable.name for variable in description.modelVariables]
     absent = [name for name in names if name not in known]
-    return [f"the FMU has no variable {name!r}; {suggestion(name, known)}" for name in absent]
+    model = f"the FMU of {description.modelName} has no variable"
+    return [f"{model} {name!r}{_nearest(name, known)}" for name in absent]
+
+
+def _nearest(name: str, known: Sequence[str]) -> str:
+    close = difflib.get_close_matches(name, known, n=1)
+    return f" (has it {close[0]}?)" if close else ""
 
 
 class FmuParticipant:

@@ -116,6 +116,16 @@ def test_an_existing_result_is_kept_unless_told(result: Path) -> None:
     assert (result / "summary.json").read_bytes() == before
 
 
+def test_a_scenario_is_not_replaced_by_its_own_result(tmp_path: Path) -> None:
+    own = tmp_path / "scenario.toml"
+    own.write_text("# mine\nextends = 'valve-train'\n")
+    done = tribocosim("run", str(own), "--out", str(tmp_path), "--overwrite", *SHORT)
+    assert done.returncode == 2
+    assert "is the scenario itself" in said(done)
+    assert own.read_text().startswith("# mine")
+    assert list(tmp_path.iterdir()) == [own]
+
+
 def test_too_tight_a_tolerance_is_not_a_success(tmp_path: Path) -> None:
     arguments = [
         "--set=tolerance.contact.load=1e-9",
