@@ -81,8 +81,13 @@ def file_of(name: str) -> Path:
     path = shipped().get(name, Path(name).expanduser())
     if path.is_file():
         return path
-    if path.suffix == ".toml" or path.exists():
-        raise StudyError(f"{path}: no such study file")
+    if path.is_dir():
+        raise StudyError(f"{path}: is a folder; name the .toml file in it")
+    if path.suffix == ".toml":
+        raise StudyError(
+            f"{path}: no such file here ({Path.cwd()}); give its path, or a shipped study's name: "
+            f"{', '.join(shipped())}"
+        )
     raise StudyError(f"no study {name!r}; {suggestion(name, shipped())} (or give the path of a .toml file)")
 
 
@@ -95,6 +100,8 @@ def load(name: str, build: Builder) -> Plan:
         raise StudyError(f"{path}: cannot be read ({error.strerror})") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise StudyError(f"{path}: not a valid TOML file: {error}") from None
+    if stray := {"grid", "sobol", "list", "axes", "ranges", "rows"} & set(content):
+        raise StudyError(f"{path.name}: {min(stray)}: belongs into the table [points]; see docs/studies.md")
     content.setdefault("name", path.stem)
     try:
         return resolved(study_of(content), path.parent, build)

@@ -115,6 +115,7 @@ MISTAKES = {
     f"analysis = '{PLAIN}'\nfixed.n = 1.5": "n = 1.5 (count): must be a whole number",
     f"analysis = '{PLAIN}'\nfixed.x = '3 kg'": "a unit like m is needed",
     f"analysis = '{PLAIN}'\nnames.a = ['x']": "names: are for settings of a scenario",
+    f"analysis = '{PLAIN}'\n[grid]\nx = [1.0]": "grid: belongs into the table [points]",
 }
 
 
@@ -127,6 +128,13 @@ def test_a_mistaken_study_is_one_message(text: str, tmp_path: Path) -> None:
     assert MISTAKES[text] in str(caught.value)
     assert str(caught.value).startswith("mistaken.toml: ")
     assert "\n" not in str(caught.value)
+
+
+def test_a_place_without_a_study_is_named(tmp_path: Path) -> None:
+    with pytest.raises(MistakeError, match="is a folder"):
+        load(str(tmp_path), _no_fmu)
+    with pytest.raises(MistakeError, match="no such file here.*exponent-map"):
+        load(str(tmp_path / "none.toml"), _no_fmu)
 
 
 BAD_POINTS = {
