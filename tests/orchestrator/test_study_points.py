@@ -133,7 +133,7 @@ def test_a_mistaken_study_is_one_message(text: str, tmp_path: Path) -> None:
 def test_a_place_without_a_study_is_named(tmp_path: Path) -> None:
     with pytest.raises(MistakeError, match="is a folder"):
         load(str(tmp_path), _no_fmu)
-    with pytest.raises(MistakeError, match="no such file here.*exponent-map"):
+    with pytest.raises(MistakeError, match=r"no such file here.*exponent-map"):
         load(str(tmp_path / "none.toml"), _no_fmu)
 
 
