@@ -59,9 +59,8 @@ class Component:
     states that do not fit parameters and inputs; a message on a start begins with the state's name.
     `advance_maker`, if given, replaces the standard integrator (with events: the hybrid one):
     (component) -> advance kernel, with `extra_work` elements of scratch more. `runs_on`: it moves while the
-    mechanisms it drives are at rest, so that an equilibrium does not ask it to stand still. `input_rates`
-    names inputs that are the time derivative of another input: rate -> input; inside a step they follow that
-    input's polynomial.
+    mechanisms it drives are at rest, so that an equilibrium does not ask it to stand still, but for the
+    states in `settles`.
     """
 
     name: str
@@ -82,7 +81,7 @@ class Component:
     extra_work: int = 0
     structure: Mapping[str, int] = field(default_factory=dict)
     runs_on: bool = False
-    input_rates: Mapping[str, str] = field(default_factory=dict)
+    settles: Sequence[str] = ()
 
     @cached_property
     def flat_derivative(self) -> Any:
@@ -144,7 +143,7 @@ class Component:
         if maker := self.advance_maker or (make_hybrid_advance if self.events else None):
             advance = maker(self)
         else:
-            advance = make_advance(self.flat_derivative, self.state, self.inputs, self.input_rates)
+            advance = make_advance(self.flat_derivative, self.state, self.inputs)
         output = self.flat_output
 
         @kernel

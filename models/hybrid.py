@@ -20,7 +20,7 @@ from .integrator import (
     TOO_MANY_EVENTS,
     make_derivative_along,
     make_runge_kutta,
-    make_taylor,
+    taylor,
     work_size,
 )
 from .kernel import kernel
@@ -97,8 +97,7 @@ def make_hybrid_advance(component: Component) -> Any:
     assert component.events is not None
     n, m, count = component.state.size, component.inputs.size, component.events.count
     guards, transition = component.flat_guards, component.flat_transition
-    taylor = make_taylor(component.inputs, component.input_rates)
-    derivative_along = make_derivative_along(component.flat_derivative, taylor)
+    derivative_along = make_derivative_along(component.flat_derivative)
     runge_kutta = make_runge_kutta(derivative_along, n)
     interpolate = make_interpolate(n)
     points = len(FRACTIONS)

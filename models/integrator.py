@@ -6,7 +6,6 @@ restores it exactly. Inputs vary inside the call as polynomials u(t + s) = sum_k
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from .kernel import kernel
@@ -46,27 +45,7 @@ def taylor(U: Any, s: float, u: Any) -> None:
         u[i] = U[0, i] + s * (U[1, i] + s * (U[2, i] / 2.0 + s * U[3, i] / 6.0))
 
 
-def make_taylor(inputs: Layout, rates: Mapping[str, str]) -> Any:
-    """`taylor` for a component some of whose inputs are the rates of others (`rates`: rate -> input).
-
-    Inside a step such a rate is the derivative of the other's polynomial, so that they cannot disagree: a
-    wall must not be told to move otherwise than it does.
-    """
-    if not rates:
-        return taylor
-    pairs = tuple((inputs.index(rate), inputs.index(base)) for rate, base in rates.items())
-
-    @kernel
-    def consistent_taylor(U: Any, s: float, u: Any) -> None:
-        taylor(U, s, u)
-        for k in range(len(pairs)):
-            rate, base = pairs[k]
-            u[rate] = U[1, base] + s * (U[2, base] + s * U[3, base] / 2.0)
-
-    return consistent_taylor
-
-
-def make_derivative_along(derivative: Any, taylor: Any) -> Any:
+def make_derivative_along(derivative: Any) -> Any:
     """The flat derivative with inputs taken from their polynomials, s after the start of the step."""
 
     @kernel
@@ -143,13 +122,13 @@ def make_runge_kutta(derivative_along: Any, n: int) -> Any:
     return runge_kutta
 
 
-def make_advance(derivative: Any, state: Layout, inputs: Layout, rates: Mapping[str, str]) -> Any:
+def make_advance(derivative: Any, state: Layout, inputs: Layout) -> Any:
     """advance(t, h, x, U, p, scale, work) -> status: integrates x in place from t to t + h.
 
     `derivative` is flat: (t, x, u, p, dx). On failure x is unchanged.
     """
     n, m = state.size, inputs.size
-    derivative_along = make_derivative_along(derivative, make_taylor(inputs, rates))
+    derivative_along = make_derivative_along(derivative)
     runge_kutta = make_runge_kutta(derivative_along, n)
 
     @kernel

@@ -15,6 +15,10 @@ from .problem import Problem
 EVENT_FOUND = 2
 # Steps between two targets; beyond, the problem is stiffer than the method that was chosen for it.
 STEP_LIMIT = 10_000_000
+# After an event steps may reach so far first (share of the largest time), then twice as far each time. The
+# first two are of order 1, whose interpolant takes a bounce for a straight line: at a step longer than the
+# bounce it leads into the wall at once.
+FIRST_REACH = 1e-11
 
 
 class Cvode:
@@ -45,7 +49,8 @@ class Cvode:
         # it a rounding of its own.
         self._whole = np.flatnonzero(problem.whole)
         self._held = np.empty(self._whole.size)
-        self._end = 0.0
+        self._watching = problem.guard_count > 0
+        self._end = self._begun = self._reach = 0.0
 
     def _rate(self, t: float, z: Vector, rate: Vector) -> None:
         self._z[:] = z
@@ -64,12 +69,21 @@ class Cvode:
         return guards
 
     def begin(self, t: float, z: Vector, end: float) -> None:
-        self._end = end
+        self._end, self._begun = end, t
+        self._reach = FIRST_REACH * max(abs(t), abs(end)) if self._watching else math.inf
         self._held[:] = z[self._whole]
         self._solver.init_step(t, z)
 
     def to(self, target: float) -> tuple[float, Vector, tuple[int, ...]]:
-        result = self._solver.step(target, tstop=self._end)
+        while (near := self._begun + self._reach) < target:
+            t, z, fallen = self._step(near, near)
+            if fallen:
+                return t, z, fallen
+            self._reach *= 2.0
+        return self._step(target, min(near, self._end))
+
+    def _step(self, target: float, stop: float) -> tuple[float, Vector, tuple[int, ...]]:
+        result = self._solver.step(target, tstop=stop)
         t, z = float(np.ravel(result.t)[-1]), np.array(np.atleast_2d(result.y)[-1])
         z[self._whole] = self._held
         if not result.success:

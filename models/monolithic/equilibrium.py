@@ -14,7 +14,8 @@ POLISHING_STEPS = 4
 
 
 def equilibrium(system: System, t: float = 0.0) -> Vector:
-    """State with dx/dt = 0 in all components but those that run on (`Component.runs_on`).
+    """State with dx/dt = 0 in all components but those that run on (`Component.runs_on`), of
+    which only the states in `settles` rest.
 
     A state whose rate vanishes whatever the others are (a film without entrainment, the twist of a rigid
     shaft) is not determined and keeps its start. Positive states stay positive. The cam should stand on
@@ -48,7 +49,8 @@ class _Rest:
         resting = np.zeros(system.state.size, dtype=bool)
         for name, instance in system.instances.items():
             component, part = instance.component, system.state.of(name)
-            resting[part] = not component.runs_on
+            settles = set(component.settles if component.runs_on else component.state.names)
+            resting[part] = [item in settles for item in component.state.names]
             self.positive[part] = [item.quantity.positive for item in component.state.fields]
         self.index = np.flatnonzero(resting)
         while self.index.size:

@@ -48,7 +48,7 @@ def _fit(p: SliderCrankParameters) -> Sequence[str]:
 def check_start(p: SliderCrankParameters, x: SliderCrankState, u: SliderCrankInputs) -> Sequence[str]:
     """Messages for a slider that begins outside its walls, or slides where it is not."""
     m = Mechanism(p.crank_radius / p.rod_length, 0.0, 0.0, 0.0, 0.0)
-    films = u.upper_film_thickness, u.lower_film_thickness
+    films = x.upper_wall_film, x.lower_wall_film
     upper, lower = (
         wall_angle(p.form, u.crank_angle, side * (p.clearance - film) / p.rod_length, m)
         for side, film in zip((1.0, -1.0), films, strict=True)

@@ -58,20 +58,6 @@ def kinetic_energy(theta: float, speed: float, psi: float, rate: float, m: Mecha
 
 
 @kernel
-def energy_slope(theta: float, speed: float, psi: float, rate: float, m: Mechanism) -> float:
-    """dT/dpsi at fixed rates."""
-    cosine, sine = cosine_of_sum(theta, m.xi), sine_of_sum(theta, m.xi)
-    slope = rod_slope(theta, m.xi)
-    return coupling(m) * speed * (sine * rate - (sine - cosine * psi) * slope * speed)
-
-
-@kernel
-def momentum(theta: float, speed: float, psi: float, rate: float, m: Mechanism) -> float:
-    """dT/dpsi'."""
-    return mixed_inertia(theta, psi, m) * speed + inertia(m) * rate
-
-
-@kernel
 def crank_torque(
     theta: float,
     speed: float,

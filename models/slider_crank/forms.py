@@ -48,6 +48,14 @@ def offset_slope(form: float, theta: float, psi: float, m: Mechanism) -> float:
 
 
 @kernel
+def offset_bend(form: float, theta: float, psi: float, m: Mechanism) -> float:
+    """Its second derivative by psi."""
+    if form == NONLINEAR:
+        return nonlinear.offset_bend(theta, psi, m.xi)
+    return 0.0
+
+
+@kernel
 def wall_angle(form: float, theta: float, gap: float, m: Mechanism) -> float:
     """psi at which the slider is `gap` off centre, F (2.14), (2.15)."""
     if form == NONLINEAR:
@@ -82,17 +90,67 @@ def wall_acceleration(
 
 
 @kernel
-def constraint_force(
-    form: float, theta: float, speed: float, acceleration: float, psi: float, m: Mechanism
+def moving_wall_rate(
+    form: float, theta: float, speed: float, psi: float, wall_velocity: float, m: Mechanism
 ) -> float:
-    """Force towards -psi that keeps the slider at its distance (F 2.29, upper wall).
+    """psi' of a slider whose distance y from the centre line has the rate `wall_velocity`."""
+    return wall_rate(form, theta, speed, psi, m) + wall_velocity / offset_slope(form, theta, psi, m)
+
+
+@kernel
+def moving_wall_acceleration(
+    form: float,
+    theta: float,
+    speed: float,
+    acceleration: float,
+    psi: float,
+    wall_velocity: float,
+    wall_change: float,
+    m: Mechanism,
+) -> float:
+    """psi'' of a slider whose distance y from the centre line has the rates y' and y'' = `wall_change`.
+
+    With S = dy/dpsi and R the wall_rate, psi' = R + y'/S; its derivative in time, in which
+    S' = -S dR/dpsi + dS/dpsi y'/S, is A + 2 dR/dpsi y'/S + y''/S - dS/dpsi (y'/S)^2/S, A the
+    wall_acceleration.
+    """
+    slope = offset_slope(form, theta, psi, m)
+    push = wall_velocity / slope
+    bend = offset_bend(form, theta, psi, m)
+    return (
+        wall_acceleration(form, theta, speed, acceleration, psi, m)
+        + 2.0 * wall_rate_slope(form, theta, speed, psi, m) * push
+        + (wall_change - bend * push**2) / slope
+    )
+
+
+@kernel
+def holding_force(
+    form: float,
+    theta: float,
+    speed: float,
+    acceleration: float,
+    psi: float,
+    rate: float,
+    rate_change: float,
+    m: Mechanism,
+) -> float:
+    """Force towards -psi under which psi'' is `rate_change` (F 2.29, upper wall).
 
     The lower wall's force is its negative; a wall can only push.
     """
-    rate = wall_rate(form, theta, speed, psi, m)
     moment = free_moment(form, theta, speed, acceleration, psi, rate, m)
-    needed = inertia(m) * wall_acceleration(form, theta, speed, acceleration, psi, m)
-    return (moment - needed) / offset_slope(form, theta, psi, m)
+    return (moment - inertia(m) * rate_change) / offset_slope(form, theta, psi, m)
+
+
+@kernel
+def constraint_force(
+    form: float, theta: float, speed: float, acceleration: float, psi: float, m: Mechanism
+) -> float:
+    """The holding force of a wall that stands still."""
+    rate = wall_rate(form, theta, speed, psi, m)
+    change = wall_acceleration(form, theta, speed, acceleration, psi, m)
+    return holding_force(form, theta, speed, acceleration, psi, rate, change, m)
 
 
 @kernel
@@ -101,22 +159,6 @@ def kinetic_energy(form: float, theta: float, speed: float, psi: float, rate: fl
     if form == NONLINEAR:
         return nonlinear.kinetic_energy(theta, speed, psi, rate, m)
     return energetics.kinetic_energy(theta, speed, psi, rate, m)
-
-
-@kernel
-def energy_slope(form: float, theta: float, speed: float, psi: float, rate: float, m: Mechanism) -> float:
-    """Its derivative by psi at fixed rates."""
-    if form == NONLINEAR:
-        return nonlinear.energy_slope(theta, speed, psi, rate, m)
-    return energetics.energy_slope(theta, speed, psi, rate, m)
-
-
-@kernel
-def momentum(form: float, theta: float, speed: float, psi: float, rate: float, m: Mechanism) -> float:
-    """Its derivative by psi'."""
-    if form == NONLINEAR:
-        return nonlinear.momentum(theta, speed, psi, rate, m)
-    return energetics.momentum(theta, speed, psi, rate, m)
 
 
 @kernel

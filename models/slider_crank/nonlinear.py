@@ -58,6 +58,12 @@ def offset_slope(theta: float, psi: float, xi: float) -> float:
 
 
 @kernel
+def offset_bend(theta: float, psi: float, xi: float) -> float:
+    """d^2(y/l)/d psi^2 = sin eta."""
+    return math.sin(rod_angle(theta, psi, xi))
+
+
+@kernel
 def wall_angle(theta: float, gap: float, xi: float) -> float:
     """psi at y/l = gap: sin eta = sin phi - gap, so that tan(psi/2) = gap / (cos phi + cos eta)."""
     cosine = math.sqrt(1.0 - (xi * math.sin(theta) - gap) ** 2)
@@ -99,20 +105,6 @@ def kinetic_energy(theta: float, speed: float, psi: float, rate: float, m: Mecha
         + 0.5 * inertia(m) * eta_rate**2
         - coupling(m) * speed * eta_rate * math.cos(sigma)
     )
-
-
-@kernel
-def energy_slope(theta: float, speed: float, psi: float, rate: float, m: Mechanism) -> float:
-    """dT/dpsi at fixed rates."""
-    sigma = theta + rod_angle(theta, psi, m.xi)
-    return -coupling(m) * speed * rod_rate(theta, speed, rate, m.xi) * math.sin(sigma)
-
-
-@kernel
-def momentum(theta: float, speed: float, psi: float, rate: float, m: Mechanism) -> float:
-    """dT/dpsi'."""
-    sigma = theta + rod_angle(theta, psi, m.xi)
-    return coupling(m) * speed * math.cos(sigma) - inertia(m) * rod_rate(theta, speed, rate, m.xi)
 
 
 @kernel

@@ -1,12 +1,8 @@
 """Slider-crank whose slider has clearance, with impacts and sliding on both walls, in SI units.
 
-Farahanchi 1991 (F); see `forms` for the equations of motion, walls, energy and crank torque. The crank's
-angle, speed and acceleration are given; F assumes constant speed, here the acceleration enters exactly to
-the order of the form.
-
-Neglected while sliding: the film's rate in velocities, wall force and crank torque, and its acceleration
-(a film's dh/dt is some 1e-3 of the impact velocities, and no output then depends on a film's rate, which
-a contact computes from them). What that is worth in energy is booked as a source. Impacts see the rate.
+Farahanchi 1991 (F); see `forms` for the equations of motion, walls, energy and crank torque, `walls` for
+the films on the walls. The crank's angle, speed and acceleration are given; F assumes constant speed, here
+the acceleration enters exactly to the order of the form.
 """
 
 from __future__ import annotations
@@ -16,26 +12,13 @@ import math
 from ..component import Component, Events, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Vector
-from .bouncing import CHATTER_LEFT, FREE, LOWER, UPPER
+from .bouncing import FREE, LOWER, UPPER
 from .checks import check, check_start
 from .equations import inertia, joint_rate, rebound
-from .forms import (
-    constraint_force,
-    crank_impulse,
-    crank_torque,
-    energy_slope,
-    flight_acceleration,
-    kinetic_energy,
-    momentum,
-    offset,
-    offset_slope,
-    wall_acceleration,
-    wall_angle,
-    wall_rate,
-    wall_rate_slope,
-)
+from .forms import crank_impulse, crank_torque, flight_acceleration, kinetic_energy, offset, offset_slope
 from .nonlinear import rod_angle, rod_rate
 from .records import (
+    WALL_FILMS,
     SliderCrankInputs,
     SliderCrankOutputs,
     SliderCrankParameters,
@@ -43,95 +26,51 @@ from .records import (
     mechanism,
 )
 from .steady import EXTRA_WORK, make_advance
+from .walls import UNRESOLVED, Motion, ends_chatter, film_change, resolution, riding, wall, wall_force
 
 # Guards.
 UPPER_WALL, LOWER_WALL, RELEASE = 0, 1, 2
 # Two units of rounding: after an impact the slider is inside its wall.
 INSIDE = 4.4e-16
-# Bounces lower than this fraction of the wall's psi drown in its rounding, and end there at the latest (at
-# a restitution of 0.9 some 1e-7 rad before the end of the chatter).
-UNRESOLVED = 1e-14
 
 
 @kernel
-def gap(side: float, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
-    """Distance of a wall from the centre less its film, in rod lengths."""
-    film = u.upper_film_thickness if side == UPPER else u.lower_film_thickness
-    return (p.clearance - film) / p.rod_length
-
-
-@kernel
-def film_push(side: float, psi: float, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
-    """The part of the wall's psi rate that comes from the film's rate."""
-    film_rate = u.upper_film_rate if side == UPPER else u.lower_film_rate
-    return -side * film_rate / p.rod_length / offset_slope(p.form, u.crank_angle, psi, mechanism(p))
-
-
-@kernel
-def wall(side: float, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
-    """psi at which the slider touches that wall."""
-    return wall_angle(p.form, u.crank_angle, side * gap(side, u, p), mechanism(p))
-
-
-@kernel
-def angle(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
-    """psi: the state in flight, the wall's while sliding."""
-    if x.mode == FREE:
-        return x.psi
-    return wall(x.mode, u, p)
-
-
-@kernel
-def angle_rate(x: SliderCrankState, psi: float, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
-    """psi': the state in flight, that of the wall behind a film at rest while sliding."""
-    if x.mode == FREE:
-        return x.psi_rate
-    return wall_rate(p.form, u.crank_angle, u.crank_speed, psi, mechanism(p))
-
-
-@kernel
-def angle_acceleration(
-    x: SliderCrankState, psi: float, rate: float, u: SliderCrankInputs, p: SliderCrankParameters
-) -> float:
-    """psi'', by F (2.13) in flight, the wall's while sliding."""
-    theta, speed, acceleration, m = u.crank_angle, u.crank_speed, u.crank_acceleration, mechanism(p)
-    if x.mode == FREE:
-        return flight_acceleration(p.form, theta, speed, acceleration, psi, rate, m)
-    return wall_acceleration(p.form, theta, speed, acceleration, psi, m)
-
-
-@kernel
-def wall_force(side: float, psi: float, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
-    """Force (N) with which the wall on that side would hold the slider; negative: it would have to pull."""
-    m = mechanism(p)
-    force = constraint_force(p.form, u.crank_angle, u.crank_speed, u.crank_acceleration, psi, m)
-    return side * p.piston_mass * p.rod_length * force
+def motion(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> Motion:
+    """By F (2.13) in flight, the wall's while sliding."""
+    if x.mode != FREE:
+        return riding(x.mode, x, u, p)
+    theta, speed, acceleration = u.crank_angle, u.crank_speed, u.crank_acceleration
+    change = flight_acceleration(p.form, theta, speed, acceleration, x.psi, x.psi_rate, mechanism(p))
+    return Motion(x.psi, x.psi_rate, change)
 
 
 @kernel
 def derivative(
     t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, dx: SliderCrankState
 ) -> None:
-    psi = angle(x, u, p)
-    rate = angle_rate(x, psi, u, p)
-    dx.psi = rate
-    dx.psi_rate = angle_acceleration(x, psi, rate, u, p)
+    now = motion(x, u, p)
+    dx.psi = now.rate
+    dx.psi_rate = now.change
     dx.mode = 0.0
     dx.upper_impact_count = 0.0
     dx.lower_impact_count = 0.0
     dx.upper_impact_impulse = 0.0
     dx.lower_impact_impulse = 0.0
-    dx.upper_force_integral = wall_force(UPPER, psi, u, p) if x.mode == UPPER else 0.0
-    dx.lower_force_integral = wall_force(LOWER, psi, u, p) if x.mode == LOWER else 0.0
+    dx.upper_force_integral = wall_force(UPPER, now, u, p) if x.mode == UPPER else 0.0
+    dx.lower_force_integral = wall_force(LOWER, now, u, p) if x.mode == LOWER else 0.0
     dx.crank_impact_impulse = 0.0
     dx.last_impact_time = 0.0
     dx.last_impact_velocity = 0.0
     dx.impact_loss = 0.0
     dx.impact_work = 0.0
-    if x.mode != FREE:
-        push = film_push(x.mode, psi, u, p)
-        dx.psi += push
-        dx.psi_rate += wall_rate_slope(p.form, u.crank_angle, u.crank_speed, psi, mechanism(p)) * push
+    dx.upper_wall_film = x.upper_wall_film_rate
+    dx.upper_wall_film_rate = film_change(
+        x.upper_wall_film, x.upper_wall_film_rate, u.upper_film_thickness, p
+    )
+    dx.lower_wall_film = x.lower_wall_film_rate
+    dx.lower_wall_film_rate = film_change(
+        x.lower_wall_film, x.lower_wall_film_rate, u.lower_film_thickness, p
+    )
 
 
 @kernel
@@ -141,19 +80,18 @@ def guards(t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankPa
     g[LOWER_WALL] = 1.0
     g[RELEASE] = 1.0
     if x.mode == FREE:
-        g[UPPER_WALL] = wall(UPPER, u, p) - x.psi
-        g[LOWER_WALL] = x.psi - wall(LOWER, u, p)
+        g[UPPER_WALL] = wall(UPPER, x, u, p) - x.psi
+        g[LOWER_WALL] = x.psi - wall(LOWER, x, u, p)
     else:
-        g[RELEASE] = wall_force(x.mode, angle(x, u, p), u, p)
+        g[RELEASE] = wall_force(x.mode, riding(x.mode, x, u, p), u, p)
 
 
 @kernel
 def energy_now(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
     """Kinetic energy (J)."""
-    psi = angle(x, u, p)
-    rate = angle_rate(x, psi, u, p)
+    now = motion(x, u, p)
     scale = p.piston_mass * p.rod_length**2
-    return scale * kinetic_energy(p.form, u.crank_angle, u.crank_speed, psi, rate, mechanism(p))
+    return scale * kinetic_energy(p.form, u.crank_angle, u.crank_speed, now.psi, now.rate, mechanism(p))
 
 
 @kernel
@@ -170,29 +108,10 @@ def transition(k: int, t: float, x: SliderCrankState, u: SliderCrankInputs, p: S
 @kernel
 def release(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> None:
     """Flight begins on the wall, with the wall's rate (F appendix B)."""
-    psi = angle(x, u, p)
-    x.psi_rate = angle_rate(x, psi, u, p) + film_push(x.mode, psi, u, p)
-    x.psi = psi - x.mode * INSIDE * abs(psi)
+    on = riding(x.mode, x, u, p)
+    x.psi = on.psi - x.mode * INSIDE * resolution(on.psi, p)
+    x.psi_rate = on.rate
     x.mode = FREE
-
-
-@kernel
-def ends_chatter(
-    parting: float, pressing: float, height: float, u: SliderCrankInputs, p: SliderCrankParameters
-) -> bool:
-    """True if a slider that leaves its wall with the rate `parting` is to slide on it instead.
-
-    `pressing` is the acceleration towards the wall; bounces have the size of rounding when they rise less
-    than `height`. What remains of the bounces lasts T = 2 parting / ((1 - e) pressing), in which the crank
-    turns by |theta'| T + |theta''| T^2/2.
-    """
-    if pressing < 0.0:
-        return False
-    slow = parting <= p.sliding_threshold * abs(u.crank_speed)
-    low = parting**2 <= 2.0 * pressing * height
-    lost = (1.0 - p.restitution) * pressing
-    turned = 2.0 * parting * (abs(u.crank_speed) * lost + abs(u.crank_acceleration) * parting)
-    return slow or low or turned < CHATTER_LEFT * lost**2
 
 
 @kernel
@@ -204,24 +123,24 @@ def strike(
     At the end of chatter it slides: then this impact is plastic, the limit of the remaining ones.
     """
     m = mechanism(p)
-    psi = wall(side, u, p)
-    slope = offset_slope(p.form, u.crank_angle, psi, m)
-    rate_of_wall = wall_rate(p.form, u.crank_angle, u.crank_speed, psi, m) + film_push(side, psi, u, p)
-    approach = side * (x.psi_rate - rate_of_wall)
-    x.psi = psi - side * INSIDE * abs(psi)
+    on = riding(side, x, u, p)
+    slope = offset_slope(p.form, u.crank_angle, on.psi, m)
+    size = resolution(on.psi, p)
+    approach = side * (x.psi_rate - on.rate)
+    x.psi = on.psi - side * INSIDE * size
     if approach < 0.0:  # found outside a wall that has jumped, and leaving already
         return
-    pressing = wall_force(side, psi, u, p) * slope / (inertia(m) * p.piston_mass * p.rod_length)
-    slides = ends_chatter(p.restitution * approach, pressing, UNRESOLVED * abs(psi), u, p)
+    pressing = wall_force(side, on, u, p) * slope / (inertia(m) * p.piston_mass * p.rod_length)
+    slides = ends_chatter(p.restitution * approach, pressing, UNRESOLVED * size, u, p)
     restitution = 0.0 if slides else p.restitution
-    after = rebound(x.psi_rate, rate_of_wall, restitution)
+    after = rebound(x.psi_rate, on.rate, restitution)
     jump = after - x.psi_rate
     impulse = inertia(m) * p.piston_mass * p.rod_length * abs(jump) / slope
     velocity = approach * p.rod_length * slope
     x.impact_loss += 0.5 * (1.0 - restitution) * impulse * velocity
     # What is lost has left the kinetic energy, not entered it as work.
     x.impact_work += 0.5 * (1.0 - restitution) * impulse * velocity
-    taken = crank_impulse(p.form, u.crank_angle, psi, jump, m)
+    taken = crank_impulse(p.form, u.crank_angle, on.psi, jump, m)
     x.crank_impact_impulse += p.piston_mass * p.rod_length**2 * taken
     x.last_impact_time = t
     x.last_impact_velocity = velocity
@@ -242,31 +161,19 @@ def output(
 ) -> None:
     m = mechanism(p)
     theta, speed = u.crank_angle, u.crank_speed
-    psi = angle(x, u, p)
-    rate = angle_rate(x, psi, u, p)
-    eta, eta_rate = rod_angle(theta, psi, m.xi), rod_rate(theta, speed, rate, m.xi)
-    y.psi = psi
-    y.psi_rate = rate
+    now = motion(x, u, p)
+    eta, eta_rate = rod_angle(theta, now.psi, m.xi), rod_rate(theta, speed, now.rate, m.xi)
+    y.psi = now.psi
+    y.psi_rate = now.rate
     y.piston_position = p.crank_radius * math.cos(theta) + p.rod_length * math.cos(eta)
     y.piston_velocity = -p.crank_radius * speed * math.sin(theta) - p.rod_length * eta_rate * math.sin(eta)
-    y.piston_offset = p.rod_length * offset(p.form, theta, psi, m)
-    y.upper_wall_force = wall_force(UPPER, psi, u, p) if x.mode == UPPER else 0.0
-    y.lower_wall_force = wall_force(LOWER, psi, u, p) if x.mode == LOWER else 0.0
-    y.crank_torque = (
-        p.piston_mass
-        * p.rod_length**2
-        * crank_torque(
-            p.form,
-            theta,
-            speed,
-            u.crank_acceleration,
-            psi,
-            rate,
-            angle_acceleration(x, psi, rate, u, p),
-            (y.upper_wall_force - y.lower_wall_force) / (p.piston_mass * p.rod_length),
-            m,
-        )
-    )
+    y.piston_offset = p.rod_length * offset(p.form, theta, now.psi, m)
+    y.upper_wall_force = wall_force(UPPER, now, u, p) if x.mode == UPPER else 0.0
+    y.lower_wall_force = wall_force(LOWER, now, u, p) if x.mode == LOWER else 0.0
+    scale = p.piston_mass * p.rod_length
+    force = (y.upper_wall_force - y.lower_wall_force) / scale
+    torque = crank_torque(p.form, theta, speed, u.crank_acceleration, now.psi, now.rate, now.change, force, m)
+    y.crank_torque = scale * p.rod_length * torque
     # The roller does not turn: its surface moves with the piston, the liner stands still.
     y.wall_entraining_velocity = 0.5 * y.piston_velocity
     y.wall_sliding_velocity = y.piston_velocity
@@ -287,31 +194,23 @@ def output(
 @kernel
 def energy(t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, e: Vector) -> None:
     """Stored: kinetic energy of the form, and what impacts lost less what they were given
-    (so that it is continuous). Dissipated: joint friction. Source: the moving film under a sliding
-    piston, which the velocities neglect."""
-    m = mechanism(p)
-    theta, speed = u.crank_angle, u.crank_speed
-    psi = angle(x, u, p)
-    rate = angle_rate(x, psi, u, p)
-    scale = p.piston_mass * p.rod_length**2
+    (so that it is continuous). Dissipated: joint friction. Source: the film that moves the wall under a
+    sliding piston."""
+    now = motion(x, u, p)
     e[0] = energy_now(x, u, p) + x.impact_loss - x.impact_work
-    e[1] = p.joint_friction * joint_rate(theta, speed, rate, m) ** 2
+    e[1] = p.joint_friction * joint_rate(u.crank_angle, u.crank_speed, now.rate, mechanism(p)) ** 2
     e[2] = 0.0
     if x.mode != FREE:
-        push = scale * film_push(x.mode, psi, u, p)
-        e[2] = push * energy_slope(p.form, theta, speed, psi, rate, m)
-        e[2] += (
-            push
-            * wall_rate_slope(p.form, theta, speed, psi, m)
-            * momentum(p.form, theta, speed, psi, rate, m)
-        )
+        film_rate = x.upper_wall_film_rate if x.mode == UPPER else x.lower_wall_film_rate
+        e[2] = wall_force(x.mode, now, u, p) * film_rate
 
 
 def slider_crank() -> Component:
     """The slider-crank with clearance at its slider."""
-    place = ("crank_angle", "upper_film_thickness", "lower_film_thickness")
-    moving = (*place, "crank_speed")
-    forced = ("crank_angle", "crank_speed", "crank_acceleration")
+    moving = ("crank_angle", "crank_speed")
+    forced = (*moving, "crank_acceleration")
+    films = ("upper_film_thickness", "lower_film_thickness")
+    # A film's thickness sets the acceleration of its wall.
     return Component(
         name="slider_crank",
         description="Slider-crank with clearance at the slider: flight, impacts and sliding",
@@ -323,14 +222,14 @@ def slider_crank() -> Component:
         output=output,
         energy=energy,
         feedthrough={
-            "psi": place,
+            "psi": ("crank_angle",),
             "psi_rate": moving,
-            "piston_position": place,
+            "piston_position": ("crank_angle",),
             "piston_velocity": moving,
-            "piston_offset": place,
+            "piston_offset": ("crank_angle",),
             "upper_wall_force": (*forced, "upper_film_thickness"),
             "lower_wall_force": (*forced, "lower_film_thickness"),
-            "crank_torque": (*moving, "crank_acceleration"),
+            "crank_torque": (*forced, *films),
             "wall_entraining_velocity": moving,
             "wall_sliding_velocity": moving,
         },
@@ -341,8 +240,5 @@ def slider_crank() -> Component:
         check=check,
         check_start=check_start,
         runs_on=True,
-        input_rates={
-            "upper_film_rate": "upper_film_thickness",
-            "lower_film_rate": "lower_film_thickness",
-        },
+        settles=WALL_FILMS,
     )

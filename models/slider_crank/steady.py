@@ -36,7 +36,7 @@ from .equations import Mechanism
 from .flow import COLUMNS, FEWEST_CELLS, UNRESOLVED, Flow, tabulate
 from .forms import NONLINEAR, offset, offset_slope, wall_angle, wall_rate
 from .pendulum_flight import PendulumFlow
-from .records import mechanism
+from .records import WALL_FILMS, mechanism
 from .samples import sample_flow, sample_pressing
 from .series import TERMS
 
@@ -204,10 +204,14 @@ def make_advance(component: Component) -> Any:
     names = component.inputs.names
     angle_at, speed_at = names.index("crank_angle"), names.index("crank_speed")
     psi_at, rate_at, mode_at = (component.state.index(name) for name in ("psi", "psi_rate", "mode"))
+    films_at = tuple(component.state.index(name) for name in WALL_FILMS)
 
     @kernel
-    def uniform(h: float, U: Any) -> bool:
+    def uniform(h: float, x: Any, U: Any) -> bool:
         """True if the crank turns forward at constant speed and no film is on the walls."""
+        for i in films_at:
+            if x[i] != 0.0:
+                return False
         speed = U[0, speed_at]
         astray = h * abs(U[1, angle_at] - speed)
         astray += h * h * (0.5 * abs(U[2, angle_at]) + h * abs(U[3, angle_at]) / 6.0)
@@ -240,7 +244,7 @@ def make_advance(component: Component) -> Any:
 
     @kernel
     def advance(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any) -> int:
-        if not uniform(h, U):
+        if not uniform(h, x, U):
             return hybrid(t, h, x, U, p, scale, work)
         parameters = p.view(P)[0]
         m = mechanism(parameters)

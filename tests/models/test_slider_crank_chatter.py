@@ -14,7 +14,7 @@ from models.quantities import Vector
 from models.slider_crank import forms
 from models.slider_crank.bouncing import CHATTER_LEFT
 from models.slider_crank.records import mechanism
-from models.slider_crank.slider_crank import ends_chatter
+from models.slider_crank.walls import ends_chatter
 
 from .test_slider_crank import CRANK, INPUTS, STATE, TURN, thesis_parameters, turn
 

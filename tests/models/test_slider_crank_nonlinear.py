@@ -153,12 +153,12 @@ def test_bouncing_motion_converges_to_the_linear_one() -> None:
 def struck(form: float, side: float, restitution: float) -> tuple[Vector, Vector, Vector, float, float]:
     """p, inputs, state just after an impact on a moving film, and psi' and energy just before."""
     p = thesis_parameters(0.2, 0.02, form=form, restitution=restitution)
-    films = {"upper_film_thickness": 0.003, "lower_film_thickness": 0.001}
-    rates = {"upper_film_rate": 0.02, "lower_film_rate": -0.01}
-    u = INPUTS.vector({"crank_angle": 1.1 + side, "crank_speed": 1.4, **films, **rates})
+    films = {"upper_wall_film": 0.003, "lower_wall_film": 0.001}
+    rates = {"upper_wall_film_rate": 0.02, "lower_wall_film_rate": -0.01}
+    u = INPUTS.vector({"crank_angle": 1.1 + side, "crank_speed": 1.4})
     gap = side * (0.02 - (0.003 if side > 0.0 else 0.001))
     psi = forms.wall_angle(form, u[0], gap, thesis_mechanism(0.2, corrected=True))
-    x, e = STATE.vector({"psi": psi, "psi_rate": side * 0.3}), np.zeros(3)
+    x, e = STATE.vector({"psi": psi, "psi_rate": side * 0.3, **films, **rates}), np.zeros(3)
     CRANK.flat_energy(0.0, x, u, p, e)
     CRANK.flat_transition(0 if side > 0.0 else 1, 0.0, x, u, p)
     return p, u, x, side * 0.3, e[0]

@@ -48,10 +48,10 @@ def test_each_form_has_its_own_walls() -> None:
 
 
 def test_films_narrow_the_room_at_the_start() -> None:
-    film = {"upper_film_thickness": 0.005}
-    assert "to 0.01 rad" in faults(forms.CORRECTED, {"psi": 0.012}, film)[0]
-    films = {"upper_film_thickness": 0.01, "lower_film_thickness": 0.03}
-    assert "there is no room between the walls" in faults(forms.CORRECTED, {}, films)[0]
+    film = {"upper_wall_film": 0.005}
+    assert "to 0.01 rad" in faults(forms.CORRECTED, {"psi": 0.012, **film})[0]
+    films = {"upper_wall_film": 0.01, "lower_wall_film": 0.03}
+    assert "there is no room between the walls" in faults(forms.CORRECTED, films)[0]
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

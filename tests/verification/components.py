@@ -92,6 +92,8 @@ FEATURES: tuple[tuple[str, tuple[str, ...]], ...] = (
         (
             "test_slider_crank.py::test_film_narrows_the_clearance_and_moves_the_wall",
             "test_slider_crank.py::test_film_that_grows_into_a_bounce_is_an_approaching_wall",
+            "test_slider_crank_films.py::test_bounces_on_moving_walls_end_in_sliding_and_pass_no_wall",
+            "test_slider_crank_films.py::test_energy_closes_from_one_wall_to_the_other",
         ),
     ),
     (
@@ -130,10 +132,6 @@ SHORT = {
     "ehl_contact: squeeze velocity, pressure, half width, validity flags of Table 3": "the friction (viscous "
     "and boundary) is an estimate, as asked, that no test compares with a number; "
     "no shipped scenario connects it to the camshaft's `friction_force`.",
-    "slider_crank: takes wall film "
-    "thickness": "against a moving film at a small clearance chattering may not "
-    "end, and the step is then refused (“more than … events”); the shipped `engine` therefore rides on its "
-    "upper wall, and no shipped scenario couples films to a bouncing slider.",
 }
 
 

@@ -1,0 +1,102 @@
+"""The walls of the slider-crank behind their films: where they are, how they move, what holds the slider.
+
+A wall stands at the clearance less its film h_f, which follows the film thickness h that is given,
+
+    T^2 h_f'' + 2 T h_f' + h_f = h,    T = film_lag,
+
+so that its place, velocity and acceleration are known at every instant and belong together. A film of
+constant rate is followed 2 T late.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..kernel import kernel
+from .bouncing import CHATTER_LEFT, UPPER
+from .forms import holding_force, moving_wall_acceleration, moving_wall_rate, wall_angle
+from .records import SliderCrankInputs, SliderCrankParameters, SliderCrankState, mechanism
+
+# Bounces lower than this fraction of the wall's psi drown in its rounding, and end there at the latest (at
+# a restitution of 0.9 some 1e-7 rad before the end of the chatter).
+UNRESOLVED = 1e-14
+
+
+class Motion(NamedTuple):
+    """psi, psi' and psi'' of the slider."""
+
+    psi: float
+    rate: float
+    change: float
+
+
+@kernel
+def film_change(film: float, rate: float, thickness: float, p: SliderCrankParameters) -> float:
+    """h_f''."""
+    return ((thickness - film) / p.film_lag - 2.0 * rate) / p.film_lag
+
+
+@kernel
+def wall(side: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
+    """psi at which the slider touches that wall."""
+    film = x.upper_wall_film if side == UPPER else x.lower_wall_film
+    gap = side * (p.clearance - film) / p.rod_length
+    return wall_angle(p.form, u.crank_angle, gap, mechanism(p))
+
+
+@kernel
+def riding(side: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> Motion:
+    """The motion of a slider that stays on that wall."""
+    if side == UPPER:
+        velocity = x.upper_wall_film_rate
+        change = film_change(x.upper_wall_film, velocity, u.upper_film_thickness, p)
+    else:
+        velocity = x.lower_wall_film_rate
+        change = film_change(x.lower_wall_film, velocity, u.lower_film_thickness, p)
+    theta, speed, m = u.crank_angle, u.crank_speed, mechanism(p)
+    inwards = -side / p.rod_length
+    psi = wall(side, x, u, p)
+    return Motion(
+        psi,
+        moving_wall_rate(p.form, theta, speed, psi, inwards * velocity, m),
+        moving_wall_acceleration(
+            p.form, theta, speed, u.crank_acceleration, psi, inwards * velocity, inwards * change, m
+        ),
+    )
+
+
+@kernel
+def wall_force(side: float, on: Motion, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
+    """Force (N) with which the wall on that side holds a slider that rides `on` it.
+
+    Negative: it would have to pull.
+    """
+    force = holding_force(
+        p.form, u.crank_angle, u.crank_speed, u.crank_acceleration, on.psi, on.rate, on.change, mechanism(p)
+    )
+    return side * p.piston_mass * p.rod_length * force
+
+
+@kernel
+def resolution(psi: float, p: SliderCrankParameters) -> float:
+    """The size of which a wall's psi has the rounding: a film may have brought it close to zero."""
+    return max(abs(psi), p.clearance / p.rod_length)
+
+
+@kernel
+def ends_chatter(
+    parting: float, pressing: float, height: float, u: SliderCrankInputs, p: SliderCrankParameters
+) -> bool:
+    """True if a slider that leaves its wall with the rate `parting` is to slide on it instead.
+
+    `pressing` is the acceleration towards the wall; bounces have the size of rounding when they rise less
+    than `height`. What remains of the bounces lasts T = 2 parting / ((1 - e) pressing), in which the crank
+    turns by |theta'| T + |theta''| T^2/2.
+    """
+    if pressing < 0.0:
+        return False
+    slow = parting <= p.sliding_threshold * abs(u.crank_speed)
+    low = parting**2 <= 2.0 * pressing * height
+    lost = (1.0 - p.restitution) * pressing
+    turned = 2.0 * parting * (abs(u.crank_speed) * lost + abs(u.crank_acceleration) * parting)
+    return slow or low or turned < CHATTER_LEFT * lost**2

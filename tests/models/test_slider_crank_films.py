@@ -1,0 +1,151 @@
+"""Walls that follow their films: kinematics, lag, energy, and bounces on walls that move in any way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.catalogue import CATALOGUE
+from models.integrator import OK
+from models.monolithic import equilibrium, solve
+from models.quantities import Vector
+from models.slider_crank import forms
+from models.slider_crank.equations import thesis_mechanism
+from models.system import Instance, System
+
+from .test_slider_crank import CRANK, FILMS, INPUTS, LAG, OUTPUTS, SCALE, STATE, thesis_parameters
+
+FORMS = (forms.AS_PUBLISHED, forms.CORRECTED, forms.NONLINEAR)
+FILM_INPUTS = [INPUTS.index(f"{side}_film_thickness") for side in ("upper", "lower")]
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_slider_on_a_moving_wall_has_its_velocity_and_acceleration(form: float) -> None:
+    """psi' and psi'' are those of psi(theta(t), y(t)), by differences of fourth order (error ~ 1e-9)."""
+    rng, m = np.random.default_rng(4), thesis_mechanism(0.1)
+    for _ in range(20):
+        theta, speed, acceleration = rng.uniform(0.0, 6.0), rng.uniform(-2.0, 2.0), rng.uniform(-2.0, 2.0)
+        y, velocity, change = rng.uniform(-0.1, 0.1, 3)
+
+        def psi(t: float) -> float:
+            turned = theta + speed * t + 0.5 * acceleration * t**2  # noqa: B023
+            return forms.wall_angle(form, turned, y + velocity * t + 0.5 * change * t**2, m)  # noqa: B023
+
+        d = 2e-3
+        p = [psi(k * d) for k in (-2, -1, 0, 1, 2)]
+        rate = (p[0] - 8.0 * p[1] + 8.0 * p[3] - p[4]) / (12.0 * d)
+        second = (-p[0] + 16.0 * p[1] - 30.0 * p[2] + 16.0 * p[3] - p[4]) / (12.0 * d**2)
+        found = forms.moving_wall_rate(form, theta, speed, p[2], velocity, m)
+        assert found == pytest.approx(rate, abs=1e-9)
+        found = forms.moving_wall_acceleration(form, theta, speed, acceleration, p[2], velocity, change, m)
+        assert found == pytest.approx(second, abs=1e-8)
+
+
+def test_wall_answers_a_step_of_its_film_as_a_critically_damped_follower() -> None:
+    """h_f = h (1 - (1 + t/T) exp(-t/T)), to the integrator's tolerance on a film of mm."""
+    p, h = thesis_parameters(0.1, 0.015), 1e-3
+    for turns in (0.3, 1.0, 4.0, 20.0):
+        x, U = STATE.vector(), CRANK.input_polynomial()
+        U[0, FILM_INPUTS] = h, 2.0 * h
+        advance(x, U, p, 0.0, turns * LAG)
+        follower = 1.0 - (1.0 + turns) * math.exp(-turns)
+        assert x[FILMS[0::2]] == pytest.approx([h * follower, 2.0 * h * follower], abs=1e-12)
+
+
+def advance(x: Vector, U: Vector, p: Vector, t: float, h: float) -> Vector:
+    """The outputs after a step that must succeed."""
+    y, u = np.zeros(OUTPUTS.size), np.zeros(INPUTS.size)
+    assert CRANK.step(t, h, x, U, p, SCALE, np.zeros(CRANK.work_size), u, y) == OK
+    return y
+
+
+class Films:
+    """Films h = size (1 + sin(omega t + phase))/2 on both walls, as cubic polynomials."""
+
+    def __init__(self, size: float, omega: float) -> None:
+        self.size, self.omega = size, omega
+
+    def write(self, t: float, U: Vector) -> None:
+        for i, phase in zip(FILM_INPUTS, (0.0, 2.0), strict=True):
+            for k in range(4):
+                wave = self.omega**k * math.sin(self.omega * t + phase + 0.5 * k * math.pi)
+                U[k, i] = 0.5 * self.size * wave
+            U[0, i] += 0.5 * self.size
+
+
+@settings(max_examples=80, deadline=None, derandomize=True)
+@given(
+    form=st.sampled_from(FORMS),
+    gap=st.floats(-6.0, -2.0).map(lambda power: 10.0**power),
+    restitution=st.floats(0.0, 0.95),
+    damping=st.floats(0.0, 0.4),
+    share=st.floats(0.0, 0.9),
+    omega=st.floats(0.0, 4.0).map(lambda power: 10.0**power),
+    rate=st.floats(-1.0, 1.0),
+)
+def test_bounces_on_moving_walls_end_in_sliding_and_pass_no_wall(
+    form: float, gap: float, restitution: float, damping: float, share: float, omega: float, rate: float
+) -> None:
+    """Clearances down to 1e-6 rod lengths, nine tenths of them filled by films that go up and down at up to
+    ten thousand radians per radian of crank: no step ends with the event limit, and walls only push."""
+    p, films = thesis_parameters(damping, gap, restitution=restitution, form=form), Films(share * gap, omega)
+    U = CRANK.input_polynomial()
+    films.write(0.0, U)
+    x = STATE.vector({"psi_rate": rate * math.sqrt(gap)})
+    x[FILMS[0::2]] = U[0, FILM_INPUTS]
+    piece = min(1.0 / 60.0, 0.3 / omega)  # of a radian: a cubic is the sine to 1e-3 there
+    for k in range(60):
+        t = k * piece
+        U[0, :2], U[1, 0] = (t, 1.0), 1.0
+        films.write(t, U)
+        y = advance(x, U, p, t, piece)
+        offset = y[OUTPUTS.index("piston_offset")]
+        rounding = 1e-13 * gap
+        assert -(gap - x[FILMS[2]]) - rounding <= offset <= gap - x[FILMS[0]] + rounding
+        # At the instant of release the force is zero to rounding.
+        assert min(y[OUTPUTS.index("upper_wall_force")], y[OUTPUTS.index("lower_wall_force")]) >= -1e-11
+
+
+def lubricated() -> System:
+    """The default engine at 2000 r/min with a clearance of 0.1 mm, whose walls' forces load two contacts."""
+    wheel = Instance(CATALOGUE["flywheel"](), {"initial_speed": 209.4, "final_speed": 209.4})
+    crank = Instance(
+        CRANK, {"clearance": 1e-4, "restitution": 0.4, "joint_friction": 0.0733}, {"mode": 1.0, "psi": 7.2e-4}
+    )
+    contact = {"load_is_given": 1.0, "length": 0.04}
+    connections = [(f"wheel.{name}", f"crank.crank_{name}") for name in ("angle", "speed", "acceleration")]
+    for wall in ("upper", "lower"):
+        connections += [
+            (f"crank.{wall}_wall_force", f"{wall}.applied_load"),
+            ("crank.wall_entraining_velocity", f"{wall}.entraining_velocity"),
+            ("crank.wall_radius", f"{wall}.radius_of_curvature"),
+            (f"{wall}.film_thickness", f"crank.{wall}_film_thickness"),
+        ]
+    walls = {wall: Instance(CATALOGUE["ehl_contact"](), contact) for wall in ("upper", "lower")}
+    return System({"wheel": wheel, "crank": crank, **walls}, connections)
+
+
+def test_equilibrium_puts_the_walls_on_their_films() -> None:
+    system = lubricated()
+    start = dict(zip(system.state.names, equilibrium(system), strict=True))
+    for wall in ("upper", "lower"):
+        assert start[f"crank.{wall}_wall_film"] == pytest.approx(start[f"{wall}.film_thickness"], rel=1e-9)
+        assert start[f"crank.{wall}_wall_film_rate"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_energy_closes_from_one_wall_to_the_other() -> None:
+    """Sliding, release, flight, chatter to its end and sliding again, on films that move the walls."""
+    system = lubricated()
+    times = np.linspace(0.0, 0.013, 27)
+    found = solve(system, times, x0=equilibrium(system), tolerance=1e-8)
+    assert found["crank.sliding"][0] == 1.0
+    assert found["crank.sliding"][-1] == -1.0
+    assert found["crank.impact_count"][-1] > 5.0
+    # 1e-10 per step and joule over some thousand steps, of energies up to 20 J.
+    balance = found.energy["crank"]
+    assert np.abs(balance.sourced).max() > 1e-6
+    assert np.abs(balance.residual).max() < 1e-7
