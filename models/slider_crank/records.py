@@ -23,7 +23,7 @@ _CLEARANCE = 0.015 * _ROD_LENGTH
 # Film and wall make a loop: the film's acceleration loads the wall, whose load sets the film. With a film
 # that grows by the load's power n, entrained at u, it is unstable where F < n m u / (2 C T) (C of K 10, m the
 # slider's effective mass): 20 N with the engine's defaults, n = 0.059 and u = 5 m/s. A wall that follows 2 T
-# late is off by 0.05 um while a film goes up and down by 1 um in 5 ms.
+# late is off by 0.1 um at the fastest film there, 1 mm/s.
 FILM_LAG = 50e-6
 
 
