@@ -32,7 +32,8 @@ class Excursion:
 
     def __str__(self) -> str:
         extremes = f"{self.least:.2g} to {self.most:.2g}"
-        return f"{100.0 * self.share:.2g} % of the time ({extremes}, range {self.low:g} to {self.high:g})"
+        share = f"{100.0 * self.share:.1f}".removesuffix(".0")
+        return f"{share} % of the time ({extremes}, range {self.low:g} to {self.high:g})"
 
 
 Excursions = dict[str, dict[str, Excursion]]
