@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,17 +34,20 @@ def analyse(
     overwrite: bool = False,
     reporter: Reporter | None = None,
 ) -> dict[str, float | str]:
-    """Compute, print and write into `out` (default: results/NAME); a MistakeError leaves no file."""
+    """Compute, print and write into `out` (default: results/NAME), which changes when all is computed."""
     reporter = reporter or Reporter()
     analysis = load(name)
     values = analysis.complete(dict(setting(text) for text in settings))
     folder = out or Path("results") / analysis.name
-    prepare(folder, analysis.name, overwrite)
-    with reporter.stage(analysis.description):
-        table = computed(analysis, values)
-    results = {result: table[result].item() for result in analysis.results}
-    reporter.console.print(shown(analysis, results))
-    files = write(analysis, values, table, folder)
+    held = results_in(folder, analysis.name, overwrite)
+    with made(folder):
+        with reporter.stage(analysis.description):
+            table = computed(analysis, values)
+        results = {result: table[result].item() for result in analysis.results}
+        reporter.console.print(shown(analysis, results))
+        for file in held:
+            file.unlink()
+        files = write(analysis, values, table, folder)
     reporter.line(f"results in {folder}: {', '.join(file.name for file in files)}")
     return results
 
@@ -70,8 +76,8 @@ def computed(analysis: Analysis, values: Mapping[str, Value]) -> xarray.Dataset:
     return table.assign_attrs({**settings, **about, "Conventions": "CF-1.10"})
 
 
-def prepare(folder: Path, name: str, overwrite: bool) -> None:
-    """Make the folder; files of this analysis in it are removed if `overwrite`, and refused otherwise."""
+def results_in(folder: Path, name: str, overwrite: bool) -> list[Path]:
+    """Files of this analysis in the folder; OutputFolderError if there are some, unless `overwrite`."""
     if folder.exists() and not folder.is_dir():
         raise OutputFolderError(f"{folder}: is a file; choose a folder with --out")
     held = [path for path in (folder / f"{name}.{ending}" for ending in ENDINGS) if path.exists()]
@@ -80,14 +86,28 @@ def prepare(folder: Path, name: str, overwrite: bool) -> None:
             f"{folder}: already holds a result ({held[0].name}); choose another folder with --out, "
             "or replace it with --overwrite"
         )
+    return held
+
+
+@contextmanager
+def made(folder: Path) -> Iterator[None]:
+    """A folder that can be written, made where it is missing, and taken away again, empty, after an error."""
+    missing = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
-        for file in held:
-            file.unlink()
         folder.mkdir(parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     except OSError as error:
         raise OutputFolderError(
             f"{folder}: cannot be written ({error.strerror}); choose another --out"
         ) from None
+    try:
+        yield
+    except BaseException:
+        with suppress(OSError):
+            for path in missing:
+                path.rmdir()
+        raise
 
 
 def write(analysis: Analysis, values: Mapping[str, Value], table: xarray.Dataset, folder: Path) -> list[Path]:

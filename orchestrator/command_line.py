@@ -11,6 +11,8 @@ from typing import Annotated, Any
 
 import typer
 
+from .interruption import Noticed
+
 MISTAKE, FAILED, INTERRUPTED = 2, 3, 130
 
 app = typer.Typer(
@@ -34,12 +36,17 @@ def reported(command: Callable[..., int | None]) -> Callable[..., None]:
 
     @functools.wraps(command)
     def report(*arguments: Any, **options: Any) -> None:
+        noticed = Noticed()
         try:
-            status = command(*arguments, **options)
+            with noticed:
+                status = command(*arguments, **options)
         except KeyboardInterrupt as interruption:
             _say(str(interruption) or "interrupted")
             raise typer.Exit(INTERRUPTED) from None
         except Exception as error:
+            if noticed.asked:
+                _say("interrupted")
+                raise typer.Exit(INTERRUPTED) from None
             if os.environ.get("TRIBOCOSIM_DEBUG", "0").strip("0"):
                 raise
             text, status = _judged(error)

@@ -1,4 +1,4 @@
-"""Ctrl-C during a coupled run: acted on between macro steps.
+"""Ctrl-C during a command, and during a coupled run: acted on between macro steps.
 
 Raised inside a Python FMU, a KeyboardInterrupt would come back as that FMU's error.
 """
@@ -9,9 +9,38 @@ import signal
 import threading
 from collections.abc import Callable, Sequence
 from types import FrameType, TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from models.quantities import Vector
+if TYPE_CHECKING:
+    from models.quantities import Vector
+
+
+class Noticed:
+    """Remembers that Ctrl-C came; it is raised as ever.
+
+    Libraries make other errors of it: numba, broken off while it compiles, one about its half-made code.
+    """
+
+    def __init__(self) -> None:
+        self.asked = False
+        self._previous: Any = None
+
+    def __enter__(self) -> Noticed:
+        if threading.current_thread() is threading.main_thread():
+            self._previous = signal.getsignal(signal.SIGINT)
+            if callable(self._previous):  # not where the command was started without Ctrl-C
+                signal.signal(signal.SIGINT, self._notice)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if callable(self._previous):
+            signal.signal(signal.SIGINT, self._previous)
+
+    def _notice(self, number: int, frame: FrameType | None) -> None:
+        self.asked = True
+        self._previous(number, frame)
 
 
 class Interruption:

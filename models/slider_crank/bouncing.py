@@ -39,6 +39,10 @@ END, UPPER_IMPACT, LOWER_IMPACT, RELEASE = 0, 1, 2, 3
 # the place on the wall that the bounces would have given, but for the change of the pressing acceleration
 # within that time: 1e-8 of it. Sliding that would have ended within it is missed or added.
 CHATTER_LEFT = 1e-8
+# With restitution above 1 - ELASTIC bounces hardly get lower by themselves, but friction, on a wall that
+# presses all the time, makes exponentially more of them; those shorter than ELASTIC (rad), and so not 1e-12
+# high, are rest.
+ELASTIC = 1e-6
 # This part of a cell after the zero of the pressing acceleration it is negative beyond rounding; the
 # slider, released from rest, is then some 1e-33 off.
 PAST_ZERO = 1e-11
@@ -65,8 +69,11 @@ def wall_of(side: float, walls: Walls) -> float:
 
 @kernel
 def chatter_ends(rebound: float, pressing: float, restitution: float) -> bool:
-    """True if the bounces that remain, in all 2 v / ((1-e) A) long, are shorter than CHATTER_LEFT."""
-    return pressing >= 0.0 and 2.0 * rebound <= CHATTER_LEFT * (1.0 - restitution) * pressing
+    """True if the bounces that remain, in all 2 v / ((1-e) A) long, are shorter than CHATTER_LEFT; of elastic
+    ones if the next is shorter than ELASTIC."""
+    lost = 1.0 - restitution
+    left = CHATTER_LEFT * lost if lost >= ELASTIC else ELASTIC
+    return pressing >= 0.0 and 2.0 * rebound <= left * pressing
 
 
 @kernel
@@ -159,7 +166,8 @@ def make_next_event(flight: Any, skip: Any) -> Any:
     still the one before it; at a release the slider is free. A position at the end of the last cell is
     (cells, 0). scratch: (SCRATCH_ROWS, TERMS).
 
-    flight(flow, position, scratch) leaves the series of y from the position on in scratch[FLIGHT];
+    flight(flow, position, scratch) leaves the series of y from the position on in scratch[FLIGHT] and returns
+    how much of a cell it is good for;
     skip(flow, walls, position) crosses a whole cell if it can tell that no wall is reached in it.
     """
 
@@ -170,12 +178,18 @@ def make_next_event(flight: Any, skip: Any) -> Any:
             k = int(position[CELL])
             stop = fraction if k == cell else 1.0
             length = stop - position[FRACTION]
-            if k > cell or length <= 0.0:
+            if k > cell or (k == cell and length <= 0.0):
                 return END
+            if length <= 0.0:
+                position[CELL] = k + 1.0
+                position[FRACTION] = 0.0
+                continue
             if position[SIDE] == FREE:
                 if length == 1.0 and skip(flow, walls, position):
                     continue
-                flight(flow, position, scratch)
+                good = flight(flow, position, scratch)
+                cut = good < length
+                length = min(good, length)
                 low, high = bounds_of_bend(c, length)
                 up = time_to_wall(UPPER, c, low, high, walls.upper, length, q)
                 down = time_to_wall(LOWER, c, low, high, walls.lower, min(up, length), q)
@@ -184,6 +198,8 @@ def make_next_event(flight: Any, skip: Any) -> Any:
                     move(flow, position, c, at)
                     return UPPER_IMPACT if up < down else LOWER_IMPACT
                 move(flow, position, c, length)
+                if cut:
+                    continue
             elif slide(flow, position, length, c):
                 return RELEASE
             if stop == 1.0:

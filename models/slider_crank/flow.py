@@ -3,7 +3,8 @@
 y is a distance from the walls' middle, theta the phase; r, q, d have the period 2 pi. The period is cut
 into cells; in each one the particular solution and two fundamental ones are tabulated as power series.
 r, q and d are sampled at the cells' starts; their series follow from the samples' Fourier coefficients,
-which fall below rounding within the modes that the samples can tell apart.
+which fall below rounding within the modes that the samples can tell apart. The cells are so short that the
+solutions' series fall below rounding too.
 """
 
 from __future__ import annotations
@@ -24,6 +25,9 @@ FORCING, STIFFNESS, DAMPING, PRESSING_UPPER, PRESSING_LOWER, COLUMNS = 0, 1, 2, 
 PARTICULAR, OFFSET, RATE = 0, 1, 2
 # Fourier coefficients in the upper quarter of the modes, against the largest: rounding is 1e-17.
 UNRESOLVED = 1e-15
+# Where a column is a small difference (xi = 0.01, or much damping) rounding is more than that, and no more
+# cells make it less.
+ROUNDING = 1e-12
 # With 64 cells r = 0.4 l is resolved, with 4096 r = 0.9998 l.
 FEWEST_CELLS, MOST_CELLS = 64, 4096
 
@@ -124,8 +128,18 @@ def largest_value(series: Any) -> float:
 
 
 @kernel
+def rest(y: Any) -> float:
+    """The last coefficient of a series over the sum of all; infinite if that is no number."""
+    total = 0.0
+    for i in range(TERMS):
+        total += abs(y[i])
+    return abs(y[DEGREE]) / total if total < math.inf else math.inf
+
+
+@kernel
 def tabulate(samples: Any, flow: Flow, modes: Any, series: Any) -> float:
-    """Fill `flow` from samples (cells, COLUMNS) at the cells' starts; returns what `transform` does.
+    """Fill `flow` from samples (cells, COLUMNS) at the cells' starts; returns what is unresolved: of the
+    samples (see `transform`) or of the solutions' series (see `rest`), which damping alone can make long.
 
     Scratch: modes (cells / 2, COLUMNS, 2), series (COLUMNS, TERMS).
     """
@@ -153,6 +167,8 @@ def tabulate(samples: Any, flow: Flow, modes: Any, series: Any) -> float:
                 series[DAMPING],
                 y,
             )
+            if row == RATE:
+                unresolved = max(unresolved, rest(y))
             end, slope = value_and_slope(y, 1.0)
             flow.ends[k, row, 0] = end
             flow.ends[k, row, 1] = slope / width
@@ -165,11 +181,12 @@ class UnresolvedError(ValueError):
 
 def tabulated(sample: Callable[[int], Vector], xi: float = 0.0) -> Flow:
     """The flow whose samples (cells, COLUMNS) at so many equally spaced phases `sample` returns."""
-    cells = FEWEST_CELLS
+    cells, before = FEWEST_CELLS, math.inf
     while cells <= MOST_CELLS:
         flow = empty_flow(cells, xi)
         modes, series = np.zeros((cells // 2, COLUMNS, 2)), np.zeros((COLUMNS, TERMS))
-        if tabulate(sample(cells), flow, modes, series) <= UNRESOLVED:
+        unresolved = tabulate(sample(cells), flow, modes, series)
+        if unresolved <= UNRESOLVED or 0.5 * before <= unresolved <= ROUNDING:
             return flow
-        cells *= 2
+        cells, before = 2 * cells, unresolved
     raise UnresolvedError(f"the flow is not resolved by {MOST_CELLS} cells a revolution")

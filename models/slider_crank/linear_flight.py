@@ -12,8 +12,8 @@ from .series import TERMS, move_origin, value_and_slope
 
 
 @kernel
-def flight(flow: Flow, position: Any, scratch: Any) -> None:
-    """Series of y from the position on, in scratch[FLIGHT]."""
+def flight(flow: Flow, position: Any, scratch: Any) -> float:
+    """Series of y from the position on, in scratch[FLIGHT], good for the cell."""
     c = scratch[FLIGHT]
     k, u = int(position[CELL]), position[FRACTION]
     width = 2.0 * math.pi / flow.cells.shape[0]
@@ -26,6 +26,7 @@ def flight(flow: Flow, position: Any, scratch: Any) -> None:
         move_origin(c, u)
     c[0] = position[Y]
     c[1] = position[RATE_OF_Y] * width
+    return 1.0
 
 
 @kernel

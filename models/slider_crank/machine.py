@@ -26,7 +26,7 @@ from .equations import (
     Mechanism,
     inertia,
 )
-from .flow import COLUMNS, Flow, tabulated
+from .flow import COLUMNS, Flow, UnresolvedError, tabulated
 from .forms import offset, offset_slope, wall_angle, wall_rate
 from .samples import sample_flow, sample_pressing
 from .series import TERMS
@@ -34,6 +34,8 @@ from .series import TERMS
 FORMS = ("as_published", "corrected", "nonlinear")
 # Events kept per call of the recording kernel.
 BATCH = 4096
+# A rod faster than so many times the crank is a mistake; its impacts a revolution would never end.
+FASTEST = 1e6
 # Spans whose scatter tells the uncertainty of an exponent.
 BLOCKS = 20
 
@@ -88,7 +90,13 @@ class Machine:
     @cached_property
     def flow(self) -> Flow | pendulum_flight.PendulumFlow:
         """The tabulated flow; of the nonlinear form only what presses to the walls is tabulated."""
-        flow = tabulated(self._samples, self.xi)
+        try:
+            flow = tabulated(self._samples, self.xi)
+        except UnresolvedError as error:
+            raise UnresolvedError(
+                f"xi = {self.xi}, gap = {self.gap}, damping = {self.damping}: {error}; take xi (for form "
+                "nonlinear xi + gap) further below 1, or less damping"
+            ) from None
         if self.form == "nonlinear":
             return pendulum_flight.PendulumFlow(self.xi, self.mechanism, flow.pressing)
         return flow
@@ -132,7 +140,7 @@ class Events(NamedTuple):
 
 
 class Exponents(NamedTuple):
-    """Lyapunov exponents per radian of crank, -inf for a motion that slides.
+    """Lyapunov exponents per radian of crank, -inf for a motion that slides, the second also at e = 0.
 
     `uncertainty`: standard error of the largest, from the scatter of `BLOCKS` blocks. `exact_sum`: what
     both must add up to for the impacts that happened.
@@ -158,10 +166,14 @@ class Motion:
         least, most = (wall_angle(form, 0.0, side * machine.gap, m) for side in (-1.0, 1.0))
         if not least <= psi <= most:
             raise ValueError(f"psi = {psi}: must be between the walls, {least:.6g} to {most:.6g} rad")
+        if not abs(psi_rate) <= FASTEST:
+            raise ValueError(f"psi_rate = {psi_rate}: must be from {-FASTEST:g} to {FASTEST:g} per radian")
         self._position[Y] = offset(form, 0.0, psi, m)
         self._position[RATE_OF_Y] = offset_slope(form, 0.0, psi, m) * (
             psi_rate - wall_rate(form, 0.0, 1.0, psi, m)
         )
+        if machine.gap == 0.0:
+            self._position[RATE_OF_Y] = 0.0
 
     def skip(self, cycles: int) -> Motion:
         """Advance without keeping anything."""
@@ -241,7 +253,7 @@ def exponents_of(machine: Machine, growths: Vector, impacts: float, length: int)
     lost = -math.log(e) if e > 0.0 else math.inf
     by_impacts = 2.0 * per_cycle * lost / (2.0 * math.pi) if per_cycle else 0.0
     exact_sum = -m.damping / inertia(m) - by_impacts
-    if not np.isfinite(growths).all():
+    if not np.isfinite(growths[:, 0]).all():
         return Exponents(-math.inf, -math.inf, 0.0, exact_sum, per_cycle)
     rates = growths / (2.0 * math.pi * length)
     scatter = float(rates[:, 0].std(ddof=1) / math.sqrt(blocks))

@@ -20,6 +20,8 @@ from .series import DEGREE, TERMS, value_and_slope
 
 # Rows of scratch.
 ANGLE, SINE, COSINE, CRANK_SINE, CRANK_COSINE, DEVIATION = OWN, OWN + 1, OWN + 2, OWN + 3, OWN + 4, OWN + 5
+# Radians of sigma for which the series of its sine is good to rounding: 0.5^14 / 14! = 7e-16.
+SWING = 0.5
 
 
 class PendulumFlow(NamedTuple):
@@ -38,8 +40,8 @@ def rod_state(theta: float, y: float, rate: float, xi: float) -> tuple[float, fl
 
 
 @kernel
-def swing(theta: float, eta: float, eta_rate: float, flow: PendulumFlow, scratch: Any) -> None:
-    """Series of sigma, its sine and its cosine."""
+def swing(theta: float, eta: float, eta_rate: float, flow: PendulumFlow, scratch: Any) -> float:
+    """Series of sigma, its sine and its cosine; returns how much of a cell they are good for."""
     m = flow.mechanism
     width = 2.0 * math.pi / flow.pressing.shape[0]
     angle, sine, cosine = scratch[ANGLE], scratch[SINE], scratch[COSINE]
@@ -57,6 +59,7 @@ def swing(theta: float, eta: float, eta_rate: float, flow: PendulumFlow, scratch
         cosine[i + 1] = -fall / (i + 1.0)
         if i + 2 < TERMS:
             angle[i + 2] = -(friction * (i + 1.0) * angle[i + 1] + weight * sine[i]) / ((i + 1.0) * (i + 2.0))
+    return SWING / abs(angle[1]) if abs(angle[1]) > SWING else 1.0
 
 
 @kernel
@@ -73,12 +76,12 @@ def turn(theta: float, width: float, scratch: Any) -> None:
 
 
 @kernel
-def flight(flow: PendulumFlow, position: Any, scratch: Any) -> None:
-    """Series of y from the position on, in scratch[FLIGHT]."""
+def flight(flow: PendulumFlow, position: Any, scratch: Any) -> float:
+    """Series of y from the position on, in scratch[FLIGHT]; returns how much of a cell it is good for."""
     width = 2.0 * math.pi / flow.pressing.shape[0]
     theta = phase(flow, position)
     eta, eta_rate = rod_state(theta, position[Y], position[RATE_OF_Y], flow.xi)
-    swing(theta, eta, eta_rate, flow, scratch)
+    good = swing(theta, eta, eta_rate, flow, scratch)
     turn(theta, width, scratch)
     c = scratch[FLIGHT]
     for i in range(TERMS):
@@ -89,6 +92,7 @@ def flight(flow: PendulumFlow, position: Any, scratch: Any) -> None:
         c[i] = total
     c[0] = position[Y]
     c[1] = position[RATE_OF_Y] * width
+    return good
 
 
 @kernel
@@ -127,13 +131,16 @@ def carry(flow: PendulumFlow, start: Any, end: Any, v: Any, scratch: Any) -> Non
         v[row, 0] = -v[row, 0] / math.cos(eta)
         v[row, 1] = (math.sin(eta) * eta_rate * v[row, 0] - v[row, 1]) / math.cos(eta)
     while True:
-        length = (end[FRACTION] if k == int(end[CELL]) else 1.0) - u
-        swing(theta, eta, eta_rate, flow, scratch)
+        stop = end[FRACTION] if k == int(end[CELL]) else 1.0
+        length = min(swing(theta, eta, eta_rate, flow, scratch), stop - u)
         for row in range(2):
             v[row, 0], v[row, 1] = deviate(flow, v[row, 0], v[row, 1], length, scratch)
         sigma, sigma_rate = value_and_slope(scratch[ANGLE], length)
         theta += length * width
         eta, eta_rate = sigma - theta, sigma_rate / width - 1.0
+        if length < stop - u:
+            u += length
+            continue
         if k == int(end[CELL]) or (k + 1 == int(end[CELL]) and end[FRACTION] == 0.0):
             break
         k += 1

@@ -8,7 +8,7 @@ from ..kernel import kernel
 from ..quantities import Vector
 from .equations import Mechanism, flight_acceleration, inertia, narrowing, narrowing_slope, rod_cosine
 from .flow import DAMPING, FORCING, PRESSING_LOWER, PRESSING_UPPER, STIFFNESS
-from .forms import constraint_force, offset_slope, wall_angle
+from .forms import NONLINEAR, constraint_force, offset_slope, wall_angle
 
 
 @kernel
@@ -34,11 +34,16 @@ def sample_flow(m: Mechanism, samples: Vector) -> None:
 
 @kernel
 def sample_pressing(form: float, m: Mechanism, gap: float, samples: Vector) -> None:
-    """Samples of the accelerations towards the walls, from the constraint forces."""
+    """Samples of the accelerations towards the walls, from the constraint forces.
+
+    Of the nonlinear form also its damping, so that the cells are short enough for it.
+    """
     for i in range(samples.shape[0]):
         theta = 2.0 * math.pi * i / samples.shape[0]
         samples[i, PRESSING_UPPER] = pressing(form, 1.0, theta, gap, m)
         samples[i, PRESSING_LOWER] = pressing(form, -1.0, theta, gap, m)
+        if form == NONLINEAR:
+            samples[i, DAMPING] = -m.damping / inertia(m)
 
 
 @kernel

@@ -17,8 +17,9 @@ TERMS = DEGREE + 1
 NEVER = 2.0
 # A root is found when the next step would be smaller than this part of its distance from the origin.
 RELATIVE = 4e-16
-# Steps towards a root: three to five for a simple one, some 70 past a near miss of 1e-16.
-MOST_STEPS = 200
+# Steps towards a root: three to five for a simple one, some 70 past a near miss of 1e-16 that is parabolic;
+# 1/s towards a quartic one at s, where the bound of the bend is not the bend.
+MOST_STEPS = 100_000
 
 
 @kernel

@@ -143,3 +143,15 @@ def test_the_pages_commands_are_understood(command: list[str]) -> None:
     program, verb, name, *rest = command
     assert (program, verb, set(rest[::2])) == ("tribocosim", "analyse", {"--set"})
     load(name).complete(dict(setting(text) for text in rest[1::2]))
+
+
+def test_what_is_refused_while_it_computes_leaves_nothing_and_takes_nothing(tmp_path: Path) -> None:
+    """No empty folder, and no result replaced by none."""
+    with pytest.raises(MistakeError, match="between the walls"):
+        analyse("trace", ["psi=0.02"], tmp_path / "new" / "deep")
+    assert not list(tmp_path.iterdir())
+    analyse("trace", ["cycles=1", "points=20"], tmp_path)
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    with pytest.raises(MistakeError, match="between the walls"):
+        analyse("trace", ["psi=0.02"], tmp_path, overwrite=True)
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before

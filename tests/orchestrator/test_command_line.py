@@ -1,5 +1,6 @@
 """The command line: runs leave whole results; mistakes and failures are one message and a status."""
 
+import contextlib
 import json
 import os
 import signal
@@ -11,8 +12,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 
 from orchestrator.assembly import system_of
+from orchestrator.command_line import reported
 from orchestrator.results import open_result
 from orchestrator.scenario import scenario_of
 from orchestrator.scenario_files import load
@@ -352,3 +355,23 @@ def test_a_damaged_or_foreign_fmu_is_refused(spoil, fmu: Path, tmp_path: Path) -
     assert said(done).startswith("tribocosim: components.camshaft.participant: ")
     assert not (tmp_path / "out").exists()
     assert not (tmp_path / "escaped.txt").exists()
+
+
+def test_what_a_library_makes_of_ctrl_c_is_an_interruption(capsys: pytest.CaptureFixture[str]) -> None:
+    """numba, broken off while it compiles, fails later on with an error of its own."""
+
+    @reported
+    def compiling() -> None:
+        with contextlib.suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        raise RuntimeError("no compiled object yet")
+
+    @reported
+    def failing() -> None:
+        raise RuntimeError("no compiled object yet")
+
+    for command, status in ((compiling, 130), (failing, 3)):
+        with pytest.raises(typer.Exit) as left:
+            command()
+        assert left.value.exit_code == status
+    assert capsys.readouterr().err.startswith("tribocosim: interrupted\ntribocosim: unexpected")
