@@ -12,7 +12,7 @@ import numpy as np
 
 from models.parallel import cores
 from models.slider_crank.machine import Machine
-from models.slider_crank.maps import exponent_map
+from models.slider_crank.motions.maps import exponent_map
 
 from .measure import medians
 

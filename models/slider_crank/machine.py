@@ -16,9 +16,6 @@ import numpy as np
 
 from ..kernel import kernel
 from ..quantities import Vector
-from . import histories as h
-from . import pendulum_flight
-from .bouncing import POSITION_SIZE, RATE_OF_Y, SCRATCH_ROWS, Walls, Y
 from .equations import (
     THESIS_ALPHA,
     THESIS_BETA,
@@ -26,10 +23,13 @@ from .equations import (
     Mechanism,
     inertia,
 )
-from .flow import COLUMNS, Flow, UnresolvedError, tabulated
+from .flight import histories as h
+from .flight import pendulum as pendulum_flight
+from .flight.bouncing import POSITION_SIZE, RATE_OF_Y, SCRATCH_ROWS, Walls, Y
+from .flight.flow import COLUMNS, Flow, UnresolvedError, tabulated
+from .flight.samples import sample_flow, sample_pressing
+from .flight.series import TERMS
 from .forms import offset, offset_slope, wall_angle, wall_rate
-from .samples import sample_flow, sample_pressing
-from .series import TERMS
 
 FORMS = ("as_published", "corrected", "nonlinear")
 # Events kept per call of the recording kernel.

@@ -12,9 +12,9 @@ import math
 from ..component import Component, Events, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Vector
-from .bouncing import FREE, LOWER, UPPER
 from .checks import check, check_start
 from .equations import inertia, joint_rate, rebound
+from .flight.bouncing import FREE, LOWER, UPPER
 from .forms import crank_impulse, crank_torque, flight_acceleration, kinetic_energy, offset, offset_slope
 from .nonlinear import rod_angle, rod_rate
 from .records import (

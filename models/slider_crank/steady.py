@@ -15,8 +15,9 @@ import numpy as np
 from ..hybrid import MOST_EVENTS, hybrid_work_size, make_hybrid_advance
 from ..integrator import OK, TOO_MANY_EVENTS, taylor
 from ..kernel import kernel
-from . import histories
-from .bouncing import (
+from .equations import Mechanism
+from .flight import histories
+from .flight.bouncing import (
     CELL,
     END,
     FRACTION,
@@ -32,13 +33,12 @@ from .bouncing import (
     Walls,
     Y,
 )
-from .equations import Mechanism
-from .flow import COLUMNS, FEWEST_CELLS, UNRESOLVED, Flow, tabulate
+from .flight.flow import COLUMNS, FEWEST_CELLS, UNRESOLVED, Flow, tabulate
+from .flight.pendulum import PendulumFlow
+from .flight.samples import sample_flow, sample_pressing
+from .flight.series import TERMS
 from .forms import NONLINEAR, offset, offset_slope, wall_angle, wall_rate
-from .pendulum_flight import PendulumFlow
 from .records import WALL_FILMS, mechanism
-from .samples import sample_flow, sample_pressing
-from .series import TERMS
 
 if TYPE_CHECKING:
     from ..component import Component

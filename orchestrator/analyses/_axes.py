@@ -10,8 +10,8 @@ import numpy as np
 import xarray
 
 from models.quantities import Vector
-from models.slider_crank.gpu import NoDeviceError
-from models.slider_crank.maps import VARIABLES
+from models.slider_crank.flight.gpu import NoDeviceError
+from models.slider_crank.motions.maps import VARIABLES
 
 from ..errors import MistakeError
 from ._machine import MACHINE

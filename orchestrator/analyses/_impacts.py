@@ -9,9 +9,9 @@ import numpy as np
 import xarray
 
 from models.quantities import Vector
-from models.slider_crank import histories as h
+from models.slider_crank.flight import histories as h
 from models.slider_crank.machine import Events
-from models.slider_crank.statistics import Distribution, approach_velocities
+from models.slider_crank.motions.statistics import Distribution, approach_velocities
 
 from ._machine import MACHINE, START, duration, motion_of
 from ._table import column

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from models.slider_crank.portrait import portrait
+from models.slider_crank.motions.portrait import portrait
 
 from ._machine import MACHINE, START, duration, motion_of
 from ._table import column

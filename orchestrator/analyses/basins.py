@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray
 
-from models.slider_crank.basins import LEAST, basins
+from models.slider_crank.motions.basins import LEAST, basins
 
 from ._axes import mistakes
 from ._machine import MACHINE, machine_of

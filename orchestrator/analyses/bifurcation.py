@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray
 
-from models.slider_crank.bifurcation import RECORDS, followed, from_rest
+from models.slider_crank.motions.bifurcation import RECORDS, followed, from_rest
 
 from ._axes import along, axis, fixed, mistakes
 from ._machine import MACHINE, duration, machine_of

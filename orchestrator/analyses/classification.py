@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray
 
-from models.slider_crank.classification import classify, finite_time_exponents
 from models.slider_crank.machine import Motion
+from models.slider_crank.motions.classification import classify, finite_time_exponents
 
 from ._axes import mistakes
 from ._machine import MACHINE, START, machine_of

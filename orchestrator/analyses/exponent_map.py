@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray
 
-from models.slider_crank.maps import exponent_map, exponent_map_on_device
+from models.slider_crank.motions.maps import exponent_map, exponent_map_on_device
 
 from ._axes import along, axis, coordinate, fixed, mistakes
 from ._machine import MACHINE, duration, machine_of

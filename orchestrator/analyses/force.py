@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray
 
-from models.slider_crank.bouncing import LOWER, UPPER
+from models.slider_crank.flight.bouncing import LOWER, UPPER
 from models.slider_crank.machine import Machine
-from models.slider_crank.regions import holding_intervals, region, sign_changes, wall_forces
+from models.slider_crank.motions.regions import holding_intervals, region, sign_changes, wall_forces
 
 from ..errors import MistakeError
 from ._machine import MECHANISM, machine_of

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray
 
-from models.slider_crank.maps import period_map
+from models.slider_crank.motions.maps import period_map
 
 from ._axes import along, axis, coordinate, fixed, mistakes
 from ._machine import MACHINE, machine_of

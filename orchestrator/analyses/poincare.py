@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray
 
-from models.slider_crank.bouncing import LOWER, UPPER
+from models.slider_crank.flight.bouncing import LOWER, UPPER
 
 from ._impacts import COUNTS, counts, first_impacts
 from ._machine import MACHINE, START, duration

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray
 
-from models.slider_crank.statistics import impact_profile
+from models.slider_crank.motions.statistics import impact_profile
 
 from ._impacts import (
     COUNTS,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray
 
-from models.slider_crank.regions import region, thresholds
+from models.slider_crank.motions.regions import region, thresholds
 
 from ._machine import MECHANISM, machine_of
 from ._table import column, scalars

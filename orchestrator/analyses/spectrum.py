@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray
 
-from models.slider_crank.statistics import impact_spectrum
+from models.slider_crank.motions.statistics import impact_spectrum
 
 from ._impacts import (
     COUNTS,

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import xarray
 
-from models.slider_crank.bouncing import LOWER, UPPER
-from models.slider_crank.statistics import (
+from models.slider_crank.flight.bouncing import LOWER, UPPER
+from models.slider_crank.motions.statistics import (
     effective_bins,
     energies,
     energy_profile,

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from models.quantities import Vector
-from models.slider_crank.bouncing import POSITION_SIZE, SCRATCH_ROWS, Walls
-from models.slider_crank.flow import (
+from models.slider_crank.flight.bouncing import POSITION_SIZE, SCRATCH_ROWS, Walls
+from models.slider_crank.flight.flow import (
     COLUMNS,
     DAMPING,
     FORCING,
@@ -19,7 +19,7 @@ from models.slider_crank.flow import (
     Flow,
     tabulated,
 )
-from models.slider_crank.series import TERMS
+from models.slider_crank.flight.series import TERMS
 
 FAR = 10.0
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from models.slider_crank.basins import basins
 from models.slider_crank.machine import Machine
+from models.slider_crank.motions.basins import basins
 
 
 def grid(gap: float, count: int):

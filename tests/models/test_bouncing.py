@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.slider_crank import histories as h
-from models.slider_crank.bouncing import (
+from models.slider_crank.flight import histories as h
+from models.slider_crank.flight.bouncing import (
     CELL,
     CHATTER_LEFT,
     END,
@@ -25,10 +25,10 @@ from models.slider_crank.bouncing import (
     pass_event,
     phase,
 )
+from models.slider_crank.flight.linear import carry, kick
+from models.slider_crank.flight.tangent import across_impact
 from models.slider_crank.forms import constraint_force, wall_angle
-from models.slider_crank.linear_flight import carry, kick
 from models.slider_crank.machine import FORMS, Machine, Motion
-from models.slider_crank.tangent import across_impact
 
 from .oscillators import flow_of, impact_oscillator, impact_oscillator_orbit, position_at, scratch
 

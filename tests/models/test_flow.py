@@ -10,11 +10,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from models.slider_crank.flow import MOST_CELLS, UnresolvedError, tabulated
-from models.slider_crank.linear_flight import at_start, carry
-from models.slider_crank.machine import Machine
-from models.slider_crank.samples import offset_acceleration
-from models.slider_crank.series import (
+from models.slider_crank.flight.flow import MOST_CELLS, UnresolvedError, tabulated
+from models.slider_crank.flight.linear import at_start, carry
+from models.slider_crank.flight.samples import offset_acceleration
+from models.slider_crank.flight.series import (
     NEVER,
     TERMS,
     bounds_of_bend,
@@ -25,6 +24,7 @@ from models.slider_crank.series import (
     value,
     value_and_slope,
 )
+from models.slider_crank.machine import Machine
 
 from .oscillators import flow_of, position_at, scratch
 

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from models.slider_crank import gpu
+from models.slider_crank.flight import gpu
 from models.slider_crank.machine import Machine, Motion, exponents_of
 
 # Chaotic, periodic, sliding.

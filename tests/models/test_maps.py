@@ -13,11 +13,11 @@ import pytest
 from scipy.optimize import brentq
 
 from models.parallel import cores, each
-from models.slider_crank.bifurcation import followed, from_rest
-from models.slider_crank.bouncing import Walls
-from models.slider_crank.flow import Flow
+from models.slider_crank.flight.bouncing import Walls
+from models.slider_crank.flight.flow import Flow
 from models.slider_crank.machine import Machine, Motion
-from models.slider_crank.maps import exponent_map, largest_exponent, period_map
+from models.slider_crank.motions.bifurcation import followed, from_rest
+from models.slider_crank.motions.maps import exponent_map, largest_exponent, period_map
 
 from .oscillators import FAR, impact_oscillator, impact_oscillator_orbit
 

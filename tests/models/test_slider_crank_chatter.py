@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from models.quantities import Vector
 from models.slider_crank import forms
-from models.slider_crank.bouncing import CHATTER_LEFT
+from models.slider_crank.flight.bouncing import CHATTER_LEFT
 from models.slider_crank.records import mechanism
 from models.slider_crank.walls import ends_chatter
 

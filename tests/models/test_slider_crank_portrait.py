@@ -9,7 +9,7 @@ import pytest
 
 from models.slider_crank.forms import wall_rate
 from models.slider_crank.machine import FORMS, Machine, Motion
-from models.slider_crank.portrait import Portrait, portrait
+from models.slider_crank.motions.portrait import Portrait, portrait
 
 CYCLES, POINTS = 3, 200
 # psi, psi' and the walls' come from the same formulas; rounding of angles of 10 cycles.

@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.quantities import Vector
-from models.slider_crank.histories import LIFT
+from models.slider_crank.flight.histories import LIFT
+from models.slider_crank.flight.series import TERMS
 from models.slider_crank.machine import FORMS, Machine, Motion
-from models.slider_crank.regions import (
+from models.slider_crank.motions.regions import (
     critical_damping,
     force_zeros,
     holding_intervals,
@@ -23,7 +24,6 @@ from models.slider_crank.regions import (
     thresholds,
     wall_forces,
 )
-from models.slider_crank.series import TERMS
 
 UPPER, LOWER = 1.0, -1.0
 TURN = 2.0 * math.pi

@@ -12,9 +12,9 @@ import math
 import numpy as np
 import pytest
 
-from models.slider_crank.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS, classify
 from models.slider_crank.machine import Machine, Motion
-from models.slider_crank.transients import escape_time, random_starts, transients
+from models.slider_crank.motions.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS, classify
+from models.slider_crank.motions.transients import escape_time, random_starts, transients
 
 TRANSIENT = [(0.025, 0.01, 1), (0.025, 0.015, 3), (0.075, 0.01, 1)]
 CHAOS = [(0.025, 0.02), (0.05, 0.01), (0.05, 0.02), (0.075, 0.015), (0.075, 0.02), (0.2, 0.015)]

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.slider_crank.machine import Machine
-from models.slider_crank.transients import (
+from models.slider_crank.motions.transients import (
     Transients,
     escape_time,
     random_starts,

@@ -7,12 +7,20 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from models.slider_crank import histories as h
-from models.slider_crank.bouncing import CHATTER_LEFT, FREE, RATE_OF_Y, SIDE, UPPER_IMPACT, Walls, phase
-from models.slider_crank.bouncing import pass_event as make_transition
-from models.slider_crank.classification import classify
-from models.slider_crank.linear_flight import carry
+from models.slider_crank.flight import histories as h
+from models.slider_crank.flight.bouncing import (
+    CHATTER_LEFT,
+    FREE,
+    RATE_OF_Y,
+    SIDE,
+    UPPER_IMPACT,
+    Walls,
+    phase,
+)
+from models.slider_crank.flight.bouncing import pass_event as make_transition
+from models.slider_crank.flight.linear import carry
 from models.slider_crank.machine import Machine
+from models.slider_crank.motions.classification import classify
 from tests.models.oscillators import flow_of, position_at, scratch
 
 from .table import Row, largest

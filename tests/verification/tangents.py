@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from models.slider_crank import histories as h
-from models.slider_crank.bouncing import END, RATE_OF_Y, UPPER, phase
-from models.slider_crank.linear_flight import carry, kick
+from models.slider_crank.flight import histories as h
+from models.slider_crank.flight.bouncing import END, RATE_OF_Y, UPPER, phase
+from models.slider_crank.flight.linear import carry, kick
+from models.slider_crank.flight.tangent import across_impact
 from models.slider_crank.machine import FORMS, Machine, Motion
-from models.slider_crank.tangent import across_impact
 from tests.models.oscillators import impact_oscillator, impact_oscillator_orbit, position_at, scratch
 from tests.models.test_slider_crank_motions import EXPONENTS
 

@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 
 from models.quantities import Vector
-from models.slider_crank.bouncing import LOWER, UPPER
+from models.slider_crank.flight.bouncing import LOWER, UPPER
 from models.slider_crank.machine import Machine
-from models.slider_crank.regions import (
+from models.slider_crank.motions.regions import (
     TURN,
     Interval,
     force_zeros,

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from models.quantities import Vector
-from models.slider_crank.bouncing import LOWER, UPPER
 from models.slider_crank.equations import THESIS_XI
+from models.slider_crank.flight.bouncing import LOWER, UPPER
 from models.slider_crank.machine import Events, Machine
-from models.slider_crank.statistics import energies, impact_profile, uniformity, wall_position
+from models.slider_crank.motions.statistics import energies, impact_profile, uniformity, wall_position
 
 __all__ = [
     "LOWER",

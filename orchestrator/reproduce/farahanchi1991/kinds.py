@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.slider_crank.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS
+from models.slider_crank.motions.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS
 
 from .cases import SUSTAINED, TRANSIENT, Case
 from .runs import NARROW, STARTS_SOUGHT, Runs

@@ -6,10 +6,10 @@ from functools import cache
 
 import numpy as np
 
-from models.slider_crank.classification import Classification, classify
-from models.slider_crank.histories import ONSET
+from models.slider_crank.flight.histories import ONSET
 from models.slider_crank.machine import Events, Motion
-from models.slider_crank.transients import Transients, random_starts, transients
+from models.slider_crank.motions.classification import Classification, classify
+from models.slider_crank.motions.transients import Transients, random_starts, transients
 
 from .cases import CYCLES, TRANSIENT, Case
 

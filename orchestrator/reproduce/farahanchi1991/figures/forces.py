@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator, ScalarFormatter
 
-from models.slider_crank.bouncing import LOWER, UPPER
+from models.slider_crank.flight.bouncing import LOWER, UPPER
 from models.slider_crank.machine import Machine
-from models.slider_crank.portrait import portrait, wall_angles
-from models.slider_crank.regions import thresholds, wall_forces
+from models.slider_crank.motions.portrait import portrait, wall_angles
+from models.slider_crank.motions.regions import thresholds, wall_forces
 
 from ....plots.motion.angles import from_first_turn
 from ....plots.motion.force import draw_force

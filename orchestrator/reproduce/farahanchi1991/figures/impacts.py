@@ -9,9 +9,9 @@ from functools import partial
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.slider_crank.bouncing import LOWER, UPPER
 from models.slider_crank.equations import THESIS_XI
-from models.slider_crank.statistics import approach_velocities, impact_profile, impact_spectrum
+from models.slider_crank.flight.bouncing import LOWER, UPPER
+from models.slider_crank.motions.statistics import approach_velocities, impact_profile, impact_spectrum
 
 from ....plots.motion.distribution import draw_profile, draw_spectrum
 from ....plots.motion.titles import legend

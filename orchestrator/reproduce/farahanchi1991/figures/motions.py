@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from models.quantities import Vector
-from models.slider_crank.portrait import portrait
+from models.slider_crank.motions.portrait import portrait
 
 from ....plots.motion.phase import draw_phase
 from ....plots.motion.poincare import draw_poincare, magnified

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from models.slider_crank.equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI
-from models.slider_crank.histories import ONSET
+from models.slider_crank.flight.histories import ONSET
 
 from ...statement import Statement, Verdict, met_if, near
 from ..cases import HIGH_DAMPINGS, LOW_DAMPINGS, matrix

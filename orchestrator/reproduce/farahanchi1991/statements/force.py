@@ -14,7 +14,7 @@ from models.slider_crank.equations import (
     wall_angle,
     wall_rate,
 )
-from models.slider_crank.histories import LIFT
+from models.slider_crank.flight.histories import LIFT
 from models.slider_crank.machine import Machine, Motion
 
 from ...statement import Statement, Verdict, met_if

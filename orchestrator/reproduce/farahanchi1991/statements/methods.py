@@ -8,7 +8,7 @@ import numpy as np
 
 from models.quantities import Vector
 from models.slider_crank.equations import THESIS_XI
-from models.slider_crank.statistics import impact_profile
+from models.slider_crank.motions.statistics import impact_profile
 
 from ...statement import Statement, Verdict, met_if
 from ..cases import CYCLES, LOW_DAMPINGS, TRANSIENT, Case, matrix

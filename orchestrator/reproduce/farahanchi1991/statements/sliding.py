@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
-from models.slider_crank.classification import classify
-from models.slider_crank.histories import LIFT, ONSET
+from models.slider_crank.flight.histories import LIFT, ONSET
 from models.slider_crank.machine import Machine
+from models.slider_crank.motions.classification import classify
 
 from ..cases import CYCLES, GAPS, HIGH_DAMPINGS, LOW_DAMPINGS, THRESHOLD, Case, matrix
 from ..impacts import LOWER, UPPER, mean_approach, on_wall

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..parallel import each, no_progress
-from ..quantities import Vector
-from .forms import wall_angle
-from .machine import FORMS, Machine, Motion
+from ...parallel import each, no_progress
+from ...quantities import Vector
+from ..forms import wall_angle
+from ..machine import FORMS, Machine, Motion
 from .maps import varied
 
 

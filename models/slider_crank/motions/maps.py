@@ -9,10 +9,10 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from ..parallel import each, no_progress
-from ..quantities import Vector
-from . import gpu
-from .machine import Machine, Motion
+from ...parallel import each, no_progress
+from ...quantities import Vector
+from ..flight import gpu
+from ..machine import Machine, Motion
 from .recurrence import until_recurrent
 
 # What a map or a bifurcation diagram can be drawn over.

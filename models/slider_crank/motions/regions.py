@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from ..kernel import kernel
-from ..quantities import Vector
-from .bouncing import LOWER, PAST_ZERO, UPPER
-from .equations import Mechanism
-from .forms import constraint_force, wall_angle
-from .machine import FORMS, Machine
-from .series import bounds_of_bend, first_fall, move_origin
+from ...kernel import kernel
+from ...quantities import Vector
+from ..equations import Mechanism
+from ..flight.bouncing import LOWER, PAST_ZERO, UPPER
+from ..flight.series import bounds_of_bend, first_fall, move_origin
+from ..forms import constraint_force, wall_angle
+from ..machine import FORMS, Machine
 
 TURN = 2.0 * math.pi
 # Crank angles between which the maximum over a revolution is bracketed; the functions have a handful of

@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..kernel import kernel
-from ..quantities import Vector
-from . import histories as h
-from .bouncing import LOWER, UPPER
-from .equations import Mechanism, inertia
-from .forms import offset_slope, wall_angle
-from .machine import FORMS, Events, Machine
+from ...kernel import kernel
+from ...quantities import Vector
+from ..equations import Mechanism, inertia
+from ..flight import histories as h
+from ..flight.bouncing import LOWER, UPPER
+from ..forms import offset_slope, wall_angle
+from ..machine import FORMS, Events, Machine
 
 TURN = 2.0 * math.pi
 

@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..quantities import Vector
-from . import histories as h
-from .equations import rebound
-from .forms import wall_angle, wall_rate
-from .machine import FORMS, Events, Machine, Motion
+from ...quantities import Vector
+from ..equations import rebound
+from ..flight import histories as h
+from ..forms import wall_angle, wall_rate
+from ..machine import FORMS, Events, Machine, Motion
 
 
 class Portrait(NamedTuple):

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..quantities import Vector
+from ...quantities import Vector
+from ..machine import BLOCKS, Exponents, Machine, exponents_of
 from .bouncing import POSITION_SIZE, SCRATCH_ROWS
-from .machine import BLOCKS, Exponents, Machine, exponents_of
 from .series import TERMS
 
 THREADS = 64

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..parallel import each, no_progress
-from ..quantities import Vector
-from .machine import Machine, Motion
+from ...parallel import each, no_progress
+from ...quantities import Vector
+from ..machine import Machine, Motion
 from .recurrence import until_recurrent
 
 # Blocks of the last half of a motion without period, from whose scatter its means have their errors.

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ..parallel import each, no_progress
-from ..quantities import Vector
-from .machine import Machine, Motion
+from ...parallel import each, no_progress
+from ...quantities import Vector
+from ..machine import Machine, Motion
 from .recurrence import until_recurrent
 
 # F appendix B lets 30 cycles pass before it records anything.

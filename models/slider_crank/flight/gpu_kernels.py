@@ -6,11 +6,11 @@ from typing import Any
 
 from numba import cuda
 
+from ..equations import Mechanism
 from .bouncing import Walls
-from .equations import Mechanism
 from .flow import Flow
 from .histories import LINEAR, NONLINEAR
-from .pendulum_flight import PendulumFlow
+from .pendulum import PendulumFlow
 
 _follow_linear, _follow_nonlinear = LINEAR.follow_tangents, NONLINEAR.follow_tangents
 

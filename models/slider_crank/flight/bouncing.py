@@ -15,8 +15,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from ..kernel import kernel
-from .equations import rod_cosine
+from ...kernel import kernel
+from ..equations import rod_cosine
 from .series import (
     NEVER,
     TERMS,

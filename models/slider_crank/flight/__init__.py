@@ -1,0 +1,1 @@
+"""Flights between impacts, impacts, chatter, sliding and tangent vectors, exact to rounding."""

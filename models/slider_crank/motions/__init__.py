@@ -1,0 +1,1 @@
+"""What motions are like: portraits, statistics, periods, chaos, maps over parameters."""
