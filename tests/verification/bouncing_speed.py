@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from benchmarks import exponent_map
 from benchmarks import slider_crank as benchmark
 
 from .table import Row
@@ -24,6 +25,14 @@ def rows() -> Iterator[Row]:
         f"core {words['core, largest error per impact']}; baseline "
         f"{words['fixed step, largest error per impact']}",
         command="python -m benchmarks slider_crank",
+    )
+    every = exponent_map.rows()
+    maps = ", ".join(f"{name.partition(':')[0].partition(', ')[2]}: {value}" for name, value in every)
+    yield Row(
+        "a 200 x 200 map of the largest exponent, 1000 cycles a point, in minutes on two cores",
+        f"from 20 x 20 points, times 100: {maps}",
+        ("models/test_maps.py::test_maps_do_not_depend_on_the_number_of_workers",),
+        command="python -m benchmarks exponent_map",
     )
     yield Row(
         "with a CUDA device the same kernels run one trajectory a thread; results agree with the CPU",
