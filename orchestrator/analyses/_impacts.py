@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,11 @@ COUNTS = {
     "impacts_per_cycle": Result("1", "impacts per crank cycle"),
     "lower_per_cycle": Result("1", "of them on the lower wall"),
     "onsets_per_cycle": Result("1", "of them those with which sliding begins"),
+}
+SUMS = {
+    **COUNTS,
+    "upper_sum": Result("1", "sum over the upper wall"),
+    "lower_sum": Result("1", "sum over the lower wall (negative)"),
 }
 
 
@@ -67,14 +72,23 @@ def counts(impacts: Events, cycles: int) -> dict[str, float]:
     }
 
 
-def velocities_of(impacts: Events, values: Mapping[str, Any]) -> Vector:
-    """The kind of velocities that is asked for."""
-    return impacts.rate if values["velocity"] == PSI_RATE else approach_velocities(impacts)
+def summed(
+    values: Mapping[str, Any],
+    distribute: Callable[[Events, Vector, float], Distribution],
+    unit: str,
+    place: str,
+) -> xarray.Dataset:
+    """Impact velocities summed in bins by `distribute`, over a total, with the values of `SUMS`.
 
-
-def total_of(impacts: Events, values: Mapping[str, Any]) -> float:
-    """What sums are divided by."""
-    return float(max(impacts.theta.size, 1) if values["per"] == IMPACT else values["cycles"])
+    `unit` and `place`: of the bins' edges.
+    """
+    impacts = impacts_of(values)
+    velocities = impacts.rate if values["velocity"] == PSI_RATE else approach_velocities(impacts)
+    total = float(max(impacts.theta.size, 1) if values["per"] == IMPACT else values["cycles"])
+    found = distribute(impacts, velocities, total)
+    return binned(found, unit, place, f"sum of impact velocities per {values['per']}").assign(
+        **counts(impacts, values["cycles"]), upper_sum=found.upper.sum(), lower_sum=found.lower.sum()
+    )
 
 
 def binned(found: Distribution, unit: str, place: str, meaning: str) -> xarray.Dataset:

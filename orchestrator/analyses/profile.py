@@ -7,36 +7,23 @@ from typing import TYPE_CHECKING, Any
 
 import xarray
 
-from models.slider_crank.motions.statistics import impact_profile
+from models.quantities import Vector
+from models.slider_crank.machine import Events
+from models.slider_crank.motions.statistics import Distribution, impact_profile
 
-from ._impacts import (
-    COUNTS,
-    PER,
-    VELOCITY,
-    binned,
-    counts,
-    edges_of,
-    impacts_of,
-    parameters,
-    total_of,
-    velocities_of,
-)
+from ._impacts import PER, SUMS, VELOCITY, edges_of, parameters, summed
 from ._table import scalars
-from .protocol import Analysis, Result
+from .protocol import Analysis
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
-    impacts = impacts_of(values)
-    found = impact_profile(
-        impacts, velocities_of(impacts, values), values["xi"], values["bins"], total_of(impacts, values)
-    )
-    profile = binned(found, "1", "place on the wall x / l", f"sum of impact velocities per {values['per']}")
-    return profile.assign(
-        **counts(impacts, values["cycles"]), upper_sum=found.upper.sum(), lower_sum=found.lower.sum()
-    )
+    def distribute(impacts: Events, velocities: Vector, total: float) -> Distribution:
+        return impact_profile(impacts, velocities, values["xi"], values["bins"], total)
+
+    return summed(values, distribute, "1", "place on the wall x / l")
 
 
 def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
@@ -58,11 +45,7 @@ ANALYSIS = Analysis(
     name="profile",
     description="Impact distribution profile: impact velocities along the walls (F 3.6)",
     parameters={**parameters(3000, 100), "velocity": VELOCITY, "per": PER},
-    results={
-        **COUNTS,
-        "upper_sum": Result("1", "sum over the upper wall"),
-        "lower_sum": Result("1", "sum over the lower wall (negative)"),
-    },
+    results=SUMS,
     evaluate=evaluate,
     table=table,
     draw=draw,

@@ -7,36 +7,23 @@ from typing import TYPE_CHECKING, Any
 
 import xarray
 
-from models.slider_crank.motions.statistics import impact_spectrum
+from models.quantities import Vector
+from models.slider_crank.machine import Events
+from models.slider_crank.motions.statistics import Distribution, impact_spectrum
 
-from ._impacts import (
-    COUNTS,
-    PER,
-    VELOCITY,
-    binned,
-    counts,
-    edges_of,
-    impacts_of,
-    parameters,
-    total_of,
-    velocities_of,
-)
+from ._impacts import PER, SUMS, VELOCITY, edges_of, parameters, summed
 from ._table import scalars
-from .protocol import Analysis, Result
+from .protocol import Analysis
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
-    impacts = impacts_of(values)
-    found = impact_spectrum(
-        impacts, velocities_of(impacts, values), values["bins"], total_of(impacts, values)
-    )
-    spectrum = binned(found, "rad", "crank angle", f"sum of impact velocities per {values['per']}")
-    return spectrum.assign(
-        **counts(impacts, values["cycles"]), upper_sum=found.upper.sum(), lower_sum=found.lower.sum()
-    )
+    def distribute(impacts: Events, velocities: Vector, total: float) -> Distribution:
+        return impact_spectrum(impacts, velocities, values["bins"], total)
+
+    return summed(values, distribute, "rad", "crank angle")
 
 
 def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
@@ -61,11 +48,7 @@ ANALYSIS = Analysis(
     name="spectrum",
     description="Impact spectra: impact velocities around the crank cycle (F 3.7)",
     parameters={**parameters(3000, 120), "velocity": VELOCITY, "per": PER},
-    results={
-        **COUNTS,
-        "upper_sum": Result("1", "sum over the upper wall"),
-        "lower_sum": Result("1", "sum over the lower wall (negative)"),
-    },
+    results=SUMS,
     evaluate=evaluate,
     table=table,
     draw=draw,
