@@ -21,6 +21,33 @@ class ParticipantError(RunError):
     """A participant refused a call, failed, or gave values that are not numbers."""
 
 
+class RecoverableError(ParticipantError):
+    """The participant failed (fmi2Error), but `restore` makes it usable again; a shorter step may help.
+
+    Before `restore` no other call but `close` is allowed.
+    """
+
+
+class DiscardedStepError(RecoverableError):
+    """The participant discarded a step (fmi2Discard); a shorter one may help.
+
+    `reached` is the time (s) that it has arrived at, from which it can go on without `restore`: the
+    step's start where nothing has happened, or a time inside the step. None where it does not say.
+    """
+
+    def __init__(self, message: str, reached: float | None = None) -> None:
+        super().__init__(message)
+        self.reached = reached
+
+
+class NotFiniteError(RecoverableError):
+    """A participant gave values that are not numbers, or are infinite."""
+
+
+class LostParticipantError(ParticipantError):
+    """No call of the participant is allowed any more (fmi2Fatal, it ended itself, or it does not return)."""
+
+
 class UnstableCouplingError(RunError):
     """Exchanged values run away from their own prediction: the macro step is too large for the master."""
 

@@ -10,7 +10,7 @@ import numpy as np
 from models.quantities import Vector
 from models.system import Port, System
 
-from .errors import ParticipantError, RunError
+from .errors import NotFiniteError, RunError
 from .participants import Participant
 from .signals import History, gather, interpolate_part
 
@@ -63,7 +63,7 @@ class Exchange:
         self.participants[i].write()
 
     def read(self, i: int) -> None:
-        """Take the values of participant i; ParticipantError if one is not finite."""
+        """Take the values of participant i; NotFiniteError if one is not finite."""
         self.participants[i].read()
         if not np.isfinite(self.values[self.slices[i]]).all():
             self._refuse(i)
@@ -81,7 +81,7 @@ class Exchange:
         own = self.slices[i]
         pairs = zip(self.sources[own], self.values[own], strict=True)
         bad = ", ".join(str(port) for port, value in pairs if not np.isfinite(value))
-        raise ParticipantError(
+        raise NotFiniteError(
             f"{bad}: not a finite number in the step from t = {self.history.times[0]:.6g} s; look at the "
             "parameters and inputs of that participant, or reduce macro_step"
         )

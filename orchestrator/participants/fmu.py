@@ -22,10 +22,16 @@ from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2Ca
 from models.quantities import Quantity, Vector
 from models.system import Instance, suggestion
 
-from ..errors import ParticipantError
+from ..errors import DiscardedStepError, LostParticipantError, ParticipantError, RecoverableError
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-WARNING, FATAL = 1, 4
+WARNING, DISCARD, ERROR, FATAL = 1, 2, 3, 4
+
+# fmi2StatusKind.
+LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3
+
+
+REMEDY = "look at its inputs and parameters, reduce macro_step or use the iterated master"
 
 
 class Calls:
@@ -76,6 +82,18 @@ class Calls:
         """fmi2DoStep."""
         self._time.value, self._length.value = time, length
         return self._step(self._handle, self._time, self._length, self._true)  # type: ignore[no-any-return]
+
+    def reached(self) -> float | None:
+        """Last successful time after a discarded step, where the FMU says it."""
+        value = ctypes.c_double()
+        status = self._function("fmi2GetRealStatus")(self._handle, LAST_SUCCESSFUL_TIME, ctypes.byref(value))
+        return value.value if status <= WARNING else None
+
+    def terminated(self) -> bool:
+        """Whether the FMU discarded a step because it wants the simulation to end."""
+        value = ctypes.c_int()
+        status = self._function("fmi2GetBooleanStatus")(self._handle, TERMINATED, ctypes.byref(value))
+        return status <= WARNING and value.value != 0
 
     def save(self, state: ctypes.c_void_p) -> int:
         """fmi2GetFMUstate."""
@@ -163,7 +181,8 @@ class FmuParticipant:
             raise
         except Exception as error:
             self._fatal |= getattr(error, "status", None) == FATAL
-            raise ParticipantError(f"{self.name}: {what}: {self._said() or error}") from None
+            kind = LostParticipantError if self._fatal else ParticipantError
+            raise kind(f"{self.name}: {what}: {self._said() or error}") from None
 
     def _said(self) -> str:
         said = "; ".join(dict.fromkeys(self._messages))
@@ -171,12 +190,27 @@ class FmuParticipant:
         return said
 
     def _fail(self, status: int, what: str) -> NoReturn:
-        self._fatal |= status == FATAL
+        """Raise the error of a call that did not succeed."""
         said = self._said() or "no message"
-        raise ParticipantError(
-            f"{self.name}: {what} returned {STATUS[status]}: {said}; look at its inputs and "
-            "parameters, reduce macro_step or use the iterated master"
-        )
+        message = f"{self.name}: {what} returned {STATUS[status]}: {said}; {REMEDY}"
+        if status == FATAL:
+            self._fatal = True
+            raise LostParticipantError(message)
+        raise RecoverableError(message)
+
+    def _discarded(self, time: float, step: float) -> NoReturn:
+        """Raise the error of a discarded step, with how far it came."""
+        what = f"{self.name}: step from t = {time:.9g} s by {step:g} s returned {STATUS[DISCARD]}"
+        said = self._said() or "no message"
+        reached = self._calls.reached()
+        if self._calls.terminated():
+            when = "" if reached is None else f" at t = {reached:.9g} s"
+            raise LostParticipantError(f"{what}: it ends the simulation{when}: {said}; set stop_time to that")
+        self._messages.clear()  # what it said about these questions
+        # A time outside the step says as little as none.
+        if reached is not None and not time <= reached < time + step:
+            reached = None
+        raise DiscardedStepError(f"{what}: {said}; {REMEDY}", reached)
 
     def _reference(self, name: str) -> int:
         if name not in self._variables:
@@ -256,6 +290,8 @@ class FmuParticipant:
 
     def advance(self, time: float, step: float) -> None:
         status = self._calls.step(time, step)
+        if status == DISCARD:
+            self._discarded(time, step)
         if status > WARNING:
             self._fail(status, f"step from t = {time:.9g} s by {step:g} s")
 

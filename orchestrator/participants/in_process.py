@@ -10,7 +10,7 @@ from models.integrator import FAILURES, OK
 from models.quantities import Vector
 from models.system import Instance
 
-from ..errors import ParticipantError
+from ..errors import DiscardedStepError, ParticipantError
 
 
 class InProcessParticipant:
@@ -64,7 +64,12 @@ class InProcessParticipant:
         c = self._component
         status = c.step(time, step, self._x, self._U, self._p, self._scale, self._work, self._u, self._y)
         if status != OK:
-            raise ParticipantError(f"{self.name}: step from t = {time:.9g} s: {FAILURES[status]}")
+            # The state is that at the start of the step; inputs and outputs are not.
+            self._u[:] = self._U[0]
+            self._stale = True
+            raise DiscardedStepError(
+                f"{self.name}: step from t = {time:.9g} s by {step:g} s: {FAILURES[status]}", reached=time
+            )
         self._t = time + step
         self._stale = False
 

@@ -41,7 +41,7 @@ class Participant(Protocol):
         ...
 
     def advance(self, time: float, step: float) -> None:
-        """Advance from `time` to `time + step`; ParticipantError if that fails."""
+        """Advance from `time` to `time + step`; a RecoverableError may be tried again."""
         ...
 
     def read(self) -> None:
