@@ -17,6 +17,7 @@ from .hybrid import hybrid_work_size, make_hybrid_advance
 from .integrator import INPUT_COEFFICIENTS, make_advance, taylor, work_size
 from .kernel import kernel
 from .quantities import Layout, Vector
+from .rates import make_rates, rates_work_size
 
 # Indices of what an energy kernel writes, in J, W and W.
 STORED, DISSIPATED_POWER, SOURCE_POWER = 0, 1, 2
@@ -94,6 +95,14 @@ class Component:
         return _flatten(self.output, self.state, self.inputs, self.parameters, self.outputs)
 
     @cached_property
+    def flat_rates(self) -> Any:
+        """(t, x, u, du, p, work, yd) on float vectors: time derivatives of the outputs; see `rates`.
+
+        du: time derivatives of the inputs; work has `rates_work_size` elements.
+        """
+        return make_rates(self.flat_derivative, self.flat_output, self.state, self.inputs, self.outputs)
+
+    @cached_property
     def flat_energy(self) -> Any:
         """(t, x, u, p, e) on float vectors; e has three elements."""
         function = self.energy
@@ -160,6 +169,11 @@ class Component:
         """Length of the scratch vector for `step`."""
         standard = hybrid_work_size(self) if self.events else work_size(self.state, self.inputs)
         return standard + self.extra_work
+
+    @property
+    def rates_work_size(self) -> int:
+        """Length of the scratch vector for `flat_rates`."""
+        return rates_work_size(self.state, self.inputs, self.outputs)
 
     def parameter_faults(self, p: Vector) -> list[str]:
         """Messages for parameters outside their ranges, alone or together."""

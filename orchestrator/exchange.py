@@ -54,6 +54,7 @@ class Exchange:
                 self.inputs[i],
                 [port.variable for port in self.sources[own]],
                 self.values[own],
+                np.zeros(0),
             )
         self.history = History(0.0, self.values)
 

@@ -220,8 +220,13 @@ class FmuParticipant:
         return int(self._variables[name].valueReference)
 
     def connect(
-        self, input_names: Sequence[str], inputs: Vector, output_names: Sequence[str], outputs: Vector
-    ) -> None:
+        self,
+        input_names: Sequence[str],
+        inputs: Vector,
+        output_names: Sequence[str],
+        outputs: Vector,
+        rates: Vector,
+    ) -> Sequence[bool]:
         found, rows, columns = [], [], []
         layout = self._instance.component.inputs
         for order in range(len(inputs)):
@@ -243,6 +248,7 @@ class FmuParticipant:
         wanted = [self._reference(name) for name in output_names]
         self.read = self._calls.reals("fmi2GetReal", wanted, outputs, self._reading_failed)
         self._bind_all_outputs()
+        return [False] * len(output_names)
 
     def _bind_all_outputs(self) -> None:
         names = self._instance.component.outputs.names

@@ -8,9 +8,13 @@ import numpy as np
 
 from models.integrator import FAILURES, OK
 from models.quantities import Vector
+from models.rates import input_rates
 from models.system import Instance
 
 from ..errors import DiscardedStepError, ParticipantError
+
+# Time, states, inputs in effect, their slopes, outputs, whether these are yet to be computed.
+Saved = tuple[float, Vector, Vector, Vector, Vector, bool]
 
 
 class InProcessParticipant:
@@ -28,26 +32,38 @@ class InProcessParticipant:
         self._U = component.input_polynomial()
         self._u = component.inputs.vector(instance.inputs)
         self._U[0] = self._u
+        self._du = np.zeros(component.inputs.size)
         self._y = np.zeros(component.outputs.size)
+        self._yd = np.zeros(component.outputs.size)
         self._work = np.zeros(component.work_size)
+        self._rates_work = np.zeros(component.rates_work_size)
         self._scale = component.state.nominal
         self._t = 0.0
         self._stale = True
 
     def connect(
-        self, input_names: Sequence[str], inputs: Vector, output_names: Sequence[str], outputs: Vector
-    ) -> None:
+        self,
+        input_names: Sequence[str],
+        inputs: Vector,
+        output_names: Sequence[str],
+        outputs: Vector,
+        rates: Vector,
+    ) -> Sequence[bool]:
         self._input_index = np.array([self._component.inputs.index(n) for n in input_names], dtype=np.int64)
         self._output_index = np.array(
             [self._component.outputs.index(n) for n in output_names], dtype=np.int64
         )
-        self._inputs, self._outputs = inputs, outputs
+        self._inputs, self._outputs, self._rates = inputs, outputs, rates
+        self._rated = rates.size > 0
+        return [self._rated] * len(output_names)
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         self._t = start_time
         # A step of no length compiles everything before the first one that counts; the start stays as it is.
         started = self._x.copy()
         self.advance(start_time, 0.0)
+        if self._rated:
+            self._fill_rates()
         self._x[:] = started
         self._stale = True
 
@@ -58,6 +74,7 @@ class InProcessParticipant:
     def write(self) -> None:
         self._U[: len(self._inputs), self._input_index] = self._inputs
         self._u[:] = self._U[0]
+        self._du[:] = self._U[1]
         self._stale = True
 
     def advance(self, time: float, step: float) -> None:
@@ -66,10 +83,13 @@ class InProcessParticipant:
         if status != OK:
             # The state is that at the start of the step; inputs and outputs are not.
             self._u[:] = self._U[0]
+            self._du[:] = self._U[1]
             self._stale = True
             raise DiscardedStepError(
                 f"{self.name}: step from t = {time:.9g} s by {step:g} s: {FAILURES[status]}", reached=time
             )
+        if self._rated:
+            input_rates(self._U, step, self._du)
         self._t = time + step
         self._stale = False
 
@@ -81,22 +101,29 @@ class InProcessParticipant:
     def read(self) -> None:
         self._refresh()
         np.take(self._y, self._output_index, out=self._outputs)
+        if self._rated:
+            self._fill_rates()
+
+    def _fill_rates(self) -> None:
+        self._component.flat_rates(self._t, self._x, self._u, self._du, self._p, self._rates_work, self._yd)
+        np.take(self._yd, self._output_index, out=self._rates)
 
     def read_all(self, values: Vector) -> None:
         self._refresh()
         values[:] = self._y
 
-    def save(self) -> tuple[float, Vector, Vector, Vector]:
-        return self._t, self._x.copy(), self._u.copy(), self._y.copy()
+    def save(self) -> Saved:
+        return self._t, self._x.copy(), self._u.copy(), self._du.copy(), self._y.copy(), self._stale
 
-    def restore(self, saved: tuple[float, Vector, Vector, Vector]) -> None:
+    def restore(self, saved: Saved) -> None:
         self._t = saved[0]
         self._x[:] = saved[1]
         self._u[:] = saved[2]
-        self._y[:] = saved[3]
-        self._stale = False
+        self._du[:] = saved[3]
+        self._y[:] = saved[4]
+        self._stale = saved[5]
 
-    def release(self, saved: tuple[float, Vector, Vector, Vector]) -> None:
+    def release(self, saved: Saved) -> None:
         pass
 
     def close(self) -> None:

@@ -13,18 +13,26 @@ class Participant(Protocol):
 
     Order of calls: `connect`, `initialise`, then any of the rest, `close` last. Vectors handed to
     `connect` are kept: `inputs` (coefficients x connected inputs) is what the next `advance` or
-    `read` sees after `write`, and `read` fills `outputs`.
+    `read` sees after `write`, and `read` fills `outputs` and `rates`.
     """
 
     name: str
 
     def connect(
-        self, input_names: Sequence[str], inputs: Vector, output_names: Sequence[str], outputs: Vector
-    ) -> None:
-        """Bind the exchanged variables to memory.
+        self,
+        input_names: Sequence[str],
+        inputs: Vector,
+        output_names: Sequence[str],
+        outputs: Vector,
+        rates: Vector,
+    ) -> Sequence[bool]:
+        """Bind the exchanged variables to memory; for each output, whether its rate will be given.
 
         `inputs[k]` holds the k-th time derivative of each connected input at the time of the next
         `advance` (row 0 the value); a participant that cannot use derivatives holds the value.
+        `rates`, as long as `outputs`, takes their time derivatives; of length 0, none are wanted. They are
+        those along the motion with the inputs' slopes in effect: after `write` row 1 of `inputs`, after
+        `advance` the slopes at its end. Rates that are not given stay as they are.
         """
         ...
 
@@ -45,7 +53,7 @@ class Participant(Protocol):
         ...
 
     def read(self) -> None:
-        """Fill the bound outputs."""
+        """Fill the bound outputs and the rates that are given."""
         ...
 
     def read_all(self, values: Vector) -> None:
