@@ -89,6 +89,66 @@ def cylinder_gas(axes: Axes) -> None:
     axes.plot([0.7, 0.7, 9.5], [9.3, 0.9, 0.9], color=INK, linewidth=2.5)
 
 
+def spring(axes: Axes, x: float, low: float, high: float) -> None:
+    """A spring drawn as a zigzag."""
+    across = np.array([0.0, 0.0, -0.8, 0.8, -0.8, 0.8, -0.8, 0.8, 0.0, 0.0])
+    along = np.array([0.0, 0.15, 0.2, 0.32, 0.44, 0.56, 0.68, 0.8, 0.85, 1.0])
+    axes.plot(x + across, low + (high - low) * along, color=INK, linewidth=2.5)
+
+
+def ground(axes: Axes, y: float) -> None:
+    axes.plot([0.7, 9.3], [y, y], color=INK, linewidth=4)
+
+
+def quarter_car(axes: Axes, chassis: str, wheel: str) -> None:
+    """Chassis over suspension, wheel, tyre and a stepped road."""
+    axes.add_patch(Rectangle((1.6, 7.2), 6.8, 1.9, facecolor=chassis, **_LINE))
+    spring(axes, 5, 4.9, 7.2)
+    axes.add_patch(Circle((5, 3.4), 1.5, facecolor=wheel, **_LINE))
+    axes.plot([0.7, 3.0, 3.0, 9.3], [0.9, 0.9, 1.9, 1.9], color=INK, linewidth=4)
+
+
+def quarter_car_chassis(axes: Axes) -> None:
+    quarter_car(axes, OIL, "white")
+
+
+def quarter_car_wheel(axes: Axes) -> None:
+    quarter_car(axes, "white", OIL)
+
+
+def two_masses(axes: Axes, lower: str, upper: str) -> None:
+    """One mass on the ground's spring, another one on it."""
+    ground(axes, 0.7)
+    spring(axes, 5, 0.7, 2.9)
+    axes.add_patch(Rectangle((2.7, 2.9), 4.6, 1.9, facecolor=lower, **_LINE))
+    spring(axes, 5, 4.8, 7.0)
+    axes.add_patch(Rectangle((2.7, 7.0), 4.6, 1.9, facecolor=upper, **_LINE))
+
+
+def coupled_mass(axes: Axes) -> None:
+    two_masses(axes, OIL, "white")
+
+
+def sprung_mass(axes: Axes) -> None:
+    two_masses(axes, "white", OIL)
+
+
+def bouncing_mass(axes: Axes, mass: str, stop: str) -> None:
+    """A ball over a plate on a spring."""
+    axes.add_patch(Circle((5, 7.6), 1.6, facecolor=mass, **_LINE))
+    axes.add_patch(Rectangle((2.4, 3.6), 5.2, 0.8, facecolor=stop, **_LINE))
+    spring(axes, 5, 0.7, 3.6)
+    ground(axes, 0.7)
+
+
+def falling_mass(axes: Axes) -> None:
+    bouncing_mass(axes, OIL, "white")
+
+
+def spring_stop(axes: Axes) -> None:
+    bouncing_mass(axes, STEEL, OIL)
+
+
 ICONS: tuple[Callable[[Axes], None], ...] = (
     camshaft,
     valve_spring,
@@ -98,6 +158,12 @@ ICONS: tuple[Callable[[Axes], None], ...] = (
     piston_crank,
     free_piston_crank,
     cylinder_gas,
+    quarter_car_chassis,
+    quarter_car_wheel,
+    coupled_mass,
+    sprung_mass,
+    falling_mass,
+    spring_stop,
 )
 
 

@@ -7,6 +7,9 @@ from collections.abc import Callable, Mapping
 from .component import Component
 from .contact.ehl_contact import ehl_contact
 from .flywheel import flywheel
+from .oscillators.bouncing_mass import falling_mass, spring_stop
+from .oscillators.quarter_car import quarter_car_chassis, quarter_car_wheel
+from .oscillators.two_masses import coupled_mass, sprung_mass
 from .slider_crank.piston.cylinder_gas import cylinder_gas
 from .slider_crank.piston.free_piston_crank import free_piston_crank
 from .slider_crank.piston.piston_crank import piston_crank
@@ -24,4 +27,10 @@ CATALOGUE: Mapping[str, Callable[..., Component]] = {
     "piston_crank": piston_crank,
     "free_piston_crank": free_piston_crank,
     "cylinder_gas": cylinder_gas,
+    "quarter_car_chassis": quarter_car_chassis,
+    "quarter_car_wheel": quarter_car_wheel,
+    "coupled_mass": coupled_mass,
+    "sprung_mass": sprung_mass,
+    "falling_mass": falling_mass,
+    "spring_stop": spring_stop,
 }

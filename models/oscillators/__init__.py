@@ -1,0 +1,1 @@
+"""Small oscillators with exact solutions, for measuring what a coupling does."""

@@ -1,0 +1,188 @@
+"""A mass that falls on a massless spring stop, split between force and displacement.
+
+    m y'' = F - m g                                          (falling_mass)
+    F = max(0, k c - d y') for c > 0, else 0;  c = y_s - y   (spring_stop)
+
+The stop pushes only. It has no mass: as soon as it no longer pushes it has lost the mass, and it is in its
+place again when the mass comes back. Without damping the motion repeats exactly: parabola, then an arc of
+a sine. A damper takes hold at once, so that with d > 0 the force jumps when the mass touches.
+`exact.bouncing_mass` has the solution and the instants of touch and release.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from ..component import Component, PowerBond
+from ..kernel import kernel
+from ..quantities import Layout, Quantity, Vector
+
+Position = Annotated[float, Quantity("m", "height of the mass", nominal=0.1)]
+Velocity = Annotated[float, Quantity("m/s", "upward velocity of the mass")]
+
+
+@dataclass
+class FallingMassParameters:
+    mass: Annotated[float, Quantity("kg", "mass", positive=True)] = 1.0
+    gravity: Annotated[float, Quantity("m/s2", "gravity", nominal=10.0, minimum=0.0)] = 9.81
+
+
+@dataclass
+class FallingMassState:
+    position: Position = 0.1
+    velocity: Velocity = 0.0
+
+
+@dataclass
+class FallingMassInputs:
+    force: Annotated[float, Quantity("N", "upward force on the mass", nominal=100.0)] = 0.0
+
+
+@dataclass
+class FallingMassOutputs:
+    position: Position = 0.0
+    velocity: Velocity = 0.0
+
+
+@dataclass
+class SpringStopParameters:
+    stiffness: Annotated[float, Quantity("N/m", "stiffness k", nominal=1e4, positive=True)] = 1e4
+    damping: Annotated[float, Quantity("N.s/m", "damping d", nominal=10.0, minimum=0.0)] = 0.0
+    stop_position: Annotated[float, Quantity("m", "height y_s of the free stop", nominal=0.1)] = 0.0
+
+
+@dataclass
+class SpringStopState:
+    impulse: Annotated[float, Quantity("N.s", "integral of the force")] = 0.0
+
+
+@dataclass
+class SpringStopInputs:
+    position: Position = 0.0
+    velocity: Velocity = 0.0
+
+
+@dataclass
+class SpringStopOutputs:
+    force: Annotated[float, Quantity("N", "upward force on the mass", nominal=100.0)] = 0.0
+    compression: Annotated[
+        float,
+        Quantity("m", "compression c of the stop; negative: the gap", nominal=1e-2, display_unit="mm"),
+    ] = 0.0
+    contact_margin: Annotated[
+        float,
+        Quantity(
+            "m",
+            "lesser of c and c - d y'/k: the stop pushes where it is positive",
+            nominal=1e-2,
+            display_unit="mm",
+        ),
+    ] = 0.0
+    impulse: Annotated[float, Quantity("N.s", "integral of the force")] = 0.0
+
+
+@kernel
+def mass_derivative(
+    t: float, x: FallingMassState, u: FallingMassInputs, p: FallingMassParameters, dx: FallingMassState
+) -> None:
+    dx.position = x.velocity
+    dx.velocity = u.force / p.mass - p.gravity
+
+
+@kernel
+def mass_output(
+    t: float, x: FallingMassState, u: FallingMassInputs, p: FallingMassParameters, y: FallingMassOutputs
+) -> None:
+    y.position = x.position
+    y.velocity = x.velocity
+
+
+@kernel
+def mass_energy(
+    t: float, x: FallingMassState, u: FallingMassInputs, p: FallingMassParameters, e: Vector
+) -> None:
+    e[0] = p.mass * (0.5 * x.velocity**2 + p.gravity * x.position)
+    e[1] = e[2] = 0.0
+
+
+@kernel
+def compression(u: SpringStopInputs, p: SpringStopParameters) -> float:
+    return p.stop_position - u.position
+
+
+@kernel
+def contact_margin(u: SpringStopInputs, p: SpringStopParameters) -> float:
+    c = compression(u, p)
+    return min(c, c - p.damping / p.stiffness * u.velocity)
+
+
+@kernel
+def push(u: SpringStopInputs, p: SpringStopParameters) -> float:
+    if contact_margin(u, p) <= 0.0:
+        return 0.0
+    return p.stiffness * compression(u, p) - p.damping * u.velocity
+
+
+@kernel
+def stop_derivative(
+    t: float, x: SpringStopState, u: SpringStopInputs, p: SpringStopParameters, dx: SpringStopState
+) -> None:
+    dx.impulse = push(u, p)
+
+
+@kernel
+def stop_output(
+    t: float, x: SpringStopState, u: SpringStopInputs, p: SpringStopParameters, y: SpringStopOutputs
+) -> None:
+    y.force = push(u, p)
+    y.compression = compression(u, p)
+    y.contact_margin = contact_margin(u, p)
+    y.impulse = x.impulse
+
+
+@kernel
+def stop_energy(
+    t: float, x: SpringStopState, u: SpringStopInputs, p: SpringStopParameters, e: Vector
+) -> None:
+    """A stop that has lost the mass while it was compressed relaxes without giving anything back."""
+    spring = p.stiffness * max(0.0, compression(u, p))
+    e[0] = 0.5 * spring**2 / p.stiffness
+    e[1] = (spring - push(u, p)) * u.velocity
+    e[2] = 0.0
+
+
+def falling_mass() -> Component:
+    """A mass under gravity and a force."""
+    return Component(
+        name="falling_mass",
+        description="Mass under gravity and a force",
+        parameters=Layout(FallingMassParameters),
+        state=Layout(FallingMassState),
+        inputs=Layout(FallingMassInputs),
+        outputs=Layout(FallingMassOutputs),
+        derivative=mass_derivative,
+        output=mass_output,
+        energy=mass_energy,
+        feedthrough={},
+        bonds=(PowerBond("force", "velocity", +1),),
+    )
+
+
+def spring_stop() -> Component:
+    """A massless spring and damper that pushes a mass away."""
+    motion = ("position", "velocity")
+    return Component(
+        name="spring_stop",
+        description="Massless spring and damper that a mass falls on",
+        parameters=Layout(SpringStopParameters),
+        state=Layout(SpringStopState),
+        inputs=Layout(SpringStopInputs),
+        outputs=Layout(SpringStopOutputs),
+        derivative=stop_derivative,
+        output=stop_output,
+        energy=stop_energy,
+        feedthrough={"force": motion, "compression": ("position",), "contact_margin": motion},
+        bonds=(PowerBond("force", "velocity", -1),),
+        runs_on=True,
+    )

@@ -1,0 +1,202 @@
+"""Quarter car, split between chassis and wheel (displacement-displacement).
+
+Schierz, Arnold and Clauss 2012 (doi 10.3384/ecp12076205), the benchmark of their section on step control:
+
+    m_c x_c'' = -k_c (x_c - x_w) - d_c (x_c' - x_w')
+    m_w x_w'' =  k_c (x_c - x_w) + d_c (x_c' - x_w') + k_w (z - x_w) - d_w x_w'
+
+over a road that has stepped to the height z. Each side is given the other's position and velocity and
+computes the suspension's force itself. The suspension's energy is booked with the chassis, the tyre's with
+the wheel. `exact.quarter_car` has the solution.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from ..component import Component, PowerBond
+from ..kernel import kernel
+from ..quantities import Layout, Quantity, Vector
+
+Stiffness = Annotated[float, Quantity("N/m", "stiffness k_c of the suspension", nominal=1e4, minimum=0.0)]
+Damping = Annotated[float, Quantity("N.s/m", "damping d_c of the suspension", nominal=1e3, minimum=0.0)]
+Force = Annotated[float, Quantity("N", "force of the suspension, upwards on the wheel", nominal=1e3)]
+
+
+@dataclass
+class QuarterCarChassisParameters:
+    """Defaults: the published benchmark."""
+
+    chassis_mass: Annotated[
+        float, Quantity("kg", "mass m_c of the chassis", nominal=100.0, positive=True)
+    ] = 400.0
+    suspension_stiffness: Stiffness = 15e3
+    suspension_damping: Damping = 1e3
+
+
+@dataclass
+class QuarterCarWheelParameters:
+    """Defaults: the published benchmark."""
+
+    wheel_mass: Annotated[float, Quantity("kg", "mass m_w of the wheel", nominal=10.0, positive=True)] = 40.0
+    suspension_stiffness: Stiffness = 15e3
+    suspension_damping: Damping = 1e3
+    tyre_stiffness: Annotated[
+        float, Quantity("N/m", "stiffness k_w of the tyre", nominal=1e5, minimum=0.0)
+    ] = 150e3
+    tyre_damping: Annotated[float, Quantity("N.s/m", "damping d_w of the tyre", nominal=1e3, minimum=0.0)] = (
+        0.0
+    )
+    road_step: Annotated[float, Quantity("m", "height z to which the road has stepped", nominal=0.1)] = 0.1
+
+
+@dataclass
+class QuarterCarState:
+    position: Annotated[float, Quantity("m", "height over its rest before the step", nominal=0.1)] = 0.0
+    velocity: Annotated[float, Quantity("m/s", "upward velocity")] = 0.0
+
+
+@dataclass
+class QuarterCarChassisInputs:
+    wheel_position: Annotated[float, Quantity("m", "height of the wheel", nominal=0.1)] = 0.0
+    wheel_velocity: Annotated[float, Quantity("m/s", "upward velocity of the wheel")] = 0.0
+
+
+@dataclass
+class QuarterCarWheelInputs:
+    chassis_position: Annotated[float, Quantity("m", "height of the chassis", nominal=0.1)] = 0.0
+    chassis_velocity: Annotated[float, Quantity("m/s", "upward velocity of the chassis")] = 0.0
+
+
+@dataclass
+class QuarterCarChassisOutputs:
+    position: Annotated[float, Quantity("m", "height over its rest before the step", nominal=0.1)] = 0.0
+    velocity: Annotated[float, Quantity("m/s", "upward velocity")] = 0.0
+    suspension_force: Force = 0.0
+
+
+@dataclass
+class QuarterCarWheelOutputs:
+    position: Annotated[float, Quantity("m", "height over its rest before the step", nominal=0.1)] = 0.0
+    velocity: Annotated[float, Quantity("m/s", "upward velocity")] = 0.0
+    suspension_force: Force = 0.0
+    tyre_force: Annotated[float, Quantity("N", "force of the tyre, upwards on the wheel", nominal=1e3)] = 0.0
+
+
+@kernel
+def force_on_chassis(x: QuarterCarState, u: QuarterCarChassisInputs, p: QuarterCarChassisParameters) -> float:
+    spring = p.suspension_stiffness * (u.wheel_position - x.position)
+    return spring + p.suspension_damping * (u.wheel_velocity - x.velocity)
+
+
+@kernel
+def chassis_derivative(
+    t: float,
+    x: QuarterCarState,
+    u: QuarterCarChassisInputs,
+    p: QuarterCarChassisParameters,
+    dx: QuarterCarState,
+) -> None:
+    dx.position = x.velocity
+    dx.velocity = force_on_chassis(x, u, p) / p.chassis_mass
+
+
+@kernel
+def chassis_output(
+    t: float,
+    x: QuarterCarState,
+    u: QuarterCarChassisInputs,
+    p: QuarterCarChassisParameters,
+    y: QuarterCarChassisOutputs,
+) -> None:
+    y.position = x.position
+    y.velocity = x.velocity
+    y.suspension_force = -force_on_chassis(x, u, p)
+
+
+@kernel
+def chassis_energy(
+    t: float, x: QuarterCarState, u: QuarterCarChassisInputs, p: QuarterCarChassisParameters, e: Vector
+) -> None:
+    stretch, rate = x.position - u.wheel_position, x.velocity - u.wheel_velocity
+    e[0] = 0.5 * (p.chassis_mass * x.velocity**2 + p.suspension_stiffness * stretch**2)
+    e[1] = p.suspension_damping * rate**2
+    e[2] = 0.0
+
+
+@kernel
+def force_on_wheel(x: QuarterCarState, u: QuarterCarWheelInputs, p: QuarterCarWheelParameters) -> float:
+    spring = p.suspension_stiffness * (u.chassis_position - x.position)
+    return spring + p.suspension_damping * (u.chassis_velocity - x.velocity)
+
+
+@kernel
+def tyre_force(x: QuarterCarState, p: QuarterCarWheelParameters) -> float:
+    return p.tyre_stiffness * (p.road_step - x.position) - p.tyre_damping * x.velocity
+
+
+@kernel
+def wheel_derivative(
+    t: float, x: QuarterCarState, u: QuarterCarWheelInputs, p: QuarterCarWheelParameters, dx: QuarterCarState
+) -> None:
+    dx.position = x.velocity
+    dx.velocity = (force_on_wheel(x, u, p) + tyre_force(x, p)) / p.wheel_mass
+
+
+@kernel
+def wheel_output(
+    t: float,
+    x: QuarterCarState,
+    u: QuarterCarWheelInputs,
+    p: QuarterCarWheelParameters,
+    y: QuarterCarWheelOutputs,
+) -> None:
+    y.position = x.position
+    y.velocity = x.velocity
+    y.suspension_force = force_on_wheel(x, u, p)
+    y.tyre_force = tyre_force(x, p)
+
+
+@kernel
+def wheel_energy(
+    t: float, x: QuarterCarState, u: QuarterCarWheelInputs, p: QuarterCarWheelParameters, e: Vector
+) -> None:
+    elastic = p.tyre_stiffness * (p.road_step - x.position) ** 2
+    e[0] = 0.5 * (p.wheel_mass * x.velocity**2 + elastic)
+    e[1] = p.tyre_damping * x.velocity**2
+    e[2] = 0.0
+
+
+def quarter_car_chassis() -> Component:
+    """The chassis on its suspension, over a wheel that moves as given."""
+    return Component(
+        name="quarter_car_chassis",
+        description="Chassis of the quarter car, on its suspension",
+        parameters=Layout(QuarterCarChassisParameters),
+        state=Layout(QuarterCarState),
+        inputs=Layout(QuarterCarChassisInputs),
+        outputs=Layout(QuarterCarChassisOutputs),
+        derivative=chassis_derivative,
+        output=chassis_output,
+        energy=chassis_energy,
+        feedthrough={"suspension_force": ("wheel_position", "wheel_velocity")},
+        bonds=(PowerBond("suspension_force", "wheel_velocity", -1),),
+    )
+
+
+def quarter_car_wheel() -> Component:
+    """The wheel on its tyre, under a chassis that moves as given."""
+    return Component(
+        name="quarter_car_wheel",
+        description="Wheel of the quarter car, between road and suspension",
+        parameters=Layout(QuarterCarWheelParameters),
+        state=Layout(QuarterCarState),
+        inputs=Layout(QuarterCarWheelInputs),
+        outputs=Layout(QuarterCarWheelOutputs),
+        derivative=wheel_derivative,
+        output=wheel_output,
+        energy=wheel_energy,
+        feedthrough={"suspension_force": ("chassis_position", "chassis_velocity")},
+        bonds=(PowerBond("suspension_force", "velocity", +1),),
+    )

@@ -1,0 +1,161 @@
+"""Two masses joined by a spring and a damper, split between force and displacement.
+
+    m x'' = -k x - d x' + F      (sprung_mass: the force of the coupling comes in)
+    M X'' = -K X - D X' - F,     F = k_12 (X - x) + d_12 (X' - x')      (coupled_mass: it goes out)
+
+The coupling's spring belongs to `coupled_mass`, which is given the other mass's position and velocity. With
+k = K = 0 the pair is free. `exact.two_masses` has the solution.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from ..component import Component, PowerBond
+from ..kernel import kernel
+from ..quantities import Layout, Quantity, Vector
+
+Mass = Annotated[float, Quantity("kg", "mass", positive=True)]
+Stiffness = Annotated[float, Quantity("N/m", "spring to the ground", nominal=10.0, minimum=0.0)]
+Damping = Annotated[float, Quantity("N.s/m", "damper to the ground", minimum=0.0)]
+Position = Annotated[float, Quantity("m", "position")]
+Velocity = Annotated[float, Quantity("m/s", "velocity")]
+
+
+@dataclass
+class SprungMassParameters:
+    mass: Mass = 1.0
+    stiffness: Stiffness = 10.0
+    damping: Damping = 0.5
+
+
+@dataclass
+class CoupledMassParameters:
+    mass: Mass = 1.0
+    stiffness: Stiffness = 10.0
+    damping: Damping = 0.5
+    coupling_stiffness: Annotated[
+        float, Quantity("N/m", "spring to the other mass", nominal=10.0, minimum=0.0)
+    ] = 40.0
+    coupling_damping: Annotated[float, Quantity("N.s/m", "damper to the other mass", minimum=0.0)] = 1.0
+
+
+@dataclass
+class MassState:
+    position: Position = 0.0
+    velocity: Velocity = 0.0
+
+
+@dataclass
+class SprungMassInputs:
+    force: Annotated[float, Quantity("N", "force on the mass", nominal=10.0)] = 0.0
+
+
+@dataclass
+class CoupledMassInputs:
+    other_position: Annotated[float, Quantity("m", "position of the other mass")] = 0.0
+    other_velocity: Annotated[float, Quantity("m/s", "velocity of the other mass")] = 0.0
+
+
+@dataclass
+class SprungMassOutputs:
+    position: Position = 0.0
+    velocity: Velocity = 0.0
+
+
+@dataclass
+class CoupledMassOutputs:
+    force: Annotated[float, Quantity("N", "force on the other mass", nominal=10.0)] = 0.0
+    position: Position = 0.0
+    velocity: Velocity = 0.0
+
+
+@kernel
+def sprung_derivative(
+    t: float, x: MassState, u: SprungMassInputs, p: SprungMassParameters, dx: MassState
+) -> None:
+    dx.position = x.velocity
+    dx.velocity = (u.force - p.stiffness * x.position - p.damping * x.velocity) / p.mass
+
+
+@kernel
+def sprung_output(
+    t: float, x: MassState, u: SprungMassInputs, p: SprungMassParameters, y: SprungMassOutputs
+) -> None:
+    y.position = x.position
+    y.velocity = x.velocity
+
+
+@kernel
+def sprung_energy(t: float, x: MassState, u: SprungMassInputs, p: SprungMassParameters, e: Vector) -> None:
+    e[0] = 0.5 * (p.mass * x.velocity**2 + p.stiffness * x.position**2)
+    e[1] = p.damping * x.velocity**2
+    e[2] = 0.0
+
+
+@kernel
+def coupling_force(x: MassState, u: CoupledMassInputs, p: CoupledMassParameters) -> float:
+    spring = p.coupling_stiffness * (x.position - u.other_position)
+    return spring + p.coupling_damping * (x.velocity - u.other_velocity)
+
+
+@kernel
+def coupled_derivative(
+    t: float, x: MassState, u: CoupledMassInputs, p: CoupledMassParameters, dx: MassState
+) -> None:
+    dx.position = x.velocity
+    force = p.stiffness * x.position + p.damping * x.velocity + coupling_force(x, u, p)
+    dx.velocity = -force / p.mass
+
+
+@kernel
+def coupled_output(
+    t: float, x: MassState, u: CoupledMassInputs, p: CoupledMassParameters, y: CoupledMassOutputs
+) -> None:
+    y.force = coupling_force(x, u, p)
+    y.position = x.position
+    y.velocity = x.velocity
+
+
+@kernel
+def coupled_energy(t: float, x: MassState, u: CoupledMassInputs, p: CoupledMassParameters, e: Vector) -> None:
+    stretch, rate = x.position - u.other_position, x.velocity - u.other_velocity
+    elastic = p.stiffness * x.position**2 + p.coupling_stiffness * stretch**2
+    e[0] = 0.5 * (p.mass * x.velocity**2 + elastic)
+    e[1] = p.damping * x.velocity**2 + p.coupling_damping * rate**2
+    e[2] = 0.0
+
+
+def sprung_mass() -> Component:
+    """A mass on a spring and damper to the ground, driven by a force."""
+    return Component(
+        name="sprung_mass",
+        description="Mass on a spring and damper to the ground, driven by a force",
+        parameters=Layout(SprungMassParameters),
+        state=Layout(MassState),
+        inputs=Layout(SprungMassInputs),
+        outputs=Layout(SprungMassOutputs),
+        derivative=sprung_derivative,
+        output=sprung_output,
+        energy=sprung_energy,
+        feedthrough={},
+        bonds=(PowerBond("force", "velocity", +1),),
+    )
+
+
+def coupled_mass() -> Component:
+    """A mass like `sprung_mass`, with the spring and damper that couple it to another mass."""
+    return Component(
+        name="coupled_mass",
+        description="Mass on springs and dampers to the ground and to another mass, which moves as given",
+        parameters=Layout(CoupledMassParameters),
+        state=Layout(MassState),
+        inputs=Layout(CoupledMassInputs),
+        outputs=Layout(CoupledMassOutputs),
+        derivative=coupled_derivative,
+        output=coupled_output,
+        energy=coupled_energy,
+        feedthrough={"force": ("other_position", "other_velocity")},
+        bonds=(PowerBond("force", "other_velocity", -1),),
+    )

@@ -1,0 +1,188 @@
+"""The benchmark oscillators: the components are what their exact solutions solve, and energy closes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from models.catalogue import CATALOGUE
+from models.monolithic import solve
+from models.oscillators import exact
+from models.oscillators.bouncing_mass import FallingMassParameters, SpringStopParameters
+from models.oscillators.quarter_car import QuarterCarChassisParameters, QuarterCarWheelParameters
+from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
+from models.system import Instance, System
+
+from .systems import outputs_of
+
+
+def pair(names, connections, parameters=({}, {}), starts=({}, {})):
+    instances = {
+        name: Instance(CATALOGUE[name](), p, s) for name, p, s in zip(names, parameters, starts, strict=True)
+    }
+    return System(instances, connections)
+
+
+def quarter_car(chassis, wheel):
+    c, w = "quarter_car_chassis", "quarter_car_wheel"
+    connections = [
+        (f"{one}.{variable}", f"{other}.{one.removeprefix('quarter_car_')}_{variable}")
+        for one, other in ((c, w), (w, c))
+        for variable in ("position", "velocity")
+    ]
+    return pair((c, w), connections, (chassis, wheel))
+
+
+def two_masses(coupled, sprung, start):
+    connections = [
+        ("coupled_mass.force", "sprung_mass.force"),
+        ("sprung_mass.position", "coupled_mass.other_position"),
+        ("sprung_mass.velocity", "coupled_mass.other_velocity"),
+    ]
+    return pair(("coupled_mass", "sprung_mass"), connections, (coupled, sprung), start)
+
+
+def bouncing_mass(mass, stop, start):
+    connections = [
+        ("falling_mass.position", "spring_stop.position"),
+        ("falling_mass.velocity", "spring_stop.velocity"),
+        ("spring_stop.force", "falling_mass.force"),
+    ]
+    return pair(("falling_mass", "spring_stop"), connections, (mass, stop), (start, {}))
+
+
+def energy_closes(found, scale):
+    """Per component, and over the bonds; the reference integrates powers to 1e-10 per step of `scale` (J)."""
+    for name, balance in found.energy.items():
+        assert np.max(np.abs(balance.residual)) < 1e-7 * scale, name
+        assert np.min(np.diff(balance.dissipated)) >= -1e-9 * scale, name
+    received = sum(balance.received for balance in found.energy.values())
+    assert np.max(np.abs(received)) < 1e-12 * scale
+
+
+def crossed(found):
+    """The largest energy that went over the bonds (J): what closes is not nothing."""
+    return max(np.max(np.abs(balance.received)) for balance in found.energy.values())
+
+
+@pytest.mark.parametrize("damping", [0.0, 300.0])
+def test_quarter_car_is_its_matrix_exponential(damping):
+    times = np.linspace(0.0, 4.0, 201)
+    found = solve(quarter_car({}, {"tyre_damping": damping}), times)
+    solution = exact.quarter_car(times, wheel=QuarterCarWheelParameters(tyre_damping=damping))
+    # Tolerance 1e-10 per step of nominals 0.1 m and 1 m/s, over some hundred steps.
+    np.testing.assert_allclose(found.state, solution, atol=1e-9)
+    energy_closes(found, 750.0)
+    assert crossed(found) > 50.0
+
+
+def test_quarter_car_ends_on_the_step():
+    """All springs are relaxed at the new height; the slowest mode decays with 1.1/s or faster."""
+    late = exact.quarter_car(np.array([40.0]))[0]
+    np.testing.assert_allclose(late, [0.1, 0.0, 0.1, 0.0], atol=1e-14)
+
+
+def test_undamped_quarter_car_keeps_its_energy():
+    """The exact solution's own invariant."""
+    chassis = QuarterCarChassisParameters(suspension_damping=0.0)
+    xc, vc, xw, vw = exact.quarter_car(np.linspace(0.0, 4.0, 101), chassis).T
+    energy = 0.5 * (400.0 * vc**2 + 40.0 * vw**2 + 15e3 * (xc - xw) ** 2 + 150e3 * (xw - 0.1) ** 2)
+    # Rounding of the exponential: 2e-16 times norm and time (1.7e4), twice in a square.
+    np.testing.assert_allclose(energy, 750.0, rtol=1e-11)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.7])
+def test_two_masses_are_their_matrix_exponential(damping):
+    times = np.linspace(0.0, 5.0, 101)
+    coupled = {"mass": 5.0, "damping": damping, "coupling_damping": 2.0 * damping}
+    sprung = {"mass": 0.5, "stiffness": 3.0, "damping": damping}
+    start = ({"position": 1.0, "velocity": -0.5}, {"position": 0.2, "velocity": 0.3})
+    found = solve(two_masses(coupled, sprung, start), times)
+    solution = exact.two_masses(
+        times,
+        CoupledMassParameters(**coupled),
+        SprungMassParameters(**sprung),
+        np.array([1.0, -0.5, 0.2, 0.3]),
+    )
+    np.testing.assert_allclose(found.state, solution, atol=1e-8)
+    energy_closes(found, 20.0)
+    assert crossed(found) > 1.0
+
+
+def test_free_pair_swings_about_its_centre_with_the_reduced_mass():
+    """Closed form: x1 - x2 = cos(w t), w^2 = k (m1 + m2)/(m1 m2); the centre of mass rests."""
+    times = np.linspace(0.0, 3.0, 61)
+    coupled = CoupledMassParameters(5.0, 0.0, 0.0, 40.0, 0.0)
+    x1, _, x2, _ = exact.two_masses(
+        times, coupled, SprungMassParameters(1.0, 0.0, 0.0), np.array([1.0, 0.0, 0.0, 0.0])
+    ).T
+    np.testing.assert_allclose(x1 - x2, np.cos(math.sqrt(48.0) * times), atol=1e-12)
+    np.testing.assert_allclose(5.0 * x1 + x2, 5.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("damping", "position"),
+    [(0.0, 0.1), (20.0, 0.1), (150.0, 0.1), (20.0, -0.005), (0.0, 0.0)],
+    ids=["undamped", "damped", "strongly damped", "released", "touching"],
+)
+def test_bouncing_mass_is_its_piecewise_solution(damping, position):
+    times = np.linspace(0.0, 1.5, 301)
+    found = solve(bouncing_mass({}, {"damping": damping}, {"position": position}), times)
+    solution = exact.bouncing_mass(times, stop=SpringStopParameters(damping=damping), position=position)
+    # Kinks and jumps of the force cost the reference digits: it knows by how much.
+    uncertain = 10.0 * found.uncertainty["falling_mass.position"].max_abs + 1e-10
+    np.testing.assert_allclose(found["falling_mass.position"], solution.motion[:, 0], atol=uncertain)
+    energy_closes(found, 1.0)
+    # The stop gives the mass its momentum and carries its weight.
+    gained = found["falling_mass.velocity"] - found["falling_mass.velocity"][0] + 9.81 * times
+    np.testing.assert_allclose(found["spring_stop.impulse"], gained, atol=1e-9)
+
+
+def test_undamped_bounces_repeat_with_the_closed_form_period():
+    """Flight 2 v/g and contact 2 (pi - atan(v w/g))/w, for ever at the same height."""
+    g, k, m, h = 9.81, 1e4, 2.0, 0.05
+    stop, mass = SpringStopParameters(stiffness=k), FallingMassParameters(mass=m)
+    v, w = math.sqrt(2.0 * g * h), math.sqrt(k / m)
+    contact, flight = 2.0 * (math.pi - math.atan(v * w / g)) / w, 2.0 * v / g
+    period = contact + flight
+    found = exact.bouncing_mass(np.array([0.0, 5.0 * period, 5.5 * period, 20.0]), mass, stop, h)
+    n = np.arange(found.touches.size)
+    np.testing.assert_allclose(found.touches, 0.5 * flight + n * period, rtol=1e-13)
+    n = np.arange(found.releases.size)
+    np.testing.assert_allclose(found.releases, 0.5 * flight + contact + n * period, rtol=1e-13)
+    np.testing.assert_allclose(found.motion[1], [h, 0.0], atol=1e-12)
+    depth = m * g / k + math.sqrt((m * g / k) ** 2 + (v / w) ** 2)
+    np.testing.assert_allclose(found.motion[2], [-depth, 0.0], atol=1e-11)
+
+
+def test_touching_mass_swings_about_its_rest_without_being_lost():
+    times = np.linspace(0.0, 1.0, 101)
+    found = exact.bouncing_mass(times, position=-0.5e-3)
+    rest, w = -9.81e-4, 100.0
+    np.testing.assert_allclose(found.motion[:, 0], rest + (-0.5e-3 - rest) * np.cos(w * times), atol=1e-16)
+    assert found.releases.size == 0
+
+
+def test_contact_margin_is_positive_exactly_where_the_stop_pushes():
+    random = np.random.default_rng(3)
+    stop = CATALOGUE["spring_stop"]()
+    signs = set()
+    for position, velocity in random.uniform(-1.0, 1.0, (200, 2)) * (0.01, 1.0):
+        y = outputs_of(stop, {"damping": 100.0}, inputs={"position": position, "velocity": velocity})
+        assert (y["contact_margin"] > 0.0) == (y["force"] > 0.0)
+        signs.add((y["compression"] > 0.0, y["force"] > 0.0))
+    assert signs == {(False, False), (True, False), (True, True)}
+
+
+@pytest.mark.parametrize(
+    ("mass", "stop", "message"),
+    [
+        (FallingMassParameters(gravity=0.0), SpringStopParameters(), "gravity = 0 m/s2: must be > 0"),
+        (FallingMassParameters(), SpringStopParameters(damping=200.0), "less than the critical 200"),
+    ],
+)
+def test_what_has_no_such_solution_is_refused(mass, stop, message):
+    with pytest.raises(ValueError, match=message):
+        exact.bouncing_mass(np.array([0.0]), mass, stop)
