@@ -11,7 +11,7 @@ from models.fmu_archive import FmuFileError, archive_faults, opened
 from models.quantities import Quantity
 from models.system import Instance, System, suggestion
 
-from .participants import Participant, fmu, in_process, missing
+from .participants import Participant, fmu, in_process, missing, substepped
 from .scenario import ComponentTable, Scenario, ScenarioError, ends
 from .values import numbers
 
@@ -129,7 +129,9 @@ def variables_used(name: str, system: System, start: str) -> list[str]:
     return [*sorted(sources), *sorted(targets), *instance.parameters, *starts, *instance.inputs]
 
 
-def participants_of(system: System, files: Mapping[str, FmuFile]) -> dict[str, Participant]:
+def participants_of(
+    scenario: Scenario, system: System, files: Mapping[str, FmuFile]
+) -> dict[str, Participant]:
     """A participant for every instance: its FMU where there is one. To be closed by the caller."""
     made: dict[str, Participant] = {}
     try:
@@ -137,6 +139,9 @@ def participants_of(system: System, files: Mapping[str, FmuFile]) -> dict[str, P
             made[name] = (
                 fmu(name, files[name].path, instance) if name in files else in_process(name, instance)
             )
+            table = scenario.components[name]
+            if table.substeps > 1 or table.retries:
+                made[name] = substepped(made[name], table.substeps, table.retries)
     except BaseException:
         for participant in made.values():
             participant.close()

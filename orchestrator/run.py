@@ -186,7 +186,7 @@ def _coupled(
 ) -> None:
     every = scenario.record_every
     quantities = assembly.output_quantities(system)
-    participants = assembly.participants_of(system, files)
+    participants = assembly.participants_of(scenario, system, files)
     counter = _Counter()
     stage = reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)
     recorders = [ResultRecorder(result, quantities, every), CsvRecorder(csv, every)]

@@ -68,6 +68,16 @@ class ComponentTable(_Table):
         description="fmu: the component's own FMU, built when needed; in-process: without FMI; or the "
         "path of an .fmu file with the component's variables",
     )
+    substeps: int = Field(
+        1, description="Steps that it makes of every macro step", ge=1, le=10_000, strict=True
+    )
+    retries: int = Field(
+        0,
+        description="How often a step that it discards is halved before the run fails",
+        ge=0,
+        le=20,
+        strict=True,
+    )
     parameters: dict[str, Written] = Field({}, description="Parameters that differ from their defaults")
     start: dict[str, Written] = Field({}, description="Start values of states")
     inputs: dict[str, Written] = Field({}, description="Constant values of inputs that nothing drives")

@@ -9,12 +9,10 @@ this leaves, H^2 e, is of third order.
 
 from __future__ import annotations
 
-import math
-
 from models.quantities import Vector
 
 from .exchange import Exchange
-from .signals import History, extrapolate
+from .signals import History, extrapolate, move_origin
 
 # Probe length over macro step. Second differences lose (1/100)^-2 of 1e-16: 1e-12 of the values.
 PROBE = 0.01
@@ -24,9 +22,12 @@ ROUNDS = 4
 
 
 def probe_start(exchange: Exchange, time: float, step: float) -> None:
-    """Put two points before the start into the exchange's history; participants end as they were."""
+    """Put two points before the start into the exchange's history; participants end as they were.
+
+    Where one cannot be rolled back there is no such past: the first steps are of lower degree.
+    """
     degree = len(exchange.signals) - 1
-    if degree == 0:
+    if degree == 0 or not all(participant.restorable for participant in exchange.participants):
         return
     short = PROBE * step
     start = exchange.values.copy()
@@ -36,7 +37,7 @@ def probe_start(exchange: Exchange, time: float, step: float) -> None:
         with exchange.rollback() as roll_back:
             for n in range(2):
                 extrapolate(exchange.history, degree, signals)
-                _move_origin(signals, n * short)
+                move_origin(signals, n * short, signals)
                 for i, participant in enumerate(exchange.participants):
                     exchange.write(i)
                     participant.advance(time + n * short, short)
@@ -57,10 +58,3 @@ def _derivatives_at_oldest(found: History) -> tuple[Vector, Vector]:
     d1 = (v1 - v0) / (t1 - t0)
     d2 = ((v2 - v1) / (t2 - t1) - d1) / (t2 - t0)
     return d1 - (t1 - t0) * d2, 2.0 * d2
-
-
-def _move_origin(signals: Vector, shift: float) -> None:
-    """Taylor coefficients about a time `shift` later."""
-    for k in range(len(signals) - 1):
-        for j in range(k + 1, len(signals)):
-            signals[k] += shift ** (j - k) / math.factorial(j - k) * signals[j]

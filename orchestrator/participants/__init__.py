@@ -4,5 +4,6 @@ from .fmu import FmuParticipant as fmu
 from .fmu import missing
 from .in_process import InProcessParticipant as in_process
 from .protocol import Participant
+from .substeps import Substepped as substepped
 
-__all__ = ["Participant", "fmu", "in_process", "missing"]
+__all__ = ["Participant", "fmu", "in_process", "missing", "substepped"]

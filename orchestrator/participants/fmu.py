@@ -25,10 +25,10 @@ from models.system import Instance, suggestion
 from ..errors import DiscardedStepError, LostParticipantError, ParticipantError, RecoverableError
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-WARNING, DISCARD, ERROR, FATAL = 1, 2, 3, 4
+WARNING, DISCARD, FATAL = 1, 2, 4
 
-# fmi2StatusKind.
-LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3
+# fmi2StatusKind. (fmi2Terminated says nothing: pythonfmu's C layer answers true to every discarded step.)
+LAST_SUCCESSFUL_TIME = 2
 
 
 REMEDY = "look at its inputs and parameters, reduce macro_step or use the iterated master"
@@ -89,12 +89,6 @@ class Calls:
         status = self._function("fmi2GetRealStatus")(self._handle, LAST_SUCCESSFUL_TIME, ctypes.byref(value))
         return value.value if status <= WARNING else None
 
-    def terminated(self) -> bool:
-        """Whether the FMU discarded a step because it wants the simulation to end."""
-        value = ctypes.c_int()
-        status = self._function("fmi2GetBooleanStatus")(self._handle, TERMINATED, ctypes.byref(value))
-        return status <= WARNING and value.value != 0
-
     def save(self, state: ctypes.c_void_p) -> int:
         """fmi2GetFMUstate."""
         return self._save(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]
@@ -149,6 +143,7 @@ class FmuParticipant:
         self._variables = {v.name: v for v in self._description.modelVariables}
         if self._description.coSimulation is None:
             raise ParticipantError(f"{name}: {path} is not a co-simulation FMU")
+        self.restorable = bool(self._description.coSimulation.canGetAndSetFMUstate)
         self._instantiate()
 
     def _instantiate(self) -> None:
@@ -203,14 +198,13 @@ class FmuParticipant:
         what = f"{self.name}: step from t = {time:.9g} s by {step:g} s returned {STATUS[DISCARD]}"
         said = self._said() or "no message"
         reached = self._calls.reached()
-        if self._calls.terminated():
-            when = "" if reached is None else f" at t = {reached:.9g} s"
-            raise LostParticipantError(f"{what}: it ends the simulation{when}: {said}; set stop_time to that")
-        self._messages.clear()  # what it said about these questions
+        self._messages.clear()  # what it said about that question
         # A time outside the step says as little as none.
         if reached is not None and not time <= reached < time + step:
             reached = None
-        raise DiscardedStepError(f"{what}: {said}; {REMEDY}", reached)
+        raise DiscardedStepError(
+            f"{what}: {said}; {REMEDY}, or raise components.{self.name}.retries", reached
+        )
 
     def _reference(self, name: str) -> int:
         if name not in self._variables:
@@ -312,6 +306,11 @@ class FmuParticipant:
                 values[i] = float(get([self._reference(names[i])])[0])
 
     def save(self) -> ctypes.c_void_p:
+        if not self.restorable:
+            raise ParticipantError(
+                f"{self.name}: the FMU cannot save its state (canGetAndSetFMUstate = false); take the master "
+                "jacobi or gauss_seidel with steps of fixed length"
+            )
         state = ctypes.c_void_p()
         status = self._calls.save(state)
         if status > WARNING:

@@ -20,6 +20,8 @@ Saved = tuple[float, Vector, Vector, Vector, Vector, bool]
 class InProcessParticipant:
     """Implements `Participant` for an instance of a component."""
 
+    restorable = True
+
     def __init__(self, name: str, instance: Instance) -> None:
         self.name = name
         self._instance = instance

@@ -18,6 +18,9 @@ class Participant(Protocol):
 
     name: str
 
+    # Whether `save` and `restore` are possible.
+    restorable: bool
+
     def connect(
         self,
         input_names: Sequence[str],

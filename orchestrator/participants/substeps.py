@@ -1,0 +1,107 @@
+"""A participant that makes a macro step in several steps of its own: at a higher rate, or after a discard.
+
+Its inputs are polynomials in the time since the start of the macro step; every step gets them about its
+own start, so that the signals are the same however they are cut.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from models.quantities import Vector
+
+from ..errors import DiscardedStepError, RecoverableError
+from ..signals import move_origin
+from .protocol import Participant
+
+
+class Substepped:
+    """Implements `Participant` by `participant`, with `substeps` equal steps to every macro step.
+
+    A step that fails is tried in two halves, these again, down to 2**-`halvings` of a substep: from where
+    the participant has been restored to, or has arrived (`DiscardedStepError.reached`). Where neither is
+    possible, and after the last halving, the error is raised.
+    """
+
+    def __init__(self, participant: Participant, substeps: int = 1, halvings: int = 0) -> None:
+        self.name = participant.name
+        self.restorable = participant.restorable
+        self._participant = participant
+        self._substeps, self._halvings = substeps, halvings
+        self._smallest = 0.5**halvings / substeps
+        self._advance = self._kept if halvings and self.restorable else participant.advance
+        # What isn't changed here are the participant's own functions, not methods around them.
+        self.initialise = participant.initialise
+        self.finish_initialisation = participant.finish_initialisation
+        self.read_all = participant.read_all
+        self.save = participant.save
+        self.restore = participant.restore
+        self.release = participant.release
+        self.close = participant.close
+
+    def connect(
+        self,
+        input_names: Sequence[str],
+        inputs: Vector,
+        output_names: Sequence[str],
+        outputs: Vector,
+        rates: Vector,
+    ) -> Sequence[bool]:
+        rated = self._participant.connect(input_names, inputs, output_names, outputs, rates)
+        self.write, self.read = self._participant.write, self._participant.read
+        self._inputs = inputs
+        self._start = np.zeros_like(inputs)
+        return rated
+
+    def advance(self, time: float, step: float) -> None:
+        self._time, self._step = time, step
+        self._start[:] = self._inputs
+        length = step / self._substeps
+        try:
+            for n in range(self._substeps):
+                self._over(time + n * length, length, self._halvings)
+        finally:
+            self._inputs[:] = self._start  # it is the master's
+
+    def _over(self, start: float, length: float, halvings: int) -> None:
+        """Advance from `start` by `length`, in pieces where that fails; the master has written the inputs."""
+        while True:
+            if start > self._time:
+                move_origin(self._start, start - self._time, self._inputs)
+                self.write()
+            try:
+                self._advance(start, length)
+                return
+            except DiscardedStepError as error:
+                if error.reached is None:
+                    raise
+                if (done := error.reached - start) < self._smallest * self._step:
+                    if halvings == 0:
+                        raise self._final(error) from None
+                    break
+                start, length = error.reached, length - done
+        self._over(start, 0.5 * length, halvings - 1)
+        self._over(start + 0.5 * length, 0.5 * length, halvings - 1)
+
+    def _kept(self, time: float, step: float) -> None:
+        """Advance; where that fails, the participant is where it was, or where it arrived with success."""
+        saved = self.save()
+        try:
+            self._participant.advance(time, step)
+        except RecoverableError as error:
+            # Of a step that has not begun nothing is known but the time; to restore is what FMI asks for.
+            reached = error.reached if isinstance(error, DiscardedStepError) else None
+            if reached is not None and reached > time:
+                raise
+            self.restore(saved)
+            raise DiscardedStepError(str(error), time) from None
+        finally:
+            self.release(saved)
+
+    def _final(self, error: DiscardedStepError) -> DiscardedStepError:
+        if not self._halvings:
+            return error
+        longer = f"(longer steps failed as well, from {self._step / self._substeps:g} s on)"
+        return DiscardedStepError(f"{error} {longer}", error.reached)

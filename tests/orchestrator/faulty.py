@@ -1,0 +1,141 @@
+"""A participant with faults put in: it discards, fails, stalls, jumps, gives nan, or has a wrong clock."""
+
+from __future__ import annotations
+
+import random
+import time as clock
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from models.quantities import Vector
+from orchestrator.errors import DiscardedStepError, LostParticipantError, RecoverableError
+
+# Says of the n-th call of `advance`, with its time and step, whether the fault comes.
+When = Callable[[float, float, int], bool]
+
+
+def longer_than(limit: float) -> When:
+    return lambda time, step, n: step > limit * (1.0 + 1e-9)
+
+
+def every(number: int) -> When:
+    return lambda time, step, n: n % number == 0
+
+
+def at_random(share: float, seed: int) -> When:
+    draw = random.Random(seed)
+    return lambda time, step, n: draw.random() < share
+
+
+def after(start: float) -> When:
+    return lambda time, step, n: time >= start - 1e-12
+
+
+def once_after(start: float) -> When:
+    """The first call of a step that begins at `start` or later."""
+    came: list[int] = []
+
+    def when(time: float, step: float, n: int) -> bool:
+        if came or time < start - 1e-12:
+            return False
+        came.append(n)
+        return True
+
+    return when
+
+
+def never(time: float, step: float, n: int) -> bool:
+    return False
+
+
+class Faulty:
+    """Implements `Participant` by `inner`.
+
+    A discarded step has not begun, or with `arrives` it has got to that part of it. `fails` spoils the
+    state (only `restore` mends it). `value(time, name, value)` is what is read instead. `drift` is what its
+    clock gains relative to true time.
+    """
+
+    def __init__(
+        self,
+        inner: Any,
+        *,
+        discards: When = never,
+        arrives: float = 0.0,
+        silent: bool = False,
+        fails: When = never,
+        dies: When = never,
+        stalls: When = never,
+        stall: Callable[[], None] = lambda: clock.sleep(60.0),
+        value: Callable[[float, str, float], float] | None = None,
+        drift: float = 0.0,
+    ) -> None:
+        self.name, self.restorable = inner.name, inner.restorable
+        self._inner = inner
+        self._discards, self._arrives, self._silent = discards, arrives, silent
+        self._fails, self._dies, self._stalls, self._stall = fails, dies, stalls, stall
+        self._value, self._drift = value, 1.0 + drift
+        self._time, self._broken = 0.0, False
+        self.calls: list[tuple[float, float]] = []
+        self.saved = self.released = 0
+        self.closed = False
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._inner, name)
+
+    def connect(
+        self,
+        input_names: Sequence[str],
+        inputs: Vector,
+        output_names: Sequence[str],
+        outputs: Vector,
+        rates: Vector,
+    ) -> Sequence[bool]:
+        self._output_names, self._outputs = output_names, outputs
+        return list(self._inner.connect(input_names, inputs, output_names, outputs, rates))
+
+    def write(self) -> None:
+        self._inner.write()
+
+    def advance(self, time: float, step: float) -> None:
+        assert not self._broken, "advanced after a failure, without restoring"
+        self.calls.append((time, step))
+        n, what = len(self.calls), f"{self.name}: step from t = {time:.9g} s by {step:g} s"
+        if self._stalls(time, step, n):
+            self._stall()
+        if self._dies(time, step, n):
+            self._broken = True
+            raise LostParticipantError(f"{what} returned Fatal: dead")
+        if self._fails(time, step, n):
+            self._inner.advance(time, 0.3 * step)
+            self._broken = True
+            raise RecoverableError(f"{what} returned Error: failed")
+        if self._discards(time, step, n):
+            if self._arrives:
+                self._inner.advance(time, self._arrives * step)
+            reached = None if self._silent else time + self._arrives * step
+            raise DiscardedStepError(f"{what} returned Discard: not now", reached)
+        self._inner.advance(time * self._drift, step * self._drift)
+        self._time = time + step
+
+    def read(self) -> None:
+        self._inner.read()
+        if self._value:
+            for i, name in enumerate(self._output_names):
+                self._outputs[i] = self._value(self._time, name, self._outputs[i])
+
+    def save(self) -> Any:
+        self.saved += 1
+        return self._time, self._inner.save()
+
+    def restore(self, saved: Any) -> None:
+        self._time, self._broken = saved[0], False
+        self._inner.restore(saved[1])
+
+    def release(self, saved: Any) -> None:
+        self.released += 1
+        self._inner.release(saved[1])
+
+    def close(self) -> None:
+        self.closed = True
+        self._inner.close()

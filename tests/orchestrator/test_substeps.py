@@ -1,0 +1,169 @@
+"""Multirate and retried steps: the same signals however they are cut, and no state left behind."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from orchestrator.errors import DiscardedStepError, RecoverableError
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi
+from orchestrator.participants import fmu, in_process, substepped
+from orchestrator.signals import move_origin
+from orchestrator.simulation import simulate
+
+from .faulty import Faulty, after, at_random, every, longer_than
+from .recorder import Recorder
+from .small_fmus import small_fmu
+from .two_masses import exact, two_masses
+
+STEP, STOP = 1e-2, 1.0
+
+
+def run(second, master=None, step=STEP, first=None):
+    """The two masses with these participants; everything that was recorded."""
+    system, recorder = two_masses(), Recorder()
+    units = {"first": first or in_process("first", system.instances["first"]), "second": second}
+    try:
+        simulate(system, units, master or GaussSeidel("linear"), step, STOP, [recorder])
+    finally:
+        for unit in units.values():
+            unit.close()
+    return recorder
+
+
+def second():
+    return in_process("second", two_masses().instances["second"])
+
+
+def given_fmu(vice, folder, restorable=False):
+    return fmu("second", small_fmu(vice, folder, restorable), two_masses().instances["second"])
+
+
+def missed(recorder):
+    return np.abs(recorder["second.position"] - exact(recorder.times)[:, 1]).max()
+
+
+@settings(deadline=None)
+@given(
+    st.lists(st.floats(-10, 10), min_size=4, max_size=4),
+    st.floats(-1.0, 1.0),
+    st.floats(-1.0, 1.0),
+    st.integers(1, 4),
+)
+def test_moved_signals_have_the_same_values(coefficients, shift, later, rows):
+    """p(shift + later) from both origins; the bound is the rounding of sums of terms below 10 * 2**3."""
+    signals = np.array(coefficients[:rows])[:, None]
+    moved = signals.copy()
+    move_origin(signals, shift, moved)
+    factorials = np.array([1.0, 1.0, 2.0, 6.0])[:rows]
+    powers = np.arange(rows)
+    before = float((signals[:, 0] * (shift + later) ** powers / factorials).sum())
+    after_ = float((moved[:, 0] * later**powers / factorials).sum())
+    assert after_ == pytest.approx(before, abs=80 * 40 * np.finfo(float).eps)
+    move_origin(signals, shift, signals)  # in place
+    np.testing.assert_array_equal(signals, moved)
+
+
+# Components integrate to 1e-10 per micro-step of nominal sizes 1 (m, m/s); a hundred macro steps.
+CUT = 1e-8
+
+
+@pytest.mark.parametrize("master", [Jacobi("quadratic"), GaussSeidel("quadratic"), Iterated("linear")])
+@pytest.mark.parametrize("substeps", [2, 3, 7])
+def test_a_participant_that_follows_polynomials_gets_the_same_however_they_are_cut(master, substeps):
+    one, many = run(second(), master), run(substepped(second(), substeps), master)
+    np.testing.assert_array_equal(one.times, many.times)
+    assert np.abs(one["second.position"] - many["second.position"]).max() < CUT
+
+
+def test_substeps_make_held_inputs_converge(tmp_path):
+    """An FMU that holds its inputs has an error of first order in its own step, whatever the macro step."""
+    small_fmu("sound", tmp_path)
+    errors = [missed(run(substepped(given_fmu("sound", tmp_path), n))) for n in (1, 2, 4, 8)]
+    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(1.0, abs=0.15)
+
+
+def test_substeps_are_equal_and_end_with_the_macro_step():
+    unit = Faulty(second())
+    run(substepped(unit, 4), Jacobi("hold"))
+    steps = np.array(unit.calls)
+    assert len(steps) == 400
+    np.testing.assert_allclose(steps[:, 1], STEP / 4, rtol=1e-9)  # rounding of times
+    np.testing.assert_allclose(steps[1:, 0], (steps[:, 0] + steps[:, 1])[:-1], rtol=1e-15, atol=1e-15)
+
+
+LIMITED = {
+    "always above a length": {"discards": longer_than(STEP / 4)},
+    "every third": {"discards": every(3)},
+    "at random": {"discards": at_random(0.2, seed=1)},
+    "part of the way": {"discards": every(3), "arrives": 0.37},
+    "without saying how far": {"discards": every(3), "silent": True},
+    "fails every third": {"fails": every(3)},
+}
+
+
+@pytest.mark.parametrize("fault", LIMITED)
+@pytest.mark.parametrize("substeps", [1, 3])
+def test_failed_steps_are_retried_and_the_result_is_the_same(fault, substeps):
+    unit = Faulty(second(), **LIMITED[fault])
+    retried = run(substepped(unit, substeps, halvings=12), GaussSeidel("quadratic"))
+    plain = run(second(), GaussSeidel("quadratic"))
+    assert np.abs(retried["second.position"] - plain["second.position"]).max() < CUT
+    assert len(unit.calls) > 100 * substeps
+    assert unit.saved == unit.released
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 4), st.floats(0.0, 0.2), st.floats(0.0, 0.9))
+def test_however_steps_are_discarded_time_goes_on_without_gaps(seed, substeps, share, arrives):
+    """Pieces join. (With a share of 0.2 two of five steps are halved again: twenty times, 1e-8 of them.)"""
+    unit = Faulty(second(), discards=at_random(share, seed), arrives=arrives)
+    retried = run(substepped(unit, substeps, halvings=20), GaussSeidel("linear"))
+    assert np.abs(retried["second.position"] - plain_linear()["second.position"]).max() < CUT
+
+
+@functools.cache
+def plain_linear():
+    return run(second(), GaussSeidel("linear"))
+
+
+def test_where_no_length_helps_the_error_names_the_shortest_and_the_time():
+    unit = Faulty(second(), discards=after(0.5))
+    with pytest.raises(
+        DiscardedStepError, match=r"second: step from t = 0\.5 s by 0\.000625 s .*from 0\.01 s on"
+    ):
+        run(substepped(unit, halvings=4))
+    assert unit.saved == unit.released
+    assert unit.closed
+
+
+def test_what_cannot_be_restored_and_does_not_say_where_it_is_is_not_tried_again():
+    unit = Faulty(second(), discards=after(0.5), silent=True)
+    unit.restorable = False
+    with pytest.raises(DiscardedStepError, match=r"t = 0\.5 s by 0\.01 s"):
+        run(substepped(unit, halvings=4))
+    unit = Faulty(second(), fails=after(0.5))
+    unit.restorable = False
+    with pytest.raises(RecoverableError, match="failed"):
+        run(substepped(unit, halvings=4))
+
+
+def test_an_fmu_that_discards_long_steps_is_retried(tmp_path):
+    """It needs steps of 2.5 ms at most: the same as four substeps, to the rounding of their times."""
+    retried = run(substepped(given_fmu("discarding", tmp_path), halvings=6))
+    quartered = run(substepped(given_fmu("discarding", tmp_path), 4))
+    # A hundred steps with some eps of rounding each, times the 7 rad/s of the faster mode.
+    bound = 100 * 10 * np.finfo(float).eps * 7
+    assert np.abs(retried["second.position"] - quartered["second.position"]).max() < bound
+
+
+def test_an_fmu_that_spoils_its_state_is_restored_before_it_is_tried_again(tmp_path):
+    """pythonfmu's C layer says of every discarded step that nothing has happened."""
+    retried = run(substepped(given_fmu("spoiling", tmp_path, restorable=True), halvings=6))
+    quartered = run(substepped(given_fmu("spoiling", tmp_path, restorable=True), 4))
+    # The probes of the start are short steps, in one piece or in four.
+    assert np.abs(retried["second.position"] - quartered["second.position"]).max() < 1e-6
