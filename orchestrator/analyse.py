@@ -17,8 +17,8 @@ from rich.text import Text
 
 from .analyses import Analysis, load, names
 from .errors import MistakeError
+from .output_folder import OutputFolderError
 from .report import Reporter
-from .run import OutputFolderError
 from .values import Value
 
 if TYPE_CHECKING:

@@ -113,8 +113,9 @@ def run_scenario(
     1: outside the tolerance, 2: a mistake in the scenario or the command, 3: the run failed,
     4: not compared (reference.enabled=false), 130: interrupted.
     """
+    from .output_folder import spare
     from .report import Reporter
-    from .run import run, spare
+    from .run import run
     from .scenario_files import find, load
 
     overrides = [f"master.name={master}"] if master else []

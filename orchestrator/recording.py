@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
+import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
@@ -10,7 +10,8 @@ import numpy as np
 
 from models.quantities import Quantity, Vector
 
-from .results import ResultFile, Series
+from .checkpoint import Plain
+from .journal import START_OVER, SUFFIX, Journal, JournalError
 
 STEP_VARIABLES = {
     "macro_step": Quantity("s", "length of the macro step that ended here"),
@@ -19,23 +20,26 @@ STEP_VARIABLES = {
 
 
 class ResultRecorder:
-    """Records all outputs of every n-th macro step in /coupled, every step's effort in /steps."""
+    """Records all outputs of every n-th macro step and every step's effort, in the journals of `folder`
+    that become the groups /coupled and /steps of the result."""
 
-    def __init__(self, file: ResultFile, quantities: Mapping[str, Quantity], every: int) -> None:
-        self._file = file
+    def __init__(self, folder: Path, quantities: Mapping[str, Quantity], every: int) -> None:
+        self._folder = folder
         self._quantities = quantities
         self._every = every
         self._count = 0
         self._last = 0.0
         self._step = np.zeros(2)
-        self._coupled: Series | None = None
 
     def begin(self, names: Sequence[str]) -> None:
-        self._coupled = self._file.series("coupled", {name: self._quantities[name] for name in names})
-        self._steps = self._file.series("steps", STEP_VARIABLES)
+        self._open(names, None, None)
+
+    def _open(self, names: Sequence[str], coupled: int | None, steps: int | None) -> None:
+        variables = {name: self._quantities[name] for name in names}
+        self._coupled = Journal(self._folder / f"coupled{SUFFIX}", variables, coupled)
+        self._steps = Journal(self._folder / f"steps{SUFFIX}", STEP_VARIABLES, steps)
 
     def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
-        assert self._coupled
         if self._count % self._every == 0:
             self._coupled.append(time, outputs())
         if self._count:
@@ -45,10 +49,23 @@ class ResultRecorder:
         self._count += 1
         self._last = time
 
+    def state(self) -> dict[str, Plain]:
+        self._coupled.sync()
+        self._steps.sync()
+        return {
+            "count": self._count,
+            "last": self._last,
+            "coupled": self._coupled.rows,
+            "steps": self._steps.rows,
+        }
+
+    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
+        self._count, self._last = state["count"], state["last"]
+        self._open(names, state["coupled"], state["steps"])
+
     def end(self, complete: bool, message: str) -> None:
-        if self._coupled:
-            self._coupled.flush()
-            self._steps.flush()
+        self._coupled.close()
+        self._steps.close()
 
 
 class CsvRecorder:
@@ -57,16 +74,32 @@ class CsvRecorder:
     def __init__(self, path: Path, every: int) -> None:
         self._path = path
         self._every = every
-        self._count = itertools.count()
+        self._count = 0
 
     def begin(self, names: Sequence[str]) -> None:
-        self._file = self._path.open("w", encoding="ascii", buffering=1 << 20)
+        self._file = self._path.open("w", encoding="ascii", newline="\n", buffering=1 << 20)
         self._file.write(",".join(f'"{name}"' for name in ("time", *names)) + "\n")
 
     def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
-        if next(self._count) % self._every == 0:
+        if self._count % self._every == 0:
             # repr: the shortest text that reads back as the same number.
             self._file.write(",".join(map(repr, (time, *outputs().tolist()))) + "\n")
+        self._count += 1
+
+    def state(self) -> dict[str, Plain]:
+        self._file.flush()
+        os.fsync(self._file.fileno())
+        return {"count": self._count, "bytes": self._file.tell()}
+
+    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
+        size = self._path.stat().st_size if self._path.exists() else 0
+        if size < state["bytes"]:
+            raise JournalError(
+                f"{self._path}: has {size} bytes, of {state['bytes']} at the checkpoint; {START_OVER}"
+            )
+        self._count = state["count"]
+        os.truncate(self._path, state["bytes"])
+        self._file = self._path.open("a", encoding="ascii", newline="\n", buffering=1 << 20)
 
     def end(self, complete: bool, message: str) -> None:
         self._file.close()

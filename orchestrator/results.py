@@ -1,14 +1,15 @@
 """The result file: netCDF (HDF5) with a group for each of coupled run, reference and macro steps.
 
-Series are appended in blocks and flushed, so that memory stays bounded and what was recorded survives
-the end of the process.
+It is made of the run's journals when the coupled run has ended, in blocks, so that memory stays bounded;
+it appears under its name only when it is whole.
 """
 
 from __future__ import annotations
 
-import time as clock
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import h5netcdf
@@ -17,95 +18,64 @@ import numpy as np
 
 from models.quantities import Quantity, Vector
 
+from .journal import TIME, Recorded
+from .unfinished import unfinished
+
 if TYPE_CHECKING:
     import xarray
 
-BLOCK = 4096  # rows of a block: 32 kB for each variable
-FLUSH_SECONDS = 2.0  # what a killed process may lose
-TIME = Quantity("s", "time")
-
-
-class Series:
-    """A group of variables over its own `time`, appended row by row."""
-
-    def __init__(self, hdf5: h5py.File, group: h5netcdf.Group, variables: Mapping[str, Quantity]) -> None:
-        self._hdf5 = hdf5
-        self._group = group
-        self._group.dimensions["time"] = None  # unlimited
-        columns = {"time": TIME, **variables}
-        for name, quantity in columns.items():
-            self._make(name, quantity)
-        self._paths = [f"{group.name}/{name}" for name in columns]
-        self._rows = np.empty((BLOCK, len(columns)))
-        self._held = self._written = 0
-        self._flushed = clock.monotonic()
-
-    def _make(self, name: str, quantity: Quantity) -> None:
-        variable = self._group.create_variable(
-            name, ("time",), np.float64, chunks=(BLOCK,), compression="gzip", compression_opts=1, shuffle=True
-        )
-        variable.attrs["units"] = quantity.unit
-        variable.attrs["long_name"] = quantity.description
-        if quantity.display_unit:
-            variable.attrs["display_units"] = quantity.display_unit
-        if quantity.choices:
-            variable.attrs["flag_meanings"] = " ".join(quantity.choices)
-
-    def append(self, time: float, values: Vector) -> None:
-        """One row; `values` is copied."""
-        row = self._rows[self._held]
-        row[0] = time
-        row[1:] = values
-        self._held += 1
-        if self._held == BLOCK or clock.monotonic() - self._flushed > FLUSH_SECONDS:
-            self.flush()
-
-    def flush(self) -> None:
-        """Write what is held, down to the file."""
-        if self._held:
-            end = self._written + self._held
-            # Each by itself: what HDF5 lists as attached to a dimension has been seen to lack one.
-            for i, path in enumerate(self._paths):
-                dataset = self._hdf5[path]
-                dataset.resize(end, axis=0)
-                dataset[self._written : end] = self._rows[: self._held, i]
-            self._written, self._held = end, 0
-        self._hdf5.flush()
-        self._flushed = clock.monotonic()
+CHUNK = 4096  # rows of a compressed chunk: and of what is written at once: 32 kB of a variable
 
 
 class ResultFile:
-    """A result being written. `attributes` say what it is of; `complete` is 0 until `finish`."""
+    """A result being written, in a `with` block. `attributes` say what it is of.
+
+    The file appears at the end of the block, if `finish` was called in it; until then it has the name
+    `partial(path)`.
+    """
 
     def __init__(self, path: Path, attributes: Mapping[str, str]) -> None:
         self.path = path
-        self._hdf5 = h5py.File(path, "w")  # h5netcdf's own flush stays in memory
+        # Chunks are written whole and read once; HDF5 would hold 1 MB of them for each variable.
+        self._hdf5 = h5py.File(partial(path), "w", rdcc_nbytes=CHUNK * 8)
         self._file = h5netcdf.File(self._hdf5, "r+")
         self._quantities: dict[str, Mapping[str, Quantity]] = {}
         self._file.attrs["Conventions"] = "CF-1.10"
         for name, text in attributes.items():
             self._file.attrs[name] = text
-        self._file.attrs["complete"] = np.int32(0)
-        self._file.attrs["message"] = "the run was not finished"
+        self._finished = False
 
-    def series(self, group: str, variables: Mapping[str, Quantity]) -> Series:
-        """A new group."""
-        self._quantities[group] = variables
-        return Series(self._hdf5, self._file.create_group(group), variables)
+    def take(self, group: str, recorded: Recorded) -> None:
+        """A new group of a journal's rows."""
+        self._write(group, recorded.columns, recorded.blocks(CHUNK))
 
     def write(self, group: str, times: Vector, variables: Mapping[str, Quantity], values: Vector) -> None:
-        """A whole group: `values` has a row for each time."""
-        series = self.series(group, variables)
-        for time, row in zip(times, values, strict=True):
-            series.append(float(time), row)
-        series.flush()
+        """A new group: `values` has a row for each time."""
+        blocks = (
+            np.column_stack([times[first : first + CHUNK], values[first : first + CHUNK]])
+            for first in range(0, len(times), CHUNK)
+        )
+        self._write(group, {"time": TIME, **variables}, blocks)
+
+    def _write(self, name: str, columns: Mapping[str, Quantity], blocks: Iterable[Vector]) -> None:
+        self._quantities[name] = {key: value for key, value in columns.items() if key != "time"}
+        group = self._file.create_group(name)
+        group.dimensions["time"] = None  # unlimited
+        for key, quantity in columns.items():
+            _make(group, key, quantity)
+        # Each by itself: what HDF5 lists as attached to a dimension has been seen to lack one.
+        datasets = [self._hdf5[f"{group.name}/{key}"] for key in columns]
+        for first, block in _placed(blocks):
+            for dataset, values in zip(datasets, np.ascontiguousarray(block.T), strict=True):
+                dataset.resize(first + len(block), axis=0)
+                dataset[first:] = values
 
     def attribute(self, group: str, name: str, value: Any) -> None:
         """An attribute of a group."""
         self._file[group].attrs[name] = value
 
     def read(self, group: str, names: Sequence[str], rows: slice) -> dict[str, Vector]:
-        """Rows of some variables, as far as they are flushed."""
+        """Rows of some variables."""
         return {name: np.asarray(self._file[group][name][rows]) for name in names}
 
     def has(self, group: str) -> bool:
@@ -113,11 +83,11 @@ class ResultFile:
         return self.length(group) > 0
 
     def quantities(self, group: str) -> dict[str, Quantity]:
-        """What the group's variables are, as given to `series`."""
+        """What the group's variables are, without `time`."""
         return dict(self._quantities[group])
 
     def length(self, group: str) -> int:
-        """Rows of a group, as far as they are flushed; 0 if there is no such group."""
+        """Rows of a group; 0 if there is no such group."""
         if group not in self._file.groups:
             return 0
         return int(self._file[group].dimensions["time"].size)
@@ -126,11 +96,46 @@ class ResultFile:
         """State how the run ended."""
         self._file.attrs["complete"] = np.int32(complete)
         self._file.attrs["message"] = message or "complete"
-        self._hdf5.flush()
+        self._finished = True
 
-    def close(self) -> None:
-        self._file.close()
-        self._hdf5.close()
+    def __enter__(self) -> ResultFile:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            self._file.close()
+            self._hdf5.close()
+            if self._finished:
+                os.replace(partial(self.path), self.path)
+        finally:
+            partial(self.path).unlink(missing_ok=True)
+
+
+def partial(path: Path) -> Path:
+    """The name of a result that is not whole yet."""
+    return path.with_name(f"{path.name}.partial")
+
+
+def _make(group: h5netcdf.Group, name: str, quantity: Quantity) -> None:
+    variable = group.create_variable(
+        name, ("time",), np.float64, chunks=(CHUNK,), compression="gzip", compression_opts=1, shuffle=True
+    )
+    variable.attrs["units"] = quantity.unit
+    variable.attrs["long_name"] = quantity.description
+    if quantity.display_unit:
+        variable.attrs["display_units"] = quantity.display_unit
+    if quantity.choices:
+        variable.attrs["flag_meanings"] = " ".join(quantity.choices)
+
+
+def _placed(blocks: Iterable[Vector]) -> Iterator[tuple[int, Vector]]:
+    """Each block with the number of its first row."""
+    first = 0
+    for block in blocks:
+        yield first, block
+        first += len(block)
 
 
 def open_result(path: Path | str) -> xarray.DataTree:
@@ -138,4 +143,7 @@ def open_result(path: Path | str) -> xarray.DataTree:
     import xarray
 
     path = Path(path)
-    return xarray.open_datatree(path / "result.nc" if path.is_dir() else path, engine="h5netcdf")
+    file = path / "result.nc" if path.is_dir() else path
+    if not file.exists() and unfinished(file.parent).exists():
+        raise FileNotFoundError(f"{file}: the run goes on or was killed; tribocosim resume {file.parent}")
+    return xarray.open_datatree(file, engine="h5netcdf")

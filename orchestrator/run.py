@@ -14,8 +14,10 @@ from models.system import ModelError, System
 
 from . import assembly
 from .comparison import compare, largest_uncertainty, verdict
-from .errors import MistakeError, RunError
+from .errors import RunError
 from .interruption import Interruption
+from .journal import Recorded, journals
+from .output_folder import CSV, FIGURES, RESULT, SCENARIO, SUMMARY, files, prepared
 from .recording import CsvRecorder, ResultRecorder
 from .report import Reporter
 from .results import ResultFile
@@ -23,6 +25,7 @@ from .scenario import Scenario
 from .scenario_files import written
 from .simulation import simulate
 from .summary import FAILED, INTERRUPTED, NOT_COMPARED, OUTSIDE, WITHIN, Summary
+from .unfinished import clear
 from .validity import excursions
 
 if TYPE_CHECKING:
@@ -30,18 +33,6 @@ if TYPE_CHECKING:
 
 # Records compared with the reference (and drawn) at most: bounds memory, and is dense in any cycle.
 COMPARED_RECORDS = 100_000
-
-RESULT, CSV, SCENARIO, SUMMARY, FIGURES = (
-    "result.nc",
-    "coupled.csv",
-    "scenario.toml",
-    "summary.json",
-    "figures",
-)
-
-
-class OutputFolderError(MistakeError):
-    """The output folder cannot take a result."""
 
 
 def run(
@@ -57,9 +48,23 @@ def run(
     A run that fails or is interrupted leaves what was recorded, marked incomplete; its message is in the
     summary. Raises ScenarioError, ModelError or OutputFolderError before anything is written.
     """
-    began = clock.perf_counter()
     system = assembly.system_of(scenario)
-    prepare(out, overwrite)
+    with prepared(out, overwrite) as folder:
+        (out / SCENARIO).write_text(written(scenario), "utf-8")
+        return _run(scenario, system, out, folder, build, reporter, figures)
+
+
+def _run(
+    scenario: Scenario,
+    system: System,
+    out: Path,
+    folder: Path,
+    build: assembly.Builder,
+    reporter: Reporter,
+    figures: bool,
+) -> Summary:
+    """`folder` is that of the unfinished run in `out`."""
+    began = clock.perf_counter()
     summary = Summary(
         scenario=scenario.name,
         description=scenario.description,
@@ -68,16 +73,17 @@ def run(
         macro_step=scenario.macro_step,
         tolerance=dict(scenario.tolerance),
     )
-    (out / SCENARIO).write_text(written(scenario), "utf-8")
     try:
         with _outcome(summary):
-            _stages(scenario, system, out, build, figures, summary, reporter)
+            _stages(scenario, system, out, folder, build, figures, summary, reporter)
     finally:
         summary.wall_time_s = clock.perf_counter() - began
         summary.write(out / SUMMARY)
+    if (out / RESULT).exists():
+        clear(folder)
     if summary.errors:
         reporter.errors(summary.errors)
-    reporter.end(summary, out, _files(out))
+    reporter.end(summary, out, files(out))
     return summary
 
 
@@ -85,27 +91,27 @@ def _stages(
     scenario: Scenario,
     system: System,
     out: Path,
+    folder: Path,
     build: assembly.Builder,
     figures: bool,
     summary: Summary,
     reporter: Reporter,
 ) -> None:
     with reporter.stage("FMUs"):
-        files = assembly.fmu_files(scenario, build)
-    summary.fmus = {name: file.sha256 for name, file in files.items()}
-    result = ResultFile(out / RESULT, _attributes(scenario, summary))
-    try:
-        with _outcome(summary):
-            system = assembly.at_start(scenario, system)
-            _coupled(scenario, system, files, result, out / CSV, summary, reporter)
-            rows = slice(None, None, compared_every(result))
-            summary.validity = excursions(system, lambda names: result.read("coupled", names, rows))
-            if scenario.reference.enabled:
-                _compared(scenario, system, result, summary, reporter)
-            else:
-                summary.verdict = "not compared: the reference is switched off (reference.enabled)"
-                summary.exit_status = NOT_COMPARED
-            summary.complete, summary.message = True, "complete"
+        fmus = assembly.fmu_files(scenario, build)
+    summary.fmus = {name: file.sha256 for name, file in fmus.items()}
+    coupled = False
+    with _outcome(summary):
+        system = assembly.at_start(scenario, system)
+        _coupled(scenario, system, fmus, folder, out / CSV, summary, reporter)
+        coupled = True
+    with ResultFile(out / RESULT, _attributes(scenario, summary)) as result:
+        with reporter.stage("result file"):
+            for name, path in journals(folder).items():
+                result.take(name, Recorded(path))
+        if coupled:
+            with _outcome(summary):
+                _judged(scenario, system, result, summary, reporter)
         result.finish(summary.complete, summary.message)
         if figures and summary.exit_status != INTERRUPTED and result.length("coupled") > 1:
             from . import plots
@@ -113,8 +119,20 @@ def _stages(
             with reporter.stage("figures"):
                 title = scenario.name if summary.complete else f"{scenario.name} (incomplete)"
                 plots.draw(result, out / FIGURES, title, scenario)
-    finally:
-        result.close()
+
+
+def _judged(
+    scenario: Scenario, system: System, result: ResultFile, summary: Summary, reporter: Reporter
+) -> None:
+    """What the finished coupled run comes to."""
+    rows = slice(None, None, compared_every(result))
+    summary.validity = excursions(system, lambda names: result.read("coupled", names, rows))
+    if scenario.reference.enabled:
+        _compared(scenario, system, result, summary, reporter)
+    else:
+        summary.verdict = "not compared: the reference is switched off (reference.enabled)"
+        summary.exit_status = NOT_COMPARED
+    summary.complete, summary.message = True, "complete"
 
 
 @contextmanager
@@ -129,37 +147,6 @@ def _outcome(summary: Summary) -> Iterator[None]:
     else:
         return
     summary.complete = False
-
-
-def spare(source: Path, scenario: Scenario, out: Path) -> None:
-    """OutputFolderError if the result's own scenario file would replace `source` by something else."""
-    target = out / SCENARIO
-    if target.exists() and target.samefile(source) and source.read_text("utf-8") != written(scenario):
-        raise OutputFolderError(
-            f"{target}: is the scenario itself, which a result here would replace; choose another folder "
-            "with --out"
-        )
-
-
-def prepare(out: Path, overwrite: bool) -> None:
-    """Make the folder; a result in it is removed if `overwrite`, and refused otherwise."""
-    if out.exists() and not out.is_dir():
-        raise OutputFolderError(f"{out}: is a file; choose a folder with --out")
-    held = [out / name for name in (RESULT, CSV, SCENARIO, SUMMARY) if (out / name).exists()]
-    held += sorted((out / FIGURES).glob("*.png"))
-    if held and not overwrite:
-        raise OutputFolderError(
-            f"{out}: already holds a result ({held[0].name}); choose another folder with --out, "
-            "or replace it with --overwrite"
-        )
-    try:
-        for file in held:
-            file.unlink()
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputFolderError(
-            f"{out}: cannot be written ({error.strerror}); choose another --out"
-        ) from None
 
 
 def _attributes(scenario: Scenario, summary: Summary) -> dict[str, str]:
@@ -178,18 +165,18 @@ def _attributes(scenario: Scenario, summary: Summary) -> dict[str, str]:
 def _coupled(
     scenario: Scenario,
     system: System,
-    files: dict[str, assembly.FmuFile],
-    result: ResultFile,
+    fmus: dict[str, assembly.FmuFile],
+    folder: Path,
     csv: Path,
     summary: Summary,
     reporter: Reporter,
 ) -> None:
     every = scenario.record_every
     quantities = assembly.output_quantities(system)
-    participants = assembly.participants_of(scenario, system, files)
+    participants = assembly.participants_of(scenario, system, fmus)
     counter = _Counter()
     stage = reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)
-    recorders = [ResultRecorder(result, quantities, every), CsvRecorder(csv, every)]
+    recorders = [ResultRecorder(folder, quantities, every), CsvRecorder(csv, every)]
     try:
         with stage as bar, Interruption() as interruption:
             statistics = simulate(
@@ -260,8 +247,3 @@ def _reference(scenario: Scenario, system: System, times: Vector, reporter: Repo
 
     with reporter.stage("monolithic reference", scenario.stop_time) as bar:
         return solve(system, times, tolerance=scenario.reference.tolerance, x0=system.x0, progress=bar.show)
-
-
-def _files(out: Path) -> list[Path]:
-    found = [out / name for name in (SUMMARY, RESULT, CSV, SCENARIO)]
-    return [path for path in [*found, *sorted((out / FIGURES).glob("*.png"))] if path.exists()]

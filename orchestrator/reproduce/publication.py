@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, TypeVar
 
+from ..output_folder import OutputFolderError
 from ..report import Reporter
-from ..run import OutputFolderError
 from . import table
 from .statement import Statement
 

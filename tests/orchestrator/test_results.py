@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from models.quantities import Quantity
+from orchestrator.journal import HELD, Journal, JournalError, Recorded, journals
 from orchestrator.recording import CsvRecorder, ResultRecorder
-from orchestrator.results import BLOCK, ResultFile, open_result
+from orchestrator.results import CHUNK, ResultFile, open_result
 
 QUANTITIES = {
     "contact.load": Quantity("N", "contact load W", display_unit="kN"),
@@ -20,21 +21,22 @@ QUANTITIES = {
 
 
 def _recorded(path: Path, steps: int, every: int) -> None:
-    file = ResultFile(path, {"scenario": "test"})
-    recorder = ResultRecorder(file, QUANTITIES, every)
+    recorder = ResultRecorder(path.parent, QUANTITIES, every)
     recorder.begin(list(QUANTITIES))
     values = np.zeros(2)
     for i in range(steps + 1):
         values[:] = i, -i
         recorder.observe(1e-6 * i, values.copy, min(i, 1))
     recorder.end(True, "")
-    file.finish(True, "")
-    file.close()
+    with ResultFile(path, {"scenario": "test"}) as file:
+        for name, journal in journals(path.parent).items():
+            file.take(name, Recorded(journal))
+        file.finish(True, "")
 
 
 @pytest.mark.parametrize("every", [1, 3])
 def test_round_trip_through_xarray(tmp_path: Path, every: int) -> None:
-    steps = 2 * BLOCK + 5
+    steps = 2 * CHUNK + 5
     _recorded(tmp_path / "result.nc", steps, every)
     tree = open_result(tmp_path)
     coupled = tree["coupled"]
@@ -73,26 +75,83 @@ def _in_a_process(code: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_what_was_flushed_survives_a_killed_process(tmp_path: Path) -> None:
-    path = tmp_path / "result.nc"
     done = _in_a_process(f"""
         import os
         import numpy as np
         from pathlib import Path
+        from orchestrator.journal import HELD
         from orchestrator.recording import ResultRecorder
-        from orchestrator.results import BLOCK, ResultFile
         from tests.orchestrator.test_results import QUANTITIES
-        recorder = ResultRecorder(ResultFile(Path({str(path)!r}), {{}}), QUANTITIES, 1)
+        recorder = ResultRecorder(Path({str(tmp_path)!r}), QUANTITIES, 1)
         recorder.begin(list(QUANTITIES))
-        for i in range(BLOCK + 7):
+        for i in range(HELD + 7):
             recorder.observe(1e-6 * i, np.array([i, 0.0]).copy, 1)
         os._exit(9)
     """)
     assert done.returncode == 9
-    tree = open_result(path)
-    assert tree.attrs["complete"] == 0
-    assert "not finished" in tree.attrs["message"]
-    assert np.array_equal(tree["coupled"]["contact.load"][:BLOCK], np.arange(BLOCK))
-    tree.close()
+    recorded = Recorded(journals(tmp_path)["coupled"])
+    assert recorded.rows >= HELD
+    rows = np.concatenate(list(recorded.blocks(1000)))
+    assert np.array_equal(rows[:, 1], np.arange(recorded.rows))
+    assert recorded.columns["contact.load"] == QUANTITIES["contact.load"]
+
+
+def _filled(path: Path, rows: range, continued: int | None = None) -> bytes:
+    journal = Journal(path, QUANTITIES, continued)
+    for i in rows:
+        journal.append(1e-6 * i, np.array([i, -i]))
+    journal.close()
+    return path.read_bytes()
+
+
+@pytest.mark.parametrize("cut", [0, 1, 7, 8, 23, 24, 100])
+def test_a_journal_cut_anywhere_has_its_whole_rows_and_goes_on_after_any_of_them(
+    tmp_path: Path, cut: int
+) -> None:
+    """Round trip: what is cut off (bytes) and written again is the journal that was never cut."""
+    path = tmp_path / "coupled.journal"
+    whole = _filled(path, range(50))
+    path.write_bytes(whole[: len(whole) - cut])
+    recorded = Recorded(path)
+    assert recorded.rows == 50 - -(-cut // 24)  # rows of three doubles
+    assert sum(len(block) for block in recorded.blocks(7)) == recorded.rows
+    for at in (0, recorded.rows // 2, recorded.rows):
+        path.write_bytes(whole[: len(whole) - cut])
+        assert _filled(path, range(at, 50), at) == whole
+
+
+def test_a_journal_that_lacks_rows_or_is_another_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "coupled.journal"
+    whole = _filled(path, range(50))
+    with pytest.raises(JournalError, match="has 50 rows, of 51 at the checkpoint"):
+        Journal(path, QUANTITIES, 51)
+    with pytest.raises(JournalError, match="other columns"):
+        Journal(path, {"contact.load": QUANTITIES["contact.load"]}, 50)
+    assert path.read_bytes() == whole
+    for spoilt in (b"", b"{}\n", b"\xff\xfe", b'{"format": "tribocosim journal 0"}\n'):
+        path.write_bytes(spoilt)
+        with pytest.raises(JournalError, match="not a journal of this version"):
+            Recorded(path)
+    path.write_bytes(whole[:40])  # killed while the header was written
+    assert journals(tmp_path) == {}
+
+
+def test_a_result_appears_only_when_it_is_whole(tmp_path: Path) -> None:
+    def make(finished: bool) -> None:
+        with ResultFile(tmp_path / "result.nc", {}) as file:
+            file.write("steps", np.arange(3.0), {"a": Quantity("m", "x")}, np.zeros((3, 1)))
+            if finished:
+                file.finish(True, "")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        make(False)
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(KeyboardInterrupt):
+        make(True)
+    assert [path.name for path in tmp_path.iterdir()] == ["result.nc"]
+    with open_result(tmp_path) as tree:
+        assert tree["steps"].sizes["time"] == 3
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="reads Linux's memory figures")
@@ -104,10 +163,11 @@ def test_memory_does_not_grow_with_the_steps(tmp_path: Path, steps: int) -> None
         from pathlib import Path
         from models.quantities import Quantity
         from orchestrator.recording import ResultRecorder
+        from orchestrator.journal import Recorded
         from orchestrator.results import ResultFile
         names = [f"a.v{{i}}" for i in range(45)]
-        file = ResultFile(Path({str(tmp_path / "result.nc")!r}), {{}})
-        recorder = ResultRecorder(file, {{name: Quantity("m", "x") for name in names}}, 1)
+        folder = Path({str(tmp_path)!r})
+        recorder = ResultRecorder(folder, {{name: Quantity("m", "x") for name in names}}, 1)
         recorder.begin(names)
         values = np.random.default_rng(1).random(45)
         def peak():
@@ -119,10 +179,13 @@ def test_memory_does_not_grow_with_the_steps(tmp_path: Path, steps: int) -> None
             if i == 20_000:
                 before = peak()
         recorder.end(True, "")
-        file.close()
+        with ResultFile(folder / "result.nc", {{}}) as file:
+            file.take("coupled", Recorded(folder / "coupled.journal"))
+            file.finish(True, "")
         print(peak() - before, peak())
     """)
     growth, peak = map(float, done.stdout.split())
-    # Index nodes of the file, of which HDF5 keeps some; the data would be 36 MB per 100 000 steps.
+    # Blocks, and index nodes of the file, of which HDF5 keeps some; the data would
+    # be 37 MB per 100 000 steps.
     assert growth < 20.0
     assert peak < 500.0

@@ -1,0 +1,162 @@
+"""Journals: rows of doubles appended to a raw file while a run goes on.
+
+The first line is JSON: the format and what the columns are, `time` first; rows of little-endian doubles
+follow. A process killed at any moment leaves whole rows and at most one begun, which is not read; an HDF5
+file killed in the middle of a flush may be unreadable as a whole.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time as clock
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from models.quantities import Quantity, Vector
+
+from .errors import MistakeError
+
+FORMAT = "tribocosim journal 1"
+SUFFIX = ".journal"
+HELD = 4096  # rows in memory at most: 32 kB for each column
+FLUSH_SECONDS = 2.0  # what a killed process may lose without a checkpoint
+TIME = Quantity("s", "time")
+DOUBLE = np.dtype("<f8")
+
+
+class JournalError(MistakeError):
+    """A file that is not a journal, or lacks rows that it should have."""
+
+
+class Journal:
+    """A journal being written: `variables` over their own `time`.
+
+    `rows` continues the journal at `path` after so many rows, forgetting later ones; JournalError if it
+    has fewer, or other columns.
+    """
+
+    def __init__(self, path: Path, variables: Mapping[str, Quantity], rows: int | None = None) -> None:
+        self.path = path
+        columns = {"time": TIME, **variables}
+        if rows is None:
+            self._file = path.open("wb")
+            self._file.write(_header(columns))
+            self._written = 0
+        else:
+            start = _start(path, columns, rows)
+            self._file = path.open("r+b")
+            self._file.truncate(start + rows * len(columns) * DOUBLE.itemsize)
+            self._file.seek(0, os.SEEK_END)
+            self._written = rows
+        self._rows = np.empty((HELD, len(columns)), DOUBLE)
+        self._held = 0
+        self.flush()
+
+    @property
+    def rows(self) -> int:
+        """All rows, those in memory too."""
+        return self._written + self._held
+
+    def append(self, time: float, values: Vector) -> None:
+        """One row; `values` is copied."""
+        row = self._rows[self._held]
+        row[0] = time
+        row[1:] = values
+        self._held += 1
+        if self._held == HELD or clock.monotonic() - self._flushed > FLUSH_SECONDS:
+            self.flush()
+
+    def flush(self) -> None:
+        """Hand what is in memory to the operating system: from now on it survives the process."""
+        if self._held:
+            self._file.write(self._rows[: self._held].data)
+            self._written += self._held
+            self._held = 0
+        self._file.flush()
+        self._flushed = clock.monotonic()
+
+    def sync(self) -> None:
+        """Down to the disk: from now on it survives the machine."""
+        self.flush()
+        os.fsync(self._file.fileno())
+
+    def close(self) -> None:
+        self.flush()
+        self._file.close()
+
+
+class Recorded:
+    """A journal being read, whole rows only; JournalError if the file is none."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.columns, self._start = _read_header(path)
+        self.rows = (path.stat().st_size - self._start) // (len(self.columns) * DOUBLE.itemsize)
+
+    def blocks(self, rows: int) -> Iterator[Vector]:
+        """The rows in order, at most `rows` at a time (rows x columns)."""
+        width = len(self.columns)
+        with self.path.open("rb") as file:
+            file.seek(self._start)
+            for first in range(0, self.rows, rows):
+                count = min(rows, self.rows - first)
+                yield np.fromfile(file, DOUBLE, count * width).reshape(count, width)
+
+
+def journals(folder: Path) -> dict[str, Path]:
+    """The journals in a folder by name; a file without a whole header has no rows and is left out."""
+    found = {}
+    for path in sorted(folder.glob(f"*{SUFFIX}")):
+        with path.open("rb") as file:
+            if file.readline().endswith(b"\n"):
+                found[path.name.removesuffix(SUFFIX)] = path
+    return found
+
+
+def _header(columns: Mapping[str, Quantity]) -> bytes:
+    content = {name: _plain(quantity) for name, quantity in columns.items()}
+    return json.dumps({"format": FORMAT, "columns": content}).encode() + b"\n"
+
+
+def _plain(quantity: Quantity) -> dict[str, Any]:
+    """What differs from the defaults."""
+    values = ((field, getattr(quantity, field.name)) for field in fields(quantity))
+    return {
+        field.name: value for field, value in values if field.default is MISSING or value != field.default
+    }
+
+
+def _quantity(content: dict[str, Any]) -> Quantity:
+    return Quantity(**{key: tuple(value) if key == "choices" else value for key, value in content.items()})
+
+
+def _read_header(path: Path) -> tuple[dict[str, Quantity], int]:
+    """The columns, and where the rows begin."""
+    try:
+        with path.open("rb") as file:
+            line = file.readline()
+        content = json.loads(line)
+        if content["format"] != FORMAT:
+            raise ValueError(content["format"])
+        return {name: _quantity(text) for name, text in content["columns"].items()}, len(line)
+    except OSError as error:
+        raise JournalError(f"{path}: cannot be read ({error.strerror})") from None
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise JournalError(f"{path}: is not a journal of this version; {START_OVER}") from None
+
+
+START_OVER = "start the run over with tribocosim run ... --overwrite"
+
+
+def _start(path: Path, columns: Mapping[str, Quantity], rows: int) -> int:
+    found = Recorded(path)
+    if list(found.columns) != list(columns):
+        raise JournalError(f"{path}: has other columns than the run; {START_OVER}")
+    if found.rows < rows:
+        raise JournalError(f"{path}: has {found.rows} rows, of {rows} at the checkpoint; {START_OVER}")
+    return found._start

@@ -1,0 +1,86 @@
+"""A run's output folder: what is in it, and when it may be written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+from .errors import MistakeError
+from .results import partial
+from .scenario import Scenario
+from .scenario_files import written
+from .unfinished import clear, locked, unfinished
+
+RESULT, CSV, SCENARIO, SUMMARY, FIGURES = (
+    "result.nc",
+    "coupled.csv",
+    "scenario.toml",
+    "summary.json",
+    "figures",
+)
+
+
+class OutputFolderError(MistakeError):
+    """The output folder cannot take a result."""
+
+
+def spare(source: Path, scenario: Scenario, out: Path) -> None:
+    """OutputFolderError if the result's own scenario file would replace `source` by something else."""
+    target = out / SCENARIO
+    if target.exists() and target.samefile(source) and source.read_text("utf-8") != written(scenario):
+        raise OutputFolderError(
+            f"{target}: is the scenario itself, which a result here would replace; choose another folder "
+            "with --out"
+        )
+
+
+@contextmanager
+def prepared(out: Path, overwrite: bool) -> Iterator[Path]:
+    """The folder for what is unfinished, in an empty output folder that no other process writes.
+
+    A result or an unfinished run in `out` is removed if `overwrite`, and refused otherwise.
+    """
+    if out.exists() and not out.is_dir():
+        raise OutputFolderError(f"{out}: is a file; choose a folder with --out")
+    if not overwrite:
+        _check_empty(out)
+    with ExitStack() as stack:
+        try:
+            folder = stack.enter_context(locked(out))
+            clear(folder)
+            for file in _held(out):
+                file.unlink()
+        except OSError as error:
+            raise OutputFolderError(
+                f"{out}: cannot be written ({error.strerror}); choose another --out"
+            ) from None
+        yield folder
+
+
+def files(out: Path) -> list[Path]:
+    """What a run has written, in the order to be shown."""
+    found = [out / name for name in (SUMMARY, RESULT, CSV, SCENARIO)]
+    return [path for path in [*found, *_figures(out)] if path.exists()]
+
+
+def _check_empty(out: Path) -> None:
+    if unfinished(out).exists():
+        raise OutputFolderError(
+            f"{out}: holds a run that was not finished; continue it with tribocosim resume {out}, choose "
+            "another folder with --out, or replace it with --overwrite"
+        )
+    if held := _held(out):
+        raise OutputFolderError(
+            f"{out}: already holds a result ({held[0].name}); choose another folder with --out, "
+            "or replace it with --overwrite"
+        )
+
+
+def _held(out: Path) -> list[Path]:
+    names = (RESULT, partial(Path(RESULT)).name, CSV, SCENARIO, SUMMARY)
+    return [path for path in [*(out / name for name in names), *_figures(out)] if path.exists()]
+
+
+def _figures(out: Path) -> list[Path]:
+    return sorted((out / FIGURES).glob("*.png"))
