@@ -26,6 +26,7 @@ from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import fmu
 from orchestrator.scenario_files import load
 from orchestrator.simulation import Observer, simulate
+from orchestrator.stepping import Step
 
 from .measure import medians
 
@@ -173,7 +174,7 @@ class Sparse:
     def begin(self, names: Sequence[str]) -> None:
         pass
 
-    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         if self.steps % self.every == 0:
             outputs()
         self.steps += 1

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,95 +17,140 @@ from .participants import Participant
 from .signals import History, gather, interpolate_part
 
 
+@dataclass(frozen=True)
+class Saved:
+    """All evolving data of a coupled run at a communication point; the participants' parts by number."""
+
+    states: Mapping[int, Any]
+    values: Vector
+    rates: Vector
+    history: History
+    carried: dict[str, Any]
+
+
 class Exchange:
     """All evolving data of a coupled run outside the participants.
 
-    `values` are the connected outputs ("sources"), each once, participant by participant; `columns[i]`
-    are the sources that feed participant i, in the order of its bound inputs `inputs[i]`. Signals have
-    `degree` + 1 coefficients: value and derivatives at the start of the step.
+    `values` are the connected outputs ("sources") and those that are only `watched`, each once,
+    participant by participant; `rates` their time derivatives, for signals of degree 3 and where `rated`.
+    `columns[i]` are the sources that feed participant i, in the order of its bound inputs `inputs[i]`.
+    `signals` have `degree` + 1 coefficients: value and derivatives at the start of the step. `calls` counts
+    the steps asked of each participant, `carried` is what masters remember from step to step (plain arrays
+    and numbers).
     """
 
-    def __init__(self, system: System, participants: Mapping[str, Participant], degree: int) -> None:
+    def __init__(
+        self,
+        system: System,
+        participants: Mapping[str, Participant],
+        degree: int,
+        watched: Mapping[str, Sequence[str]] | None = None,
+    ) -> None:
         self.system = system
+        self.degree = degree
         self.names = tuple(system.instances)
         self.listed = list(range(len(self.names)))
         self.participants = [participants[name] for name in self.names]
+        self.calls = [0] * len(self.names)
+        self.carried: dict[str, Any] = {}
+        self.predicted: Vector | None = None  # what iterated masters arrive at first, for estimators
+        self.parts: list[list[int]] | None = None  # of iterated masters, made at their first step
         self.sources: list[Port] = []
         self.slices: list[slice] = []
+        connected = {c.source for c in system.connections}
         for name in self.names:
-            layout = system.instances[name].component.outputs
-            used = {c.source.variable for c in system.connections if c.source.instance == name}
+            own = set((watched or {}).get(name, ()))
             start = len(self.sources)
-            self.sources += [Port(name, variable) for variable in layout.names if variable in used]
+            for variable in system.instances[name].component.outputs.names:
+                if Port(name, variable) in connected or variable in own:
+                    self.sources.append(Port(name, variable))
             self.slices.append(slice(start, len(self.sources)))
-        number = {port: i for i, port in enumerate(self.sources)}
+        self.number = {port: i for i, port in enumerate(self.sources)}
+        self.connected = np.array([i for i, port in enumerate(self.sources) if port in connected], dtype=int)
         self.values: Vector = np.zeros(len(self.sources))
+        self.rates: Vector = np.zeros(len(self.sources))
+        self.rated = np.zeros(len(self.sources), dtype=np.bool_)
         self.nominal: Vector = np.array(
             [system.outputs.nominal[system.outputs.index(port)] for port in self.sources]
         )
         self.signals: Vector = np.zeros((degree + 1, len(self.sources)))
+        self._present: Vector = np.zeros_like(self.signals)
         self.columns: list[Vector] = []
         self.inputs: list[Vector] = []
         for i, name in enumerate(self.names):
             feeding = [c for c in system.connections if c.target.instance == name]
-            self.columns.append(np.array([number[c.source] for c in feeding], dtype=np.int64))
+            self.columns.append(np.array([self.number[c.source] for c in feeding], dtype=np.int64))
             self.inputs.append(np.zeros((degree + 1, len(feeding))))
-            own = self.slices[i]
-            self.participants[i].connect(
+            own_part = self.slices[i]
+            given = self.participants[i].connect(
                 [c.target.variable for c in feeding],
                 self.inputs[i],
-                [port.variable for port in self.sources[own]],
-                self.values[own],
-                np.zeros(0),
+                [port.variable for port in self.sources[own_part]],
+                self.values[own_part],
+                self.rates[own_part] if degree == 3 else np.zeros(0),
             )
-        self.history = History(0.0, self.values)
+            if degree == 3:
+                self.rated[own_part] = given
+        self.history = History(0.0, self.values, self.rates, self.rated)
+        self._through = _with_feedthrough(system)
+        self.through = np.array([self._depends(port) for port in self.sources], dtype=np.bool_)
+        self._saved: Saved | None = None  # the present point, as long as nobody has moved
 
-    def write(self, i: int) -> None:
-        """Give participant i the current signals."""
+    def _depends(self, port: Port) -> bool:
+        """A source depends directly on an input that another participant drives."""
+        inputs = self.system.instances[port.instance].component.feedthrough.get(port.variable, ())
+        driven = {c.target for c in self.system.connections}
+        return any(Port(port.instance, name) in driven for name in inputs)
+
+    def advance(self, i: int, time: float, step: float) -> None:
+        """Participant i goes from `time` to `time + step` with the current signals."""
+        self._saved = None
         gather(self.signals, self.columns[i], self.inputs[i])
-        self.participants[i].write()
+        participant = self.participants[i]
+        participant.write()
+        participant.advance(time, step)
+        self.calls[i] += 1
 
     def read(self, i: int) -> None:
         """Take the values of participant i; NotFiniteError if one is not finite."""
         self.participants[i].read()
-        if not np.isfinite(self.values[self.slices[i]]).all():
+        own = self.slices[i]
+        if not (np.isfinite(self.values[own]).all() and np.isfinite(self.rates[own]).all()):
             self._refuse(i)
 
-    def arrive(self, i: int, degree: int, end: float) -> None:
+    def arrive(self, i: int, end: float) -> None:
         """As `read` at the time `end`, and let the signals of participant i go to what it arrived at."""
         self.participants[i].read()
-        own, past = self.slices[i], self.history
+        own, h = self.slices[i], self.history
         if not interpolate_part(
-            past.times, past.values, past.count, degree, end, self.values, self.signals, own.start, own.stop
-        ):
+            h.times, h.values, h.rates, h.rated, h.count, self.degree, end, self.values, self.rates,
+            self.signals, own.start, own.stop,
+        ):  # fmt: skip
             self._refuse(i)
 
     def _refuse(self, i: int) -> None:
         own = self.slices[i]
-        pairs = zip(self.sources[own], self.values[own], strict=True)
-        bad = ", ".join(str(port) for port, value in pairs if not np.isfinite(value))
+        finite = np.isfinite(self.values[own]) & np.isfinite(self.rates[own])
+        bad = ", ".join(str(port) for port, fine in zip(self.sources[own], finite, strict=True) if not fine)
         raise NotFiniteError(
             f"{bad}: not a finite number in the step from t = {self.history.times[0]:.6g} s; look at the "
             "parameters and inputs of that participant, or reduce macro_step"
         )
 
     def initialise(self, start_time: float, stop_time: float) -> None:
-        """Initialise all participants and make the outputs consistent at the start.
+        """Initialise all participants and make the outputs (and rates) consistent at the start.
 
         Values pass along the connections until none changes by more than 1e-12 of its nominal size;
-        without algebraic loops that takes at most one sweep per participant.
+        without algebraic loops that takes at most one sweep per participant. Rates need as many more, for
+        a rate depends on the rates of the inputs.
         """
         for participant in self.participants:
             participant.initialise(start_time, stop_time)
-        for i in range(len(self.participants)):
+        for i in self.listed:
             self.read(i)
         for _ in range(10 * len(self.participants) + 50):
             before = self.values.copy()
-            for i in range(len(self.participants)):
-                self.signals[:] = 0.0
-                self.signals[0] = self.values
-                self.write(i)
-                self.read(i)
+            self._pass_on(self.listed)
             change = np.abs(self.values - before) / (self.nominal + np.abs(self.values))
             if np.all(change <= 1e-12):
                 break
@@ -113,26 +160,113 @@ class Exchange:
                 f"{worst}: the initial values do not settle (algebraic loop that does not contract); "
                 "break the loop or change the parameters that close it"
             )
+        if self.degree == 3:
+            for _ in self.participants:
+                self._pass_on(self.listed)
         for participant in self.participants:
             participant.finish_initialisation()
-        self.history = History(start_time, self.values)
+        self.history = History(start_time, self.values, self.rates, self.rated)
+
+    def settle(self, part: Sequence[int]) -> None:
+        """Make outputs of `part` with direct feedthrough consistent with the inputs at the present time.
+
+        After a step they are those of the inputs that the step assumed.
+        """
+        self._pass_on([i for i in self._through if i in part])
+
+    def _pass_on(self, order: Sequence[int]) -> None:
+        """Give the present values, and rates, to each participant in turn and read its answer."""
+        self._saved = None
+        for i in order:
+            self._present[0] = self.values
+            if self.degree > 0:
+                self._present[1] = self.rates
+            gather(self._present, self.columns[i], self.inputs[i])
+            self.participants[i].write()
+            self.read(i)
+
+    def accept(self, time: float) -> None:
+        """The present values are those of a communication point."""
+        self.history.append(time, self.values, self.rates)
+
+    def save(self) -> Saved:
+        """All evolving data; to be released."""
+        if self._saved is None:
+            states = {i: participant.save() for i, participant in enumerate(self.participants)}
+            self._saved = self._with(states)
+        return self._saved
+
+    def _with(self, states: Mapping[int, Any]) -> Saved:
+        return Saved(
+            states, self.values.copy(), self.rates.copy(), self.history.copy(), dict(self.carried)
+        )
+
+    def restore(self, saved: Saved) -> None:
+        """Back to what was saved, bit for bit; of the participants those that it has."""
+        for i, state in saved.states.items():
+            self.participants[i].restore(state)
+        self.values[:] = saved.values
+        self.rates[:] = saved.rates
+        self.history.put(saved.history)
+        self.carried = dict(saved.carried)
+        self._saved = saved if len(saved.states) == len(self.participants) else None
+
+    def release(self, saved: Saved) -> None:
+        """The saved data is no longer needed."""
+        for i, state in saved.states.items():
+            self.participants[i].release(state)
+        if self._saved is saved:
+            self._saved = None
 
     @contextmanager
-    def rollback(self) -> Iterator[Callable[[], None]]:
-        """A function that brings all participants back to where they are now, inside the block."""
-        saved = [participant.save() for participant in self.participants]
+    def point(self) -> Iterator[Saved]:
+        """The present point, saved as long as the block lasts; within another such block at no cost."""
+        held = self._saved
+        saved = self.save()
+        try:
+            yield saved
+        finally:
+            if held is None:
+                self.release(saved)
+
+    @contextmanager
+    def rollback(self, part: Sequence[int]) -> Iterator[Callable[[], None]]:
+        """A function that brings the participants in `part` back to where they are now, inside the block.
+
+        Values, rates and history are left alone.
+        """
+        held = self._saved
+        states = (held.states if held else {i: self.participants[i].save() for i in part})
 
         def roll_back() -> None:
-            for participant, data in zip(self.participants, saved, strict=True):
-                participant.restore(data)
+            for i in part:
+                self.participants[i].restore(states[i])
 
         try:
             yield roll_back
         finally:
-            for participant, data in zip(self.participants, saved, strict=True):
-                participant.release(data)
+            if held is None:
+                for i in part:
+                    self.participants[i].release(states[i])
+
+    def system_outputs(self, name: str) -> tuple[str, ...]:
+        """Names of all outputs of an instance."""
+        return self.system.instances[name].component.outputs.names
 
     def read_all(self, values: Vector) -> None:
         """All outputs of all participants, in the system's order."""
         for name, participant in zip(self.names, self.participants, strict=True):
             participant.read_all(values[self.system.outputs.of(name)])
+
+
+def _with_feedthrough(system: System) -> list[int]:
+    """The participants, in the order to evaluate, whose connected outputs depend on connected inputs."""
+    numbers = {name: i for i, name in enumerate(system.instances)}
+    driven = {(c.target.instance, c.target.variable) for c in system.connections}
+    through = set()
+    for c in system.connections:
+        name = c.source.instance
+        inputs = system.instances[name].component.feedthrough.get(c.source.variable, ())
+        if any((name, variable) in driven for variable in inputs):
+            through.add(name)
+    return [numbers[name] for name in system.order if name in through]

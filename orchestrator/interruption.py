@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from models.quantities import Vector
 
+    from .stepping import Step
+
 
 class Noticed:
     """Remembers that Ctrl-C came; it is raised as ever.
@@ -74,7 +76,7 @@ class Interruption:
     def begin(self, names: Sequence[str]) -> None:
         pass
 
-    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         if self._asked:
             raise KeyboardInterrupt
 

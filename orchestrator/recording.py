@@ -12,6 +12,7 @@ from models.quantities import Quantity, Vector
 
 from .checkpoint import Plain
 from .journal import START_OVER, SUFFIX, Journal, JournalError
+from .stepping import Step
 
 STEP_VARIABLES = {
     "macro_step": Quantity("s", "length of the macro step that ended here"),
@@ -39,12 +40,12 @@ class ResultRecorder:
         self._coupled = Journal(self._folder / f"coupled{SUFFIX}", variables, coupled)
         self._steps = Journal(self._folder / f"steps{SUFFIX}", STEP_VARIABLES, steps)
 
-    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         if self._count % self._every == 0:
             self._coupled.append(time, outputs())
         if self._count:
             self._step[0] = time - self._last
-            self._step[1] = iterations
+            self._step[1] = step.iterations
             self._steps.append(time, self._step)
         self._count += 1
         self._last = time
@@ -80,7 +81,7 @@ class CsvRecorder:
         self._file = self._path.open("w", encoding="ascii", newline="\n", buffering=1 << 20)
         self._file.write(",".join(f'"{name}"' for name in ("time", *names)) + "\n")
 
-    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         if self._count % self._every == 0:
             # repr: the shortest text that reads back as the same number.
             self._file.write(",".join(map(repr, (time, *outputs().tolist()))) + "\n")

@@ -18,6 +18,7 @@ from rich.text import Text
 from models.quantities import Vector
 
 from .comparison import Errors, VariableError
+from .stepping import Step
 from .summary import Summary
 from .validity import lines
 
@@ -35,7 +36,7 @@ class Bar:
     def begin(self, names: Sequence[str]) -> None:
         pass
 
-    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         self._count += 1
         if self._count % 64 == 0:
             now = clock.monotonic()

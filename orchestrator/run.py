@@ -24,6 +24,7 @@ from .results import ResultFile
 from .scenario import Scenario
 from .scenario_files import written
 from .simulation import simulate
+from .stepping import Step
 from .summary import FAILED, INTERRUPTED, NOT_COMPARED, OUTSIDE, WITHIN, Summary
 from .unfinished import clear
 from .validity import excursions
@@ -207,9 +208,9 @@ class _Counter:
     def begin(self, names: Sequence[str]) -> None:
         self._began = clock.perf_counter()
 
-    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         self.steps += 1
-        self.iterations += iterations
+        self.iterations += step.iterations
 
     def end(self, complete: bool, message: str) -> None:
         self.time_s = clock.perf_counter() - self._began

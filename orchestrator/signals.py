@@ -1,8 +1,10 @@
 """Input signals: polynomials in time through exchanged values.
 
 A signal of degree k goes through k + 1 known values: the last ones (extrapolation), or the last ones
-and a value at the end of the step (interpolation; degree 0 then holds the end value). With fewer known
-values than that the degree is lower. Compiled, because this runs several times in every macro step.
+and a value at the end of the step (interpolation; degree 0 then holds the end value). The cubic Hermite
+signal goes through two values and their rates; for a source that gives no rate it is the quadratic one.
+With fewer known values than that the degree is lower. Compiled, because this runs several times in every
+macro step.
 """
 
 from __future__ import annotations
@@ -17,8 +19,11 @@ from models.quantities import Vector
 
 from .errors import one_of
 
-DEGREES = {"hold": 0, "linear": 1, "quadratic": 2}
+DEGREES = {"hold": 0, "linear": 1, "quadratic": 2, "hermite": 3}
 POINTS = 3
+
+# Known points from which on a signal of each degree extrapolates at its full order.
+NEEDED = (1, 2, 3, 2)
 
 
 def degree_of(name: str) -> int:
@@ -29,19 +34,25 @@ def degree_of(name: str) -> int:
 
 
 class History:
-    """The exchanged values at the last three communication points, newest first.
+    """The exchanged values and their rates at the last three communication points, newest first.
 
-    `count` says how many are known.
+    `count` says how many are known, `rated` which sources give rates.
     """
 
-    def __init__(self, time: float, values: Vector) -> None:
+    def __init__(
+        self, time: float, values: Vector, rates: Vector | None = None, rated: Any | None = None
+    ) -> None:
         self.times: Vector = np.full(POINTS, time)
         self.values: Vector = np.tile(values, (POINTS, 1))
+        self.rates: Vector = np.zeros((POINTS, len(values)))
+        if rates is not None:
+            self.rates[:] = rates
+        self.rated = np.zeros(len(values), dtype=np.bool_) if rated is None else rated
         self.count = 1
 
-    def append(self, time: float, values: Vector) -> None:
+    def append(self, time: float, values: Vector, rates: Vector) -> None:
         """The values at a later communication point; the oldest are forgotten."""
-        push(self.times, self.values, time, values)
+        push(self.times, self.values, self.rates, time, values, rates)
         self.appended()
 
     def appended(self) -> None:
@@ -49,14 +60,37 @@ class History:
         if self.count < POINTS:
             self.count += 1
 
+    def restart(self) -> None:
+        """Only the newest point is known: what was before does not continue smoothly."""
+        self.count = 1
+
+    def lacks(self, degree: int) -> bool:
+        """Too few points are known for signals of that degree to extrapolate at their full order."""
+        return self.count < NEEDED[degree]
+
+    def copy(self) -> History:
+        """An independent copy."""
+        twin = History(self.times[0], self.values[0], None, self.rated)
+        twin.put(self)
+        return twin
+
+    def put(self, other: History) -> None:
+        """Become equal to `other`."""
+        self.times[:] = other.times
+        self.values[:] = other.values
+        self.rates[:] = other.rates
+        self.count = other.count
+
 
 @numba.njit(cache=True)
-def push(times: Any, values: Any, time: float, new: Any) -> None:
+def push(times: Any, values: Any, rates: Any, time: float, new: Any, new_rates: Any) -> None:
     for k in range(values.shape[0] - 1, 0, -1):
         times[k] = times[k - 1]
         values[k] = values[k - 1]
+        rates[k] = rates[k - 1]
     times[0] = time
     values[0] = new
+    rates[0] = new_rates
 
 
 @numba.njit(cache=True)
@@ -73,47 +107,100 @@ def parabola(t0: float, v0: float, t1: float, v1: float, t2: float, v2: float, p
 
 
 @numba.njit(cache=True)
-def _store(out: Any, i: int, value: float, slope: float, curvature: float) -> None:
+def hermite(v0: float, r0: float, v1: float, r1: float, h: float) -> Any:
+    """Second and third derivative, at the first point, of the cubic through two values and rates.
+
+    The second point lies h later (h < 0: earlier).
+    """
+    d = (v1 - v0) / h
+    return 2.0 * (3.0 * d - 2.0 * r0 - r1) / h, 6.0 * (r0 + r1 - 2.0 * d) / (h * h)
+
+
+@numba.njit(cache=True)
+def _store(out: Any, i: int, value: float, slope: float, curvature: float, third: float) -> None:
     out[0, i] = value
     if out.shape[0] > 1:
         out[1, i] = slope
     if out.shape[0] > 2:
         out[2, i] = curvature
+    if out.shape[0] > 3:
+        out[3, i] = third
 
 
 @numba.njit(cache=True)
-def _extrapolate(times: Any, values: Any, count: int, degree: int, out: Any) -> None:
-    points = min(degree + 1, count)
+def _extrapolate(times: Any, values: Any, rates: Any, rated: Any, count: int, degree: int, out: Any) -> None:
     t0, t1, t2 = times[0], times[1], times[2]
     for i in range(values.shape[1]):
-        v, d, c = parabola(t0, values[0, i], t1, values[1, i], t2, values[2, i], points, t0)
-        _store(out, i, v, d, c)
+        third = 0.0
+        if degree == 3 and rated[i]:
+            v, d, c = values[0, i], rates[0, i], 0.0
+            if count > 1:
+                c, third = hermite(v, d, values[1, i], rates[1, i], t1 - t0)
+        else:
+            points = min(min(degree, 2) + 1, count)
+            v, d, c = parabola(t0, values[0, i], t1, values[1, i], t2, values[2, i], points, t0)
+        _store(out, i, v, d, c, third)
 
 
 @numba.njit(cache=True)
 def interpolate_part(
-    times: Any, values: Any, count: int, degree: int, end: float, new: Any, out: Any, first: int, last: int
-) -> bool:
-    points = min(degree, count) + 1
+    times: Any, values: Any, rates: Any, rated: Any, count: int, degree: int, end: float, new: Any,
+    new_rates: Any, out: Any, first: int, last: int,
+) -> bool:  # fmt: skip
+    """Interpolate the sources from `first` up to `last`; True if their new values are finite."""
     finite = True
+    at = times[0]
     for i in range(first, last):
         finite &= math.isfinite(new[i])
-        at = times[0]
-        v, d, c = parabola(end, new[i], at, values[0, i], times[1], values[1, i], points, at)
-        _store(out, i, v, d, c)
+        third = 0.0
+        if degree == 3 and rated[i]:
+            finite &= math.isfinite(new_rates[i])
+            v, d = values[0, i], rates[0, i]
+            c, third = hermite(v, d, new[i], new_rates[i], end - at)
+        else:
+            points = min(min(degree, 2), count) + 1
+            v, d, c = parabola(end, new[i], at, values[0, i], times[1], values[1, i], points, at)
+        _store(out, i, v, d, c, third)
     return finite
 
 
 def extrapolate(history: History, degree: int, out: Vector) -> None:
-    """Derivatives (coefficients x n) at the newest point of the polynomial through degree + 1 points."""
-    _extrapolate(history.times, history.values, history.count, degree, out)
+    """Derivatives (coefficients x n) at the newest point of the polynomials through the last points."""
+    h = history
+    _extrapolate(h.times, h.values, h.rates, h.rated, h.count, degree, out)
 
 
-def interpolate(history: History, degree: int, end: float, values: Vector, out: Vector) -> bool:
-    """As `extrapolate`, through the last `degree` points and `values` at the time `end`; True if finite."""
+def interpolate(
+    history: History, degree: int, end: float, values: Vector, rates: Vector, out: Vector
+) -> bool:
+    """As `extrapolate`, through the last points and `values` (`rates`) at the time `end`; True if finite."""
+    h = history
     return interpolate_part(  # type: ignore[no-any-return]
-        history.times, history.values, history.count, degree, end, values, out, 0, len(values)
+        h.times, h.values, h.rates, h.rated, h.count, degree, end, values, rates, out, 0, len(values)
     )
+
+
+@numba.njit(cache=True)
+def evaluate(signals: Any, s: float, values: Any, rates: Any) -> None:
+    """Values and rates of the polynomials at a time s after their origin."""
+    for i in range(values.shape[0]):
+        v, r = 0.0, 0.0
+        for k in range(signals.shape[0] - 1, -1, -1):
+            if k > 0:
+                r = signals[k, i] + r * s / k
+            v = signals[k, i] + v * s / (k + 1)
+        values[i], rates[i] = v, r
+
+
+@numba.njit(cache=True)
+def move_origin(signals: Any, shift: float) -> None:
+    """Taylor coefficients about a time `shift` later, in place."""
+    for k in range(signals.shape[0] - 1):
+        factor = 1.0
+        for j in range(k + 1, signals.shape[0]):
+            factor *= shift / (j - k)
+            for i in range(signals.shape[1]):
+                signals[k, i] += factor * signals[j, i]
 
 
 @numba.njit(cache=True)
@@ -125,7 +212,7 @@ def gather(signals: Any, columns: Any, out: Any) -> None:
 
 
 @numba.njit(cache=True)
-def append_judged(
+def judge(
     times: Any,
     values: Any,
     count: int,
@@ -141,8 +228,7 @@ def append_judged(
     """The source that most misses its own linear extrapolation, if it does by more than `share`; else -1.
 
     Updates the fading sums (kept by the factor `keep` per step) of what each source misses and of its
-    size, and appends the new values to the history's memory. A value above `bound` nominal sizes counts as
-    well.
+    size. A value above `bound` nominal sizes counts as well.
     """
     worst, most = -1, share
     for i in range(new.shape[0]):
@@ -153,7 +239,6 @@ def append_judged(
             worst, most = i, missed[i] / size[i]
         elif abs(new[i]) > bound * nominal[i] and worst < 0:
             worst = i
-    push(times, values, time, new)
     return worst
 
 

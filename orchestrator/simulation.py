@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,12 +12,11 @@ import numpy as np
 from models.quantities import Vector
 from models.system import System
 
-from .errors import RunError, UnstableCouplingError
+from .errors import RunError
 from .exchange import Exchange
-from .masters import MASTERS, Master
+from .masters import Master
 from .participants import Participant
-from .signals import append_judged
-from .start_up import probe_start
+from .stepping import FixedSteps, Step, Stepper, watched
 
 
 class Observer(Protocol):
@@ -28,8 +26,8 @@ class Observer(Protocol):
         """Before the first values: the names of all outputs, "participant.variable"."""
         ...
 
-    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
-        """At the start (iterations 0) and after each macro step.
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        """At the start (a step of no length) and after each macro step.
 
         `outputs()` gives all outputs at `time`, in memory that is reused. They are read when the first
         observer asks: a step that nobody records costs no reading.
@@ -43,11 +41,12 @@ class Observer(Protocol):
 
 @dataclass(frozen=True)
 class Statistics:
-    """What a run took."""
+    """What a run took. `do_steps` counts the steps of single participants, rejected ones too."""
 
     macro_steps: int
     rejected_steps: int
     iterations: int
+    do_steps: int
     coupled_time_s: float
 
 
@@ -70,97 +69,45 @@ class LatestOutputs:
         return self._values
 
 
-class RunawayGuard:
-    """Names an unstable explicit coupling before it ends in numbers that are not finite.
-
-    It judges the exchanged values, which the master reads in every step.
-
-    An explicit master is right only where exchanged values follow their own prediction. Where they swing
-    with the macro step itself, or a contact bounces within single steps, the sum of what they miss their
-    linear extrapolation by, over the last WINDOW steps or so, is as large as the values themselves (or
-    their nominal sizes, if those are larger): more than SHARE of it is a runaway. An impact misses in one
-    or two steps of a window and passes. Any master: a value of BOUND nominal sizes is a runaway.
-    """
-
-    WINDOW = 50
-    FIRST = 10  # steps that are not judged: a start in motion rings
-    SHARE = 0.5
-    BOUND = 1e9
-
-    def __init__(self, exchange: Exchange, master: Master) -> None:
-        self._exchange = exchange
-        self._master = master
-        self._missed = np.zeros(len(exchange.sources))
-        self._size = np.zeros(len(exchange.sources))
-        self._patience = math.inf if master.implicit else self.FIRST
-        self._keep = 1.0 - 1.0 / self.WINDOW
-
-    def append(self, time: float, step: float) -> None:
-        """Put the values after `step` at `time` into the history; UnstableCouplingError for a runaway."""
-        e, past = self._exchange, self._exchange.history
-        self._patience -= 1
-        worst = append_judged(
-            past.times,
-            past.values,
-            past.count,
-            time,
-            e.values,
-            e.nominal,
-            self._keep,
-            self.BOUND,
-            self.SHARE if self._patience < 0 else math.inf,
-            self._missed,
-            self._size,
-        )
-        past.appended()
-        if worst >= 0:
-            raise UnstableCouplingError(
-                f"{e.sources[worst]}: unstable coupling at t = {time:.6g} s: its values do not follow their "
-                f"own prediction any more; {_name(self._master)} cannot couple this system with steps "
-                f"of {step:g} s: reduce macro_step, or use the iterated master"
-            )
-
-
 def simulate(
     system: System,
     participants: Mapping[str, Participant],
     master: Master,
-    macro_step: float,
+    steps: Stepper | float,
     stop_time: float,
     observers: Sequence[Observer] = (),
     start_time: float = 0.0,
 ) -> Statistics:
     """Step `participants` (by instance name) from `start_time` to `stop_time` with `master`.
 
-    The last step is shortened to end at `stop_time`. RunError says what went wrong; observers have then
-    seen everything up to the last good step. Participants are not closed.
+    `steps` chooses the macro steps; a number is their length (s). The last step ends at `stop_time`.
+    RunError says what went wrong; observers have then seen everything up to the last good step.
+    Participants are not closed.
     """
-    if not macro_step > 0.0:
-        raise RunError(f"macro_step = {macro_step:g} s: must be > 0")
+    if isinstance(steps, (int, float)):
+        if not steps > 0.0:
+            raise RunError(f"macro_step = {steps:g} s: must be > 0")
+        steps = FixedSteps(float(steps))
     if not stop_time > start_time:
         raise RunError(f"stop_time = {stop_time:g} s: must be after the start at {start_time:g} s")
-    exchange = Exchange(system, participants, master.degree)
+    exchange = Exchange(system, participants, master.degree, watched(system) if steps.locates else None)
     outputs = LatestOutputs(exchange)
-    steps = iterations = 0
+    made = rejected = iterations = 0
     message, complete = "", False
     for observer in observers:
         observer.begin(system.outputs.names)
     began = clock.perf_counter()
     try:
         exchange.initialise(start_time, stop_time)
-        probe_start(exchange, start_time, min(macro_step, stop_time - start_time))
+        steps.begin(exchange, master, start_time, stop_time)
         began = clock.perf_counter()
-        guard = RunawayGuard(exchange, master)
-        _show(observers, start_time, outputs, 0)
-        # Times are multiples of the step: a sum of steps would drift.
-        total = max(1, round((stop_time - start_time) / macro_step - 1e-9 + 0.5))
+        _show(observers, outputs, Step(start_time, 0.0, 0))
         time = start_time
-        for n in range(1, total + 1):
-            end = stop_time if n == total else start_time + n * macro_step
-            used = master.step(exchange, time, end - time)
-            guard.append(end, end - time)
-            time, steps, iterations = end, n, iterations + used
-            _show(observers, time, outputs, used)
+        while time < stop_time:
+            step = steps.step(time)
+            time = step.end
+            made, rejected, iterations = made + 1, rejected + step.rejected, iterations + step.iterations
+            _show(observers, outputs, step)
         complete = True
     except KeyboardInterrupt:
         message = "interrupted"
@@ -172,15 +119,10 @@ def simulate(
         elapsed = clock.perf_counter() - began
         for observer in observers:
             observer.end(complete, message)
-    return Statistics(steps, 0, iterations, elapsed)
+    return Statistics(made, rejected, iterations, sum(exchange.calls), elapsed)
 
 
-def _show(observers: Sequence[Observer], time: float, outputs: LatestOutputs, iterations: int) -> None:
+def _show(observers: Sequence[Observer], outputs: LatestOutputs, step: Step) -> None:
     outputs.outdate()
     for observer in observers:
-        observer.observe(time, outputs, iterations)
-
-
-def _name(master: Master) -> str:
-    """The master as a scenario names it."""
-    return next((name for name, kind in MASTERS.items() if isinstance(master, kind)), type(master).__name__)
+        observer.observe(step.end, outputs, step)

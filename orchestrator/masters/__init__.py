@@ -20,4 +20,10 @@ MASTERS: dict[str, type[Any]] = {
     "iterated": Iterated,
 }
 
-__all__ = ["MASTERS", "GaussSeidel", "Iterated", "Jacobi", "Master"]
+
+def name_of(master: Master) -> str:
+    """The master as a scenario names it."""
+    return next((name for name, kind in MASTERS.items() if isinstance(master, kind)), type(master).__name__)
+
+
+__all__ = ["MASTERS", "GaussSeidel", "Iterated", "Jacobi", "Master", "name_of"]

@@ -1,13 +1,18 @@
-"""Acceleration of fixed-point iterations v = G(v): none, Aitken, Anderson. All vectors in nominal units."""
+"""Acceleration of fixed-point iterations v = G(v). All vectors in nominal units.
+
+To add one: a class with `next`, listed in ACCELERATIONS. What it remembers from one macro step to the next
+goes through `carried`, as plain arrays, so that a checkpoint has it.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from models.quantities import Vector
+
+Carried = dict[str, Any]
 
 
 class Acceleration(Protocol):
@@ -17,20 +22,30 @@ class Acceleration(Protocol):
         """The guess after `guess` gave `result` = G(guess)."""
         ...
 
+    def carried(self) -> Carried:
+        """What the next macro step may use."""
+        ...
+
 
 class Plain:
     """The result is the next guess."""
 
+    def __init__(self, carried: Carried, step: float) -> None:
+        pass
+
     def next(self, guess: Vector, result: Vector) -> Vector:
         return result.copy()
 
+    def carried(self) -> Carried:
+        return {}
 
-@dataclass
+
 class Aitken:
     """Relaxation v + w (G(v) - v), w by Aitken's rule for vectors (Irons and Tuck 1969)."""
 
-    weight: float = 1.0
-    _previous: Vector | None = None
+    def __init__(self, carried: Carried, step: float) -> None:
+        self.weight = 1.0
+        self._previous: Vector | None = None
 
     def next(self, guess: Vector, result: Vector) -> Vector:
         residual = result - guess
@@ -42,33 +57,71 @@ class Aitken:
         self._previous = residual
         return np.asarray(guess + self.weight * residual)
 
+    def carried(self) -> Carried:
+        return {}
 
-@dataclass
+
 class Anderson:
-    """Anderson mixing (interface quasi-Newton): least squares over the last `depth` differences."""
+    """Anderson mixing: least squares over the last differences of this macro step."""
 
-    depth: int = 8
-    _guesses: list[Vector] = field(default_factory=list)
-    _residuals: list[Vector] = field(default_factory=list)
+    DEPTH = 8
+
+    def __init__(self, carried: Carried, step: float) -> None:
+        self._guess: Vector | None = None
+        self._residual: Vector | None = None
+        # Columns, newest first: differences of residuals, and of results.
+        self.d_residual: list[Vector] = []
+        self.d_result: list[Vector] = []
 
     def next(self, guess: Vector, result: Vector) -> Vector:
         residual = result - guess
-        self._guesses.append(guess.copy())
-        self._residuals.append(residual)
-        if len(self._guesses) > self.depth + 1:
-            self._guesses.pop(0)
-            self._residuals.pop(0)
-        if len(self._guesses) == 1:
+        if self._guess is not None and self._residual is not None:
+            change = residual - self._residual
+            self.d_residual.insert(0, change)
+            self.d_result.insert(0, guess - self._guess + change)
+            del self.d_residual[self.DEPTH :], self.d_result[self.DEPTH :]
+        self._guess, self._residual = guess.copy(), residual
+        if not self.d_residual:
             return result.copy()
-        d_residual = np.diff(np.column_stack(self._residuals))
-        d_result = np.diff(np.column_stack(self._guesses)) + d_residual
         # lstsq cuts directions that are linearly dependent to 1e-10: those only carry rounding.
-        weights = np.linalg.lstsq(d_residual, residual, rcond=1e-10)[0]
-        return np.asarray(result - d_result @ weights)
+        weights = np.linalg.lstsq(np.column_stack(self.d_residual), residual, rcond=1e-10)[0]
+        return np.asarray(result - np.column_stack(self.d_result) @ weights)
+
+    def carried(self) -> Carried:
+        return {}
 
 
-ACCELERATIONS: dict[str, type[Plain] | type[Aitken] | type[Anderson]] = {
+class QuasiNewton(Anderson):
+    """Interface quasi-Newton by least squares (IQN-ILS; Degroote, Bathe, Vierendeels 2009).
+
+    Anderson mixing that goes on with the differences of the last macro steps, as long as their length stays
+    within a factor of REUSED_WITHIN: the interface's Jacobian depends on the step.
+    """
+
+    DEPTH = 16
+    REUSED_WITHIN = 1.3
+
+    def __init__(self, carried: Carried, step: float) -> None:
+        super().__init__(carried, step)
+        self._step = step
+        length = carried.get("step", 0.0)
+        if length and 1.0 / self.REUSED_WITHIN < step / length < self.REUSED_WITHIN:
+            self.d_residual = list(carried["d_residual"])
+            self.d_result = list(carried["d_result"])
+
+    def carried(self) -> Carried:
+        if not self.d_residual:
+            return {}
+        return {
+            "step": self._step,
+            "d_residual": np.array(self.d_residual),
+            "d_result": np.array(self.d_result),
+        }
+
+
+ACCELERATIONS: dict[str, type[Plain] | type[Aitken] | type[Anderson] | type[QuasiNewton]] = {
     "none": Plain,
     "aitken": Aitken,
     "anderson": Anderson,
+    "quasi_newton": QuasiNewton,
 }

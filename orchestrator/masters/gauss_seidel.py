@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
 from ..exchange import Exchange
 from ..signals import degree_of, extrapolate
+from .restart import repeated
 
 
 @dataclass(frozen=True)
@@ -31,8 +33,11 @@ class GaussSeidel:
         return degree_of(self.extrapolation)
 
     def step(self, exchange: Exchange, time: float, step: float) -> int:
+        order = order_of(exchange, self.order)
+        if exchange.history.lacks(self.degree):
+            return repeated(exchange, order, time, step)
         extrapolate(exchange.history, self.degree, exchange.signals)
-        sweep(exchange, self.degree, order_of(exchange, self.order), time, step)
+        sweep(exchange, order, time, step)
         return 1
 
 
@@ -45,9 +50,9 @@ def order_of(exchange: Exchange, names: tuple[str, ...]) -> list[int]:
     return [exchange.names.index(name) for name in names]
 
 
-def sweep(exchange: Exchange, degree: int, order: list[int], time: float, step: float) -> None:
+def sweep(exchange: Exchange, order: Sequence[int], time: float, step: float) -> None:
     """Advance in `order`, replacing each participant's signals by interpolation of its arrival."""
+    end = time + step
     for i in order:
-        exchange.write(i)
-        exchange.participants[i].advance(time, step)
-        exchange.arrive(i, degree, time + step)
+        exchange.advance(i, time, step)
+        exchange.arrive(i, end)

@@ -6,24 +6,25 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-import numpy as np
-
-from models.quantities import Vector
-
-from ..errors import NonConvergenceError, one_of
+from ..errors import one_of
 from ..exchange import Exchange
-from ..signals import degree_of, extrapolate, interpolate
+from ..signals import degree_of, extrapolate
 from .acceleration import ACCELERATIONS
 from .gauss_seidel import order_of, sweep
+from .iteration import converge
+from .jacobi import parallel
+from .parts import parts_of
 
 
 @dataclass(frozen=True)
 class Iterated:
-    """Fixed-point iteration with rollback over Gauss-Seidel sweeps.
+    """Fixed-point iteration with rollback: a Jacobi sweep as predictor, then Gauss-Seidel sweeps.
 
     Inputs are interpolated over the step between known values and the end values of the last sweep:
-    `extrapolation` is the degree of that signal (hold: the end value). Converged when no end value
-    changes by more than `tolerance` of its nominal size. `acceleration` is none, aitken or anderson.
+    `extrapolation` is the degree of that signal (hold: the end value; hermite: values and rates at both
+    ends). Converged when the end values are right to `tolerance` of their nominal size, as far as the
+    contraction tells. `acceleration` is none, aitken, anderson or quasi_newton. Only what is strongly
+    connected is iterated; `iterate` names a smaller part, whose other connections are then explicit.
     """
 
     implicit: ClassVar[bool] = True
@@ -33,6 +34,7 @@ class Iterated:
     maximum_iterations: int = 30
     acceleration: str = "anderson"
     order: tuple[str, ...] = ()
+    iterate: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         degree_of(self.extrapolation)
@@ -51,41 +53,24 @@ class Iterated:
         return degree_of(self.extrapolation)
 
     def step(self, exchange: Exchange, time: float, step: float) -> int:
-        degree = self.degree
-        order = order_of(exchange, self.order)
-        acceleration = ACCELERATIONS[self.acceleration]()
-        guess = _first_guess(exchange, degree, step)
-        residuals: list[Vector] = []
-        with exchange.rollback() as roll_back:
-            for iteration in range(1, self.maximum_iterations + 1):
-                if iteration > 1:
-                    roll_back()
-                interpolate(exchange.history, degree, time + step, guess * exchange.nominal, exchange.signals)
-                sweep(exchange, degree, order, time, step)
-                result = exchange.values / exchange.nominal
-                residuals.append(np.abs(result - guess))
-                # Relative to the value where that is larger than nominal: an angle grows without end.
-                if np.all(residuals[-1] <= self.tolerance * np.maximum(1.0, np.abs(result))):
-                    return iteration
-                guess = acceleration.next(guess, result)
-        raise NonConvergenceError(self._message(exchange, residuals, time, step))
+        extrapolate(exchange.history, self.degree, exchange.signals)
+        most = 0
+        for part in self._parts(exchange):
+            if len(part) == 1:
+                sweep(exchange, part, time, step)
+                most = max(most, 1)
+                continue
+            key = f"interface {part[0]}"
+            acceleration = ACCELERATIONS[self.acceleration](exchange.carried.get(key, {}), step)
+            iterations = converge(
+                exchange, part, time, step, parallel, sweep, acceleration, self.tolerance,
+                self.maximum_iterations,
+            )  # fmt: skip
+            exchange.carried[key] = acceleration.carried()
+            most = max(most, iterations)
+        return most
 
-    def _message(self, exchange: Exchange, residuals: list[Vector], time: float, step: float) -> str:
-        worst = int(np.argmax(residuals[-1]))
-        trail = [float(r[worst]) for r in residuals]
-        contraction = (trail[-1] / trail[0]) ** (1.0 / max(1, len(trail) - 1)) if trail[0] > 0.0 else np.inf
-        targets = [str(c.target) for c in exchange.system.connections if c.source == exchange.sources[worst]]
-        return (
-            f"{exchange.sources[worst]} -> {', '.join(targets)}: no convergence at t = {time:.6g} s in "
-            f"{len(trail)} iterations (change {trail[-1]:.2g} of nominal, tolerance {self.tolerance:g}, "
-            f"contraction {contraction:.2f} per iteration, macro step {step:g} s); reduce macro_step, "
-            "raise maximum_iterations, or use acceleration anderson"
-        )
-
-
-def _first_guess(exchange: Exchange, degree: int, step: float) -> Vector:
-    """The extrapolated end values, in nominal units."""
-    signals = exchange.signals
-    extrapolate(exchange.history, degree, signals)
-    powers = np.array([1.0, step, 0.5 * step * step])[: degree + 1]
-    return np.asarray(powers @ signals / exchange.nominal)
+    def _parts(self, exchange: Exchange) -> list[list[int]]:
+        if exchange.parts is None:
+            exchange.parts = parts_of(exchange, order_of(exchange, self.order), self.iterate)
+        return exchange.parts

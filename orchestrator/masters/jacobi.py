@@ -8,11 +8,12 @@ from typing import ClassVar
 
 from ..exchange import Exchange
 from ..signals import degree_of, extrapolate
+from .restart import repeated
 
 
 @dataclass(frozen=True)
 class Jacobi:
-    """`extrapolation` of every input over the step: hold, linear or quadratic."""
+    """`extrapolation` of every input over the step: hold, linear, quadratic or hermite."""
 
     implicit: ClassVar[bool] = False
 
@@ -27,10 +28,16 @@ class Jacobi:
         return degree_of(self.extrapolation)
 
     def step(self, exchange: Exchange, time: float, step: float) -> int:
+        if exchange.history.lacks(self.degree):
+            return repeated(exchange, exchange.listed, time, step)
         extrapolate(exchange.history, self.degree, exchange.signals)
-        for i, participant in enumerate(exchange.participants):
-            exchange.write(i)
-            participant.advance(time, step)
-        for i in range(len(exchange.participants)):
-            exchange.read(i)
+        parallel(exchange, exchange.listed, time, step)
         return 1
+
+
+def parallel(exchange: Exchange, order: list[int], time: float, step: float) -> None:
+    """Advance all in `order` with the signals as they are, then read them."""
+    for i in order:
+        exchange.advance(i, time, step)
+    for i in order:
+        exchange.read(i)

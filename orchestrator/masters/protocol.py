@@ -17,7 +17,7 @@ class Master(Protocol):
 
     @property
     def degree(self) -> int:
-        """Degree of the input signals: 0 held, 1 linear, 2 quadratic."""
+        """Degree of the input signals: 0 held, 1 linear, 2 quadratic, 3 Hermite."""
         ...
 
     def step(self, exchange: Exchange, time: float, step: float) -> int:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from models.quantities import Vector
+from orchestrator.stepping import Step
 
 
 class Recorder:
@@ -15,12 +16,14 @@ class Recorder:
         self._times: list[float] = []
         self._rows: list[Vector] = []
         self.iterations: list[int] = []
+        self.steps: list[Step] = []
         self.ended: tuple[bool, str] | None = None
 
-    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         self._times.append(time)
         self._rows.append(outputs().copy())
-        self.iterations.append(iterations)
+        self.iterations.append(step.iterations)
+        self.steps.append(step)
 
     def end(self, complete: bool, message: str) -> None:
         self.ended = (complete, message)

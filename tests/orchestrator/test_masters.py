@@ -171,9 +171,9 @@ def test_steps_that_nobody_records_read_no_outputs():
     """An observer's `outputs()` reads every participant once a step; a step without it reads none."""
 
     class Sparse(Recorder):
-        def observe(self, time, outputs, iterations):
+        def observe(self, time, outputs, step):
             if round(time / 1e-2) % 10 == 0:
-                super().observe(time, outputs, iterations)
+                super().observe(time, outputs, step)
 
     class Counting:
         def __init__(self, inner):
@@ -197,8 +197,8 @@ def test_steps_that_nobody_records_read_no_outputs():
 
 def test_an_interrupt_reaches_the_observers():
     class Interrupting(Recorder):
-        def observe(self, time, outputs, iterations):
-            super().observe(time, outputs, iterations)
+        def observe(self, time, outputs, step):
+            super().observe(time, outputs, step)
             if len(self._times) == 10:
                 raise KeyboardInterrupt
 
@@ -226,24 +226,25 @@ def test_signals_reproduce_polynomials_of_their_degree(coefficients, gaps, degre
     """Exactness: through points of a polynomial of degree k, a signal of degree k is that polynomial."""
     polynomial = np.polynomial.Polynomial(coefficients[: degree + 1])
     times = np.cumsum(gaps)
+    none = np.zeros(1)
     history = History(times[0], np.array([polynomial(times[0])]))
     for time in times[1:]:
-        history.append(time, np.array([polynomial(time)]))
+        history.append(time, np.array([polynomial(time)]), none)
     wanted = np.array([polynomial(times[-1]), polynomial.deriv(1)(times[-1]), polynomial.deriv(2)(times[-1])])
     got = np.zeros((3, 1))
     extrapolate(history, degree, got)
     # Rounding of divided differences: two divisions by gaps of 0.1 and more of values up to 10 * 6^2.
     np.testing.assert_allclose(got[:, 0], wanted, atol=1e-9)
     end = times[-1] + 0.7
-    interpolate(history, degree, end, np.array([polynomial(end)]), got)
+    interpolate(history, degree, end, np.array([polynomial(end)]), none, got)
     if degree > 0:
         np.testing.assert_allclose(got[:, 0], wanted, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", ["aitken", "anderson"])
+@pytest.mark.parametrize("name", ["aitken", "anderson", "quasi_newton"])
 def test_acceleration_solves_a_linear_fixed_point_that_plain_iteration_cannot(name):
     """v = a v + b with a = -1.8: the plain iteration diverges, one accelerated step after two is exact."""
-    acceleration = ACCELERATIONS[name]()
+    acceleration = ACCELERATIONS[name]({}, 1.0)
     guess = np.array([0.0])
     for _ in range(4):
         guess = acceleration.next(guess, -1.8 * guess + 1.0)

@@ -1,0 +1,150 @@
+"""Iteration of a macro step: rollback and sweeps until the exchanged end values agree."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.quantities import Vector
+
+from ..errors import NonConvergenceError
+from ..exchange import Exchange
+from ..signals import evaluate, interpolate_part
+from .acceleration import Acceleration
+
+# A wrong end rate bends a cubic signal by 4/27 of it times the step at most.
+BEND = 4.0 / 27.0
+# Contraction below which a single observation is not trusted.
+CAUTION = 0.05
+
+Sweep = Callable[[Exchange, Sequence[int], float, float], None]
+
+
+class Interface:
+    """The end values, and for Hermite signals the end rates, of a part's sources as one vector.
+
+    In nominal units; a rate counts as what it bends its signal by.
+    """
+
+    def __init__(self, exchange: Exchange, part: Sequence[int], step: float) -> None:
+        self._exchange = exchange
+        self.slices = [exchange.slices[i] for i in part]
+        own = np.concatenate([np.arange(s.start, s.stop) for s in self.slices])
+        self.sources = own[np.isin(own, exchange.connected)]
+        self.rated = self.sources[exchange.rated[self.sources]]
+        self._scale = np.concatenate(
+            [exchange.nominal[self.sources], exchange.nominal[self.rated] / (BEND * step)]
+        )
+
+    def vector(self, values: Vector, rates: Vector) -> Vector:
+        """The vector made of all sources' values and rates."""
+        return np.asarray(np.concatenate([values[self.sources], rates[self.rated]]) / self._scale)
+
+    def put(self, vector: Vector, values: Vector, rates: Vector) -> None:
+        """The vector's content into all sources' values and rates."""
+        given = vector * self._scale
+        values[self.sources] = given[: len(self.sources)]
+        rates[self.rated] = given[len(self.sources) :]
+
+    def source(self, element: int) -> int:
+        """The source that an element of the vector belongs to."""
+        n = len(self.sources)
+        return int(self.sources[element] if element < n else self.rated[element - n])
+
+
+@dataclass
+class Converging:
+    """Residuals of an iteration, and whether they are small enough.
+
+    Relative to the value where that is larger than nominal: an angle grows without end. What a result is
+    still wrong by is its residual times c / (1 - c), with the contraction c that was seen last.
+    """
+
+    tolerance: float
+    residuals: list[Vector]
+
+    def add(self, guess: Vector, result: Vector) -> bool:
+        """True if `result` is converged."""
+        self.residuals.append(np.abs(result - guess) / np.maximum(1.0, np.abs(result)))
+        last = float(self.residuals[-1].max(initial=0.0))
+        if last <= self.tolerance:
+            return True
+        if len(self.residuals) < 3:  # the first sweep is of another kind
+            return False
+        contraction = max(CAUTION, last / float(self.residuals[-2].max()))
+        return contraction < 0.5 and last * contraction / (1.0 - contraction) <= self.tolerance
+
+    @property
+    def worst(self) -> int:
+        """The element with the largest last residual."""
+        return int(np.argmax(self.residuals[-1]))
+
+    def contraction(self) -> float:
+        """Mean contraction of the worst element's residual per iteration."""
+        first, last = float(self.residuals[0][self.worst]), float(self.residuals[-1][self.worst])
+        if first <= 0.0:
+            return np.inf
+        return float((last / first) ** (1.0 / max(1, len(self.residuals) - 1)))
+
+
+def converge(
+    exchange: Exchange,
+    part: Sequence[int],
+    time: float,
+    step: float,
+    first_sweep: Sweep,
+    next_sweep: Sweep,
+    acceleration: Acceleration,
+    tolerance: float,
+    maximum_iterations: int,
+) -> int:
+    """Sweep over `part` until its end values agree with those that its signals assumed.
+
+    The exchange's signals hold the extrapolation, which the first sweep uses as it is; if an estimator wants
+    it, `exchange.predicted` gets what that sweep arrived at. Returns the number of sweeps. Raises
+    NonConvergenceError.
+    """
+    end = time + step
+    interface = Interface(exchange, part, step)
+    values, rates = exchange.values.copy(), exchange.rates.copy()
+    evaluate(exchange.signals, step, values, rates)
+    guess = interface.vector(values, rates)
+    progress = Converging(tolerance, [])
+    h = exchange.history
+    with exchange.rollback(part) as roll_back:
+        for iteration in range(1, maximum_iterations + 1):
+            if iteration == 1:
+                first_sweep(exchange, part, time, step)
+                exchange.settle(part)
+                if exchange.predicted is not None:
+                    for own in interface.slices:
+                        exchange.predicted[own] = exchange.values[own]
+            else:
+                roll_back()
+                for own in interface.slices:
+                    interpolate_part(
+                        h.times, h.values, h.rates, h.rated, h.count, exchange.degree, end, values, rates,
+                        exchange.signals, own.start, own.stop,
+                    )  # fmt: skip
+                next_sweep(exchange, part, time, step)
+            result = interface.vector(exchange.values, exchange.rates)
+            if progress.add(guess, result):
+                return iteration
+            # The first sweep answered other signals than the ones that follow: no difference to learn from.
+            guess = result if iteration == 1 else acceleration.next(guess, result)
+            interface.put(guess, values, rates)
+    raise NonConvergenceError(_message(exchange, interface, progress, time, step))
+
+
+def _message(exchange: Exchange, interface: Interface, seen: Converging, time: float, step: float) -> str:
+    source = exchange.sources[interface.source(seen.worst)]
+    targets = [str(c.target) for c in exchange.system.connections if c.source == source]
+    return (
+        f"{source} -> {', '.join(targets)}: no convergence at t = {time:.6g} s in "
+        f"{len(seen.residuals)} iterations (change {seen.residuals[-1][seen.worst]:.2g} of nominal, "
+        f"tolerance {seen.tolerance:g}, contraction {seen.contraction():.2f} per iteration, macro step "
+        f"{step:g} s); reduce macro_step, raise maximum_iterations, use acceleration quasi_newton, or "
+        "[step_control], which shortens such steps"
+    )

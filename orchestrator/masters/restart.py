@@ -1,0 +1,44 @@
+"""The past that a run does not have: steps of explicit masters after the start or an event.
+
+Extrapolated signals need earlier values, and beginning at a lower degree would cost the whole run its
+order. So the first steps are repeated with signals interpolated to the values that they arrived at. Linear
+interpolation over one step, with a local error of its third order, is enough for signals of degree two;
+Hermite signals need one such step for their fourth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..exchange import Exchange
+from ..signals import extrapolate, interpolate
+
+# Each sweep makes one more order right, and passes rates one participant further.
+SWEEPS = 6
+UNCHANGED = 1e-12
+
+
+def repeated(exchange: Exchange, order: Sequence[int], time: float, step: float) -> int:
+    """Sweep over the step, each time with signals through the end values found, until these stay.
+
+    At most SWEEPS times: this is no converged iteration. Returns the number of sweeps.
+    """
+    end = time + step
+    extrapolate(exchange.history, exchange.degree, exchange.signals)
+    with exchange.rollback(exchange.listed) as roll_back:
+        for sweep in range(1, SWEEPS + 1):
+            if sweep > 1:
+                roll_back()
+                interpolate(
+                    exchange.history, exchange.degree, end, exchange.values, exchange.rates, exchange.signals
+                )
+            before = exchange.values.copy()
+            for i in order:
+                exchange.advance(i, time, step)
+                exchange.arrive(i, end)
+            change = np.abs(exchange.values - before)
+            if np.all(change <= UNCHANGED * (exchange.nominal + np.abs(exchange.values))):
+                break
+    return sweep

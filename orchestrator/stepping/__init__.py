@@ -1,0 +1,8 @@
+"""Ways to choose macro steps: fixed, or controlled by an error estimate; both can locate events."""
+
+from .controlled import ControlledSteps, StepControl
+from .fixed import FixedSteps
+from .locator import watched
+from .protocol import REASONS, Step, Stepper
+
+__all__ = ["REASONS", "ControlledSteps", "FixedSteps", "Step", "StepControl", "Stepper", "watched"]

@@ -1,0 +1,195 @@
+"""Macro steps as long as a tolerance on their local error allows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from models.quantities import Vector
+
+from ..errors import NonConvergenceError, RecoverableError, RunError, one_of
+from ..exchange import Exchange, Saved
+from ..masters import Master
+from .controller import PI
+from .estimators import ESTIMATORS, Attempt
+from .locator import Locator
+from .protocol import (
+    CONVERGENCE,
+    DISCARD,
+    ERROR,
+    EVENT,
+    LONGEST,
+    SHORTEST,
+    STOP,
+    TIME_EVENT,
+    Step,
+)
+
+# After an attempt that failed.
+FAILED = 0.25
+# After a restart (event, discontinuity): of the length before it.
+RESTARTED = 0.1
+# Steps over the tolerance in a row, at the shortest length, that pass as a discontinuity.
+DISCONTINUITY = 5
+
+
+@dataclass(frozen=True)
+class StepControl:
+    """Tolerances and limits. An error is allowed `absolute` of nominal + `relative` of the value.
+
+    `minimum_step` and `maximum_step` in s; `event_tolerance` (s) is how long after an event a step may end.
+    """
+
+    estimator: str
+    relative: float = 1e-4
+    absolute: float = 1e-4
+    minimum_step: float = 1e-12
+    maximum_step: float = math.inf
+    event_tolerance: float = 1e-9
+
+    def __post_init__(self) -> None:
+        if self.estimator not in ESTIMATORS:
+            raise ValueError(f"estimator = {self.estimator!r}: {one_of(ESTIMATORS, self.estimator)}")
+        for name in ("relative", "absolute", "minimum_step", "maximum_step", "event_tolerance"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} = {getattr(self, name):g}: must be > 0")
+        if self.minimum_step > self.maximum_step:
+            raise ValueError(
+                f"minimum_step = {self.minimum_step:g} s: must not be longer than maximum_step = "
+                f"{self.maximum_step:g} s"
+            )
+
+
+class ControlledSteps:
+    """Attempts a step, estimates its error, and accepts it or goes back and takes a shorter one."""
+
+    locates = True
+
+    def __init__(self, first_step: float, control: StepControl) -> None:
+        self._control = control
+        self._estimator = ESTIMATORS[control.estimator]()
+        self._controller = PI()
+        self._next = first_step  # what the error allows
+        self._over = 0  # steps over the tolerance in a row
+
+    def begin(self, exchange: Exchange, master: Master, start: float, stop: float) -> None:
+        self._estimator.check(master)
+        self._exchange, self._master, self._stop = exchange, master, stop
+        self._locator = Locator(exchange, self._control.event_tolerance)
+
+    def step(self, time: float) -> Step:
+        exchange, locator = self._exchange, self._locator
+        rejected = 0
+        with exchange.point() as saved:
+            while True:
+                length, reason = self._proposed(time)
+                try:
+                    attempt = self._estimator.attempt(exchange, self._master, time, length)
+                except (NonConvergenceError, RecoverableError) as error:
+                    self._go_back(saved, length, error)
+                    rejected += 1
+                    why = CONVERGENCE if isinstance(error, NonConvergenceError) else DISCARD
+                    continue
+                error, source = self._norm(saved.values, attempt.error)
+                if error <= 1.0 or length <= self._control.minimum_step:
+                    break
+                exchange.restore(saved)
+                rejected += 1
+                why = ERROR
+                self._next = max(
+                    self._control.minimum_step, length * self._controller.instead(error, attempt.exponent)
+                )
+
+            def again(shorter: float) -> None:
+                nonlocal attempt
+                exchange.restore(saved)
+                attempt = self._estimator.attempt(exchange, self._master, time, shorter)
+
+            whole = length
+            length, event = locator.locate(saved.values, time, whole, again)
+        if event >= 0:
+            reason, source = EVENT, event
+        elif rejected and reason == ERROR:
+            reason = why
+        return self._accepted(time, length, whole, attempt, error, source, reason, rejected)
+
+    def _proposed(self, time: float) -> tuple[float, int]:
+        """Length of the next attempt, and what sets it."""
+        control = self._control
+        length, reason = self._next, ERROR
+        if length >= control.maximum_step:
+            length, reason = control.maximum_step, LONGEST
+        ahead, why = self._locator.ahead(time), TIME_EVENT
+        if self._stop <= ahead:
+            ahead, why = self._stop, STOP
+        left = ahead - time
+        if length >= left * (1.0 - 1e-9):
+            return left, why
+        # Two equal steps rather than one and a remainder.
+        return (0.5 * left, reason) if length > 0.5 * left else (length, reason)
+
+    def _go_back(self, saved: Saved, length: float, error: RunError) -> None:
+        """Back to the start of the step for a shorter attempt; the error itself if there is none left."""
+        self._exchange.restore(saved)
+        self._exchange.carried = {}
+        self._next = FAILED * length
+        if self._next < self._control.minimum_step:
+            raise type(error)(f"{error} (also with the shortest step of {length:g} s)") from error
+
+    def _norm(self, before: Vector, error: Vector) -> tuple[float, int]:
+        """Root mean square of the errors over what is allowed, and the source with the largest."""
+        e, control = self._exchange, self._control
+        sizes = np.maximum(np.abs(before), np.abs(e.values))
+        parts = np.abs(error) / (control.absolute * e.nominal + control.relative * sizes)
+        parts = parts[e.connected]
+        if not parts.size:
+            return 0.0, -1
+        return float(np.sqrt(np.mean(parts**2))), int(e.connected[np.argmax(parts)])
+
+    def _accepted(
+        self, time: float, length: float, whole: float, attempt: Attempt, error: float, source: int,
+        reason: int, rejected: int,
+    ) -> Step:  # fmt: skip
+        exchange = self._exchange
+        end = self._stop if reason == STOP else time + length
+        discontinuous = error > 1.0
+        self._over = self._over + 1 if discontinuous else 0
+        if self._over > DISCONTINUITY:
+            raise RunError(
+                f"{exchange.sources[source]}: the error of the coupling stays {error:.2g} times over the "
+                f"tolerance at t = {time:.9g} s with the shortest step of {length:g} s; lower minimum_step, "
+                "or relax [step_control]'s tolerances"
+            )
+        exchange.accept(end)
+        if discontinuous:
+            reason = SHORTEST
+        restart = discontinuous or reason in (EVENT, TIME_EVENT) or self._locator.due(end)
+        factor = self._controller.after(min(error, 1.0), attempt.exponent)
+        if rejected:
+            factor = min(factor, 1.0)
+        # A step cut short by an event or the stop says nothing against the length proposed before it.
+        cut = whole < self._next
+        self._next = max(self._next, whole * factor) if cut else whole * factor
+        if restart:
+            exchange.history.restart()
+            exchange.carried = {}
+            self._controller = PI()
+            self._next *= RESTARTED
+        self._next = min(max(self._next, self._control.minimum_step), self._control.maximum_step)
+        return Step(end, length, attempt.iterations, rejected, error, source, reason)
+
+    def state(self) -> dict[str, Any]:
+        return {
+            "next": self._next,
+            "over": self._over,
+            "previous": self._controller.previous,
+            "last": self._locator.last,
+        }
+
+    def resume(self, state: dict[str, Any]) -> None:
+        self._next, self._over = float(state["next"]), int(state["over"])
+        self._controller.previous = float(state["previous"])
+        self._locator.last = float(state["last"])

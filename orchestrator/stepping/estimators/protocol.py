@@ -1,0 +1,35 @@
+"""What step control needs of an estimator."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from models.quantities import Vector
+
+from ...exchange import Exchange
+from ...masters import Master
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A step that was made: sweeps it took, estimated error of every source, P of error ~ H^P."""
+
+    iterations: int
+    error: Vector
+    exponent: float
+
+
+class Estimator(Protocol):
+    """Makes steps and estimates their local error."""
+
+    def check(self, master: Master) -> None:
+        """ValueError, with the remedy, if this estimator cannot judge that master."""
+        ...
+
+    def attempt(self, exchange: Exchange, master: Master, time: float, length: float) -> Attempt:
+        """The step from `time`; values, rates and signals of the exchange are then those at its end.
+
+        Called inside `exchange.point()` at `time`. Does not accept the end into the history.
+        """
+        ...

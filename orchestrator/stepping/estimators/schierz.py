@@ -1,0 +1,45 @@
+"""The modified estimate of Schierz, Arnold and Clauss 2012 (doi 10.3384/ecp12076205), section 4."""
+
+from __future__ import annotations
+
+from ...exchange import Exchange
+from ...masters import Master
+from ...signals import move_origin
+from .nodes import effective_degree
+from .protocol import Attempt
+from .step_doubling import StepDoubling, exponent, ratios
+
+
+class Schierz:
+    """Two halves of a step; the second one also with the first one's signals going on.
+
+    Needs no way back over the whole step, only over its second half. Error = (fresh - continued) / (1 - p),
+    see `step_doubling`. For masters that extrapolate.
+    """
+
+    def check(self, master: Master) -> None:
+        if master.implicit:
+            raise ValueError(
+                "estimator = 'schierz': compares extrapolations, and an iterated master ends without; use "
+                "predictor_corrector or step_doubling"
+            )
+
+    def attempt(self, exchange: Exchange, master: Master, time: float, length: float) -> Attempt:
+        if exchange.history.lacks(exchange.degree):
+            return StepDoubling().attempt(exchange, master, time, length)
+        half = 0.5 * length
+        middle_time = time + half
+        degree = effective_degree(exchange)
+        shares = ratios(exchange, degree, half)
+        iterations = master.step(exchange, time, half)
+        move_origin(exchange.signals, half)
+        exchange.accept(middle_time)
+        with exchange.point() as middle:
+            for i in exchange.listed:
+                exchange.advance(i, middle_time, length - half)
+            for i in exchange.listed:
+                exchange.read(i)
+            continued = exchange.values.copy()
+            exchange.restore(middle)
+            iterations = max(iterations, master.step(exchange, middle_time, length - half))
+        return Attempt(iterations, (exchange.values - continued) / (1.0 - shares), exponent(exchange, degree))

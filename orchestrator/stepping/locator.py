@@ -1,0 +1,125 @@
+"""Finds, by rollback, when something happens inside a macro step, and what is known to happen ahead."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from models.quantities import Vector
+from models.system import Port, System
+
+from ..exchange import Exchange
+
+# Attempts to close in on one event. Secant steps need three to eight, bisection forty.
+ATTEMPTS = 60
+# Events that follow the last one within this many tolerances are stepped over: chatter has no end.
+SEPARATE = 100.0
+
+
+def watched(system: System) -> dict[str, list[str]]:
+    """The outputs that tell of events, by instance."""
+    found: dict[str, list[str]] = {}
+    for name, instance in system.instances.items():
+        c = instance.component
+        told = [*c.event_indicators, c.event_counter, c.event_time, c.next_event]
+        found[name] = [variable for variable in told if variable]
+    return found
+
+
+class Locator:
+    """Events are changes of sign of indicators, and counts of events inside a participant.
+
+    `tolerance` (s): a located step ends at most that long after its event.
+    """
+
+    def __init__(self, exchange: Exchange, tolerance: float) -> None:
+        self.tolerance = tolerance
+        self._exchange = exchange
+        self.last = -np.inf
+        signs, counts, times, ahead = [], [], [], []
+        for name, instance in exchange.system.instances.items():
+            c = instance.component
+            number = {v: exchange.number.get(Port(name, v), -1) for v in exchange.system_outputs(name)}
+            signs += [number[v] for v in c.event_indicators]
+            if c.event_counter:
+                counts.append(number[c.event_counter])
+                times.append(number[c.event_time] if c.event_time else -1)
+            if c.next_event:
+                ahead.append(number[c.next_event])
+        self._signs = np.array(signs, dtype=int)
+        self._counts = np.array(counts, dtype=int)
+        self._times = np.array(times, dtype=int)
+        self._ahead = np.array(ahead, dtype=int)
+
+    def ahead(self, time: float) -> float:
+        """When the next known event is due, at least the tolerance after `time`; infinite if none."""
+        due = self._exchange.values[self._ahead]
+        return float(due[due > time + self.tolerance].min(initial=np.inf))
+
+    def due(self, time: float) -> bool:
+        """A known event is due at `time`."""
+        return bool(np.any(np.abs(self._exchange.values[self._ahead] - time) <= self.tolerance))
+
+    def happened(self, before: Vector) -> int:
+        """The source that tells of an event between the values `before` and now; -1 if none does."""
+        now = self._exchange.values
+        changed = np.sign(before[self._signs]) * np.sign(now[self._signs]) < 0.0
+        if changed.any():
+            return int(self._signs[np.argmax(changed)])
+        counted = now[self._counts] > before[self._counts]
+        return int(self._counts[np.argmax(counted)]) if counted.any() else -1
+
+    def locate(
+        self, before: Vector, time: float, length: float, attempt: Callable[[float], None]
+    ) -> tuple[float, int]:
+        """Length of the step from `time` that ends just after the first event inside, and its source.
+
+        An attempt of `length` has been made; `attempt` makes others, from the same start. The last one is
+        that of the length returned. Without an event, or with one too close to the last: `length`, -1.
+        """
+        source = self.happened(before)
+        if source < 0:
+            return length, -1
+        low, high, made = 0.0, length, length
+        values = {0.0: before.copy(), length: self._exchange.values.copy()}
+        for _ in range(ATTEMPTS):
+            if high - low <= self.tolerance:
+                break
+            guess = self._guess(values, low, high, time)
+            # Close in from both sides.
+            for trial in (guess + 0.5 * self.tolerance, guess - 0.5 * self.tolerance):
+                if not low < trial < high:
+                    continue
+                attempt(trial)
+                made = trial
+                values[trial] = self._exchange.values.copy()
+                found = self.happened(before)
+                if found >= 0:
+                    high, source = trial, found
+                else:
+                    low = trial
+        if made != high:
+            attempt(high)
+        end = time + high
+        if end - self.last <= SEPARATE * self.tolerance:
+            attempt(length)
+            return length, -1
+        self.last = end
+        return high, source
+
+    def _guess(self, values: dict[float, Vector], low: float, high: float, time: float) -> float:
+        """When the first event may be, after the start of the step; the middle if nothing tells."""
+        a, b = values[low], values[high]
+        guesses = [high]
+        for i in self._signs:
+            if np.sign(a[i]) * np.sign(b[i]) < 0.0:
+                guesses.append(low + (high - low) * a[i] / (a[i] - b[i]))
+        for count, at in zip(self._counts, self._times, strict=True):
+            if b[count] > a[count]:
+                guesses.append(b[at] - time if at >= 0 else 0.5 * (low + high))
+        guess = float(min(guesses))
+        margin = 0.02 * (high - low)
+        inside = low + margin < guess < high - margin or high - low < 50.0 * self.tolerance
+        # A secant that clings to one end makes no progress: move in from there.
+        return guess if inside else float(np.clip(guess, low + margin, high - margin))
