@@ -83,6 +83,10 @@ class Component:
     structure: Mapping[str, int] = field(default_factory=dict)
     runs_on: bool = False
     settles: Sequence[str] = ()
+    event_indicators: Sequence[str] = ()
+    event_counter: str = ""
+    event_time: str = ""
+    next_event: str = ""
 
     @cached_property
     def flat_derivative(self) -> Any:

@@ -11,7 +11,8 @@ from models.system import Port, System
 class Bond:
     """An effort that one instance gives and another takes, and the flow that goes the other way.
 
-    Power into the effort's instance is `sign` times effort times flow.
+    `effort` and `flow` are the outputs that give them. Power into the effort's instance is `sign` times
+    effort times flow.
     """
 
     effort: Port
@@ -23,12 +24,17 @@ class Bond:
 
 
 def bonds_of(system: System) -> list[Bond]:
-    """The bonds whose effort and flow are both exchanged, in the order of the effort's instances."""
+    """The bonds between two instances, each once: both may declare it, or one of them."""
     driver = {connection.target: connection.source for connection in system.connections}
-    found = []
+    found: dict[tuple[Port, Port], Bond] = {}
     for name, instance in system.instances.items():
         for bond in instance.component.bonds:
-            flow = driver.get(Port(name, bond.flow))
-            if bond.effort in instance.component.outputs and flow is not None:
-                found.append(Bond(Port(name, bond.effort), flow, bond.sign))
-    return found
+            effort, flow = (
+                Port(name, v) if v in instance.component.outputs else driver.get(Port(name, v))
+                for v in (bond.effort, bond.flow)
+            )
+            if effort is None or flow is None or effort.instance == flow.instance:
+                continue
+            sign = bond.sign if effort.instance == name else -bond.sign
+            found.setdefault((effort, flow), Bond(effort, flow, sign))
+    return list(found.values())

@@ -197,9 +197,7 @@ class Exchange:
         return self._saved
 
     def _with(self, states: Mapping[int, Any]) -> Saved:
-        return Saved(
-            states, self.values.copy(), self.rates.copy(), self.history.copy(), dict(self.carried)
-        )
+        return Saved(states, self.values.copy(), self.rates.copy(), self.history.copy(), dict(self.carried))
 
     def restore(self, saved: Saved) -> None:
         """Back to what was saved, bit for bit; of the participants those that it has."""
@@ -236,7 +234,7 @@ class Exchange:
         Values, rates and history are left alone.
         """
         held = self._saved
-        states = (held.states if held else {i: self.participants[i].save() for i in part})
+        states = held.states if held else {i: self.participants[i].save() for i in part}
 
         def roll_back() -> None:
             for i in part:

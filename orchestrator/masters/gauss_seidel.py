@@ -35,7 +35,7 @@ class GaussSeidel:
     def step(self, exchange: Exchange, time: float, step: float) -> int:
         order = order_of(exchange, self.order)
         if exchange.history.lacks(self.degree):
-            return repeated(exchange, order, time, step)
+            return repeated(exchange, sweep, order, time, step)
         extrapolate(exchange.history, self.degree, exchange.signals)
         sweep(exchange, order, time, step)
         return 1

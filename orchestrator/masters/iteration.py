@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,13 +13,12 @@ from ..errors import NonConvergenceError
 from ..exchange import Exchange
 from ..signals import evaluate, interpolate_part
 from .acceleration import Acceleration
+from .restart import Sweep
 
 # A wrong end rate bends a cubic signal by 4/27 of it times the step at most.
 BEND = 4.0 / 27.0
 # Contraction below which a single observation is not trusted.
 CAUTION = 0.05
-
-Sweep = Callable[[Exchange, Sequence[int], float, float], None]
 
 
 class Interface:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -29,13 +30,13 @@ class Jacobi:
 
     def step(self, exchange: Exchange, time: float, step: float) -> int:
         if exchange.history.lacks(self.degree):
-            return repeated(exchange, exchange.listed, time, step)
+            return repeated(exchange, parallel, exchange.listed, time, step)
         extrapolate(exchange.history, self.degree, exchange.signals)
         parallel(exchange, exchange.listed, time, step)
         return 1
 
 
-def parallel(exchange: Exchange, order: list[int], time: float, step: float) -> None:
+def parallel(exchange: Exchange, order: Sequence[int], time: float, step: float) -> None:
     """Advance all in `order` with the signals as they are, then read them."""
     for i in order:
         exchange.advance(i, time, step)

@@ -8,7 +8,7 @@ Hermite signals need one such step for their fourth.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -16,29 +16,29 @@ from ..exchange import Exchange
 from ..signals import extrapolate, interpolate
 
 # Each sweep makes one more order right, and passes rates one participant further.
-SWEEPS = 6
+SWEEPS = 8
 UNCHANGED = 1e-12
 
+Sweep = Callable[[Exchange, Sequence[int], float, float], None]
 
-def repeated(exchange: Exchange, order: Sequence[int], time: float, step: float) -> int:
-    """Sweep over the step, each time with signals through the end values found, until these stay.
+
+def repeated(exchange: Exchange, sweep: Sweep, order: Sequence[int], time: float, step: float) -> int:
+    """Make the step by `sweep`, each time with signals through the end values found, until these stay.
 
     At most SWEEPS times: this is no converged iteration. Returns the number of sweeps.
     """
     end = time + step
     extrapolate(exchange.history, exchange.degree, exchange.signals)
     with exchange.rollback(exchange.listed) as roll_back:
-        for sweep in range(1, SWEEPS + 1):
-            if sweep > 1:
+        for count in range(1, SWEEPS + 1):
+            if count > 1:
                 roll_back()
                 interpolate(
                     exchange.history, exchange.degree, end, exchange.values, exchange.rates, exchange.signals
                 )
             before = exchange.values.copy()
-            for i in order:
-                exchange.advance(i, time, step)
-                exchange.arrive(i, end)
+            sweep(exchange, order, time, step)
             change = np.abs(exchange.values - before)
             if np.all(change <= UNCHANGED * (exchange.nominal + np.abs(exchange.values))):
                 break
-    return sweep
+    return count

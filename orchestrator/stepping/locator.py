@@ -111,10 +111,8 @@ class Locator:
     def _guess(self, values: dict[float, Vector], low: float, high: float, time: float) -> float:
         """When the first event may be, after the start of the step; the middle if nothing tells."""
         a, b = values[low], values[high]
-        guesses = [high]
-        for i in self._signs:
-            if np.sign(a[i]) * np.sign(b[i]) < 0.0:
-                guesses.append(low + (high - low) * a[i] / (a[i] - b[i]))
+        crossing = [i for i in self._signs if np.sign(a[i]) * np.sign(b[i]) < 0.0]
+        guesses = [high, *(low + (high - low) * a[i] / (a[i] - b[i]) for i in crossing)]
         for count, at in zip(self._counts, self._times, strict=True):
             if b[count] > a[count]:
                 guesses.append(b[at] - time if at >= 0 else 0.5 * (low + high))
