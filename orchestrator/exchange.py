@@ -209,6 +209,30 @@ class Exchange:
         self.carried = dict(saved.carried)
         self._saved = saved if len(saved.states) == len(self.participants) else None
 
+    def snapshot(self) -> dict[str, Any]:
+        """All evolving data outside the participants, as plain numbers and arrays."""
+        h = self.history
+        return {
+            "values": self.values.copy(),
+            "rates": self.rates.copy(),
+            "times": h.times.copy(),
+            "past_values": h.values.copy(),
+            "past_rates": h.rates.copy(),
+            "known": h.count,
+            "calls": list(self.calls),
+            "carried": dict(self.carried),
+        }
+
+    def resume(self, state: Mapping[str, Any]) -> None:
+        """Go on from a snapshot; the participants are put back by the caller."""
+        self.values[:], self.rates[:] = state["values"], state["rates"]
+        h = self.history
+        h.times[:], h.values[:], h.rates[:] = state["times"], state["past_values"], state["past_rates"]
+        h.count = int(state["known"])
+        self.calls[:] = [int(n) for n in state["calls"]]
+        self.carried = dict(state["carried"])
+        self._saved = None
+
     def release(self, saved: Saved) -> None:
         """The saved data is no longer needed."""
         for i, state in saved.states.items():

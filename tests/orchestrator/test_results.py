@@ -13,6 +13,7 @@ from models.quantities import Quantity
 from orchestrator.journal import HELD, Journal, JournalError, Recorded, journals
 from orchestrator.recording import CsvRecorder, ResultRecorder
 from orchestrator.results import CHUNK, ResultFile, open_result
+from orchestrator.stepping import Step
 
 QUANTITIES = {
     "contact.load": Quantity("N", "contact load W", display_unit="kN"),
@@ -26,7 +27,7 @@ def _recorded(path: Path, steps: int, every: int) -> None:
     values = np.zeros(2)
     for i in range(steps + 1):
         values[:] = i, -i
-        recorder.observe(1e-6 * i, values.copy, min(i, 1))
+        recorder.observe(1e-6 * i, values.copy, Step(1e-6 * i, 1.0, 1))
     recorder.end(True, "")
     with ResultFile(path, {"scenario": "test"}) as file:
         for name, journal in journals(path.parent).items():
@@ -57,7 +58,7 @@ def test_csv_is_in_cross_check_layout_and_exact(tmp_path: Path) -> None:
     recorder.begin(list(QUANTITIES))
     values = np.array([1.0 / 3.0, 1e-300])
     for i in range(5):
-        recorder.observe(0.1 * i, values.copy, 1)
+        recorder.observe(0.1 * i, values.copy, Step(0.1 * i, 1.0, 1))
     recorder.end(True, "")
     with (tmp_path / "out.csv").open() as file:
         first = file.readline().strip()
@@ -85,7 +86,7 @@ def test_what_was_flushed_survives_a_killed_process(tmp_path: Path) -> None:
         recorder = ResultRecorder(Path({str(tmp_path)!r}), QUANTITIES, 1)
         recorder.begin(list(QUANTITIES))
         for i in range(HELD + 7):
-            recorder.observe(1e-6 * i, np.array([i, 0.0]).copy, 1)
+            recorder.observe(1e-6 * i, np.array([i, 0.0]).copy, Step(1e-6 * i, 1.0, 1))
         os._exit(9)
     """)
     assert done.returncode == 9
@@ -175,7 +176,7 @@ def test_memory_does_not_grow_with_the_steps(tmp_path: Path, steps: int) -> None
             status = Path("/proc/self/status").read_text()
             return int(status.split("VmHWM:")[1].split()[0]) / 1024.0
         for i in range({steps}):
-            recorder.observe(1e-6 * i, values.copy, 1)
+            recorder.observe(1e-6 * i, values.copy, Step(1e-6 * i, 1.0, 1))
             if i == 20_000:
                 before = peak()
         recorder.end(True, "")
