@@ -193,17 +193,6 @@ def evaluate(signals: Any, s: float, values: Any, rates: Any) -> None:
 
 
 @numba.njit(cache=True)
-def move_origin(signals: Any, shift: float) -> None:
-    """Taylor coefficients about a time `shift` later, in place."""
-    for k in range(signals.shape[0] - 1):
-        factor = 1.0
-        for j in range(k + 1, signals.shape[0]):
-            factor *= shift / (j - k)
-            for i in range(signals.shape[1]):
-                signals[k, i] += factor * signals[j, i]
-
-
-@numba.njit(cache=True)
 def gather(signals: Any, columns: Any, out: Any) -> None:
     """out[k, j] = signals[k, columns[j]]."""
     for k in range(out.shape[0]):

@@ -82,6 +82,7 @@ def test_what_was_flushed_survives_a_killed_process(tmp_path: Path) -> None:
         from pathlib import Path
         from orchestrator.journal import HELD
         from orchestrator.recording import ResultRecorder
+        from orchestrator.stepping import Step
         from tests.orchestrator.test_results import QUANTITIES
         recorder = ResultRecorder(Path({str(tmp_path)!r}), QUANTITIES, 1)
         recorder.begin(list(QUANTITIES))
@@ -164,6 +165,7 @@ def test_memory_does_not_grow_with_the_steps(tmp_path: Path, steps: int) -> None
         from pathlib import Path
         from models.quantities import Quantity
         from orchestrator.recording import ResultRecorder
+        from orchestrator.stepping import Step
         from orchestrator.journal import Recorded
         from orchestrator.results import ResultFile
         names = [f"a.v{{i}}" for i in range(45)]

@@ -32,7 +32,7 @@ class Schierz:
         degree = effective_degree(exchange)
         shares = ratios(exchange, degree, half)
         iterations = master.step(exchange, time, half)
-        move_origin(exchange.signals, half)
+        move_origin(exchange.signals, half, exchange.signals)
         exchange.accept(middle_time)
         with exchange.point() as middle:
             for i in exchange.listed:
