@@ -51,6 +51,7 @@ class Exchange:
         self.names = tuple(system.instances)
         self.listed = list(range(len(self.names)))
         self.participants = [participants[name] for name in self.names]
+        self.restorable = all(participant.restorable for participant in self.participants)
         self.calls = [0] * len(self.names)
         self.carried: dict[str, Any] = {}
         self.predicted: Vector | None = None  # what iterated masters arrive at first, for estimators

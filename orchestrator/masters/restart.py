@@ -25,10 +25,14 @@ Sweep = Callable[[Exchange, Sequence[int], float, float], None]
 def repeated(exchange: Exchange, sweep: Sweep, order: Sequence[int], time: float, step: float) -> int:
     """Make the step by `sweep`, each time with signals through the end values found, until these stay.
 
-    At most SWEEPS times: this is no converged iteration. Returns the number of sweeps.
+    At most SWEEPS times: this is no converged iteration. Once, with signals of lower degree, where a
+    participant cannot be rolled back. Returns the number of sweeps.
     """
     end = time + step
     extrapolate(exchange.history, exchange.degree, exchange.signals)
+    if not exchange.restorable:
+        sweep(exchange, order, time, step)
+        return 1
     with exchange.rollback(exchange.listed) as roll_back:
         for count in range(1, SWEEPS + 1):
             if count > 1:
