@@ -229,3 +229,15 @@ def judge(
         elif abs(new[i]) > bound * nominal[i] and worst < 0:
             worst = i
     return worst
+
+
+@numba.njit(cache=True)
+def move_origin(signals: Any, shift: float, out: Any) -> None:
+    """The signals' derivatives at a time `shift` later; `out` may be `signals` itself."""
+    for k in range(signals.shape[0]):
+        for i in range(signals.shape[1]):
+            value, factor = 0.0, 1.0
+            for j in range(k, signals.shape[0]):
+                value += factor * signals[j, i]
+                factor *= shift / (j - k + 1)
+            out[k, i] = value

@@ -69,8 +69,7 @@ class Substepped:
         """Advance from `start` by `length`, in pieces where that fails; the master has written the inputs."""
         while True:
             if start > self._time:
-                self._inputs[:] = self._start
-                move_origin(self._inputs, start - self._time)
+                move_origin(self._start, start - self._time, self._inputs)
                 self.write()
             try:
                 self._advance(start, length)

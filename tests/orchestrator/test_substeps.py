@@ -57,13 +57,15 @@ def missed(recorder):
 def test_moved_signals_have_the_same_values(coefficients, shift, later, rows):
     """p(shift + later) from both origins; the bound is the rounding of sums of terms below 10 * 2**3."""
     signals = np.array(coefficients[:rows])[:, None]
-    moved = signals.copy()
-    move_origin(moved, shift)
+    moved = np.zeros_like(signals)
+    move_origin(signals, shift, moved)
     factorials = np.array([1.0, 1.0, 2.0, 6.0])[:rows]
     powers = np.arange(rows)
     before = float((signals[:, 0] * (shift + later) ** powers / factorials).sum())
     after_ = float((moved[:, 0] * later**powers / factorials).sum())
     assert after_ == pytest.approx(before, abs=80 * 40 * np.finfo(float).eps)
+    move_origin(signals, shift, signals)  # in place
+    np.testing.assert_array_equal(signals, moved)
 
 
 # Components integrate to 1e-10 of 1 m and 1 m/s per micro-step; some ten of these in a hundred macro steps.
