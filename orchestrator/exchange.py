@@ -272,6 +272,10 @@ class Exchange:
                 for i in part:
                     self.participants[i].release(states[i])
 
+    def output_number(self, source: int) -> int:
+        """A source's number among all outputs of the system; -1 for none."""
+        return self.system.outputs.index(self.sources[source]) if source >= 0 else -1
+
     def system_outputs(self, name: str) -> tuple[str, ...]:
         """Names of all outputs of an instance."""
         return self.system.instances[name].component.outputs.names

@@ -12,11 +12,17 @@ from models.quantities import Quantity, Vector
 
 from .checkpoint import Plain
 from .journal import START_OVER, SUFFIX, Journal, JournalError
-from .stepping import Step
+from .stepping import REASONS, Step
 
 STEP_VARIABLES = {
     "macro_step": Quantity("s", "length of the macro step that ended here"),
     "iterations": Quantity("1", "iterations of the macro step that ended here", count=True),
+    "rejected": Quantity("1", "attempts rejected before the macro step that ended here", count=True),
+    "error": Quantity("1", "estimated error of the macro step that ended here, over what is allowed"),
+    "source": Quantity(
+        "1", "variable of /coupled with most of the error, by its number; -1: none", count=True
+    ),
+    "reason": Quantity("1", "what set the length of the macro step that ended here", choices=REASONS),
 }
 
 
@@ -30,7 +36,7 @@ class ResultRecorder:
         self._every = every
         self._count = 0
         self._last = 0.0
-        self._step = np.zeros(2)
+        self._step = np.zeros(len(STEP_VARIABLES))
 
     def begin(self, names: Sequence[str]) -> None:
         self._open(names, None, None)
@@ -44,8 +50,14 @@ class ResultRecorder:
         if self._count % self._every == 0:
             self._coupled.append(time, outputs())
         if self._count:
-            self._step[0] = time - self._last
-            self._step[1] = step.iterations
+            self._step[:] = (
+                step.length,
+                step.iterations,
+                step.rejected,
+                step.error,
+                step.source,
+                step.reason,
+            )
             self._steps.append(time, self._step)
         self._count += 1
         self._last = time

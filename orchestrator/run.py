@@ -183,8 +183,8 @@ def _coupled(
             statistics = simulate(
                 system,
                 participants,
-                scenario.master.made(),
-                scenario.macro_step,
+                scenario.made_master(),
+                scenario.made_steps(),
                 scenario.stop_time,
                 [*recorders, counter, bar, interruption],
             )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -24,6 +24,8 @@ from models.system import suggestion
 
 from .errors import MistakeError, one_of
 from .masters import MASTERS
+from .stepping import ControlledSteps, FixedSteps, StepControl
+from .stepping.estimators import ESTIMATORS
 from .units import to_unit
 from .values import Faults, Value, component_of, meanings
 
@@ -47,6 +49,11 @@ def _scalar(value: Any) -> Any:
         raise ValueError("must be a number, a text with a unit, a choice's name, true or false")
     return value
 
+
+# How long after an event a step may end, by default (s).
+EVENT_TOLERANCE = 1e-9
+# Tolerance of an iterated master over that of the step control.
+CONVERGED = 0.01
 
 Seconds = Annotated[float, BeforeValidator(_seconds, json_schema_input_type=float | str)]
 Written = Annotated[Value, BeforeValidator(_scalar)]
@@ -143,6 +150,40 @@ class MasterTable(BaseModel):
         return TypeAdapter(kind).validate_python(options)
 
 
+class StepControlTable(_Table):
+    """Macro steps as long as an error estimate allows."""
+
+    estimator: str | None = Field(
+        None,
+        description="predictor_corrector, step_doubling, schierz or energy; default: predictor_corrector for "
+        "iterated masters, schierz for others",
+    )
+    relative: Tolerance = Field(1e-4, description="Local error allowed, of a value")
+    absolute: Tolerance | None = Field(
+        None, description="Local error allowed, of a variable's nominal size; default: as relative"
+    )
+    minimum_step: Seconds = Field(1e-12, description="Shortest macro step (s, or a text with a unit)")
+    maximum_step: Seconds | None = Field(None, description="Longest macro step (s, or a text with a unit)")
+
+    @field_validator("estimator")
+    @classmethod
+    def _known(cls, name: str | None) -> str | None:
+        if name is not None and name not in ESTIMATORS:
+            raise ValueError(f"{name!r}: {one_of(ESTIMATORS, name)}")
+        return name
+
+    def made(self, implicit: bool, event_tolerance: float) -> StepControl:
+        """For a master that iterates (`implicit`), or one that doesn't."""
+        return StepControl(
+            estimator=self.estimator or ("predictor_corrector" if implicit else "schierz"),
+            relative=self.relative,
+            absolute=self.absolute or self.relative,
+            minimum_step=self.minimum_step,
+            maximum_step=self.maximum_step or math.inf,
+            event_tolerance=event_tolerance,
+        )
+
+
 class ReferenceTable(_Table):
     """The monolithic reference."""
 
@@ -158,7 +199,9 @@ class Scenario(_Table):
     name: str = Field(description="Name of the scenario; default: that of the file", pattern=r"^[\w .-]+$")
     description: str = Field("", description="What the scenario shows, in a line")
     stop_time: Seconds = Field(description="End of the run (s, or a text with a unit)")
-    macro_step: Seconds = Field(description="Communication step (s, or a text with a unit)")
+    macro_step: Seconds = Field(
+        description="Communication step (s, or a text with a unit); with step control the first one"
+    )
     output_step: Seconds | None = Field(
         None, description="Time between records, rounded to macro steps; default: every macro step"
     )
@@ -169,6 +212,12 @@ class Scenario(_Table):
         description="Largest relative RMS error allowed, by variable: contact.load = 1e-3", min_length=1
     )
     master: MasterTable = MasterTable()
+    step_control: StepControlTable | None = Field(None, description="Absent: steps of equal length")
+    event_tolerance: Seconds | None = Field(
+        None,
+        description="Locate events inside macro steps, by rollback, to this time (s, or a text with a unit); "
+        "default: not with equal steps, to 1 ns with step control",
+    )
     reference: ReferenceTable = ReferenceTable()
     components: dict[str, ComponentTable] = Field(description="The components by instance name", min_length=1)
     connections: list[str] = Field([], description="Lines 'instance.output -> instance.input'")
@@ -202,9 +251,40 @@ class Scenario(_Table):
             raise Faults(*map(_of_option, messages(error))) from None
         return master
 
+    @field_validator("step_control")
+    @classmethod
+    def _judges(cls, control: StepControlTable | None, info: ValidationInfo) -> StepControlTable | None:
+        if control is not None and "master" in info.data:
+            master = info.data["master"].made()
+            made = control.made(master.implicit, EVENT_TOLERANCE)
+            try:
+                ESTIMATORS[made.estimator]().check(master)
+            except ValueError as error:
+                raise Faults(("", f".{error}")) from None
+        return control
+
+    def made_master(self) -> Any:
+        """The master. With step control an iterated one converges to a hundredth of the step's tolerance,
+        unless its own is given."""
+        master = self.master.made()
+        if self.step_control and master.implicit and "tolerance" not in (self.master.model_extra or {}):
+            return replace(master, tolerance=CONVERGED * self.step_control.relative)
+        return master
+
+    def made_steps(self) -> FixedSteps | ControlledSteps:
+        """What chooses the macro steps."""
+        if self.step_control is None:
+            return FixedSteps(self.macro_step, self.event_tolerance)
+        tolerance = self.event_tolerance or EVENT_TOLERANCE
+        return ControlledSteps(
+            self.macro_step, self.step_control.made(self.master.made().implicit, tolerance)
+        )
+
     @property
     def record_every(self) -> int:
         """Macro steps from one record to the next."""
+        if self.step_control is not None:
+            return 1
         return max(1, round((self.output_step or self.macro_step) / self.macro_step))
 
 
@@ -280,4 +360,5 @@ def _keys(location: Location) -> list[str]:
         return [*Scenario.model_fields, "extends"]
     if location[0] == "components":
         return list(ComponentTable.model_fields)
-    return list(ReferenceTable.model_fields)
+    table = {"step_control": StepControlTable, "reference": ReferenceTable}[str(location[0])]
+    return list(table.model_fields)

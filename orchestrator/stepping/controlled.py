@@ -179,7 +179,8 @@ class ControlledSteps:
             self._controller = PI()
             self._next *= RESTARTED
         self._next = min(max(self._next, self._control.minimum_step), self._control.maximum_step)
-        return Step(end, length, attempt.iterations, rejected, error, source, reason)
+        told = exchange.output_number(source)
+        return Step(end, length, attempt.iterations, rejected, error, told, reason)
 
     def state(self) -> dict[str, Any]:
         return {

@@ -63,7 +63,8 @@ class FixedSteps:
             length, source = locator.locate(saved.values, time, end - time, attempt)
         if source >= 0:
             end, reason = time + length, EVENT
-        made = self._accepted(Step(end, length, iterations, source=source, reason=reason))
+        told = exchange.output_number(source)
+        made = self._accepted(Step(end, length, iterations, source=told, reason=reason))
         if source >= 0 or reason == TIME_EVENT or locator.due(end):
             exchange.history.restart()
         return made

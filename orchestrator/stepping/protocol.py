@@ -21,8 +21,8 @@ class Step:
     """A macro step that was made, from `end - length` to `end`.
 
     `iterations` of its last attempt; `rejected` attempts before; `error` estimated, over what is allowed;
-    `source` the number of the exchanged value with most of it, or that set the step otherwise (-1: none);
-    `reason` what set the length.
+    `source` the exchanged value with most of it, or that set the step otherwise, by its number among all
+    outputs of the system (-1: none); `reason` what set the length.
     """
 
     end: float
