@@ -18,6 +18,8 @@ Carried = dict[str, Any]
 class Acceleration(Protocol):
     """Chooses the next guess."""
 
+    def __init__(self, carried: Carried, step: float) -> None: ...
+
     def next(self, guess: Vector, result: Vector) -> Vector:
         """The guess after `guess` gave `result` = G(guess)."""
         ...
@@ -119,7 +121,7 @@ class QuasiNewton(Anderson):
         }
 
 
-ACCELERATIONS: dict[str, type[Plain] | type[Aitken] | type[Anderson] | type[QuasiNewton]] = {
+ACCELERATIONS: dict[str, type[Acceleration]] = {
     "none": Plain,
     "aitken": Aitken,
     "anderson": Anderson,

@@ -60,13 +60,10 @@ class Iterated:
                 sweep(exchange, part, time, step)
                 most = max(most, 1)
                 continue
-            key = f"interface {part[0]}"
-            acceleration = ACCELERATIONS[self.acceleration](exchange.carried.get(key, {}), step)
             iterations = converge(
-                exchange, part, time, step, parallel, sweep, acceleration, self.tolerance,
-                self.maximum_iterations,
+                exchange, part, time, step, parallel, sweep, ACCELERATIONS[self.acceleration],
+                self.tolerance, self.maximum_iterations,
             )  # fmt: skip
-            exchange.carried[key] = acceleration.carried()
             most = max(most, iterations)
         return most
 

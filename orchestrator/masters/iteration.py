@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +18,9 @@ from .restart import Sweep
 # A wrong end rate bends a cubic signal by 4/27 of it times the step at most.
 BEND = 4.0 / 27.0
 # Contraction below which a single observation is not trusted.
-CAUTION = 0.05
+CAUTION = 0.02
+MARGIN = 2.0
+REMEMBERED = 25
 
 
 class Interface:
@@ -53,27 +55,43 @@ class Interface:
         return int(self.sources[element] if element < n else self.rated[element - n])
 
 
-@dataclass
 class Converging:
     """Residuals of an iteration, and whether they are small enough.
 
     Relative to the value where that is larger than nominal: an angle grows without end. What a result is
-    still wrong by is its residual times c / (1 - c), with the contraction c that was seen last.
+    still wrong by is its residual times c / (1 - c), with the contraction c of a plain sweep. That is seen
+    where one plain sweep follows another; until then it is the one seen in an earlier macro step, with a
+    margin of MARGIN and in proportion to the square of the step (what an exchanged force does to a position),
+    for REMEMBERED steps.
     """
 
-    tolerance: float
-    residuals: list[Vector]
+    def __init__(self, tolerance: float, carried: Mapping[str, Any], step: float) -> None:
+        self.tolerance = tolerance
+        self._step = step
+        self.residuals: list[Vector] = []
+        self._age = int(carried.get("age", REMEMBERED)) + 1
+        self._contraction = 1.0
+        if self._age < REMEMBERED:
+            self._contraction = MARGIN * carried["contraction"] * (step / carried["step"]) ** 2
 
-    def add(self, guess: Vector, result: Vector) -> bool:
-        """True if `result` is converged."""
+    def add(self, guess: Vector, result: Vector, plain: bool) -> bool:
+        """True if `result` is converged; `plain`: the guess was the last result."""
         self.residuals.append(np.abs(result - guess) / np.maximum(1.0, np.abs(result)))
         last = float(self.residuals[-1].max(initial=0.0))
+        if plain and len(self.residuals) == 3:  # the first sweep is of another kind
+            before = float(self.residuals[-2].max())
+            self._contraction, self._age = (last / before if before > 0.0 else 0.0), 0
         if last <= self.tolerance:
             return True
-        if len(self.residuals) < 3:  # the first sweep is of another kind
-            return False
-        contraction = max(CAUTION, last / float(self.residuals[-2].max()))
-        return contraction < 0.5 and last * contraction / (1.0 - contraction) <= self.tolerance
+        c = max(CAUTION, self._contraction)
+        return len(self.residuals) > 1 and c < 0.5 and last * c / (1.0 - c) <= self.tolerance
+
+    def carried(self) -> dict[str, Any]:
+        """The contraction for the next macro step, as plain numbers."""
+        if self._age >= REMEMBERED:
+            return {}
+        margin = MARGIN if self._age else 1.0
+        return {"contraction": self._contraction / margin, "step": self._step, "age": self._age}
 
     @property
     def worst(self) -> int:
@@ -95,7 +113,7 @@ def converge(
     step: float,
     first_sweep: Sweep,
     next_sweep: Sweep,
-    acceleration: Acceleration,
+    accelerate: type[Acceleration],
     tolerance: float,
     maximum_iterations: int,
 ) -> int:
@@ -110,7 +128,11 @@ def converge(
     values, rates = exchange.values.copy(), exchange.rates.copy()
     evaluate(exchange.signals, step, values, rates)
     guess = interface.vector(values, rates)
-    progress = Converging(tolerance, [])
+    key = f"interface {part[0]}"
+    carried = exchange.carried.get(key, {})
+    acceleration = accelerate(carried.get("acceleration", {}), step)
+    progress = Converging(tolerance, carried.get("convergence", {}), step)
+    plain = True
     h = exchange.history
     with exchange.rollback(part) as roll_back:
         for iteration in range(1, maximum_iterations + 1):
@@ -129,10 +151,15 @@ def converge(
                     )  # fmt: skip
                 next_sweep(exchange, part, time, step)
             result = interface.vector(exchange.values, exchange.rates)
-            if progress.add(guess, result):
+            if progress.add(guess, result, plain):
+                exchange.carried[key] = {
+                    "acceleration": acceleration.carried(),
+                    "convergence": progress.carried(),
+                }
                 return iteration
             # The first sweep answered other signals than the ones that follow: no difference to learn from.
-            guess = result if iteration == 1 else acceleration.next(guess, result)
+            guess = result.copy() if iteration == 1 else acceleration.next(guess, result)
+            plain = np.array_equal(guess, result)
             interface.put(guess, values, rates)
     raise NonConvergenceError(_message(exchange, interface, progress, time, step))
 
