@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from models.fmu_archive import FmuFileError, archive_faults, opened
@@ -130,20 +131,28 @@ def variables_used(name: str, system: System, start: str) -> list[str]:
 
 
 def participants_of(
-    scenario: Scenario, system: System, files: Mapping[str, FmuFile]
+    scenario: Scenario,
+    system: System,
+    files: Mapping[str, FmuFile],
+    made: Callable[[str, Callable[[], Participant]], Participant],
 ) -> dict[str, Participant]:
-    """A participant for every instance: its FMU where there is one. To be closed by the caller."""
-    made: dict[str, Participant] = {}
+    """A participant for every instance: its FMU where there is one. To be closed by the caller.
+
+    Each comes from `made(name, make)`, which may wrap what `make()` gives.
+    """
+    participants: dict[str, Participant] = {}
     try:
         for name, instance in system.instances.items():
-            made[name] = (
-                fmu(name, files[name].path, instance) if name in files else in_process(name, instance)
-            )
+            if name in files:
+                make = partial(fmu, name, files[name].path, instance)
+            else:
+                make = partial(in_process, name, instance)
+            participants[name] = made(name, make)
             table = scenario.components[name]
             if table.substeps > 1 or table.retries:
-                made[name] = substepped(made[name], table.substeps, table.retries)
+                participants[name] = substepped(participants[name], table.substeps, table.retries)
     except BaseException:
-        for participant in made.values():
+        for participant in participants.values():
             participant.close()
         raise
-    return made
+    return participants

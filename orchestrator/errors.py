@@ -45,7 +45,11 @@ class NotFiniteError(RecoverableError):
 
 
 class LostParticipantError(ParticipantError):
-    """No call of the participant is allowed any more (fmi2Fatal, it ended itself, or it does not return)."""
+    """No call of the participant is allowed any more (fmi2Fatal)."""
+
+
+class StalledError(LostParticipantError):
+    """A call of the participant took longer than it may (`call_time_limit`)."""
 
 
 class UnstableCouplingError(RunError):

@@ -28,6 +28,7 @@ from .stepping import Step
 from .summary import FAILED, INTERRUPTED, NOT_COMPARED, OUTSIDE, WITHIN, Summary
 from .unfinished import clear
 from .validity import excursions
+from .watchdog import watching
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
@@ -174,25 +175,26 @@ def _coupled(
 ) -> None:
     every = scenario.record_every
     quantities = assembly.output_quantities(system)
-    participants = assembly.participants_of(scenario, system, fmus)
     counter = _Counter()
     stage = reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)
     recorders = [ResultRecorder(folder, quantities, every), CsvRecorder(csv, every)]
-    try:
-        with stage as bar, Interruption() as interruption:
-            statistics = simulate(
-                system,
-                participants,
-                scenario.made_master(),
-                scenario.made_steps(),
-                scenario.stop_time,
-                [*recorders, counter, bar, interruption],
-            )
-    finally:
-        summary.macro_steps, summary.iterations = max(0, counter.steps), counter.iterations
-        summary.coupled_time_s = counter.time_s
-        for participant in participants.values():
-            participant.close()
+    with watching(scenario, csv.with_name(SUMMARY), summary) as watchdog:
+        participants = assembly.participants_of(scenario, system, fmus, watchdog.made)
+        try:
+            with stage as bar, Interruption() as interruption:
+                statistics = simulate(
+                    system,
+                    participants,
+                    scenario.made_master(),
+                    scenario.made_steps(),
+                    scenario.stop_time,
+                    [*watchdog.observers, *recorders, counter, bar, interruption],
+                )
+        finally:
+            summary.macro_steps, summary.iterations = max(0, counter.steps), counter.iterations
+            summary.coupled_time_s = counter.time_s
+            for participant in participants.values():
+                participant.close()
     summary.rejected_steps = statistics.rejected_steps
     summary.iterations = statistics.iterations
     summary.coupled_time_s = statistics.coupled_time_s

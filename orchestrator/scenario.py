@@ -208,6 +208,9 @@ class Scenario(_Table):
     start: Literal["equilibrium", "given"] = Field(
         "equilibrium", description="Start at rest in balance, or from the start values as given"
     )
+    call_time_limit: Seconds | None = Field(
+        None, description="Longest wall time of a participant's call; default: no limit"
+    )
     tolerance: dict[str, Tolerance] = Field(
         description="Largest relative RMS error allowed, by variable: contact.load = 1e-3", min_length=1
     )

@@ -144,7 +144,11 @@ class FmuParticipant:
         if self._description.coSimulation is None:
             raise ParticipantError(f"{name}: {path} is not a co-simulation FMU")
         self.restorable = bool(self._description.coSimulation.canGetAndSetFMUstate)
-        self._instantiate()
+        try:
+            self._instantiate()
+        except BaseException:
+            self.close()
+            raise
 
     def _instantiate(self) -> None:
         self._slave = FMU2Slave(

@@ -1,0 +1,216 @@
+"""A limit to the wall time of a participant's call.
+
+Another process watches, because a call may hold this one's interpreter: compiled code does until it
+returns. What it looks at is shared memory in which every call leaves a mark of two numbers; no clock is
+read here.
+When a call has taken too long, that process sends a signal, of which Python code, also where it sleeps,
+makes a StalledError. If the call does not come back even so, it writes the summary and ends this process
+with exit status 3; see `watchdog_process`.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import mmap
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from types import FrameType, TracebackType
+from typing import Any, TypeVar
+
+from models.quantities import Vector
+
+from .errors import MistakeError, StalledError
+from .participants import Participant
+from .scenario import Scenario
+from .stepping import Step
+from .summary import FAILED, Summary
+from .watchdog_process import CALL, CELLS, FRESH, STEPS, TIME, message, number_of
+
+# How long an interrupted call may take to come back: Python code does at once, code that the signal does
+# not reach never.
+GRACE_SECONDS = 2.0
+
+Made = TypeVar("Made")
+
+
+class NoWatchdog:
+    """Without a limit nothing lies between a run and its participants."""
+
+    observers: tuple[Any, ...] = ()
+
+    def made(self, name: str, make: Callable[[], Participant]) -> Participant:
+        return make()
+
+
+def watching(
+    scenario: Scenario, path: Path, summary: Summary
+) -> AbstractContextManager[Watchdog | NoWatchdog]:
+    """The watchdog that the scenario asks for, to be entered."""
+    if scenario.call_time_limit is None:
+        return nullcontext(NoWatchdog())
+    return Watchdog(scenario.call_time_limit, list(scenario.components), path, summary)
+
+
+class Watchdog:
+    """Watches the calls of the participants `made` by it, in its `with` block; the first of the observers.
+
+    `limit` and `grace` in seconds; `names` those of all participants. `summary` is what goes to the file
+    `path`, with the message, if this process has to be ended.
+    """
+
+    def __init__(
+        self, limit: float, names: Sequence[str], path: Path, summary: Summary, grace: float = GRACE_SECONDS
+    ) -> None:
+        if not hasattr(signal, "SIGQUIT"):
+            raise MistakeError("call_time_limit: needs the signals of a POSIX system; leave it out")
+        self.observers = (self,)
+        self._names, self._limit = list(names), limit
+        content = summary.content() | {"exit_status": FAILED}
+        setup = {"limit": limit, "grace": grace, "names": self._names, "path": str(path), "summary": content}
+        self._setup = json.dumps(setup).encode() + b"\n"
+        self._stalled: StalledError | None = None
+        self._previous: Any = None
+
+    def __enter__(self) -> Watchdog:
+        with tempfile.TemporaryFile() as file:
+            file.truncate(8 * CELLS)
+            memory = mmap.mmap(file.fileno(), 8 * CELLS)
+            self._process = _started(file.fileno())
+        self._cells, self._times = memoryview(memory).cast("q"), memoryview(memory).cast("d")
+        self._cells[STEPS] = -1
+        assert self._process.stdin
+        self._process.stdin.write(self._setup)
+        self._process.stdin.flush()
+        if threading.current_thread() is threading.main_thread():
+            self._previous = signal.signal(signal.SIGUSR1, self._interrupt)
+        self._quit = _on_quit(ctypes.cast(ctypes.CDLL(None)._exit, ctypes.c_void_p).value)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._cells[CALL] = 0
+        assert self._process.stdin
+        self._process.stdin.close()
+        self._process.wait()
+        _on_quit(self._quit)
+        if self._previous is not None:
+            signal.signal(signal.SIGUSR1, self._previous)
+
+    def _interrupt(self, number: int, frame: FrameType | None) -> None:
+        if call := self._cells[CALL]:
+            text = message(self._names, call, self._limit, self._cells[STEPS], self._times[TIME])
+            self._stalled = StalledError(text)
+            raise self._stalled
+
+    def made(self, name: str, make: Callable[[], Participant]) -> Participant:
+        """What `make` gives, watched."""
+        index = self._names.index(name)
+        return Watched(self.enclosed(index, "instantiation", make)(), self, index)
+
+    def enclosed(self, index: int, call: str, function: Callable[..., Made]) -> Callable[..., Made]:
+        """`function`, watched; nothing is when it has returned."""
+        marked, cells = self.marked(index, call, function), self._cells
+
+        def enclosed(*arguments: Any) -> Made:
+            try:
+                return marked(*arguments)
+            finally:
+                cells[CALL] = 0
+
+        return enclosed
+
+    def marked(self, index: int, call: str, function: Callable[..., Made]) -> Callable[..., Made]:
+        """`function`, watched until the next call or the end of the macro step: less to do in every step."""
+        number, cells = number_of(index, call), self._cells
+
+        def marked(*arguments: Any) -> Made:
+            cells[CALL] = number
+            cells[FRESH] = 1
+            try:
+                return function(*arguments)
+            except Exception:
+                # What an FMU has made of the interruption, of which it could only say that it failed.
+                if self._stalled:
+                    raise self._stalled from None
+                raise
+
+        return marked
+
+    def begin(self, names: Sequence[str]) -> None:
+        pass
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        self._cells[CALL] = 0
+        self._cells[STEPS] += 1
+        self._times[TIME] = time
+        if self._stalled:  # an FMU kept it to itself
+            raise self._stalled
+
+    def end(self, complete: bool, message: str) -> None:
+        self._cells[CALL] = 0
+
+
+class Watched:
+    """Implements `Participant` by one whose calls are watched."""
+
+    def __init__(self, participant: Participant, watchdog: Watchdog, index: int) -> None:
+        self.name, self.restorable = participant.name, participant.restorable
+        self._participant, self._watchdog, self._index = participant, watchdog, index
+        enclosed, marked = watchdog.enclosed, watchdog.marked
+        self.initialise = enclosed(index, "initialisation", participant.initialise)
+        self.finish_initialisation = enclosed(
+            index, "end of initialisation", participant.finish_initialisation
+        )
+        self.advance = marked(index, "step", participant.advance)
+        self.read_all = enclosed(index, "reading of all outputs", participant.read_all)
+        self.save = marked(index, "saving of its state", participant.save)
+        self.restore = marked(index, "restoring of its state", participant.restore)
+        self.release = marked(index, "freeing of a saved state", participant.release)
+        self.close = enclosed(index, "end", participant.close)
+
+    def connect(
+        self,
+        input_names: Sequence[str],
+        inputs: Vector,
+        output_names: Sequence[str],
+        outputs: Vector,
+        rates: Vector,
+    ) -> Sequence[bool]:
+        rated = self._participant.connect(input_names, inputs, output_names, outputs, rates)
+        # Only now: participants make these when they are connected.
+        self.write = self._watchdog.marked(self._index, "setting of inputs", self._participant.write)
+        self.read = self._watchdog.marked(self._index, "reading of outputs", self._participant.read)
+        return rated
+
+
+def _started(shared: int) -> subprocess.Popen[bytes]:
+    """The watching process. Ctrl-C, which the terminal sends to both, is not for it."""
+    script = Path(__file__).with_name("watchdog_process.py")
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        return subprocess.Popen(
+            [sys.executable, "-I", "-S", str(script), str(shared)], stdin=subprocess.PIPE, pass_fds=[shared]
+        )
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _on_quit(handler: int | None) -> int | None:
+    """Let C call the function at this address on SIGQUIT; the address before.
+
+    Python's own handlers wait for the interpreter. The C library's `_exit` does not, and takes the number
+    of the signal, 3, as the exit status.
+    """
+    assert int(signal.SIGQUIT) == FAILED
+    function = ctypes.CDLL(None).signal
+    function.argtypes, function.restype = [ctypes.c_int, ctypes.c_void_p], ctypes.c_void_p
+    previous: int | None = function(signal.SIGQUIT, handler)
+    return previous
