@@ -23,6 +23,8 @@ app = typer.Typer(
 )
 fmu_app = typer.Typer(help="Build and inspect the FMUs.", no_args_is_help=True)
 app.add_typer(fmu_app, name="fmu")
+benchmark_app = typer.Typer(help="Measure masters, ours and other tools'.", no_args_is_help=True)
+app.add_typer(benchmark_app, name="benchmark")
 
 
 def main() -> None:
@@ -247,6 +249,23 @@ def reproduce_source(
     if source not in SOURCES:
         raise MistakeError(f"no source {source!r} to reproduce; {suggestion(source, SOURCES)}")
     publication(source).reproduce(out or Path("results") / source, overwrite)
+
+
+@benchmark_app.command("coupling")
+@reported
+def benchmark_coupling(
+    problem: Annotated[str, typer.Option(help="The coupled system, e.g. valve-train.")] = "valve-train",
+    out: Annotated[
+        Path | None, typer.Option(help="Output folder. [default: results/benchmark-PROBLEM]")
+    ] = None,
+    duration: Annotated[float | None, typer.Option(help="Simulated time in seconds.")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+) -> None:
+    """Error against doStep calls and wall time: all masters, and other tools that are installed, on the same
+    FMUs."""
+    from .work_precision.benchmark import benchmark
+
+    benchmark(problem, _fmu, out or Path("results") / f"benchmark-{problem}", duration, overwrite)
 
 
 @fmu_app.command("build")

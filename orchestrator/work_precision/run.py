@@ -1,0 +1,58 @@
+"""What is asked of a master, and what comes back: the same for ours and for other tools'."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from models.monolithic.difference import difference
+from models.quantities import Vector
+
+from .. import assembly
+from .problem import CouplingProblem
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run. `setting` is the macro step (s), or the tolerance of a run with step control.
+
+    `error` and `max_error` are the largest over the outputs of the RMS and the maximum error, relative to
+    the true output's spread; NaN where the run failed, and `note` says why. `calls` counts doStep of all
+    instances, also those that were taken back. `wall_time_s` is that of the stepping alone.
+    """
+
+    method: str
+    tool: str
+    setting: float
+    macro_steps: int = 0
+    rejected_steps: int = 0
+    iterations: int = 0
+    calls: int = 0
+    wall_time_s: float = np.nan
+    error: float = np.nan
+    max_error: float = np.nan
+    errors: Mapping[str, float] = field(default_factory=dict)
+    note: str = ""
+
+
+def errors_of(outputs: tuple[str, ...], values: Vector, truth: Vector) -> dict[str, Any]:
+    """The row's errors for values (samples, outputs) at the truth's times."""
+    found = {name: difference(values[:, i], truth[:, i]) for i, name in enumerate(outputs)}
+    spread = {name: d.rms / d.relative_rms if d.relative_rms > 0.0 else np.inf for name, d in found.items()}
+    return {
+        "error": max(d.relative_rms for d in found.values()),
+        "max_error": max(d.max_abs / spread[name] for name, d in found.items()),
+        "errors": {name: d.relative_rms for name, d in found.items()},
+    }
+
+
+def fmu_files(problem: CouplingProblem, build: assembly.Builder) -> dict[str, assembly.FmuFile]:
+    """The FMU of every instance."""
+    return {
+        name: assembly.FmuFile(Path(build(i.component.name, i.component.structure)), "")
+        for name, i in problem.system.instances.items()
+    }
