@@ -254,7 +254,7 @@ def reproduce_source(
 @benchmark_app.command("coupling")
 @reported
 def benchmark_coupling(
-    problem: Annotated[str, typer.Option(help="The coupled system, e.g. valve-train.")] = "valve-train",
+    problem: Annotated[str, typer.Option(help="quarter-car, two-masses or valve-train.")] = "quarter-car",
     out: Annotated[
         Path | None, typer.Option(help="Output folder. [default: results/benchmark-PROBLEM]")
     ] = None,

@@ -41,7 +41,8 @@ def benchmark(
     reporter.console.print(digest(rows))
     for line in failures(rows):
         reporter.line(line)
-    reporter.line(f"the reference's own uncertainty: {uncertainty:.1e}")
+    if uncertainty > 0.0:
+        reporter.line(f"the reference's own uncertainty: {uncertainty:.1e}")
     reporter.line(f"results in {out}: {', '.join(file.name for file in files)}")
     return rows
 

@@ -30,17 +30,27 @@ def figure(problem: CouplingProblem, rows: Sequence[Row], uncertainty: float) ->
         panel.set_xscale("log")
         panel.set_yscale("log")
         panel.set_xlabel(label)
-        panel.axhspan(1.0, HOPELESS, color="#f3f4f6", lw=0.0, zorder=0)
-        panel.axhline(uncertainty, color=REFERENCE, lw=0.8, ls=(0, (1, 2)))
     axes[0].set_ylabel("Largest relative RMS error of the outputs")
-    axes[0].set_ylim(bottom=0.5 * uncertainty, top=HOPELESS)
-    axes[0].annotate(
-        "uncertainty of the reference", (0.02, uncertainty), xycoords=("axes fraction", "data"),
-        xytext=(0, 3), textcoords="offset points", fontsize=7.5, color=REFERENCE,
-    )  # fmt: skip
+    axes[0].set_ylim(top=min(HOPELESS, axes[0].get_ylim()[1]))
+    if axes[0].get_ylim()[1] > 1.0:
+        for panel in axes:
+            panel.axhspan(1.0, HOPELESS, color="#f3f4f6", lw=0.0, zorder=0)
+    if uncertainty > 0.0:
+        _uncertainty(axes, uncertainty)
     handles, labels = axes[1].get_legend_handles_labels()
     made.legend(handles, labels, loc="outside right upper", handlelength=2.6)
     return made
+
+
+def _uncertainty(panels: Sequence[Axes], uncertainty: float) -> None:
+    """Below this the reference says nothing."""
+    panels[0].set_ylim(bottom=0.5 * uncertainty)
+    for panel in panels:
+        panel.axhline(uncertainty, color=REFERENCE, lw=0.8, ls=(0, (1, 2)))
+    panels[0].annotate(
+        "uncertainty of the reference", (0.02, uncertainty), xycoords=("axes fraction", "data"),
+        xytext=(0, 3), textcoords="offset points", fontsize=7.5, color=REFERENCE,
+    )  # fmt: skip
 
 
 def _lines(axes: Axes, rows: Sequence[Row], quantity: str) -> None:

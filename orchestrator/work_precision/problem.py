@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from models.oscillators import exact
+from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from models.quantities import Vector
 from models.system import System, suggestion
 
@@ -22,7 +24,8 @@ from ..scenario_files import load
 class CouplingProblem:
     """A system on its way from t = 0 to `duration` (s), and the outputs that are compared there.
 
-    `truth(times)` gives the outputs (n, outputs) as they are, and their own relative RMS uncertainty.
+    `truth(times)` gives the outputs (n, outputs) as they are, and their own relative RMS uncertainty (0: but
+    for rounding).
     The macro steps (s) are spacing / 2^k for the `halvings` k; held inputs, of order 1, need the
     `held_halvings`.
     """
@@ -117,4 +120,49 @@ def valve_train() -> CouplingProblem:
     )
 
 
-PROBLEMS: dict[str, Callable[[], CouplingProblem]] = {"valve-train": valve_train}
+def quarter_car() -> CouplingProblem:
+    """Schierz, Arnold and Clauss 2012, against the matrix exponential."""
+
+    def truth(times: Vector) -> tuple[Vector, float]:
+        return exact.quarter_car(times), 0.0
+
+    return CouplingProblem(
+        name="quarter-car",
+        description="4 s after a step of the road, against the exact solution",
+        system=assembly.system_of(load("quarter-car")),
+        duration=4.0,
+        spacing=16e-3,
+        halvings=(0, 1, 2, 3, 4, 5, 6),
+        held_halvings=(2, 3, 4, 5, 6, 7, 8),
+        outputs=("chassis.position", "chassis.velocity", "wheel.position", "wheel.velocity"),
+        truth=truth,
+    )
+
+
+def two_masses() -> CouplingProblem:
+    """The undamped pair with a force-displacement split, against the matrix exponential."""
+    system = assembly.system_of(load("two-masses"))
+    first, second = system.instances["first"], system.instances["second"]
+
+    def truth(times: Vector) -> tuple[Vector, float]:
+        coupled = CoupledMassParameters(**first.parameters)
+        return exact.two_masses(times, coupled, SprungMassParameters(**second.parameters), system.x0), 0.0
+
+    return CouplingProblem(
+        name="two-masses",
+        description="10 s of the undamped pair, against the exact solution",
+        system=system,
+        duration=9.984,
+        spacing=64e-3,
+        halvings=(0, 1, 2, 3, 4, 5, 6),
+        held_halvings=(2, 3, 4, 5, 6, 7, 8),
+        outputs=("first.position", "first.velocity", "second.position", "second.velocity"),
+        truth=truth,
+    )
+
+
+PROBLEMS: dict[str, Callable[[], CouplingProblem]] = {
+    "quarter-car": quarter_car,
+    "two-masses": two_masses,
+    "valve-train": valve_train,
+}

@@ -64,9 +64,9 @@ def write(
 
 
 def cheapest(rows: Sequence[Row], method: str, error: float) -> Row | None:
-    """The method's run of least time with at most this error."""
+    """The method's run of fewest doStep calls with at most this error."""
     reached = [row for row in rows if row.method == method and row.error <= error]
-    return min(reached, key=lambda row: row.wall_time_s, default=None)
+    return min(reached, key=lambda row: row.calls, default=None)
 
 
 def digest(rows: Sequence[Row]) -> Table:
