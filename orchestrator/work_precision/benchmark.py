@@ -33,41 +33,39 @@ def benchmark(
     held = results_in(out, NAME, overwrite)
     with made(out):
         with reporter.stage(f"{problem.name}: {problem.description}") as bar:
-            rows, uncertainty = measure(problem, build, bar.show)
-        table = dataset(rows, problem.outputs, {**about(problem), "reference_uncertainty": uncertainty})
+            rows = measure(problem, build, bar.show)
+        table = dataset(rows, problem.outputs, about(problem))
         for file in held:
             file.unlink()
-        files = write(table, rows, uncertainty, problem, out, NAME)
+        files = write(table, rows, problem, out, NAME)
     reporter.console.print(digest(rows))
     for line in failures(rows):
         reporter.line(line)
-    if uncertainty > 0.0:
-        reporter.line(f"the reference's own uncertainty: {uncertainty:.1e}")
+    if problem.uncertainty > 0.0:
+        reporter.line(f"the reference's own uncertainty: {problem.uncertainty:.1e}")
     reporter.line(f"results in {out}: {', '.join(file.name for file in files)}")
     return rows
 
 
 def measure(
     problem: CouplingProblem, build: Builder, progress: Callable[[float], None] = lambda share: None
-) -> tuple[list[Row], float]:
-    """All rows, and the uncertainty of what they are compared with."""
+) -> list[Row]:
+    """All rows."""
     files = fmu_files(problem, build)
-    truth, uncertainty = problem.truth(problem.times)
+    every = [(method, setting) for method in methods.METHODS for setting in method.settings(problem)]
 
     def runs() -> Iterator[Row]:
-        for method in methods.METHODS:
-            for step in methods.ladder(problem, method):
-                yield methods.measured(problem, files, truth, method, step)
+        for method, setting in every:
+            yield methods.measured(problem, files, method, setting)
         for peer in peers.PEERS:
-            yield from peers.measured(problem, files, truth, peer)
+            yield from peers.measured(problem, files, peer)
 
-    expected = sum(len(methods.ladder(problem, name)) for name in methods.METHODS)
-    expected += len(problem.held_ladder) * len(peers.PEERS)
+    expected = len(every) + len(problem.held_ladder) * len(peers.PEERS)
     rows = []
     for row in runs():
         rows.append(row)
         progress(min(1.0, len(rows) / expected))
-    return rows, uncertainty
+    return rows
 
 
 def about(problem: CouplingProblem) -> dict[str, str | float]:
@@ -80,6 +78,7 @@ def about(problem: CouplingProblem) -> dict[str, str | float]:
         "problem": problem.name,
         "duration": problem.duration,
         "sample_spacing": problem.spacing,
+        "reference_uncertainty": problem.uncertainty,
         "versions": versions,
         "machine": f"Python {platform.python_version()}, {platform.system()} {platform.machine()}, "
         f"{os.cpu_count()} cores",

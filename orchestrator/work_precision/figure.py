@@ -19,7 +19,7 @@ OTHERS = (("x", "#20242a"), ("+", "#7b5ea7"), ("1", "#c77d0a"), ("2", "#5b4636")
 HOPELESS = 30.0
 
 
-def figure(problem: CouplingProblem, rows: Sequence[Row], uncertainty: float) -> Figure:
+def figure(problem: CouplingProblem, rows: Sequence[Row]) -> Figure:
     made, axes = plt.subplots(1, 2, sharey=True, figsize=(9.4, 4.6))
     headed(made, f"{problem.name}: work and precision of co-simulation masters")
     for panel, quantity, label in zip(
@@ -35,8 +35,8 @@ def figure(problem: CouplingProblem, rows: Sequence[Row], uncertainty: float) ->
     if axes[0].get_ylim()[1] > 1.0:
         for panel in axes:
             panel.axhspan(1.0, HOPELESS, color="#f3f4f6", lw=0.0, zorder=0)
-    if uncertainty > 0.0:
-        _uncertainty(axes, uncertainty)
+    if problem.uncertainty > 0.0:
+        _uncertainty(axes, problem.uncertainty)
     handles, labels = axes[1].get_legend_handles_labels()
     made.legend(handles, labels, loc="outside right upper", handlelength=2.6)
     return made
@@ -65,8 +65,8 @@ def _lines(axes: Axes, rows: Sequence[Row], quantity: str) -> None:
             marker, color = OTHERS[peers.index(method) % len(OTHERS)]
             axes.plot(x, y, marker=marker, color=color, ls="-.", lw=0.9, ms=7.0, label=method)
         else:
-            master, _, signal = method.partition(", ")
+            master, signal, *estimator = method.split(", ")
             marker, line = MASTERS.get(master, ("D", "-"))
-            axes.plot(
-                x, y, marker=marker, ms=4.0, ls=line, color=SIGNALS.get(signal, "#20242a"), label=method
-            )
+            # With step control: open markers and a wide pale line.
+            style = {"mfc": "white", "lw": 2.4, "alpha": 0.7} if estimator else {}
+            axes.plot(x, y, marker=marker, ms=4.0, ls=line, color=SIGNALS[signal], label=method, **style)

@@ -1,21 +1,21 @@
-"""Our own masters, each over the problem's macro steps."""
+"""Our own masters: each over the problem's macro steps, and with step control over tolerances."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from models.quantities import Vector
 
-from .. import assembly
+from ..assembly import FmuFile
 from ..errors import RunError
-from ..masters import GaussSeidel, Iterated, Jacobi, Master
-from ..participants import Participant
+from ..masters import MASTERS
+from ..participants import Participant, fmu
 from ..signals import DEGREES
-from ..simulation import Statistics, simulate
+from ..simulation import Observer, Statistics, simulate
+from ..stepping import ControlledSteps, Step, StepControl, Stepper
 from .problem import CouplingProblem
 from .run import Row, errors_of
 
@@ -24,103 +24,103 @@ TOOL = "tribocosim"
 ENOUGH_S = 0.2
 REPEATS = 3
 
-HELD = "hold"
-METHODS: dict[str, Master] = {
-    f"{name}, {extrapolation}": kind(extrapolation)
-    for name, kind in (("jacobi", Jacobi), ("gauss_seidel", GaussSeidel), ("iterated", Iterated))
-    for extrapolation in DEGREES
-}
+TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 
 
-def ladder(problem: CouplingProblem, name: str) -> tuple[float, ...]:
-    """The macro steps (s) for METHODS[name]."""
-    return problem.held_ladder if name.endswith(HELD) else problem.ladder
+@dataclass(frozen=True)
+class Method:
+    """A master by name, its signals, and for step control the estimator."""
+
+    master: str
+    extrapolation: str
+    estimator: str = ""
+
+    @property
+    def name(self) -> str:
+        return ", ".join(part for part in (self.master, self.extrapolation, self.estimator) if part)
+
+    def settings(self, problem: CouplingProblem) -> tuple[float, ...]:
+        """The macro steps (s), or the tolerances."""
+        if self.estimator:
+            return TOLERANCES
+        return problem.held_ladder if self.extrapolation == "hold" else problem.ladder
+
+    def steps(self, problem: CouplingProblem, setting: float) -> Stepper | float:
+        """How to choose macro steps; a tolerance is relative, and absolute in nominals."""
+        if not self.estimator:
+            return setting
+        control = StepControl(self.estimator, relative=setting, absolute=setting)
+        return ControlledSteps(problem.ladder[-1], control)
 
 
-class Calls:
-    """Counts the steps of participants."""
-
-    def __init__(self, participants: Iterable[Participant]) -> None:
-        self.count = 0
-        for participant in participants:
-            self._watch(participant)
-
-    def _watch(self, participant: Any) -> None:
-        advance = participant.advance
-
-        def counted(time: float, step: float) -> None:
-            self.count += 1
-            advance(time, step)
-
-        participant.advance = counted
+FIXED = tuple(Method(master, extrapolation) for master in MASTERS for extrapolation in DEGREES)
+CONTROLLED = (
+    Method("jacobi", "quadratic", "schierz"),
+    Method("gauss_seidel", "quadratic", "schierz"),
+    Method("gauss_seidel", "hermite", "step_doubling"),
+    Method("iterated", "quadratic", "predictor_corrector"),
+    Method("iterated", "hermite", "predictor_corrector"),
+)
+METHODS = FIXED + CONTROLLED
 
 
 @dataclass
-class Samples:
-    """An observer that keeps some outputs of every `every`-th step; the start is none."""
+class Trace:
+    """An observer that keeps some outputs at the ends of all steps; the start is none."""
 
     names: Sequence[str]
-    every: int
+    times: list[float] = field(default_factory=list)
     rows: list[Vector] = field(default_factory=list)
-    _steps: int = -1
 
     def begin(self, names: Sequence[str]) -> None:
         self._columns = [list(names).index(name) for name in self.names]
 
-    def observe(self, time: float, outputs: Callable[[], Vector], iterations: int) -> None:
-        self._steps += 1
-        if self._steps and self._steps % self.every == 0:
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        if step.length > 0.0:
+            self.times.append(time)
             self.rows.append(outputs()[self._columns])
 
     def end(self, complete: bool, message: str) -> None:
         pass
 
 
-def measured(
-    problem: CouplingProblem,
-    files: Mapping[str, assembly.FmuFile],
-    truth: Vector,
-    name: str,
-    step: float,
-) -> Row:
-    """A run of the master METHODS[name] with the macro step (s).
-
-    Steps are counted and samples taken while the clock runs, which costs about a hundredth of the time.
-    """
-    runs: list[tuple[int, Statistics]] = []
-    while len(runs) < REPEATS and sum(run.coupled_time_s for _, run in runs) < ENOUGH_S:
-        samples = Samples(problem.outputs, round(problem.spacing / step))
-        try:
-            runs.append(_run(problem, files, METHODS[name], step, samples))
-        except RunError as error:
-            return Row(name, TOOL, step, note=str(error))
-    calls, statistics = runs[0]
+def measured(problem: CouplingProblem, files: Mapping[str, FmuFile], method: Method, setting: float) -> Row:
+    """A run of the method with a macro step (s), or a tolerance. Errors and time are of different runs."""
+    trace = Trace(problem.outputs)
+    try:
+        statistics = _run(problem, files, method, setting, [trace])
+    except RunError as error:
+        return Row(method.name, TOOL, setting, note=str(error))
+    times: list[float] = []
+    while len(times) < REPEATS and sum(times) < ENOUGH_S:
+        times.append(_run(problem, files, method, setting).coupled_time_s)
     return Row(
-        method=name,
+        method=method.name,
         tool=TOOL,
-        setting=step,
+        setting=setting,
         macro_steps=statistics.macro_steps,
         rejected_steps=statistics.rejected_steps,
         iterations=statistics.iterations,
-        calls=calls,
-        wall_time_s=min(run.coupled_time_s for _, run in runs),
-        **errors_of(problem.outputs, np.array(samples.rows), truth),
+        calls=statistics.do_steps,
+        wall_time_s=min(times),
+        **errors_of(problem, np.array(trace.times), np.array(trace.rows)),
     )
 
 
 def _run(
     problem: CouplingProblem,
-    files: Mapping[str, assembly.FmuFile],
-    master: Master,
-    step: float,
-    samples: Samples,
-) -> tuple[int, Statistics]:
-    """The number of steps of all participants, and the run's statistics."""
-    participants = assembly.participants_of(problem.system, files)
-    calls = Calls(participants.values())
+    files: Mapping[str, FmuFile],
+    method: Method,
+    setting: float,
+    observers: Sequence[Observer] = (),
+) -> Statistics:
+    master = MASTERS[method.master](extrapolation=method.extrapolation)
+    participants: dict[str, Participant] = {}
     try:
-        statistics = simulate(problem.system, participants, master, step, problem.duration, [samples])
+        for name, instance in problem.system.instances.items():
+            participants[name] = fmu(name, files[name].path, instance)
+        steps = method.steps(problem, setting)
+        return simulate(problem.system, participants, master, steps, problem.duration, observers)
     finally:
         for participant in participants.values():
             participant.close()
-    return calls.count, statistics

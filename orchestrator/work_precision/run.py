@@ -39,14 +39,24 @@ class Row:
     note: str = ""
 
 
-def errors_of(outputs: tuple[str, ...], values: Vector, truth: Vector) -> dict[str, Any]:
-    """The row's errors for values (samples, outputs) at the truth's times."""
-    found = {name: difference(values[:, i], truth[:, i]) for i, name in enumerate(outputs)}
-    spread = {name: d.rms / d.relative_rms if d.relative_rms > 0.0 else np.inf for name, d in found.items()}
+def errors_of(problem: CouplingProblem, times: Vector, values: Vector) -> dict[str, Any]:
+    """The row's errors for the outputs (n, outputs) at `times`, which end with the problem's duration.
+
+    Taken at the run's own times and, where these are others than the samples', interpolated linearly to
+    them, so that all runs are weighted alike.
+    """
+    truth = problem.truth(problem.times)
+    if len(times) == len(problem.times) and np.allclose(times, problem.times, rtol=1e-9, atol=0.0):
+        error = values - truth
+    else:
+        own = values - problem.truth(times)
+        error = np.column_stack([np.interp(problem.times, [0.0, *times], [0.0, *column]) for column in own.T])
+    found = [difference(truth[:, i] + error[:, i], truth[:, i]) for i in range(len(problem.outputs))]
+    relative = [d.max_abs * d.relative_rms / d.rms if d.rms > 0.0 else 0.0 for d in found]
     return {
-        "error": max(d.relative_rms for d in found.values()),
-        "max_error": max(d.max_abs / spread[name] for name, d in found.items()),
-        "errors": {name: d.relative_rms for name, d in found.items()},
+        "error": max(d.relative_rms for d in found),
+        "max_error": max(relative),
+        "errors": {name: d.relative_rms for name, d in zip(problem.outputs, found, strict=True)},
     }
 
 

@@ -45,7 +45,6 @@ def dataset(rows: Sequence[Row], outputs: Sequence[str], about: Mapping[str, str
 def write(
     table: xarray.Dataset,
     rows: Sequence[Row],
-    uncertainty: float,
     problem: CouplingProblem,
     out: Path,
     name: str,
@@ -60,7 +59,7 @@ def write(
     for i, output in enumerate(problem.outputs):
         frame[f"error of {output}"] = table["errors"].values[:, i]
     frame.to_csv(files[1], index=False)
-    return [*files, saved(lambda: figure(problem, rows, uncertainty), out / f"{name}.png")]
+    return [*files, saved(lambda: figure(problem, rows), out / f"{name}.png")]
 
 
 def cheapest(rows: Sequence[Row], method: str, error: float) -> Row | None:

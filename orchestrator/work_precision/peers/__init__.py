@@ -16,10 +16,8 @@ from typing import Any
 import numpy as np
 from fmpy import read_model_description
 
-from models.quantities import Vector
-
 from ...assembly import FmuFile
-from .. import problem as problems
+from ..problem import CouplingProblem
 from ..run import Row, errors_of
 
 PEERS = {
@@ -34,9 +32,7 @@ ANSWER = "ANSWER "
 PATIENCE_S = 120.0
 
 
-def measured(
-    problem: problems.CouplingProblem, files: Mapping[str, FmuFile], truth: Vector, name: str
-) -> Iterator[Row]:
+def measured(problem: CouplingProblem, files: Mapping[str, FmuFile], name: str) -> Iterator[Row]:
     """The peer's runs over the problem's macro steps; one row with a note if it is not there."""
     jobs = [job(problem, files, step) for step in problem.held_ladder]
     module = f"{__name__}.{PEERS[name]}"
@@ -59,12 +55,10 @@ def measured(
         if "missing" in answer:
             yield Row(name, name, step, note=f"not installed: {answer['missing']}")
             return
-        yield _row(problem, truth, name, step, answer)
+        yield _row(problem, name, step, answer)
 
 
-def _row(
-    problem: problems.CouplingProblem, truth: Vector, name: str, step: float, answer: Mapping[str, Any]
-) -> Row:
+def _row(problem: CouplingProblem, name: str, step: float, answer: Mapping[str, Any]) -> Row:
     if "failed" in answer:
         return Row(name, name, step, note=answer["failed"])
     steps = round(problem.duration / step)
@@ -80,10 +74,10 @@ def _row(
     }
     if not np.all(np.isfinite(values)):
         return Row(**common, note="values that are not finite")
-    return Row(**common, **errors_of(problem.outputs, values, truth))
+    return Row(**common, **errors_of(problem, problem.times, values))
 
 
-def job(problem: problems.CouplingProblem, files: Mapping[str, FmuFile], step: float) -> dict[str, Any]:
+def job(problem: CouplingProblem, files: Mapping[str, FmuFile], step: float) -> dict[str, Any]:
     """A run in plain data: every instance's file, and by the FMU's variable names, with their types, the
     values that are not those the file starts with."""
     system = problem.system
