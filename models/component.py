@@ -61,7 +61,7 @@ class Component:
     `advance_maker`, if given, replaces the standard integrator (with events: the hybrid one):
     (component) -> advance kernel, with `extra_work` elements of scratch more. `runs_on`: it moves while the
     mechanisms it drives are at rest, so that an equilibrium does not ask it to stand still, but for the
-    states in `settles`.
+    states in `settles`. `sample` is called along the motion (see `quadrature`).
     """
 
     name: str
@@ -80,6 +80,7 @@ class Component:
     check_start: Callable[[Any, Any, Any], Sequence[str]] | None = None
     advance_maker: Callable[[Component], Any] | None = None
     extra_work: int = 0
+    sample: Any = None
     structure: Mapping[str, int] = field(default_factory=dict)
     runs_on: bool = False
     settles: Sequence[str] = ()
@@ -147,17 +148,21 @@ class Component:
         return flat_transition
 
     @cached_property
+    def advance(self) -> Any:
+        """advance(t, h, x, U, p, scale, work) -> status: moves x in place over [t, t + h] with the inputs'
+        polynomials U; unchanged if the status is not OK."""
+        if maker := self.advance_maker or (make_hybrid_advance if self.events else None):
+            return maker(self)
+        return make_advance(self.flat_derivative, self.state, self.inputs, self.sample)
+
+    @cached_property
     def step(self) -> Any:
         """step(t, h, x, U, p, scale, work, u, y) -> status.
 
         Advances x in place over [t, t + h] with the inputs' polynomials U, then leaves the inputs and
         outputs at the end in u and y. x is unchanged if the status is not OK.
         """
-        if maker := self.advance_maker or (make_hybrid_advance if self.events else None):
-            advance = maker(self)
-        else:
-            advance = make_advance(self.flat_derivative, self.state, self.inputs)
-        output = self.flat_output
+        advance, output = self.advance, self.flat_output
 
         @kernel
         def step(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any, u: Any, y: Any) -> int:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated
 
+from .bonds import counts_energies
 from .component import Component, PowerBond
 from .kernel import kernel
 from .quantities import Layout, Quantity, Vector, per_element
@@ -71,6 +72,7 @@ class FlywheelOutputs:
     ] = 0.0
 
 
+@counts_energies
 def flywheel(loads: int = 1) -> Component:
     """J w' = T_drive - sum of load torques when free; w(t) given by the ramp when prescribed.
 

@@ -24,6 +24,7 @@ from .integrator import (
     work_size,
 )
 from .kernel import kernel
+from .quadrature import make_interpolate, make_quadrature
 
 if TYPE_CHECKING:
     from .component import Component
@@ -50,33 +51,6 @@ def hybrid_work_size(component: Component) -> int:
     return work_size(component.state, component.inputs) + component.state.size + samples + 2 * count
 
 
-def make_interpolate(n: int) -> Any:
-    """interpolate(f, h, x, xn, k, xd): the state xd at fraction f of a step from x to xn.
-
-    The fourth-order continuation of Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I,
-    II.6; k holds the step's seven derivatives.
-    """
-
-    @kernel
-    def interpolate(f: float, h: float, x: Any, xn: Any, k: Any, xd: Any) -> None:
-        g = 1.0 - f
-        for i in range(n):
-            change = xn[i] - x[i]
-            start = h * k[i] - change
-            end = change - h * k[6 * n + i] - start
-            bend = h * (
-                -12715105075.0 / 11282082432.0 * k[i]
-                + 87487479700.0 / 32700410799.0 * k[2 * n + i]
-                - 10690763975.0 / 1880347072.0 * k[3 * n + i]
-                + 701980252875.0 / 199316789632.0 * k[4 * n + i]
-                - 1453857185.0 / 822651844.0 * k[5 * n + i]
-                + 69997945.0 / 29380423.0 * k[6 * n + i]
-            )
-            xd[i] = x[i] + f * (change + g * (start + f * (end + g * bend)))
-
-    return interpolate
-
-
 @kernel
 def vertex_is_far(a: float, b: float, c: float, ga: float, gb: float, gc: float) -> bool:
     """True if a guard with samples ga >= gb <= gc > 0 stays clear of zero.
@@ -100,6 +74,7 @@ def make_hybrid_advance(component: Component) -> Any:
     derivative_along = make_derivative_along(component.flat_derivative)
     runge_kutta = make_runge_kutta(derivative_along, n)
     interpolate = make_interpolate(n)
+    quadrature = make_quadrature(component.sample, n)
     points = len(FRACTIONS)
 
     @kernel
@@ -272,7 +247,7 @@ def make_hybrid_advance(component: Component) -> Any:
                     fallen = root_between(j, fallen, t, s, length, x, xn, U, u, p, k, xd, g, samples)
                     if fallen < root:
                         first, root = j, fallen
-            happened = False
+            happened, at = False, length
             if first >= 0:
                 at = locate(
                     first, root * length, length, resolution, g0[first], t, s, x, U, u, p, scale, k, xt, xn, g
@@ -280,6 +255,8 @@ def make_hybrid_advance(component: Component) -> Any:
                 happened = at >= 0.0
                 if not happened:  # the interpolant's dip was within the step's error
                     runge_kutta(t, s, length, x, U, u, p, scale, k, xt, xn)
+                    at = length
+            quadrature(t, s, at, x, xn, k, U, u, p, xd, work)
             x[:] = xn
             if happened:
                 stalled = stalled + 1 if at <= 2.0 * resolution else 0

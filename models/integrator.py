@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from .kernel import kernel
+from .quadrature import make_quadrature
 from .quantities import Layout
 
 OK = 0
@@ -122,14 +123,16 @@ def make_runge_kutta(derivative_along: Any, n: int) -> Any:
     return runge_kutta
 
 
-def make_advance(derivative: Any, state: Layout, inputs: Layout) -> Any:
+def make_advance(derivative: Any, state: Layout, inputs: Layout, sample: Any = None) -> Any:
     """advance(t, h, x, U, p, scale, work) -> status: integrates x in place from t to t + h.
 
-    `derivative` is flat: (t, x, u, p, dx). On failure x is unchanged.
+    `derivative` is flat: (t, x, u, p, dx). On failure x is unchanged. `sample` is called along the steps
+    that are made (see `quadrature`).
     """
     n, m = state.size, inputs.size
     derivative_along = make_derivative_along(derivative)
     runge_kutta = make_runge_kutta(derivative_along, n)
+    quadrature = make_quadrature(sample, n)
 
     @kernel
     def advance(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any) -> int:
@@ -145,6 +148,7 @@ def make_advance(derivative: Any, state: Layout, inputs: Layout) -> Any:
                 micro = h - s
             error = runge_kutta(t, s, micro, x, U, u, p, scale, k, xt, xn)
             if error <= 1.0:
+                quadrature(t, s, micro, x, xn, k, U, u, p, xt, work)
                 s = h if last else s + micro
                 for i in range(n):
                     x[i] = xn[i]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields, make_dataclass
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -94,6 +94,7 @@ class Layout:
 
     def __init__(self, record: type, sizes: Mapping[str, int] | None = None) -> None:
         self.record = record
+        self.sizes = dict(sizes or {})
         hints = get_type_hints(record, include_extras=True)
         formats: list[tuple[str, str, tuple[int, ...]]] = []
         scalars: list[Field] = []
@@ -101,7 +102,7 @@ class Layout:
             quantity = _quantity_of(record, item.name, hints[item.name])
             start = float(item.metadata["start"] if item.default is MISSING else item.default)
             if quantity.size:
-                count = (sizes or {})[quantity.size]
+                count = self.sizes[quantity.size]
                 formats.append((item.name, "f8", (count,)))
                 scalars += [Field(f"{item.name}[{i + 1}]", quantity, start) for i in range(count)]
             else:
@@ -117,6 +118,13 @@ class Layout:
 
     def __contains__(self, name: str) -> bool:
         return name in self._index
+
+    def extended(self, quantities: Mapping[str, Quantity]) -> Layout:
+        """A layout with these scalars after its own; they start at zero."""
+        added = [
+            (name, Annotated[float, quantity], field(default=0.0)) for name, quantity in quantities.items()
+        ]
+        return Layout(make_dataclass(self.record.__name__, added, bases=(self.record,)), self.sizes)
 
     def index(self, name: str) -> int:
         """Position of a scalar in the vector; KeyError with the known names if there is none."""

@@ -15,6 +15,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
+from ..bonds import counts_energies
 from ..component import Component, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector
@@ -254,6 +255,7 @@ def energy(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, e:
     e[2] = c.load * c.film_rate if p.film_model != FILM_IS_DRY else 0.0
 
 
+@counts_energies
 def ehl_contact() -> Component:
     """The lubricated line contact, compliant or in adherence form."""
     inputs = Layout(ContactInputs)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from ..bonds import counts_energies
 from ..component import Component, Events, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Vector
@@ -205,6 +206,7 @@ def energy(t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankPa
         e[2] = wall_force(x.mode, now, u, p) * film_rate
 
 
+@counts_energies
 def slider_crank() -> Component:
     """The slider-crank with clearance at its slider."""
     moving = ("crank_angle", "crank_speed")

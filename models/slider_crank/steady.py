@@ -10,8 +10,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..hybrid import MOST_EVENTS, hybrid_work_size, make_hybrid_advance
 from ..integrator import OK, TOO_MANY_EVENTS, taylor
 from ..kernel import kernel
@@ -37,7 +35,8 @@ from .flight.flow import COLUMNS, FEWEST_CELLS, UNRESOLVED, Flow, tabulate
 from .flight.pendulum import PendulumFlow
 from .flight.samples import sample_flow, sample_pressing
 from .flight.series import TERMS
-from .forms import NONLINEAR, offset, offset_slope, wall_angle, wall_rate
+from .follow import NODES, PANEL, WEIGHTS, make_follow, make_leave
+from .forms import NONLINEAR, offset, offset_slope, wall_rate
 from .records import WALL_FILMS, mechanism
 
 if TYPE_CHECKING:
@@ -47,10 +46,6 @@ if TYPE_CHECKING:
 CELLS = FEWEST_CELLS
 # Radians by which a crank may depart from uniform turning within a step: the rounding of its angle.
 UNIFORM = 1e-13
-# Panels of Gauss's rule for the sliding force: 8 points of 0.4 rad leave 1e-16 of it.
-PANEL = 0.4
-NODES, WEIGHTS = (tuple(float(v) for v in values) for values in np.polynomial.legendre.leggauss(8))
-
 # Where the parts of the extra scratch end.
 _CELLS = 3 * CELLS * TERMS
 _ENDS = _CELLS + 6 * CELLS
@@ -107,25 +102,15 @@ def tabulate_for(form: float, m: Mechanism, gap: float, flow: Flow, key: Any, ro
 def make_fly(component: Component, next_event: Any) -> Any:
     """fly(t, h, x, U, p, flow, walls, position, scratch, work) -> status: exact motion over [t, t + h].
 
-    work: u, then the derivative of the state.
+    work: a state that is left alone, u, the derivative of the state, another state, another position.
     """
+    leave, follow = make_leave(component), make_follow(component, next_event, CELLS)
     derivative, transition = component.flat_derivative, component.flat_transition
     n, m = component.state.size, component.inputs.size
-    P = component.parameters.dtype
-    psi_at, rate_at, mode_at = (component.state.index(name) for name in ("psi", "psi_rate", "mode"))
+    mode_at = component.state.index("mode")
     upper_at, lower_at = (component.state.index(f"{side}_force_integral") for side in ("upper", "lower"))
-    angle_at, speed_at = component.inputs.index("crank_angle"), component.inputs.index("crank_speed")
+    speed_at = component.inputs.index("crank_speed")
     width = 2.0 * math.pi / CELLS
-
-    @kernel
-    def leave(position: Any, x: Any, u: Any, p: Any) -> None:
-        """psi and its rate from the position."""
-        parameters = p.view(P)[0]
-        theta, speed, mech = u[angle_at], u[speed_at], mechanism(parameters)
-        psi = wall_angle(parameters.form, theta, position[Y], mech)
-        slope = offset_slope(parameters.form, theta, psi, mech)
-        x[psi_at] = psi
-        x[rate_at] = wall_rate(parameters.form, theta, speed, psi, mech) + position[RATE_OF_Y] * speed / slope
 
     @kernel
     def press(t: float, start: float, end: float, x: Any, U: Any, p: Any, u: Any, dx: Any) -> None:
@@ -148,7 +133,8 @@ def make_fly(component: Component, next_event: Any) -> Any:
         t: float, h: float, x: Any, U: Any, p: Any, flow: Any, walls: Walls, position: Any, scratch: Any,
         work: Any,
     ) -> int:  # fmt: skip
-        u, dx = work[0:m], work[m : m + n]
+        u, dx, xd = work[n : n + m], work[n + m : 2 * n + m], work[2 * n + m : 3 * n + m]
+        before = work[3 * n + m : 3 * n + m + POSITION_SIZE]
         speed = U[0, speed_at]
         first = position[CELL] + position[FRACTION]
         last = first + speed * h / width
@@ -158,12 +144,14 @@ def make_fly(component: Component, next_event: Any) -> Any:
             whole = left >= CELLS
             k = CELLS - 1 if whole else int(left)
             started = elapsed
+            before[:] = position
             code = next_event(flow, walls, position, k, 1.0 if whole else left - k, scratch)
             elapsed = (position[CELL] + position[FRACTION] + turned * CELLS - first) * width / speed
             if code == END and not whole:
                 elapsed = h
             if x[mode_at] != FREE:
                 press(t, started, elapsed, x, U, p, u, dx)
+            follow(t, started, elapsed, x, U, p, flow, walls, before, scratch, xd, u, work)
             taylor(U, elapsed, u)
             if code != END:
                 leave(position, x, u, p)
@@ -260,9 +248,9 @@ def make_advance(component: Component) -> Any:
         start[:] = x
         if parameters.form == NONLINEAR:
             swinging = PendulumFlow(m.xi, m, flow.pressing)
-            status = fly_nonlinear(t, h, x, U, p, swinging, walls, position, scratch, work[n:])
+            status = fly_nonlinear(t, h, x, U, p, swinging, walls, position, scratch, work)
         else:
-            status = fly_linear(t, h, x, U, p, flow, walls, position, scratch, work[n:])
+            status = fly_linear(t, h, x, U, p, flow, walls, position, scratch, work)
         if status != OK:
             x[:] = start
         return status

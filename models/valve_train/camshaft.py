@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
+from ..bonds import counts_energies
 from ..component import Component, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector
@@ -268,6 +269,7 @@ def profile_faults(p: CamshaftParameters) -> Sequence[str]:
     return []
 
 
+@counts_energies
 def camshaft() -> Component:
     """One cam on its shaft element."""
     inputs = Layout(CamshaftInputs)

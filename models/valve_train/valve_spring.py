@@ -12,6 +12,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from ..bonds import counts_energies
 from ..component import Component, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector, per_element
@@ -130,6 +131,7 @@ def spring_frequencies(parameters: ValveSpringParameters, coil_masses: int) -> V
     return np.asarray(parameters.surge_frequency * np.sqrt(np.linalg.eigvalsh(matrix / share.mass) / 4.0))
 
 
+@counts_energies
 def valve_spring(coil_masses: int = 2) -> Component:
     """Valve and spring with `coil_masses` coil masses.
 

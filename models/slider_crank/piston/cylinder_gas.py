@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
+from ...bonds import counts_energies
 from ...component import Component
 from ...kernel import kernel
 from ...quantities import Layout, Quantity, Vector
@@ -192,6 +193,7 @@ def check(p: CylinderGasParameters) -> Sequence[str]:
     return found
 
 
+@counts_energies
 def cylinder_gas() -> Component:
     """Gas pressure of a four-stroke cycle."""
     return Component(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ...bonds import counts_energies
 from ...component import Component, PowerBond
 from ...kernel import kernel
 from ...quantities import Layout, Vector
@@ -104,6 +105,7 @@ def energy(
     e[2] = gas_power(s.q, s.v, u.gas_pressure, m)
 
 
+@counts_energies
 def free_piston_crank() -> Component:
     """The slider-crank with a tilting piston on a crank of its own."""
     forced = ("crank_drive", "gas_pressure")

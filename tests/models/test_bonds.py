@@ -1,0 +1,157 @@
+"""Energies counted inside steps: closed forms, closure, jumps of inputs, an undisturbed motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from models.bonds import counting, energy_through
+from models.catalogue import CATALOGUE
+from models.contact.hertz import elastic_compliance, elastic_energy, load_of
+from models.integrator import OK
+
+COMPONENTS = sorted(CATALOGUE)
+DRY = CATALOGUE["ehl_contact"]().parameters.field("film_model").quantity.choices.index("dry")
+
+
+class Unit:
+    """A component that is stepped by hand."""
+
+    def __init__(self, component, parameters=None, start=None, inputs=None):
+        self.component = component
+        self.p = component.parameters.vector(parameters)
+        self.x = component.state.vector(start)
+        self.U = component.input_polynomial()
+        self.U[0] = component.inputs.vector(inputs)
+        self.u, self.y = np.zeros(component.inputs.size), np.zeros(component.outputs.size)
+        self.work = np.zeros(component.work_size)
+        self.t = 0.0
+
+    def step(self, h):
+        c = self.component
+        status = c.step(self.t, h, self.x, self.U, self.p, c.state.nominal, self.work, self.u, self.y)
+        assert status == OK
+        self.t += h
+        return self
+
+    def input(self, name, *coefficients):
+        self.U[: len(coefficients), self.component.inputs.index(name)] = coefficients
+
+    def __getitem__(self, name):
+        return self.y[self.component.outputs.index(name)]
+
+
+def made(name, **settings):
+    return Unit(CATALOGUE[name](energies=1), **settings)
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.long) if "piston" in n else n for n in COMPONENTS]
+)
+def test_the_motion_does_not_see_that_energies_are_counted(name):
+    plain, counts = Unit(CATALOGUE[name]()), made(name)
+    n, m = plain.component.state.size, plain.component.outputs.size
+    for unit in (plain, counts):
+        for k, row in enumerate((0.02, 1.0, 30.0)):
+            unit.U[k] = row * unit.component.inputs.nominal
+        for _ in range(5):
+            unit.step(3e-4)
+    np.testing.assert_array_equal(counts.x[:n], plain.x)
+    np.testing.assert_array_equal(counts.y[:m], plain.y)
+
+
+def test_a_torque_on_a_free_rotor_gives_its_work():
+    """E = T (w0 t + T t^2 / 2 I), the work of a constant torque; the bond counts what comes in."""
+    inertia, speed, torque, duration = 0.2, 30.0, 7.0, 1.5
+    unit = made("flywheel", parameters={"inertia": inertia, "motion": 0.0}, start={"speed": speed})
+    assert unit.component.parameters.field("motion").quantity.choices[0] == "free"
+    unit.input("load_torque[1]", torque)
+    for _ in range(3):
+        unit.step(duration / 3)
+    work = torque * (speed * duration - torque * duration**2 / (2.0 * inertia))
+    assert unit["energy_by_load_torque_1_speed"] == pytest.approx(-work, rel=1e-14)
+    assert unit["energy_gained"] == pytest.approx(-work, rel=1e-14)
+
+
+def test_what_a_valve_spring_gains_and_loses_came_in_through_its_load():
+    unit = made("valve_spring", parameters={"damping_ratio": 0.1})
+    for n in range(40):
+        load = 330.0 + 400.0 * np.sin(0.3 * n)
+        unit.input("load", load, 1e6, -1e9)
+        unit.step(2e-4)
+    received = unit["energy_by_load_velocity"]
+    assert unit["energy_dissipated"] > 0.01
+    # 1e-10 per integration step of energies about 1 J, some hundred steps.
+    assert unit["energy_gained"] + unit["energy_dissipated"] == pytest.approx(received, abs=1e-8)
+    # Its stored energy does not see the load, so that no jump of the load changes it.
+    start = made("valve_spring").step(0.0)
+    assert unit["energy_stored"] - start["energy_stored"] == pytest.approx(unit["energy_gained"], abs=1e-13)
+
+
+def test_inputs_that_jump_between_steps_change_stored_energy_beyond_what_steps_gain():
+    """A dry contact under held deflections stores the closed form of its energy, and gains nothing."""
+    compliance, radius, length = elastic_compliance(207e9, 0.3, 207e9, 0.3), 0.02, 12e-3
+    unit = made("ehl_contact", parameters={"film_model": DRY, "length": length})
+    for name, value in (("youngs_modulus", 207e9), ("poissons_ratio", 0.3)):
+        for body in (1, 2):
+            assert unit.component.parameters.field(f"{name}_{body}").start == value
+    unit.input("radius_of_curvature", radius)
+    for approach in (2e-6, 9e-6):
+        unit.input("approach", approach)
+        unit.step(1e-3)
+    load = load_of(9e-6, radius, length, compliance)
+    assert unit["energy_stored"] == pytest.approx(elastic_energy(load, radius, length, compliance), rel=1e-12)
+    assert unit["energy_gained"] == 0.0
+
+
+def test_energies_through_bonds_are_found_with_sixth_order():
+    """A dry contact gains what its two surfaces do on it; Lobatto's four points leave O(h^6) of the sum."""
+
+    def left(steps):
+        unit = made("ehl_contact", parameters={"film_model": DRY})
+        unit.input("radius_of_curvature", 0.02)
+        h = 1e-4 / steps
+        for n in range(steps):
+            t = n * h
+            unit.input("approach", 5e-6 + 0.1 * t - 200.0 * t**2, 0.1 - 400.0 * t, -400.0)
+            unit.input("approach_rate", 0.1 - 400.0 * t, -400.0)
+            unit.input("retreat", 0.02 * t, 0.02)
+            unit.input("retreat_rate", 0.02)
+            unit.step(h)
+        came = unit["energy_by_load_approach_rate"] + unit["energy_by_load_retreat_rate"]
+        assert came > 1e-3
+        return abs(unit["energy_gained"] + unit["energy_dissipated"] - came)
+
+    assert np.log2(left(2) / left(4)) == pytest.approx(6.0, abs=0.7)
+
+
+@pytest.mark.parametrize("form", [1.0, pytest.param(2.0, marks=pytest.mark.long)])
+def test_exact_flights_and_slides_of_the_slider_crank_close(form):
+    """Kinetic energy less impacts = what the crank gave - joint friction, over bounces and slides."""
+    settings = {
+        "parameters": {"form": form, "restitution": 0.4, "joint_friction": 0.05},
+        "inputs": {"crank_speed": 200.0},
+    }
+    unit = made("slider_crank", **settings)
+    for n in range(200):
+        unit.input("crank_angle", 200.0 * 5e-4 * n, 200.0)
+        unit.step(5e-4)
+    assert unit["impact_count"] > 5
+    assert unit["energy_dissipated"] > 0.0
+    size = np.abs(unit["energy_gained"]) + np.abs(unit["energy_dissipated"])
+    closure = unit["energy_gained"] + unit["energy_dissipated"] - unit["energy_sourced"]
+    # Rounding of impacts' energies over some hundred events.
+    assert closure == pytest.approx(unit["energy_by_crank_torque_crank_speed"], abs=1e-9 * size)
+
+
+def test_a_step_of_no_length_counts_nothing():
+    unit = made("valve_spring").step(0.0)
+    assert not unit.x[unit.component.plain.state.size :].any()
+
+
+@pytest.mark.parametrize("name", COMPONENTS)
+def test_every_bond_has_its_own_variable(name):
+    component = CATALOGUE[name]()
+    names = [energy_through(bond) for bond in component.bonds]
+    assert len(set(names)) == len(names)
+    assert set(names) <= set(counting(component).outputs.names)
