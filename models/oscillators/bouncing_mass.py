@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
+from ..bonds import counts_energies
 from ..component import Component, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector
@@ -152,6 +153,7 @@ def stop_energy(
     e[2] = 0.0
 
 
+@counts_energies
 def falling_mass() -> Component:
     """A mass under gravity and a force."""
     return Component(
@@ -169,6 +171,7 @@ def falling_mass() -> Component:
     )
 
 
+@counts_energies
 def spring_stop() -> Component:
     """A massless spring and damper that pushes a mass away."""
     motion = ("position", "velocity")

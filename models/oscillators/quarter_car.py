@@ -15,6 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
+from ..bonds import counts_energies
 from ..component import Component, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector
@@ -168,6 +169,7 @@ def wheel_energy(
     e[2] = 0.0
 
 
+@counts_energies
 def quarter_car_chassis() -> Component:
     """The chassis on its suspension, over a wheel that moves as given."""
     return Component(
@@ -185,6 +187,7 @@ def quarter_car_chassis() -> Component:
     )
 
 
+@counts_energies
 def quarter_car_wheel() -> Component:
     """The wheel on its tyre, under a chassis that moves as given."""
     return Component(

@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
+from ..bonds import counts_energies
 from ..component import Component, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector
@@ -127,6 +128,7 @@ def coupled_energy(t: float, x: MassState, u: CoupledMassInputs, p: CoupledMassP
     e[2] = 0.0
 
 
+@counts_energies
 def sprung_mass() -> Component:
     """A mass on a spring and damper to the ground, driven by a force."""
     return Component(
@@ -144,6 +146,7 @@ def sprung_mass() -> Component:
     )
 
 
+@counts_energies
 def coupled_mass() -> Component:
     """A mass like `sprung_mass`, with the spring and damper that couple it to another mass."""
     return Component(
