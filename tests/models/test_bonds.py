@@ -46,7 +46,8 @@ def made(name, **settings):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.long) if "piston" in n or "crank" in n else n for n in COMPONENTS]
+    "name",
+    [pytest.param(n, marks=pytest.mark.long) if "piston" in n or "crank" in n else n for n in COMPONENTS],
 )
 def test_the_motion_does_not_see_that_energies_are_counted(name):
     plain, counts = Unit(CATALOGUE[name]()), made(name)
