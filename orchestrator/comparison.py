@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from models.monolithic.difference import Difference, difference
+from models.monolithic.difference import Difference, difference, time_weights
 from models.quantities import Vector
 
 
@@ -41,16 +41,21 @@ Errors = dict[str, VariableError]
 
 
 def compare(
+    times: Vector,
     coupled: Mapping[str, Vector],
     reference: Mapping[str, Vector],
     uncertainty: Mapping[str, Difference],
     nominal: Mapping[str, float],
     tolerance: Mapping[str, float],
 ) -> Errors:
-    """The error of every variable in `coupled`, whose values are at the reference's times."""
+    """The error of every variable in `coupled`, whose values are, like the reference's, at `times`.
+
+    Records count by the time that they stand for.
+    """
+    weights = time_weights(times)
     errors: Errors = {}
     for name, values in coupled.items():
-        found = difference(values, reference[name], nominal[name])
+        found = difference(values, reference[name], nominal[name], weights)
         errors[name] = VariableError(
             max_abs=found.max_abs,
             rms=found.rms,

@@ -237,7 +237,9 @@ def _compared(
     del coupled["time"]
     columns = {name: reference.outputs[:, system.outputs.names.index(name)] for name in names}
     nominal = {name: quantities[name].nominal for name in names}
-    summary.errors = compare(coupled, columns, reference.uncertainty, nominal, scenario.tolerance)
+    summary.errors = compare(
+        reference.times, coupled, columns, reference.uncertainty, nominal, scenario.tolerance
+    )
     for name, error in summary.errors.items():
         result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
     summary.reference_uncertainty = largest_uncertainty(summary.errors)

@@ -11,12 +11,13 @@ from models.contact.ehl_contact import TABLE_3
 from models.contact.films import FILMS
 from models.contact.films.groups import groups
 from models.contact.hertz import elastic_compliance
+from models.monolithic.difference import time_weights
 from models.quantities import Vector
 from models.system import System
 
 SYMBOLS = {"material": "G", "squeeze": "w_s", "load": "W", "speed": "U"}
 
-# Gives columns of the coupled run, by "instance.variable".
+# Gives columns of the coupled run, by "instance.variable", and "time".
 Read = Callable[[Sequence[str]], Mapping[str, Vector]]
 
 
@@ -71,10 +72,11 @@ def _formula(system: System, name: str) -> str:
 def _of(name: str, system: System, read: Read) -> dict[str, Excursion]:
     outputs = ("load", "squeeze_velocity", *(f"{group}_in_range" for group in TABLE_3))
     drivers = {c.target.variable: str(c.source) for c in system.connections if c.target.instance == name}
-    columns = read([*(f"{name}.{output}" for output in outputs), *drivers.values()])
+    columns = read(["time", *(f"{name}.{output}" for output in outputs), *drivers.values()])
     loaded = columns[f"{name}.load"] > 0.0
     if not loaded.any():
         return {}
+    weights = time_weights(columns["time"])[loaded]
     layout = system.instances[name].component.inputs
     constant = layout.named(layout.vector(system.instances[name].inputs))
 
@@ -91,7 +93,9 @@ def _of(name: str, system: System, read: Read) -> dict[str, Excursion]:
         given("radius_of_curvature"),
     )
     return {
-        group: Excursion(float(np.mean(outside)), *_extremes(values[group]), *TABLE_3[group])
+        group: Excursion(
+            float(np.average(outside, weights=weights)), *_extremes(values[group]), *TABLE_3[group]
+        )
         for group in TABLE_3
         if (outside := own[f"{group}_in_range"] == 0.0).any()
     }

@@ -1,7 +1,7 @@
 """The monolithic reference: a whole System as one problem, without splitting, by two methods."""
 
 from .adherence import solve_adherence
-from .difference import Difference, difference
+from .difference import Difference, difference, time_weights
 from .energy import EnergyBalance
 from .equilibrium import equilibrium
 from .problem import Event
@@ -16,4 +16,5 @@ __all__ = [
     "equilibrium",
     "solve",
     "solve_adherence",
+    "time_weights",
 ]

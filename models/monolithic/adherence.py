@@ -65,7 +65,7 @@ def solve_adherence(
         state=np.array([problem.full_state(float(t), z) for t, z in zip(times, runs[0], strict=True)]),
         inputs=inputs,
         outputs=outputs,
-        uncertainty=uncertainties(problem.system, outputs, others),
+        uncertainty=uncertainties(problem.system, times, outputs, others),
         events=events,
         energy=problem.energies.balances(stored, runs[0][:, n:]),
         wall_time_s=time.perf_counter() - begun,

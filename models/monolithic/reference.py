@@ -16,7 +16,7 @@ import numpy as np
 from ..quantities import Vector
 from ..system import ModelError, System
 from .cvode import Cvode
-from .difference import Difference, difference
+from .difference import Difference, difference, time_weights
 from .energy import EnergyBalance
 from .march import Method, march
 from .problem import Event, ObservableProblem, Problem, SystemProblem
@@ -108,7 +108,7 @@ def solve(
         state=runs[0][:, :n],
         inputs=inputs,
         outputs=outputs,
-        uncertainty=uncertainties(system, outputs, others),
+        uncertainty=uncertainties(system, times, outputs, others),
         events=events,
         energy=problem.energies.balances(stored, runs[0][:, n:]),
         wall_time_s=time.perf_counter() - begun,
@@ -196,9 +196,10 @@ def observe(problem: ObservableProblem, times: Vector, states: Vector) -> tuple[
     return np.array(inputs), np.array(outputs), np.array(stored)
 
 
-def uncertainties(system: System, outputs: Vector, others: Vector) -> dict[str, Difference]:
-    """The difference of two solutions for every output, by name."""
+def uncertainties(system: System, times: Vector, outputs: Vector, others: Vector) -> dict[str, Difference]:
+    """The difference of two solutions at `times` for every output, by name."""
+    weights = time_weights(times)
     return {
-        name: difference(others[:, i], outputs[:, i], float(system.outputs.nominal[i]))
+        name: difference(others[:, i], outputs[:, i], float(system.outputs.nominal[i]), weights)
         for i, name in enumerate(system.outputs.names)
     }

@@ -134,10 +134,9 @@ class FigureData:
         for name in angles:
             words = ANGLES[name.split(".", 1)[1]]
             angle = self.coupled[name]
-            line = np.linspace(angle[0], angle[-1], len(angle))
+            line = np.interp(self.time, self.time[[0, -1]], angle[[0, -1]])
             turned = abs(angle[-1] - angle[0])
-            even = np.allclose(np.diff(self.time), self.time[1] - self.time[0], rtol=1e-3)
-            if even and turned > 0.1 and np.abs(angle - line).max() < 0.01 * min(turned, 2.0 * math.pi):
+            if turned > 0.1 and np.abs(angle - line).max() < 0.01 * min(turned, 2.0 * math.pi):
                 return name, words
         return "", "Time (ms)"
 

@@ -11,7 +11,7 @@ import pytest
 
 from models.component import Component, Events
 from models.kernel import kernel
-from models.monolithic import difference, equilibrium, solve
+from models.monolithic import difference, equilibrium, solve, time_weights
 from models.monolithic.reference import SystemProblem, stiffness
 from models.quantities import Layout, Quantity
 from models.system import Instance, ModelError, System
@@ -252,6 +252,30 @@ def test_difference_of_a_constant_is_relative_to_its_size():
     assert difference(np.full(3, 101.0), np.full(3, 100.0)).relative_rms == pytest.approx(0.01)
     assert difference(np.full(3, 1e-9), np.zeros(3), nominal=1e-6).relative_rms == pytest.approx(1e-3)
     assert difference(np.zeros(3), np.zeros(3)).relative_rms == 0.0
+
+
+def test_uneven_records_count_by_the_time_they_stand_for():
+    """Closed form: an error t over [0, 1] has the RMS 1 / sqrt(3), a reference t the spread 1 / sqrt(12).
+
+    Both ends stand for half an interval too much: right to the longest interval, 2 / n.
+    """
+    n = 4000
+    times = np.linspace(0.0, 1.0, n) ** 2
+    found = difference(2.0 * times, times, weights=time_weights(times))
+    assert found.rms == pytest.approx(3.0**-0.5, rel=2.0 / n)
+    assert found.relative_rms == pytest.approx(2.0, rel=2.0 / n)
+    assert difference(2.0 * times, times).rms == pytest.approx(5.0**-0.5, rel=2.0 / n)  # by count instead
+
+
+def test_records_at_equal_distances_count_equally():
+    random = np.random.default_rng(1)
+    values, reference = random.normal(size=(2, 500))
+    times = 0.1 + 2e-5 * np.arange(500)
+    found = difference(values, reference, weights=time_weights(times))
+    # Distances of times are equal to their rounding, 1e-16 of 0.1 s over 20 us.
+    assert found.rms == pytest.approx(difference(values, reference).rms, rel=1e-12)
+    assert found.relative_rms == pytest.approx(difference(values, reference).relative_rms, rel=1e-12)
+    assert difference(values[:1], reference[:1], weights=time_weights(times[:1])).rms > 0.0
 
 
 def test_differences_of_unlike_signals_are_refused():

@@ -22,6 +22,7 @@ def _run(*changes: str):  # type: ignore[no-untyped-def]
     p = component.parameters.vector(instance.parameters)
     columns = {name: np.zeros(RECORDS) for name in system.outputs.names}
     drivers = {c.target.variable: str(c.source) for c in system.connections if c.target.instance == "contact"}
+    columns["time"] = np.cumsum(random.uniform(1e-6, 1e-4, RECORDS))
     for i in range(RECORDS):
         inputs = {
             "approach": random.uniform(-5e-6, 15e-6),
@@ -44,16 +45,22 @@ def run():  # type: ignore[no-untyped-def]
 
 
 def test_shares_and_extremes_agree_with_the_flags_of_the_contact(run) -> None:  # type: ignore[no-untyped-def]
-    """A group is listed exactly if its flag fell under load, with that share and values beyond its range."""
+    """Groups are listed exactly if their flag fell under load, with share of time and extremes beyond it."""
     system, columns = run
     found = excursions(system, lambda names: {name: columns[name] for name in names})["contact"]
     loaded = columns["contact.load"] > 0.0
     assert 0.0 < np.mean(loaded) < 1.0
+    time = columns["time"]
+    ends = 2.0 * time[[0, -1]] - time[[1, -2]]
+    stood_for = 0.5 * np.diff(np.r_[ends[0], time, ends[1]], n=1)
+    stood_for = stood_for[:-1] + stood_for[1:]  # half of the intervals on both sides
     for group, (low, high) in TABLE_3.items():
         outside = columns[f"contact.{group}_in_range"][loaded] == 0.0
         assert (group in found) == outside.any()
         if group in found:
-            assert found[group].share == np.mean(outside)
+            assert found[group].share == pytest.approx(
+                stood_for[loaded][outside].sum() / stood_for[loaded].sum(), rel=1e-12
+            )
             assert found[group].least < low or found[group].most > high
     # U = eta |u| / (E R) with E = pi / compliance, for two equal steels pi E1 / (2 (1 - nu^2)).
     fastest = np.abs(columns["camshaft.entraining_velocity"]) / columns["camshaft.radius_of_curvature"]
