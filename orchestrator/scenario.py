@@ -156,7 +156,7 @@ class StepControlTable(_Table):
     estimator: str | None = Field(
         None,
         description="predictor_corrector, step_doubling, schierz or energy; default: predictor_corrector for "
-        "iterated masters, schierz for others",
+        "iterated masters, step_doubling for others",
     )
     relative: Tolerance = Field(1e-4, description="Local error allowed, of a value")
     absolute: Tolerance | None = Field(
@@ -175,7 +175,7 @@ class StepControlTable(_Table):
     def made(self, implicit: bool, event_tolerance: float) -> StepControl:
         """For a master that iterates (`implicit`), or one that doesn't."""
         return StepControl(
-            estimator=self.estimator or ("predictor_corrector" if implicit else "schierz"),
+            estimator=self.estimator or ("predictor_corrector" if implicit else "step_doubling"),
             relative=self.relative,
             absolute=self.absolute or self.relative,
             minimum_step=self.minimum_step,

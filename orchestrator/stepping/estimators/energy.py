@@ -6,30 +6,37 @@ import numpy as np
 
 from ...bonds import bonds_of
 from ...exchange import Exchange
-from ...masters import Master
+from ...masters import Jacobi, Master, name_of
 from ...signals import evaluate
-from .nodes import effective_degree
+from .nodes import effective_degree, extrapolated, integral
 from .protocol import Attempt
-from .step_doubling import exponent
+from .step_doubling import StepDoubling
 
 
 class EnergyResidual:
-    """Residual power of every power bond at the end of the step, times the step, as an error in joules.
+    """Energy that the coupling creates in the step at every power bond, from the residual power at its end.
 
     One side works with its own effort and the flow that it assumed, the other with its own flow and the
-    effort that it assumed; the difference of the two powers is created by the coupling. The residual energy
-    is turned into an error of the effort: over the flow, or its nominal size if that is larger. For masters
-    that extrapolate: at the end of a converged iteration both sides agree.
+    effort that it assumed; the difference of the two powers is created by the coupling. It grows over the
+    step as the signals' node polynomial does, which gives its integral. The energy counts as an error of
+    the effort: over the step and the flow (or its nominal size if that is larger). For Jacobi masters: where
+    signals are interpolated both sides agree at the end. Sees only what is exchanged over power bonds.
     """
 
     def check(self, master: Master) -> None:
-        if master.implicit:
+        if not isinstance(master, Jacobi):
+            better = "predictor_corrector or step_doubling" if master.implicit else "step_doubling"
             raise ValueError(
-                "estimator = 'energy': a converged iteration leaves no residual power; use "
-                "predictor_corrector or step_doubling"
+                "estimator = 'energy': compares extrapolations of both sides, as the master jacobi makes "
+                f"them; {name_of(master)} interpolates some: use {better}"
             )
 
     def attempt(self, exchange: Exchange, master: Master, time: float, length: float) -> Attempt:
+        if exchange.history.lacks(exchange.degree):
+            return StepDoubling().attempt(exchange, master, time, length)
+        degree = effective_degree(exchange)
+        nodes = extrapolated(exchange.history, degree)
+        mean = integral(nodes, 0.0, length) / (length * nodes(length))
         iterations = master.step(exchange, time, length)
         assumed, rates = np.zeros_like(exchange.values), np.zeros_like(exchange.rates)
         evaluate(exchange.signals, length, assumed, rates)
@@ -38,5 +45,5 @@ class EnergyResidual:
             effort, flow = exchange.number[bond.effort], exchange.number[bond.flow]
             e, f = exchange.values[effort], exchange.values[flow]
             residual = e * assumed[flow] - assumed[effort] * f
-            error[effort] += residual / max(abs(f), exchange.nominal[flow])
-        return Attempt(iterations, error, exponent(exchange, effective_degree(exchange)))
+            error[effort] += mean * residual / max(abs(f), exchange.nominal[flow])
+        return Attempt(iterations, error, degree + 1.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...exchange import Exchange
-from ...masters import Master
+from ...masters import Jacobi, Master, name_of
 from ...signals import move_origin
 from .nodes import effective_degree
 from .protocol import Attempt
@@ -14,14 +14,16 @@ class Schierz:
     """Two halves of a step; the second one also with the first one's signals going on.
 
     Needs no way back over the whole step, only over its second half. Error = (fresh - continued) / (1 - p),
-    see `step_doubling`. For masters that extrapolate.
+    see `step_doubling`. For Jacobi masters, where every signal is extrapolated: one that interpolates some
+    has errors that this does not see.
     """
 
     def check(self, master: Master) -> None:
-        if master.implicit:
+        if not isinstance(master, Jacobi):
+            better = "predictor_corrector or step_doubling" if master.implicit else "step_doubling"
             raise ValueError(
-                "estimator = 'schierz': compares extrapolations, and an iterated master ends without; use "
-                "predictor_corrector or step_doubling"
+                "estimator = 'schierz': compares extrapolations of all signals, as the master jacobi makes "
+                f"them; {name_of(master)} interpolates some: use {better}"
             )
 
     def attempt(self, exchange: Exchange, master: Master, time: float, length: float) -> Attempt:

@@ -1,0 +1,126 @@
+"""Estimators against the true local error: one step from a point of the exact motion, with an exact past.
+
+The quarter car exchanges states (no feedthrough); of the two masses one gives a force that depends on its
+inputs at the same instant. Steps are short enough for the leading term of the error to rule, and the
+reference is solved to 1e-13, far below the local errors compared (1e-9 and more).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from models.monolithic import solve
+from orchestrator import assembly
+from orchestrator.bonds import bonds_of
+from orchestrator.exchange import Exchange
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi
+from orchestrator.participants import in_process
+from orchestrator.scenario_files import load
+from orchestrator.stepping.estimators import ESTIMATORS
+
+from .two_masses import two_masses
+
+PAST = 3
+
+
+def systems():
+    return {"quarter car": assembly.system_of(load("quarter-car")), "two masses": two_masses()}
+
+
+def at_point(system, master, start, length):
+    """An exchange whose participants, values and history are those of the exact motion, and what follows."""
+    times = np.concatenate([[0.0], start + length * np.arange(1 - PAST, 2)])
+    reference = solve(system, times, tolerance=1e-13)
+    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    exchange = Exchange(system, units, master.degree)
+    exchange.initialise(0.0, 1.0)
+    for k in range(1, PAST + 1):
+        for name, unit in units.items():
+            unit._x[:] = reference.state[k][system.state.of(name)]
+            unit._t = times[k]
+        columns = [system.outputs.index(port) for port in exchange.sources]
+        exchange.values[:] = reference.outputs[k][columns]
+        for _ in range(3):  # values pass at once, rates one participant further each time
+            exchange._pass_on(exchange.listed)
+        if k == 1:
+            exchange.history.restart()
+        exchange.accept(times[k])
+    exchange.history.count = PAST
+    return exchange, times[PAST], reference.outputs[PAST + 1][columns]
+
+
+TIGHT = 1e-13
+CASES = [
+    *((estimator, Jacobi(signal)) for estimator in ("step_doubling", "schierz")
+      for signal in ("hold", "linear", "quadratic", "hermite")),
+    *(("step_doubling", GaussSeidel(signal)) for signal in ("hold", "linear", "quadratic", "hermite")),
+    *((estimator, Iterated(signal, TIGHT)) for estimator in ("step_doubling", "predictor_corrector")
+      for signal in ("hold", "linear", "quadratic", "hermite")),
+]  # fmt: skip
+LENGTHS = {"hold": 1e-4, "linear": 1e-3, "quadratic": 2e-3, "hermite": 5e-3}
+
+
+@pytest.mark.parametrize("name", ["quarter car", "two masses"])
+@pytest.mark.parametrize(("estimator", "master"), CASES, ids=str)
+def test_estimated_over_true_local_error_in_the_asymptotic_range(name, estimator, master):
+    system = systems()[name]
+    length = LENGTHS[master.extrapolation] * (1.0 if name == "quarter car" else 4.0)
+    exchange, time, truth = at_point(system, master, 0.3, length)
+    with exchange.point():
+        attempt = ESTIMATORS[estimator]().attempt(exchange, master, time, length)
+    true = exchange.values - truth
+    ratio = rms(attempt.error / exchange.nominal) / rms(true / exchange.nominal)
+    assert np.abs(true / exchange.nominal).max() > 1e-10  # above the reference's rounding
+    assert 0.5 <= ratio <= 2.0
+
+
+def rms(values):
+    return np.sqrt(np.mean(values**2))
+
+
+@pytest.mark.parametrize("signal", ["hold", "linear", "quadratic", "hermite"])
+def test_estimated_over_true_energy_that_the_coupling_creates_in_a_step(signal):
+    """The true one by quadrature of both sides' powers along the exact motion, with the signals used."""
+    system, master = two_masses(), Jacobi(signal)
+    length = 4.0 * LENGTHS[signal]
+    exchange, time, _ = at_point(system, master, 0.25, length)  # not where it changes sign
+    (bond,) = bonds_of(system)
+    with exchange.point():
+        attempt = ESTIMATORS["energy"]().attempt(exchange, master, time, length)
+    effort, flow = exchange.number[bond.effort], exchange.number[bond.flow]
+    s, weights = np.polynomial.legendre.leggauss(8)
+    s = 0.5 * length * (s + 1.0)
+    exact = solve(system, np.concatenate([[0.0], time + s]), tolerance=1e-13)
+    assumed = {
+        str(port): sum(exchange.signals[k, i] * s**k / math.factorial(k) for k in range(master.degree + 1))
+        for i, port in enumerate(exchange.sources)
+    }
+    f = exact.outputs[1:, system.outputs.index(bond.flow)]
+    # The side that gives the effort computes it of the inputs that it assumes.
+    first = system.instances["first"]
+    p, x = first.component.parameters.vector(first.parameters), exact.state[1:, system.state.of("first")]
+    inputs = np.column_stack([assumed["second.position"], assumed["second.velocity"]])
+    y, e = np.zeros(first.component.outputs.size), []
+    for i in range(len(s)):
+        first.component.flat_output(0.0, x[i], inputs[i], p, y)
+        e.append(y[first.component.outputs.index("force")])
+    created = 0.5 * length * np.sum(weights * (e * assumed[str(bond.flow)] - assumed[str(bond.effort)] * f))
+    estimated = attempt.error[effort] * length * max(abs(exchange.values[flow]), exchange.nominal[flow])
+    assert 0.5 <= estimated / created <= 2.0
+
+
+@pytest.mark.parametrize(
+    ("estimator", "master", "remedy"),
+    [
+        ("schierz", Iterated(), "predictor_corrector or step_doubling"),
+        ("schierz", GaussSeidel(), "use step_doubling"),
+        ("energy", Iterated(), "predictor_corrector or step_doubling"),
+        ("predictor_corrector", Jacobi(), "use iterated"),
+    ],
+)
+def test_an_estimator_refuses_masters_that_it_cannot_judge(estimator, master, remedy):
+    with pytest.raises(ValueError, match=f"estimator = '{estimator}'.*{remedy}"):
+        ESTIMATORS[estimator]().check(master)
