@@ -130,6 +130,26 @@ def run_scenario(
     return summary.exit_status
 
 
+@app.command("resume")
+@reported
+def resume_run(
+    folder: Annotated[Path, typer.Argument(help="The output folder of the run.")],
+    no_figures: Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")] = False,
+) -> int:
+    """Continue a run that was killed or interrupted from its last checkpoint, with the same results.
+
+    Exit status as of `run`; 2 also if the run cannot go on (another FMU, version or scenario, or a damaged
+    checkpoint).
+    """
+    from .report import Reporter
+    from .resume import resume
+
+    summary = resume(folder, _fmu, Reporter(), figures=not no_figures)
+    if not summary.complete:
+        _say(summary.message)
+    return summary.exit_status
+
+
 def _fmu(name: str, structure: Mapping[str, int]) -> Path:
     """The packaged component, built if it isn't in the cache."""
     from fmus.build import build

@@ -44,6 +44,10 @@ class NotFiniteError(RecoverableError):
     """A participant gave values that are not numbers, or are infinite."""
 
 
+class CannotSerializeError(ParticipantError):
+    """A participant cannot give its evolving data as bytes."""
+
+
 class LostParticipantError(ParticipantError):
     """No call of the participant is allowed any more (fmi2Fatal)."""
 
@@ -62,3 +66,7 @@ class NonConvergenceError(RunError):
 
 class MistakeError(ValueError):
     """What was asked for cannot be done; nothing was run or written."""
+
+
+class CheckpointError(MistakeError):
+    """What a run has left, from which it cannot go on."""

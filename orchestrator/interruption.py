@@ -52,7 +52,7 @@ class Interruption:
     """
 
     def __init__(self) -> None:
-        self._asked = False
+        self.asked = False
         self._previous: Any = None
 
     def __enter__(self) -> Interruption:
@@ -65,19 +65,19 @@ class Interruption:
     ) -> None:
         if self._previous is not None:
             signal.signal(signal.SIGINT, self._previous)
-        if self._asked and kind is None:  # it came in the last step
+        if self.asked and kind is None:  # it came in the last step
             raise KeyboardInterrupt
 
     def _ask(self, number: int, frame: FrameType | None) -> None:
-        if self._asked:
+        if self.asked:
             raise KeyboardInterrupt
-        self._asked = True
+        self.asked = True
 
     def begin(self, names: Sequence[str]) -> None:
         pass
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if self._asked:
+        if self.asked:
             raise KeyboardInterrupt
 
     def end(self, complete: bool, message: str) -> None:

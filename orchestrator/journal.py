@@ -19,7 +19,7 @@ import numpy as np
 
 from models.quantities import Quantity, Vector
 
-from .errors import MistakeError
+from .errors import CheckpointError
 
 FORMAT = "tribocosim journal 1"
 SUFFIX = ".journal"
@@ -27,9 +27,10 @@ HELD = 4096  # rows in memory at most: 32 kB for each column
 FLUSH_SECONDS = 2.0  # what a killed process may lose without a checkpoint
 TIME = Quantity("s", "time")
 DOUBLE = np.dtype("<f8")
+START_OVER = "start the run over with tribocosim run ... --overwrite"
 
 
-class JournalError(MistakeError):
+class JournalError(CheckpointError):
     """A file that is not a journal, or lacks rows that it should have."""
 
 
@@ -145,12 +146,9 @@ def _read_header(path: Path) -> tuple[dict[str, Quantity], int]:
             raise ValueError(content["format"])
         return {name: _quantity(text) for name, text in content["columns"].items()}, len(line)
     except OSError as error:
-        raise JournalError(f"{path}: cannot be read ({error.strerror})") from None
+        raise JournalError(f"{path}: cannot be read ({error.strerror}); {START_OVER}") from None
     except (ValueError, KeyError, TypeError, AttributeError):
         raise JournalError(f"{path}: is not a journal of this version; {START_OVER}") from None
-
-
-START_OVER = "start the run over with tribocosim run ... --overwrite"
 
 
 def _start(path: Path, columns: Mapping[str, Quantity], rows: int) -> int:

@@ -7,7 +7,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from .errors import MistakeError
-from .results import partial
+from .replacement import partial
 from .scenario import Scenario
 from .scenario_files import written
 from .unfinished import clear, locked, unfinished
@@ -65,7 +65,7 @@ def files(out: Path) -> list[Path]:
 
 
 def _check_empty(out: Path) -> None:
-    if unfinished(out).exists():
+    if unfinished(out).exists() and (out / SCENARIO).exists():
         raise OutputFolderError(
             f"{out}: holds a run that was not finished; continue it with tribocosim resume {out}, choose "
             "another folder with --out, or replace it with --overwrite"
@@ -78,8 +78,8 @@ def _check_empty(out: Path) -> None:
 
 
 def _held(out: Path) -> list[Path]:
-    names = (RESULT, partial(Path(RESULT)).name, CSV, SCENARIO, SUMMARY)
-    return [path for path in [*(out / name for name in names), *_figures(out)] if path.exists()]
+    paths = [out / name for name in (RESULT, CSV, SCENARIO, SUMMARY)]
+    return [path for path in [*paths, *map(partial, paths), *_figures(out)] if path.exists()]
 
 
 def _figures(out: Path) -> list[Path]:

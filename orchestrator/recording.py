@@ -10,8 +10,8 @@ import numpy as np
 
 from models.quantities import Quantity, Vector
 
-from .checkpoint import Plain
 from .journal import START_OVER, SUFFIX, Journal, JournalError
+from .plain_data import Plain
 from .stepping import REASONS, Step
 
 STEP_VARIABLES = {
@@ -35,7 +35,6 @@ class ResultRecorder:
         self._quantities = quantities
         self._every = every
         self._count = 0
-        self._last = 0.0
         self._step = np.zeros(len(STEP_VARIABLES))
 
     def begin(self, names: Sequence[str]) -> None:
@@ -44,7 +43,11 @@ class ResultRecorder:
     def _open(self, names: Sequence[str], coupled: int | None, steps: int | None) -> None:
         variables = {name: self._quantities[name] for name in names}
         self._coupled = Journal(self._folder / f"coupled{SUFFIX}", variables, coupled)
-        self._steps = Journal(self._folder / f"steps{SUFFIX}", STEP_VARIABLES, steps)
+        try:
+            self._steps = Journal(self._folder / f"steps{SUFFIX}", STEP_VARIABLES, steps)
+        except BaseException:
+            self._coupled.close()
+            raise
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         if self._count % self._every == 0:
@@ -60,20 +63,18 @@ class ResultRecorder:
             )
             self._steps.append(time, self._step)
         self._count += 1
-        self._last = time
 
     def state(self) -> dict[str, Plain]:
         self._coupled.sync()
         self._steps.sync()
         return {
             "count": self._count,
-            "last": self._last,
             "coupled": self._coupled.rows,
             "steps": self._steps.rows,
         }
 
     def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
-        self._count, self._last = state["count"], state["last"]
+        self._count = state["count"]
         self._open(names, state["coupled"], state["steps"])
 
     def end(self, complete: bool, message: str) -> None:

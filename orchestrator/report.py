@@ -104,7 +104,7 @@ class Reporter:
 
     def end(self, summary: Summary, out: Path, files: Sequence[Path]) -> None:
         """Effort, verdict, and where the files are."""
-        if summary.macro_steps:
+        if summary.coupled_time_s:
             speed = summary.macro_steps / summary.coupled_time_s
             reference = summary.reference_time_s
             self.line(
@@ -117,6 +117,8 @@ class Reporter:
             self.line(line)
         if summary.complete:
             self.line(f"{summary.scenario}: {summary.verdict}")
+        if summary.resumable:
+            self.line(f"tribocosim resume {out} continues this run")
         self.line(f"results in {out}: {', '.join(str(file.relative_to(out)) for file in files)}")
 
 

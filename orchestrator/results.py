@@ -19,6 +19,7 @@ import numpy as np
 from models.quantities import Quantity, Vector
 
 from .journal import TIME, Recorded
+from .replacement import partial
 from .unfinished import unfinished
 
 if TYPE_CHECKING:
@@ -111,11 +112,6 @@ class ResultFile:
                 os.replace(partial(self.path), self.path)
         finally:
             partial(self.path).unlink(missing_ok=True)
-
-
-def partial(path: Path) -> Path:
-    """The name of a result that is not whole yet."""
-    return path.with_name(f"{path.name}.partial")
 
 
 def _make(group: h5netcdf.Group, name: str, quantity: Quantity) -> None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,12 +14,16 @@ from models.quantities import Vector
 from models.system import ModelError, System
 
 from . import assembly
+from .checkpoint import NAME as CHECKPOINT
+from .checkpoint import Checkpoints, Identity
 from .comparison import compare, largest_uncertainty, verdict
-from .errors import RunError
+from .errors import CheckpointError, RunError
 from .interruption import Interruption
 from .journal import Recorded, journals
 from .output_folder import CSV, FIGURES, RESULT, SCENARIO, SUMMARY, files, prepared
+from .plain_data import Plain
 from .recording import CsvRecorder, ResultRecorder
+from .replacement import replace
 from .report import Reporter
 from .results import ResultFile
 from .scenario import Scenario
@@ -52,22 +57,54 @@ def run(
     """
     system = assembly.system_of(scenario)
     with prepared(out, overwrite) as folder:
-        (out / SCENARIO).write_text(written(scenario), "utf-8")
-        return _run(scenario, system, out, folder, build, reporter, figures)
+        replace(out / SCENARIO, written(scenario).encode())
+        return carry_out(Job(scenario, system, out, folder, build, reporter, figures))
 
 
-def _run(
-    scenario: Scenario,
-    system: System,
-    out: Path,
-    folder: Path,
-    build: assembly.Builder,
-    reporter: Reporter,
-    figures: bool,
-) -> Summary:
-    """`folder` is that of the unfinished run in `out`."""
+@dataclass(frozen=True)
+class Job:
+    """A run to be carried out. `folder` is that of what is unfinished in `out`; `resumed` is a checkpoint."""
+
+    scenario: Scenario
+    system: System
+    out: Path
+    folder: Path
+    build: assembly.Builder
+    reporter: Reporter
+    figures: bool
+    resumed: tuple[Identity, Plain] | None = None
+
+
+def carry_out(job: Job) -> Summary:
+    """Run from the start or the checkpoint to the end, and write everything.
+
+    CheckpointError if the run cannot go on from the checkpoint; nothing is changed then.
+    """
     began = clock.perf_counter()
-    summary = Summary(
+    summary = begun(job.scenario)
+    refused = False
+    try:
+        with _outcome(summary, job.out):
+            _stages(job, summary)
+    except CheckpointError:
+        refused = True
+        raise
+    finally:
+        if not refused:
+            summary.wall_time_s = clock.perf_counter() - began
+            summary.resumable &= (job.folder / CHECKPOINT).exists()
+            summary.write(job.out / SUMMARY)
+    if not summary.resumable and (job.out / RESULT).exists():
+        clear(job.folder)
+    if summary.errors:
+        job.reporter.errors(summary.errors)
+    job.reporter.end(summary, job.out, files(job.out))
+    return summary
+
+
+def begun(scenario: Scenario) -> Summary:
+    """The summary of a run of which nothing is known yet."""
+    return Summary(
         scenario=scenario.name,
         description=scenario.description,
         version=metadata.version("tribocosim"),
@@ -75,52 +112,42 @@ def _run(
         macro_step=scenario.macro_step,
         tolerance=dict(scenario.tolerance),
     )
-    try:
-        with _outcome(summary):
-            _stages(scenario, system, out, folder, build, figures, summary, reporter)
-    finally:
-        summary.wall_time_s = clock.perf_counter() - began
-        summary.write(out / SUMMARY)
-    if (out / RESULT).exists():
-        clear(folder)
-    if summary.errors:
-        reporter.errors(summary.errors)
-    reporter.end(summary, out, files(out))
-    return summary
 
 
-def _stages(
-    scenario: Scenario,
-    system: System,
-    out: Path,
-    folder: Path,
-    build: assembly.Builder,
-    figures: bool,
-    summary: Summary,
-    reporter: Reporter,
-) -> None:
-    with reporter.stage("FMUs"):
-        fmus = assembly.fmu_files(scenario, build)
+def _stages(job: Job, summary: Summary) -> None:
+    with job.reporter.stage("FMUs"):
+        fmus = assembly.fmu_files(job.scenario, job.build)
     summary.fmus = {name: file.sha256 for name, file in fmus.items()}
-    coupled = False
-    with _outcome(summary):
-        system = assembly.at_start(scenario, system)
-        _coupled(scenario, system, fmus, folder, out / CSV, summary, reporter)
+    identity = Identity.of(job.out / SCENARIO, summary.fmus)
+    if job.resumed:
+        identity.check(job.resumed[0], job.out)
+    system, coupled = job.system, False
+    with _outcome(summary, job.out):
+        system = assembly.at_start(job.scenario, system)
+        _coupled(job, system, fmus, identity, summary)
         coupled = True
-    with ResultFile(out / RESULT, _attributes(scenario, summary)) as result:
-        with reporter.stage("result file"):
-            for name, path in journals(folder).items():
-                result.take(name, Recorded(path))
+    with written_result(job, summary) as result:
         if coupled:
-            with _outcome(summary):
-                _judged(scenario, system, result, summary, reporter)
+            with _outcome(summary, job.out):
+                _judged(job.scenario, system, result, summary, job.reporter)
+
+
+@contextmanager
+def written_result(job: Job, summary: Summary) -> Iterator[ResultFile]:
+    """The result of what has been recorded, finished after the block as the summary says, and drawn."""
+    with ResultFile(job.out / RESULT, _attributes(job.scenario, summary)) as result:
+        with job.reporter.stage("result file"):
+            for name, path in journals(job.folder).items():
+                result.take(name, Recorded(path))
+        yield result
         result.finish(summary.complete, summary.message)
-        if figures and summary.exit_status != INTERRUPTED and result.length("coupled") > 1:
+        if job.figures and summary.exit_status != INTERRUPTED and result.length("coupled") > 1:
             from . import plots
 
-            with reporter.stage("figures"):
-                title = scenario.name if summary.complete else f"{scenario.name} (incomplete)"
-                plots.draw(result, out / FIGURES, title, scenario)
+            name = job.scenario.name
+            with job.reporter.stage("figures"):
+                title = name if summary.complete else f"{name} (incomplete)"
+                plots.draw(result, job.out / FIGURES, title, job.scenario)
 
 
 def _judged(
@@ -134,18 +161,24 @@ def _judged(
     else:
         summary.verdict = "not compared: the reference is switched off (reference.enabled)"
         summary.exit_status = NOT_COMPARED
-    summary.complete, summary.message = True, "complete"
+    summary.complete, summary.message, summary.resumable = True, "complete", False
 
 
 @contextmanager
-def _outcome(summary: Summary) -> Iterator[None]:
+def _outcome(summary: Summary, out: Path) -> Iterator[None]:
     """Put what ends a run early into the summary."""
     try:
         yield
+    except CheckpointError:
+        raise
     except KeyboardInterrupt:
         summary.message, summary.exit_status = "incomplete: interrupted", INTERRUPTED
+    except OSError as error:
+        reason = f"{error.filename or out}: {error.strerror or error}"
+        summary.message, summary.exit_status = f"incomplete: {reason}", FAILED
     except (RunError, ModelError, ValueError, ArithmeticError) as error:
         summary.message, summary.exit_status = f"incomplete: {error}", FAILED
+        summary.resumable = False  # it would fail again
     else:
         return
     summary.complete = False
@@ -165,30 +198,26 @@ def _attributes(scenario: Scenario, summary: Summary) -> dict[str, str]:
 
 
 def _coupled(
-    scenario: Scenario,
-    system: System,
-    fmus: dict[str, assembly.FmuFile],
-    folder: Path,
-    csv: Path,
-    summary: Summary,
-    reporter: Reporter,
+    job: Job, system: System, fmus: dict[str, assembly.FmuFile], identity: Identity, summary: Summary
 ) -> None:
-    every = scenario.record_every
+    scenario, every = job.scenario, job.scenario.record_every
     quantities = assembly.output_quantities(system)
     counter = _Counter()
-    stage = reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)
-    recorders = [ResultRecorder(folder, quantities, every), CsvRecorder(csv, every)]
-    with watching(scenario, csv.with_name(SUMMARY), summary) as watchdog:
+    stage = job.reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)
+    recorders = [ResultRecorder(job.folder, quantities, every), CsvRecorder(job.out / CSV, every)]
+    with watching(scenario, job.out / SUMMARY, summary) as watchdog:
         participants = assembly.participants_of(scenario, system, fmus, watchdog.made)
         try:
             with stage as bar, Interruption() as interruption:
+                keeper = [_checkpoints(job, identity, interruption)] if scenario.checkpoint_every else []
                 statistics = simulate(
                     system,
                     participants,
                     scenario.made_master(),
                     scenario.made_steps(),
                     scenario.stop_time,
-                    [*watchdog.observers, *recorders, counter, bar, interruption],
+                    [*watchdog.observers, *recorders, counter, *keeper, bar, interruption],
+                    resumed=job.resumed[1] if job.resumed else None,
                 )
         finally:
             summary.macro_steps, summary.iterations = max(0, counter.steps), counter.iterations
@@ -198,6 +227,12 @@ def _coupled(
     summary.rejected_steps = statistics.rejected_steps
     summary.iterations = statistics.iterations
     summary.coupled_time_s = statistics.coupled_time_s
+
+
+def _checkpoints(job: Job, identity: Identity, interruption: Interruption) -> Checkpoints:
+    every, stop = job.scenario.checkpoint_every, job.scenario.stop_time
+    path = job.folder / CHECKPOINT
+    return Checkpoints(path, identity, every, stop, lambda: interruption.asked, job.reporter.line)
 
 
 class _Counter:
@@ -213,6 +248,17 @@ class _Counter:
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         self.steps += 1
         self.iterations += step.iterations
+
+    def state(self) -> dict[str, Plain]:
+        return {
+            "steps": self.steps,
+            "iterations": self.iterations,
+            "time_s": clock.perf_counter() - self._began,
+        }
+
+    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
+        self.steps, self.iterations = state["steps"], state["iterations"]
+        self._began = clock.perf_counter() - state["time_s"]
 
     def end(self, complete: bool, message: str) -> None:
         self.time_s = clock.perf_counter() - self._began

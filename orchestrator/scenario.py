@@ -34,13 +34,26 @@ class ScenarioError(MistakeError):
     """A scenario that cannot be run; a line for each fault, which names the key and the remedy."""
 
 
-def _seconds(value: Any) -> Any:
-    """A time in seconds; a text may have another unit. ValueError unless it is positive."""
+def _time(value: Any) -> float:
+    """A time in seconds; a text may have another unit."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         raise ValueError("must be a time: a number of seconds, or a text such as '2 us'")
-    number = to_unit(value, "s") if isinstance(value, str) else float(value)
+    return to_unit(value, "s") if isinstance(value, str) else float(value)
+
+
+def _seconds(value: Any) -> Any:
+    """A time in seconds; ValueError unless it is positive and finite."""
+    number = _time(value)
     if not (math.isfinite(number) and number > 0.0):
         raise ValueError(f"{value}: must be > 0 s")
+    return number
+
+
+def _seconds_or_0(value: Any) -> Any:
+    """A time in seconds; ValueError unless it is finite and not negative."""
+    number = _time(value)
+    if not (math.isfinite(number) and number >= 0.0):
+        raise ValueError(f"{value}: must be >= 0 s")
     return number
 
 
@@ -56,6 +69,7 @@ EVENT_TOLERANCE = 1e-9
 CONVERGED = 0.01
 
 Seconds = Annotated[float, BeforeValidator(_seconds, json_schema_input_type=float | str)]
+SecondsOr0 = Annotated[float, BeforeValidator(_seconds_or_0, json_schema_input_type=float | str)]
 Written = Annotated[Value, BeforeValidator(_scalar)]
 Location = tuple[int | str, ...]
 Tolerance = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
@@ -204,6 +218,9 @@ class Scenario(_Table):
     )
     output_step: Seconds | None = Field(
         None, description="Time between records, rounded to macro steps; default: every macro step"
+    )
+    checkpoint_every: SecondsOr0 = Field(
+        30.0, description="Wall time from one checkpoint to the next (tribocosim resume); 0: none"
     )
     start: Literal["equilibrium", "given"] = Field(
         "equilibrium", description="Start at rest in balance, or from the start values as given"

@@ -12,10 +12,12 @@ import numpy as np
 from models.quantities import Vector
 from models.system import System
 
+from .checkpoint import Continuing, Keeper, fitting, put_back, serialised
 from .errors import RunError
 from .exchange import Exchange
 from .masters import Master
 from .participants import Participant
+from .plain_data import Plain
 from .stepping import FixedSteps, Step, Stepper, watched
 
 
@@ -77,12 +79,14 @@ def simulate(
     stop_time: float,
     observers: Sequence[Observer] = (),
     start_time: float = 0.0,
+    resumed: Plain | None = None,
 ) -> Statistics:
     """Step `participants` (by instance name) from `start_time` to `stop_time` with `master`.
 
     `steps` chooses the macro steps; a number is their length (s). The last step ends at `stop_time`.
     RunError says what went wrong; observers have then seen everything up to the last good step.
-    Participants are not closed.
+    Participants are not closed. `resumed` is the state, as a `Keeper` got it, from which such a run goes on;
+    CheckpointError if it does not fit.
     """
     if isinstance(steps, (int, float)):
         if not steps > 0.0:
@@ -93,16 +97,37 @@ def simulate(
     exchange = Exchange(system, participants, master.degree, watched(system) if steps.locates else None)
     outputs = LatestOutputs(exchange)
     made = rejected = iterations = 0
+    time, began = start_time, clock.perf_counter()
+
+    def state() -> dict[str, Plain]:
+        return {
+            "time": time,
+            "made": made,
+            "rejected": rejected,
+            "iterations": iterations,
+            "elapsed": clock.perf_counter() - began,
+            "exchange": exchange.snapshot(),
+            "steps": steps.state(),
+            "participants": serialised(participants),
+            "observers": [observer.state() for observer in observers if isinstance(observer, Continuing)],
+        }
+
     message, complete = "", False
-    for observer in observers:
-        observer.begin(system.outputs.names)
-    began = clock.perf_counter()
+    _begin(observers, system.outputs.names, state, resumed)
     try:
         exchange.initialise(start_time, stop_time)
         steps.begin(exchange, master, start_time, stop_time)
         began = clock.perf_counter()
-        _show(observers, outputs, Step(start_time, 0.0, 0))
-        time = start_time
+        if resumed is None:
+            _show(observers, outputs, Step(start_time, 0.0, 0))
+        else:
+            time, made, rejected = resumed["time"], resumed["made"], resumed["rejected"]
+            iterations = resumed["iterations"]
+            began -= resumed["elapsed"]
+            with fitting():
+                exchange.resume(resumed["exchange"])
+                steps.resume(resumed["steps"])
+                put_back(participants, resumed["participants"])
         while time < stop_time:
             step = steps.step(time)
             time = step.end
@@ -120,6 +145,31 @@ def simulate(
         for observer in observers:
             observer.end(complete, message)
     return Statistics(made, rejected, iterations, sum(exchange.calls), elapsed)
+
+
+def _begin(
+    observers: Sequence[Observer],
+    names: Sequence[str],
+    state: Callable[[], dict[str, Plain]],
+    resumed: Plain | None,
+) -> None:
+    """Begin with every observer, or have it go on from its own state; if one cannot, end the others."""
+    own = iter(resumed["observers"]) if resumed is not None else None
+    begun: list[Observer] = []
+    try:
+        for observer in observers:
+            if isinstance(observer, Keeper):
+                observer.attach(state)
+            if own is not None and isinstance(observer, Continuing):
+                with fitting():
+                    observer.resume(names, next(own))
+            else:
+                observer.begin(names)
+            begun.append(observer)
+    except Exception as error:
+        for observer in begun:
+            observer.end(False, str(error))
+        raise
 
 
 def _show(observers: Sequence[Observer], outputs: LatestOutputs, step: Step) -> None:

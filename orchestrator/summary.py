@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .comparison import Errors
+from .replacement import replace
 from .validity import Excursions
 
 # Exit statuses of the command line.
@@ -26,6 +27,7 @@ class Summary:
     macro_step: float
     tolerance: dict[str, float]
     complete: bool = False
+    resumable: bool = True  # `tribocosim resume` can go on
     message: str = "the run was not finished"
     verdict: str = "not compared"
     exit_status: int = FAILED
@@ -53,7 +55,7 @@ class Summary:
         return _strict(content)
 
     def write(self, path: Path) -> None:
-        path.write_text(json.dumps(self.content(), indent=2, allow_nan=False) + "\n", "utf-8")
+        replace(path, (json.dumps(self.content(), indent=2, allow_nan=False) + "\n").encode())
 
 
 def _strict(value: Any) -> Any:

@@ -18,7 +18,7 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from types import FrameType, TracebackType
@@ -28,6 +28,7 @@ from models.quantities import Vector
 
 from .errors import MistakeError, StalledError
 from .participants import Participant
+from .plain_data import Plain
 from .scenario import Scenario
 from .stepping import Step
 from .summary import FAILED, Summary
@@ -147,6 +148,12 @@ class Watchdog:
     def begin(self, names: Sequence[str]) -> None:
         pass
 
+    def state(self) -> dict[str, Plain]:
+        return {"steps": self._cells[STEPS], "time": self._times[TIME]}
+
+    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
+        self._cells[STEPS], self._times[TIME] = state["steps"], state["time"]
+
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         self._cells[CALL] = 0
         self._cells[STEPS] += 1
@@ -173,8 +180,17 @@ class Watched:
         self.read_all = enclosed(index, "reading of all outputs", participant.read_all)
         self.save = marked(index, "saving of its state", participant.save)
         self.restore = marked(index, "restoring of its state", participant.restore)
-        self.release = marked(index, "freeing of a saved state", participant.release)
+        # Enclosed: a checkpoint, which the disk may keep waiting, comes after it.
+        self.release = enclosed(index, "freeing of a saved state", participant.release)
         self.close = enclosed(index, "end", participant.close)
+
+    def to_bytes(self, saved: Any) -> bytes:
+        call = "serialising of its state"
+        return self._watchdog.enclosed(self._index, call, self._participant.to_bytes)(saved)
+
+    def from_bytes(self, data: bytes) -> Any:
+        call = "taking of a serialised state"
+        return self._watchdog.enclosed(self._index, call, self._participant.from_bytes)(data)
 
     def connect(
         self,

@@ -21,7 +21,7 @@ CALL, FRESH, STEPS, TIME, CELLS = 0, 1, 2, 3, 4
 CALLS = (
     "instantiation", "initialisation", "end of initialisation", "setting of inputs", "step",
     "reading of outputs", "reading of all outputs", "saving of its state", "restoring of its state",
-    "freeing of a saved state", "end",
+    "freeing of a saved state", "serialising of its state", "taking of a serialised state", "end",
 )  # fmt: skip
 
 # Looks per limit, and the bounds of the time from one to the next (s).

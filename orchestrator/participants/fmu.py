@@ -22,7 +22,13 @@ from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2Ca
 from models.quantities import Quantity, Vector
 from models.system import Instance, suggestion
 
-from ..errors import DiscardedStepError, LostParticipantError, ParticipantError, RecoverableError
+from ..errors import (
+    CannotSerializeError,
+    DiscardedStepError,
+    LostParticipantError,
+    ParticipantError,
+    RecoverableError,
+)
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 WARNING, DISCARD, FATAL = 1, 2, 4
@@ -325,6 +331,19 @@ class FmuParticipant:
         status = self._calls.restore(saved)
         if status > WARNING:
             self._fail(status, "restoring the state")
+
+    def to_bytes(self, saved: ctypes.c_void_p) -> bytes:
+        if not self._description.coSimulation.canSerializeFMUstate:
+            raise CannotSerializeError(
+                f"{self.name}: the FMU cannot serialise its state (canSerializeFMUstate = false)"
+            )
+        with self._naming("serialising the state"):
+            return bytes(self._slave.serializeFMUstate(saved))
+
+    def from_bytes(self, data: bytes) -> ctypes.c_void_p:
+        with self._naming("taking a serialised state"):
+            state: ctypes.c_void_p = self._slave.deSerializeFMUstate(data)
+            return state
 
     def release(self, saved: ctypes.c_void_p) -> None:
         status = self._calls.release(saved)

@@ -12,6 +12,7 @@ from models.rates import input_rates
 from models.system import Instance
 
 from ..errors import DiscardedStepError, ParticipantError
+from ..plain_data import from_text, to_text
 
 # Time, states, inputs in effect, their slopes, outputs, whether these are yet to be computed.
 Saved = tuple[float, Vector, Vector, Vector, Vector, bool]
@@ -124,6 +125,16 @@ class InProcessParticipant:
         self._du[:] = saved[3]
         self._y[:] = saved[4]
         self._stale = saved[5]
+
+    def to_bytes(self, saved: Saved) -> bytes:
+        return to_text(saved).encode("ascii")
+
+    def from_bytes(self, data: bytes) -> Saved:
+        t, x, u, du, y, stale = from_text(data.decode("ascii"))
+        own = (self._x, self._u, self._du, self._y)
+        if any(given.shape != vector.shape for given, vector in zip((x, u, du, y), own, strict=True)):
+            raise ParticipantError(f"{self.name}: the saved state is of another component")
+        return t, x, u, du, y, stale
 
     def release(self, saved: Saved) -> None:
         pass

@@ -71,6 +71,14 @@ class Participant(Protocol):
         """Back to what `save` returned, bit for bit."""
         ...
 
+    def to_bytes(self, saved: Any) -> bytes:
+        """What `save` returned, for another process; CannotSerializeError if that is not possible."""
+        ...
+
+    def from_bytes(self, data: bytes) -> Any:
+        """What `to_bytes` was given by a participant of the same kind; to be released as if saved here."""
+        ...
+
     def release(self, saved: Any) -> None:
         """The saved data is no longer needed."""
         ...

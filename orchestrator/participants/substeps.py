@@ -7,6 +7,7 @@ own start, so that the signals are the same however they are cut.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -64,6 +65,12 @@ class Substepped:
                 self._over(time + n * length, length, self._halvings)
         finally:
             self._inputs[:] = self._start  # it is the master's
+
+    def to_bytes(self, saved: Any) -> bytes:
+        return self._participant.to_bytes(saved)
+
+    def from_bytes(self, data: bytes) -> Any:
+        return self._participant.from_bytes(data)
 
     def _over(self, start: float, length: float, halvings: int) -> None:
         """Advance from `start` by `length`, in pieces where that fails; the master has written the inputs."""

@@ -137,8 +137,10 @@ class ScenarioSubject:
     def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
         """RunError if the run does not come to its end."""
         quiet = Reporter(Console(quiet=True))
+        # A point that is lost is computed again.
+        scenario = self.at(values).model_copy(update={"checkpoint_every": 0.0})
         with tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
-            summary = run(self.at(values), Path(folder), self.build, quiet, figures=False)
+            summary = run(scenario, Path(folder), self.build, quiet, figures=False)
             if not summary.complete:
                 raise RunError(summary.message.removeprefix("incomplete: "))
             found = _statistics(Path(folder))

@@ -1,0 +1,99 @@
+"""Going on with a run that was killed or interrupted."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from . import assembly
+from .checkpoint import NAME as CHECKPOINT
+from .checkpoint import read
+from .journal import Recorded, journals
+from .output_folder import CSV, SCENARIO, SUMMARY, OutputFolderError, files
+from .report import Reporter
+from .run import Job, begun, carry_out, written_result
+from .scenario_files import load
+from .summary import Summary
+from .unfinished import clear, locked, unfinished
+
+
+def resume(out: Path, build: assembly.Builder, reporter: Reporter, figures: bool = True) -> Summary:
+    """Go on with the run in `out` from its last checkpoint; it ends as it would have without the stop.
+
+    A run that was stopped before it had computed anything begins anew. Of one without checkpoints the result
+    is made of what was recorded, marked incomplete. Raises CheckpointError or another MistakeError where the
+    run cannot go on, with nothing changed.
+    """
+    if not (out / SCENARIO).is_file():
+        raise OutputFolderError(f"{out}: holds no run (there is no {SCENARIO}); tribocosim run makes one")
+    if not unfinished(out).exists():
+        return _ended(out, reporter)
+    with locked(out) as folder:
+        if _summary(out).get("complete"):  # killed while it tidied up
+            clear(folder)
+            return _ended(out, reporter)
+        scenario = load(out / SCENARIO)
+        system = assembly.system_of(scenario)
+        job = Job(scenario, system, out, folder, build, reporter, figures)
+        if (folder / CHECKPOINT).exists():
+            return carry_out(Job(**vars(job) | {"resumed": read(folder / CHECKPOINT)}))
+        if _rows(folder, "coupled") > 1:
+            return _kept(job)
+        clear(folder)
+        return carry_out(job)
+
+
+def _ended(out: Path, reporter: Reporter) -> Summary:
+    """The summary of a run that came to its end."""
+    found = _summary(out)
+    if not found.get("complete"):
+        raise OutputFolderError(
+            f"{out}: the run left nothing to go on from; repeat it with tribocosim run {out / SCENARIO} "
+            f"--out {out} --overwrite"
+        )
+    reporter.line(f"{out}: the run is complete; there is nothing to continue")
+    known = ("scenario", "description", "version", "master", "macro_step", "tolerance")
+    told = ("complete", "resumable", "message", "verdict", "exit_status", "macro_steps", "iterations")
+    return Summary(**{key: found[key] for key in (*known, *told)})
+
+
+def _summary(out: Path) -> dict[str, Any]:
+    try:
+        found: dict[str, Any] = json.loads((out / SUMMARY).read_text("utf-8"))
+        return found
+    except (OSError, ValueError):
+        return {}
+
+
+def _rows(folder: Path, name: str) -> int:
+    found = journals(folder)
+    return Recorded(found[name]).rows if name in found else 0
+
+
+def _kept(job: Job) -> Summary:
+    """The result of what a run without checkpoints has recorded."""
+    summary = begun(job.scenario)
+    summary.resumable = False
+    summary.message = (
+        "incomplete: the run was killed and has left no checkpoint (checkpoint_every = 0, or "
+        "an FMU that cannot be serialised); the result is what it had recorded"
+    )
+    summary.macro_steps = _rows(job.folder, "steps")
+    _cut_to_lines(job.out / CSV)
+    with written_result(job, summary):
+        pass
+    summary.write(job.out / SUMMARY)
+    clear(job.folder)
+    job.reporter.end(summary, job.out, files(job.out))
+    return summary
+
+
+def _cut_to_lines(path: Path) -> None:
+    """Cut off a last line that was not written to its end."""
+    with path.open("r+b") as file:
+        size = file.seek(0, os.SEEK_END)
+        start = max(0, size - (1 << 20))
+        file.seek(start)
+        file.truncate(start + file.read().rfind(b"\n") + 1)

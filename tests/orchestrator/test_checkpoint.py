@@ -1,0 +1,245 @@
+"""Checkpoints: a run goes on from any macro step to the last bit; damaged and foreign ones are refused."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from orchestrator.checkpoint import Checkpoints, Identity, read, write
+from orchestrator.errors import CannotSerializeError, CheckpointError, MistakeError
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi
+from orchestrator.participants import in_process, substepped
+from orchestrator.plain_data import from_text, to_text
+from orchestrator.simulation import simulate
+from orchestrator.stepping import ControlledSteps, FixedSteps, StepControl
+
+from .recorder import Recorder
+from .two_masses import two_masses
+
+STOP = 0.2
+
+
+class Kept(Recorder):
+    """Keeps the state after every macro step, as the text that a checkpoint would have."""
+
+    def attach(self, state):
+        self._state = state
+        self.states = []
+
+    def observe(self, time, outputs, step):
+        super().observe(time, outputs, step)
+        self.states.append(to_text(self._state()))
+
+
+def _controlled():
+    return ControlledSteps(1e-3, StepControl("predictor_corrector", relative=1e-5, absolute=1e-5))
+
+
+def _doubled():
+    return ControlledSteps(1e-3, StepControl("step_doubling", relative=1e-5, absolute=1e-5))
+
+
+WAYS = {
+    "jacobi": (Jacobi("quadratic"), lambda: FixedSteps(3e-3)),
+    "gauss_seidel": (GaussSeidel("linear"), lambda: FixedSteps(3e-3)),
+    "gauss_seidel-hermite": (GaussSeidel("hermite"), lambda: FixedSteps(3e-3, event_tolerance=1e-9)),
+    "gauss_seidel-controlled": (GaussSeidel("hermite"), _doubled),
+    "iterated": (Iterated("linear"), lambda: FixedSteps(3e-3)),
+    "iterated-controlled": (Iterated("hermite", acceleration="quasi_newton"), _controlled),
+}
+
+
+def _participants(system, kind=in_process):
+    return {name: kind(name, instance) for name, instance in system.instances.items()}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_run_goes_on_from_any_macro_step_to_the_last_bit(way: str) -> None:
+    system = two_masses()
+    master, steps = WAYS[way]
+    kept = Kept()
+    whole = simulate(system, _participants(system), master, steps(), STOP, [kept])
+    for at in range(0, len(kept.states), max(1, len(kept.states) // 7)):
+        rest = Recorder()
+        state = from_text(kept.states[at])
+        done = simulate(system, _participants(system), master, steps(), STOP, [rest], resumed=state)
+        assert rest.times.tolist() == kept.times[at + 1 :].tolist()
+        assert rest._rows == [] or np.array_equal(np.array(rest._rows), np.array(kept._rows)[at + 1 :])
+        assert rest.steps == kept.steps[at + 1 :]
+        assert replace(done, coupled_time_s=0.0) == replace(whole, coupled_time_s=0.0)
+
+
+def test_taking_a_state_changes_nothing() -> None:
+    system, (master, steps) = two_masses(), WAYS["iterated-controlled"]
+    runs = [Recorder(), Kept()]
+    for recorder in runs:
+        simulate(system, _participants(system), master, steps(), STOP, [recorder])
+    assert np.array_equal(np.array(runs[0]._rows), np.array(runs[1]._rows))
+
+
+def _driven(participant, steps: range) -> np.ndarray:
+    """Outputs after steps with an input that varies."""
+    found = np.zeros((len(steps), participant.outputs.size))
+    for row, n in zip(found, steps, strict=True):
+        participant.inputs[0] = math.sin(n)
+        participant.write()
+        participant.advance(1e-3 * n, 1e-3)
+        participant.read()
+        row[:] = participant.outputs
+    return found
+
+
+def _begun(make, system, name):
+    participant = make(name, system.instances[name])
+    component = system.instances[name].component
+    participant.inputs, participant.outputs = (
+        np.zeros((2, component.inputs.size)),
+        np.zeros(component.outputs.size),
+    )
+    participant.connect(
+        component.inputs.names, participant.inputs, component.outputs.names, participant.outputs, np.zeros(0)
+    )
+    participant.initialise(0.0, 1.0)
+    participant.finish_initialisation()
+    return participant
+
+
+def _substepped(name, instance):
+    return substepped(in_process(name, instance), 3)
+
+
+@pytest.mark.parametrize("kind", ["in-process", "substepped"])
+def test_a_participants_bytes_make_another_one_go_on_to_the_last_bit(kind: str) -> None:
+    system = two_masses()
+    make = {"in-process": in_process, "substepped": _substepped}[kind]
+    for name in system.instances:
+        first, second = _begun(make, system, name), _begun(make, system, name)
+        _driven(first, range(5))
+        saved = first.save()
+        data = first.to_bytes(saved)
+        first.release(saved)
+        _driven(second, range(3))
+        taken = second.from_bytes(data)
+        second.restore(taken)
+        assert second.to_bytes(second.save()) == data
+        assert np.array_equal(_driven(first, range(5, 9)), _driven(second, range(5, 9)))
+
+
+NUMBERS = arrays.from_dtype(np.dtype("<f8"))
+PLAIN = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text() | st.binary(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text().filter(lambda k: not k.startswith("$")), inner),
+)
+
+
+@settings(max_examples=200, deadline=None)
+@given(PLAIN)
+def test_plain_data_round_trip(data) -> None:
+    assert from_text(to_text(data)) == data
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    st.sampled_from(["<f8", "<i8", "|b1", "|u1", ">f4"]).flatmap(
+        lambda kind: arrays.arrays(kind, arrays.array_shapes(min_dims=0, max_dims=3, min_side=0))
+    )
+)
+def test_arrays_keep_every_bit_their_kind_and_shape(values) -> None:
+    found = from_text(to_text({"a": [values]}))["a"][0]
+    assert (found.dtype, found.shape, found.tobytes()) == (values.dtype, values.shape, values.tobytes())
+    assert found.flags.writeable
+
+
+@pytest.mark.parametrize("data", [object(), {1: 2}, {"$array": 1}, np.array(["a"]), np.array([None]), {1, 2}])
+def test_what_is_not_plain_is_refused(data) -> None:
+    with pytest.raises(TypeError):
+        to_text(data)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"$array": ["|O", [1], "AAAAAAAAAAA="]}',
+        '{"$array": ["<f8", [2], "AAAAAAAAAAA="]}',
+        '{"$array": ["<f8", [-1], ""]}',
+        '{"$array": 3}',
+        '{"$bytes": "?"}',
+        "{",
+    ],
+)
+def test_text_that_is_not_of_plain_data_is_refused(text: str) -> None:
+    with pytest.raises(ValueError):  # noqa: PT011
+        from_text(text)
+
+
+IDENTITY = Identity({"tribocosim": "1", "numpy": "2"}, "a" * 64, {"contact": "b" * 64})
+
+
+def test_every_damaged_byte_and_every_cut_is_noticed(tmp_path: Path) -> None:
+    path = tmp_path / "unfinished" / "checkpoint"
+    path.parent.mkdir()
+    state = {"x": np.arange(3.0), "n": 1}
+    write(path, IDENTITY, state)
+    identity, found = read(path)
+    assert identity == IDENTITY
+    assert np.array_equal(found["x"], state["x"])
+    whole = path.read_bytes()
+    for at in range(len(whole)):
+        for spoilt in (whole[:at], whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :]):
+            path.write_bytes(spoilt)
+            with pytest.raises(CheckpointError, match=r"tribocosim run .* --overwrite"):
+                read(path)
+
+
+def test_another_run_version_or_fmu_is_refused_with_the_remedy(tmp_path: Path) -> None:
+    IDENTITY.check(replace(IDENTITY), tmp_path)
+    for other, words in (
+        (replace(IDENTITY, scenario="c"), "scenario.toml: is not what the run was begun with; undo"),
+        (replace(IDENTITY, versions={"tribocosim": "1", "numpy": "3"}), "with numpy 3, this is 2; install"),
+        (replace(IDENTITY, fmus={"contact": "c"}), "components.contact.participant: the FMU is not the one"),
+        (replace(IDENTITY, fmus={}), "components.contact.participant"),
+    ):
+        with pytest.raises(CheckpointError, match=words) as refused:
+            IDENTITY.check(other, tmp_path)
+        assert isinstance(refused.value, MistakeError)
+        assert "--overwrite" in str(refused.value)
+
+
+def test_a_state_that_does_not_fit_is_refused() -> None:
+    system, (master, steps) = two_masses(), WAYS["gauss_seidel"]
+    kept = Kept()
+    simulate(system, _participants(system), master, steps(), 0.01, [kept])
+    for key, spoilt in (("exchange", {}), ("participants", {}), ("steps", {"missed": np.zeros(99)})):
+        state = from_text(kept.states[1]) | {key: spoilt}
+        with pytest.raises(CheckpointError, match="does not fit this run"):
+            simulate(system, _participants(system), master, steps(), 0.01, [], resumed=state)
+
+
+class Dumb:
+    """A participant that cannot be serialised."""
+
+    def __init__(self, inner) -> None:
+        self._inner = inner
+
+    def __getattr__(self, name):
+        return getattr(self._inner, name)
+
+    def to_bytes(self, saved):
+        raise CannotSerializeError("first: the FMU cannot serialise its state")
+
+
+def test_without_serialisable_participants_the_run_says_so_and_goes_on(tmp_path: Path) -> None:
+    system, (master, steps) = two_masses(), WAYS["gauss_seidel"]
+    said: list[str] = []
+    keeper = Checkpoints(tmp_path / "checkpoint", IDENTITY, 0.0, STOP, lambda: False, said.append)
+    participants = {name: Dumb(participant) for name, participant in _participants(system).items()}
+    simulate(system, participants, master, steps(), STOP, [keeper])
+    assert said == ["no checkpoints: first: the FMU cannot serialise its state"]
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,272 @@
+"""A run killed at any moment is resumed and ends with the same bits; what cannot be resumed is refused."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+import xarray
+from rich.console import Console
+
+from models.system import ModelError
+from orchestrator.command_line import _fmu
+from orchestrator.errors import CheckpointError, MistakeError
+from orchestrator.output_folder import OutputFolderError
+from orchestrator.report import Reporter
+from orchestrator.results import open_result
+from orchestrator.resume import resume
+from orchestrator.run import run
+from orchestrator.scenario_files import load
+
+from .killed import EVERY
+
+ROOT = Path(__file__).parents[2]
+IN_PROCESS = [
+    f"components.{name}.participant=in-process"
+    for name in ("flywheel", "camshaft", "valve_spring", "contact")
+]
+NO_REFERENCE = ["reference.enabled=false"]
+WALL_TIMES = ("wall_time_s", "coupled_time_s", "reference_time_s")
+# Runs to be killed: scenario and changes.
+RUNS = {
+    "gauss_seidel in-process": ("valve-train", ["stop_time=60 ms", *IN_PROCESS, *NO_REFERENCE]),
+    "gauss_seidel with FMUs": ("valve-train", ["stop_time=10 ms", *NO_REFERENCE]),
+    "iterated with step control and events": (
+        "bouncing-mass",
+        [
+            *("master.name=iterated", "master.extrapolation=hermite", "master.acceleration=quasi_newton"),
+            *("step_control.relative=1e-8", "output_step=0.4 ms"),
+            *("components.mass.participant=in-process", "components.stop.participant=in-process"),
+        ],
+    ),
+}
+# Seed and number of kills.
+KILLS = [(1, 4), *(pytest.param(seed, 12, marks=pytest.mark.long) for seed in (2, 3))]
+
+
+def _quiet() -> Reporter:
+    return Reporter(Console(quiet=True))
+
+
+def _whole(out: Path, overrides: list[str], scenario: str = "valve-train") -> Path:
+    """A run without interruption."""
+    run(load(scenario, [*overrides, EVERY]), out, _fmu, _quiet(), figures=False)
+    return out
+
+
+def _same(one: Path, two: Path) -> None:
+    """Both folders hold the same finished run."""
+    assert sorted(path.name for path in one.iterdir()) == sorted(path.name for path in two.iterdir())
+    assert (one / "coupled.csv").read_bytes() == (two / "coupled.csv").read_bytes()
+    with open_result(one) as first, open_result(two) as second:
+        xarray.testing.assert_identical(first, second)
+        assert first.attrs["complete"] == 1
+    summaries = [json.loads((folder / "summary.json").read_text()) for folder in (one, two)]
+    for summary in summaries:
+        for key in WALL_TIMES:
+            del summary[key]
+    assert summaries[0] == summaries[1]
+    assert summaries[0]["complete"] is True
+
+
+def _python(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, *code.split(" ", 1), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=280)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="kills forked processes")
+@pytest.mark.parametrize(("seed", "kills"), KILLS)
+@pytest.mark.parametrize("name", RUNS)
+def test_a_run_killed_again_and_again_ends_as_one_that_was_not(
+    name: str, seed: int, kills: int, tmp_path: Path
+) -> None:
+    scenario, overrides = RUNS[name]
+    whole = _whole(tmp_path / "whole", overrides, scenario)
+    out = str(tmp_path / "killed")
+    done = _python("-m tests.orchestrator.killed", out, str(seed), str(kills), scenario, *overrides)
+    assert done.returncode == 0, done.stderr
+    *killed, end = done.stdout.splitlines()
+    assert end == "ended with 0", done.stdout
+    assert len(killed) >= 3, done.stdout
+    # Some of it came back from checkpoints: these are a time and files.
+    assert any(float(line.split()[1]) > 0.0 for line in killed), done.stdout
+    _same(tmp_path / "killed", whole)
+
+
+SHORT = ["stop_time=4 ms", *IN_PROCESS, *NO_REFERENCE]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return _whole(tmp_path_factory.mktemp("whole") / "out", SHORT)
+
+
+def _left(out: Path, overrides: list[str], calls: int = 30) -> None:
+    """A run killed at that one of the calls that checkpoints are made of."""
+    code = f"from tests.orchestrator.killed import left; from pathlib import Path; left(Path({str(out)!r}), "
+    done = _python("-c " + code + f"{calls}, 'valve-train', {overrides!r})")
+    assert done.returncode == -9, done.stderr
+
+
+@pytest.fixture(scope="module")
+def killed_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("killed") / "out"
+    _left(out, SHORT)
+    return out
+
+
+@pytest.fixture
+def killed(killed_run: Path, tmp_path: Path) -> Path:
+    """A run that was killed, to be spoilt."""
+    return Path(shutil.copytree(killed_run, tmp_path / "out"))
+
+
+def _content(folder: Path) -> dict[Path, bytes]:
+    return {path: path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def _refused(out: Path, words: str) -> None:
+    """`resume` says so, with the remedy, and changes nothing."""
+    before = _content(out)
+    with pytest.raises(CheckpointError, match=words) as refused:
+        resume(out, _fmu, _quiet(), figures=False)
+    assert "--overwrite" in str(refused.value)
+    assert _content(out) == before
+
+
+def test_what_came_after_the_checkpoint_is_forgotten(killed: Path, whole: Path) -> None:
+    """Rows and lines that were begun, and files that were not whole."""
+    for path in (*(killed / "unfinished").glob("*.journal"), killed / "coupled.csv"):
+        with path.open("ab") as file:
+            file.write(b"1.5,torn" * 77)
+    (killed / "unfinished" / "checkpoint.partial").write_bytes(b"torn")
+    (killed / "result.nc.partial").write_bytes(b"torn")
+    assert resume(killed, _fmu, _quiet(), figures=False).complete
+    _same(killed, whole)
+
+
+def test_a_damaged_checkpoint_is_refused(killed: Path) -> None:
+    path = killed / "unfinished" / "checkpoint"
+    data = path.read_bytes()
+    path.write_bytes(data[:2000] + b"0" + data[2001:])
+    _refused(killed, "checkpoint: the checkpoint is damaged")
+    path.write_bytes(b"something else\n" + data)
+    _refused(killed, "is not a checkpoint of this version")
+    path.write_bytes(b"")
+    _refused(killed, "is not a checkpoint of this version")
+
+
+def test_lost_records_are_noticed(killed: Path) -> None:
+    journal, csv = killed / "unfinished" / "coupled.journal", killed / "coupled.csv"
+    whole = journal.read_bytes()
+    journal.write_bytes(whole[: len(whole) // 2])
+    _refused(killed, "coupled.journal: has .* rows, of .* at the checkpoint")
+    journal.unlink()
+    _refused(killed, "coupled.journal: cannot be read")
+    journal.write_bytes(whole)
+    csv.write_bytes(b"")
+    _refused(killed, "coupled.csv: has 0 bytes")
+
+
+def test_a_changed_scenario_is_refused(killed: Path) -> None:
+    path = killed / "scenario.toml"
+    path.write_text(path.read_text().replace("stop_time = 0.004", "stop_time = 0.005"))
+    _refused(killed, "scenario.toml: is not what the run was begun with; undo the change")
+
+
+def test_a_run_in_a_folder_with_an_unfinished_one_says_how_to_go_on(killed: Path, whole: Path) -> None:
+    before = _content(killed)
+    with pytest.raises(OutputFolderError, match=f"tribocosim resume {killed}"):
+        run(load("valve-train", [*SHORT, EVERY]), killed, _fmu, _quiet())
+    assert _content(killed) == before
+    with pytest.raises(FileNotFoundError, match="tribocosim resume"):
+        open_result(killed)
+    run(load("valve-train", [*SHORT, EVERY]), killed, _fmu, _quiet(), overwrite=True, figures=False)
+    _same(killed, whole)
+
+
+def test_two_processes_do_not_work_on_one_run(killed: Path) -> None:
+    code = (
+        "import sys; from pathlib import Path; from orchestrator.unfinished import locked\n"
+        "with locked(Path(sys.argv[1])): print('held', flush=True); sys.stdin.read()"
+    )
+    other = subprocess.Popen(
+        [sys.executable, "-c", code, str(killed)],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT,
+    )  # fmt: skip
+    try:
+        assert other.stdout
+        assert other.stdout.readline() == "held\n"
+        before = _content(killed)
+        for overwrite in (False, True):
+            with pytest.raises(MistakeError):
+                run(load("valve-train", SHORT), killed, _fmu, _quiet(), overwrite=overwrite)
+        with pytest.raises(MistakeError, match="another process is running it"):
+            resume(killed, _fmu, _quiet(), figures=False)
+        assert _content(killed) == before
+    finally:
+        other.communicate("")
+
+
+def test_a_rebuilt_fmu_is_refused(tmp_path: Path) -> None:
+    """The checksum, not what is in it: nobody knows that it computes the same."""
+    file, out = tmp_path / "contact.fmu", tmp_path / "out"
+    shutil.copy(_fmu("ehl_contact", {}), file)
+    _left(out, [*SHORT, f"components.contact.participant={file}"])
+    with zipfile.ZipFile(file, "a") as archive:
+        archive.comment = b"built again"
+    _refused(out, "components.contact.participant: the FMU is not the one")
+
+
+def test_what_is_no_unfinished_run_is_told(whole: Path, tmp_path: Path) -> None:
+    before = _content(whole)
+    done = resume(whole, _fmu, _quiet())
+    assert (done.complete, done.exit_status) == (True, 4)
+    assert _content(whole) == before
+    with pytest.raises(OutputFolderError, match="holds no run"):
+        resume(tmp_path, _fmu, _quiet())
+    shutil.copy(whole / "scenario.toml", tmp_path)
+    with pytest.raises(OutputFolderError, match="left nothing to go on from; repeat it"):
+        resume(tmp_path, _fmu, _quiet())
+
+
+def test_killed_while_it_tidied_up_it_is_complete(killed: Path, whole: Path) -> None:
+    shutil.copy(whole / "result.nc", killed)
+    shutil.copy(whole / "coupled.csv", killed)
+    shutil.copy(whole / "summary.json", killed)
+    (killed / "unfinished" / "checkpoint").unlink()
+    assert resume(killed, _fmu, _quiet()).complete
+    _same(killed, whole)
+
+
+def test_without_a_checkpoint_what_was_recorded_is_kept_and_marked(killed: Path) -> None:
+    (killed / "unfinished" / "checkpoint").unlink()
+    with (killed / "coupled.csv").open("ab") as file:
+        file.write(b"1.5,torn")
+    done = resume(killed, _fmu, _quiet(), figures=False)
+    assert (done.complete, done.exit_status, done.resumable) == (False, 3, False)
+    assert "no checkpoint" in done.message
+    assert not (killed / "unfinished").exists()
+    lines = (killed / "coupled.csv").read_text().splitlines()
+    with open_result(killed) as tree:
+        assert tree.attrs["complete"] == 0
+        assert "no checkpoint" in tree.attrs["message"]
+        times = tree["coupled"]["time"].values.tolist()
+        assert tree["steps"].sizes["time"] == done.macro_steps >= len(times) - 1 > 0
+    assert [float(line.split(",")[0]) for line in lines[1:]] == times[: len(lines) - 1]
+
+
+def test_a_run_that_fails_leaves_nothing_to_resume(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    overrides = ["master.name=jacobi", "macro_step=100 us", "stop_time=50 ms", *IN_PROCESS, *NO_REFERENCE]
+    with contextlib.suppress(ModelError):
+        summary = run(load("valve-train", [*overrides, EVERY]), out, _fmu, _quiet(), figures=False)
+    assert (summary.exit_status, summary.resumable) == (3, False)
+    assert not (out / "unfinished").exists()
