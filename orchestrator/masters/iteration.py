@@ -18,7 +18,7 @@ from .restart import Sweep
 # A wrong end rate bends a cubic signal by 4/27 of it times the step at most.
 BEND = 4.0 / 27.0
 # Contraction below which a single observation is not trusted.
-CAUTION = 0.02
+CAUTION = 0.01
 MARGIN = 2.0
 REMEMBERED = 25
 

@@ -8,7 +8,7 @@ from ...bonds import bonds_of
 from ...exchange import Exchange
 from ...masters import Jacobi, Master, name_of
 from ...signals import evaluate
-from .nodes import effective_degree, extrapolated, integral
+from .nodes import effective_degree, extrapolated
 from .protocol import Attempt
 from .step_doubling import StepDoubling
 
@@ -36,7 +36,7 @@ class EnergyResidual:
             return StepDoubling().attempt(exchange, master, time, length)
         degree = effective_degree(exchange)
         nodes = extrapolated(exchange.history, degree)
-        mean = integral(nodes, 0.0, length) / (length * nodes(length))
+        mean = nodes.integral(0.0, length) / (length * nodes(length))
         iterations = master.step(exchange, time, length)
         assumed, rates = np.zeros_like(exchange.values), np.zeros_like(exchange.rates)
         evaluate(exchange.signals, length, assumed, rates)

@@ -7,43 +7,55 @@ over the step, and directly from its end value where an output depends on an inp
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-
-from numpy.polynomial import Polynomial
+from dataclasses import dataclass
 
 from ...exchange import Exchange
 from ...signals import History
 
-IDENTITY = Polynomial([0.0, 1.0])
+# Gauss's quadrature with three points is exact up to degree five; node polynomials have four at most.
+_GAUSS = ((-math.sqrt(0.6), 5.0 / 9.0), (0.0, 8.0 / 9.0), (math.sqrt(0.6), 5.0 / 9.0))
 
 
-def node_polynomial(degree: int, nodes: Sequence[float]) -> Polynomial:
-    """Product of (s - node) over the nodes of a signal of `degree`; both nodes of a Hermite signal twice."""
-    product = Polynomial([1.0])
-    for node in nodes[:2] if degree == 3 else nodes[: degree + 1]:
-        product = product * (IDENTITY - node) ** (2 if degree == 3 else 1)
-    return product
+@dataclass(frozen=True)
+class NodePolynomial:
+    """Product of (s - node)^power, s in time after the newest known point."""
+
+    nodes: Sequence[float]
+    power: int
+
+    def __call__(self, s: float) -> float:
+        product = 1.0
+        for node in self.nodes:
+            product *= (s - node) ** self.power
+        return product
+
+    def integral(self, start: float, end: float) -> float:
+        """Integral from start to end."""
+        middle, half = 0.5 * (start + end), 0.5 * (end - start)
+        return half * sum(weight * self(middle + half * x) for x, weight in _GAUSS)
+
+
+def node_polynomial(degree: int, nodes: Sequence[float]) -> NodePolynomial:
+    """That of a signal of `degree` through the first of `nodes`: both of a Hermite signal count twice."""
+    return NodePolynomial(nodes[:2], 2) if degree == 3 else NodePolynomial(nodes[: degree + 1], 1)
 
 
 def past(history: History) -> list[float]:
     """The known points' times relative to the newest."""
-    return [float(t - history.times[0]) for t in history.times[: history.count]]
+    newest = float(history.times[0])
+    return [float(t) - newest for t in history.times[: history.count]]
 
 
-def extrapolated(history: History, degree: int) -> Polynomial:
-    """Node polynomial, in time after the newest point, of the extrapolated signal."""
+def extrapolated(history: History, degree: int) -> NodePolynomial:
+    """That of the extrapolated signal."""
     return node_polynomial(degree, past(history))
 
 
-def interpolated(history: History, degree: int, length: float) -> Polynomial:
-    """As `extrapolated`, of the signal through a value (and rate) at the end of the step."""
+def interpolated(history: History, degree: int, length: float) -> NodePolynomial:
+    """That of the signal through a value (and rate) at the end of the step."""
     return node_polynomial(degree, [length, *past(history)])
-
-
-def integral(polynomial: Polynomial, start: float, end: float) -> float:
-    """Integral from start to end."""
-    whole = polynomial.integ()
-    return float(whole(end) - whole(start))
 
 
 def effective_degree(exchange: Exchange) -> int:

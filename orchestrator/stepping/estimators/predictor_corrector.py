@@ -6,7 +6,7 @@ import numpy as np
 
 from ...exchange import Exchange
 from ...masters import Master
-from .nodes import effective_degree, extrapolated, integral, interpolated
+from .nodes import effective_degree, extrapolated, interpolated
 from .protocol import Attempt
 from .step_doubling import StepDoubling
 
@@ -33,8 +33,8 @@ class PredictorCorrector:
             exchange.predicted = None
             return StepDoubling().attempt(exchange, master, time, length)
         degree = effective_degree(exchange)
-        predictor = integral(extrapolated(exchange.history, degree), 0.0, length)
-        corrector = integral(interpolated(exchange.history, degree, length), 0.0, length)
+        predictor = extrapolated(exchange.history, degree).integral(0.0, length)
+        corrector = interpolated(exchange.history, degree, length).integral(0.0, length)
         exchange.predicted = np.full(len(exchange.values), np.nan)
         iterations = master.step(exchange, time, length)
         # What was not iterated has no error of its own.

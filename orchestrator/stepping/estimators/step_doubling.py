@@ -8,7 +8,7 @@ from models.quantities import Vector
 
 from ...exchange import Exchange
 from ...masters import Master
-from .nodes import effective_degree, extrapolated, integral
+from .nodes import effective_degree, extrapolated
 from .protocol import Attempt
 
 
@@ -50,7 +50,7 @@ def ratios(exchange: Exchange, degree: int, half: float) -> Vector:
     whole = extrapolated(later, degree)
     later.append(later.times[0] + half, later.values[0], later.rates[0])
     second = extrapolated(later, degree)
-    integrated = integral(whole, 0.0, 2.0 * half) / (integral(whole, 0.0, half) + integral(second, 0.0, half))
+    integrated = whole.integral(0.0, 2.0 * half) / (whole.integral(0.0, half) + second.integral(0.0, half))
     direct = whole(2.0 * half) / second(half)
     return np.where(exchange.through, direct, integrated)
 
