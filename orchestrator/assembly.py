@@ -8,10 +8,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from models.bonds import counting
 from models.fmu_archive import FmuFileError, archive_faults, opened
 from models.quantities import Quantity
 from models.system import Instance, System, suggestion
 
+from .energy.counting import counting_structure
 from .participants import Participant, fmu, in_process, missing, substepped
 from .scenario import ComponentTable, Scenario, ScenarioError, ends
 from .values import numbers
@@ -101,9 +103,21 @@ def fmu_files(scenario: Scenario, build: Builder) -> dict[str, FmuFile]:
         if table.participant == "in-process":
             continue
         own = table.participant == "fmu"
-        path = build(table.component, table.structure) if own else Path(table.participant)
+        structure = counting_structure(table.structure) if scenario.energy.ledger else table.structure
+        path = build(table.component, structure) if own else Path(table.participant)
         files[name] = FmuFile(path, hashlib.sha256(path.read_bytes()).hexdigest())
     return files
+
+
+def counting_instances(scenario: Scenario, system: System) -> list[str]:
+    """The instances that can count their energies: all but given FMUs without the variables for it."""
+    names = []
+    for name, table in scenario.components.items():
+        given = table.participant.endswith(".fmu")
+        outputs = counting(system.instances[name].component).outputs.names
+        if not given or not missing(Path(table.participant), outputs):
+            names.append(name)
+    return names
 
 
 def check_file(name: str, path: Path, variables: Iterable[str]) -> None:

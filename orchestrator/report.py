@@ -18,6 +18,7 @@ from rich.text import Text
 from models.quantities import Vector
 
 from .comparison import Errors, VariableError
+from .energy.account import lines as energy_lines
 from .stepping import Step
 from .summary import Summary
 from .validity import lines
@@ -114,6 +115,8 @@ class Reporter:
                 + f"; all {summary.wall_time_s:.1f} s"
             )
         for line in lines(summary.validity):
+            self.line(line)
+        for line in energy_lines(summary.energy) if summary.energy else ():
             self.line(line)
         if summary.complete:
             self.line(f"{summary.scenario}: {summary.verdict}")

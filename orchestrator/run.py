@@ -17,6 +17,7 @@ from . import assembly
 from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import Checkpoints, Identity
 from .comparison import compare, largest_uncertainty, verdict
+from .energy import Ledger, Trimmed, counted
 from .errors import CheckpointError, RunError
 from .interruption import Interruption
 from .journal import Recorded, journals
@@ -28,7 +29,7 @@ from .report import Reporter
 from .results import ResultFile
 from .scenario import Scenario
 from .scenario_files import written
-from .simulation import simulate
+from .simulation import Observer, simulate
 from .stepping import Step
 from .summary import FAILED, INTERRUPTED, NOT_COMPARED, OUTSIDE, WITHIN, Summary
 from .unfinished import clear
@@ -202,9 +203,17 @@ def _coupled(
 ) -> None:
     scenario, every = job.scenario, job.scenario.record_every
     quantities = assembly.output_quantities(system)
+    recorders: list[Observer] = [
+        ResultRecorder(job.folder, quantities, every),
+        CsvRecorder(job.out / CSV, every),
+    ]
+    ledger = None
+    if scenario.energy.ledger:
+        system = counted(system, assembly.counting_instances(scenario, system))
+        ledger = Ledger(system, every, job.folder)
+        recorders = [*(Trimmed(recorder, system) for recorder in recorders), ledger]
     counter = _Counter()
     stage = job.reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)
-    recorders = [ResultRecorder(job.folder, quantities, every), CsvRecorder(job.out / CSV, every)]
     with watching(scenario, job.out / SUMMARY, summary) as watchdog:
         participants = assembly.participants_of(scenario, system, fmus, watchdog.made)
         try:
@@ -222,6 +231,7 @@ def _coupled(
         finally:
             summary.macro_steps, summary.iterations = max(0, counter.steps), counter.iterations
             summary.coupled_time_s = counter.time_s
+            summary.energy = ledger.account() if ledger else None
             for participant in participants.values():
                 participant.close()
     summary.rejected_steps = statistics.rejected_steps

@@ -207,6 +207,14 @@ class ReferenceTable(_Table):
     )
 
 
+class EnergyTable(_Table):
+    """The energy ledger."""
+
+    ledger: bool = Field(
+        False, description="Count the energy over every power bond, and what the coupling creates"
+    )
+
+
 class Scenario(_Table):
     """A coupled run and what it is compared with."""
 
@@ -239,6 +247,7 @@ class Scenario(_Table):
         "default: not with equal steps, to 1 ns with step control",
     )
     reference: ReferenceTable = ReferenceTable()
+    energy: EnergyTable = EnergyTable()
     components: dict[str, ComponentTable] = Field(description="The components by instance name", min_length=1)
     connections: list[str] = Field([], description="Lines 'instance.output -> instance.input'")
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .comparison import Errors
+from .energy.account import Account
 from .replacement import replace
 from .validity import Excursions
 
@@ -40,6 +41,7 @@ class Summary:
     reference_uncertainty: float | None = None
     errors: Errors = field(default_factory=dict)
     validity: Excursions = field(default_factory=dict)
+    energy: Account | None = None
     fmus: dict[str, str] = field(default_factory=dict)
 
     def content(self) -> dict[str, Any]:

@@ -1,0 +1,146 @@
+"""The energy ledger: it closes, it is exact where the coupling is, and what it finds falls with the order."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from models.oscillators import exact as solutions
+from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
+from orchestrator.energy import Ledger, Trimmed, counted, lines
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi
+from orchestrator.participants import in_process
+from orchestrator.simulation import simulate
+
+from .recorder import Recorder
+from .two_masses import START, two_masses
+
+UNDAMPED = {"damping": 0.0, "coupling_damping": 0.0}
+BOND = "first.force * second.velocity"
+STOP = 2.0
+
+
+def booked(master, step, stop=STOP, every=1, **parameters):
+    system = counted(two_masses(**parameters), ["first", "second"])
+    ledger = Ledger(system, every)
+    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    simulate(system, units, master, step, stop, [ledger])
+    return ledger
+
+
+MASTERS = [
+    kind(signal) for kind in (Jacobi, GaussSeidel, Iterated) for signal in ("hold", "linear", "quadratic")
+]
+
+
+@pytest.mark.parametrize("master", MASTERS, ids=repr)
+def test_what_is_given_and_created_is_taken(master):
+    ledger = booked(master, 1e-2)
+    # Three sums of the same two numbers: to the last bit.
+    assert ledger[f"given {BOND}"] + ledger[f"created {BOND}"] == pytest.approx(
+        ledger[f"taken {BOND}"], rel=4e-16
+    )
+    assert ledger[f"created {BOND}"] == ledger[f"taken {BOND}"] - ledger[f"given {BOND}"]
+    assert ledger["created"] == ledger[f"created {BOND}"]
+
+
+@pytest.mark.parametrize("master", MASTERS, ids=repr)
+def test_the_whole_ledger_closes_to_rounding(master):
+    """Stored and dissipated - sources = created over bonds + what came besides them."""
+    account = booked(master, 1e-2).account()
+    parts = account.components.values()
+    spent = sum(part.stored + part.dissipated - part.sourced for part in parts)
+    # Energies of 25 J at the start, 200 steps, sums of a dozen numbers.
+    assert spent == pytest.approx(account.created + account.besides, abs=200 * 25 * 2.3e-16)
+    for part in parts:
+        assert part.besides == pytest.approx(part.jumped + part.unaccounted, abs=1e-12)
+        assert part.besides == pytest.approx(
+            part.stored + part.dissipated - part.sourced - part.received, abs=1e-12
+        )
+
+
+def test_a_component_that_only_takes_a_force_closes_in_itself():
+    """Its stored energy does not see the force: nothing comes besides the bond, in any coupling."""
+    second = booked(Jacobi("hold"), 1e-2).account().components["second"]
+    assert second.dissipated > 0.1
+    # 1e-10 per integration step of energies below 25 J.
+    assert abs(second.besides) < 1e-9
+
+
+ORDERS = [(kind(signal), k) for kind in (Jacobi, GaussSeidel, Iterated) for k, signal in
+          enumerate(("hold", "linear", "quadratic"), 1)]  # fmt: skip
+
+
+@pytest.mark.parametrize(("master", "order"), ORDERS, ids=repr)
+def test_spurious_energy_falls_with_the_order_of_the_method(master, order):
+    coarse, fine = (abs(booked(master, h).account().bonds[BOND].largest_created) for h in (2e-3, 1e-3))
+    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.1)
+
+
+def test_a_converged_coupling_exchanges_the_energies_of_the_exact_solution():
+    """Undamped, what the second mass took is its mechanical energy by the matrix exponential."""
+    ledger = booked(Iterated("hermite", 1e-12), 1e-3, **UNDAMPED)
+    first = CoupledMassParameters(damping=0.0, coupling_damping=0.0)
+    second = SprungMassParameters(damping=0.0)
+    x, v = solutions.two_masses(np.array([0.0, STOP]), first, second, START)[-1, 2:]
+    energy = 0.5 * (second.mass * v**2 + second.stiffness * x**2)
+    assert energy > 0.1
+    # The Hermite signal's error of order four at H = 1 ms, and 2000 steps of 1e-10.
+    assert ledger[f"taken {BOND}"] == pytest.approx(energy, abs=1e-7)
+    assert ledger[f"given {BOND}"] == pytest.approx(energy, abs=1e-7)
+
+
+def test_nobody_sees_that_energies_are_counted():
+    """The motion's bits, and what the other observers get, are those of a run without ledger."""
+    system = two_masses()
+    counts, plain, trimmed = counted(system, ["first", "second"]), Recorder(), Recorder()
+    for run, observer in ((system, plain), (counts, Trimmed(trimmed, counts))):
+        units = {name: in_process(name, instance) for name, instance in run.instances.items()}
+        simulate(run, units, Iterated("quadratic"), 5e-3, STOP, [observer])
+    assert trimmed.names == plain.names
+    for name in plain.names:
+        np.testing.assert_array_equal(trimmed[name], plain[name])
+
+
+def test_every_record_books_all_energies_since_the_last_one():
+    """Counts are cumulative: fewer records lose nothing."""
+    often, seldom = booked(Jacobi("linear"), 1e-2), booked(Jacobi("linear"), 1e-2, every=50)
+    for channel in often.channels:
+        assert seldom[channel] == often[channel], channel
+
+
+def test_a_bond_that_only_one_side_counts_is_named_and_not_booked():
+    system = counted(two_masses(), ["second"])
+    ledger = Ledger(system)
+    assert ledger.not_counted == [BOND]
+    assert any(BOND in line and "not counted" in line for line in lines(ledger.account()))
+
+
+def test_a_ledger_goes_on_from_its_state(tmp_path):
+    """Two halves with the state handed on, as after a checkpoint, come to what the whole run comes to."""
+    system = counted(two_masses(), ["first", "second"])
+    whole, first = Ledger(system, folder=tmp_path), Ledger(system)
+
+    class Halves:
+        """Hands the state from one ledger to the next in the middle."""
+
+        now = first
+
+        def begin(self, names):
+            self.now.begin(names)
+
+        def observe(self, time, outputs, step):
+            self.now.observe(time, outputs, step)
+            if abs(time - 1.0) < 1e-9:
+                following = Ledger(system)
+                following.resume(system.outputs.names, self.now.state())
+                self.now = following
+
+        def end(self, complete, message):
+            self.now.end(complete, message)
+
+    halves = Halves()
+    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    simulate(system, units, GaussSeidel("linear"), 1e-2, STOP, [whole, halves])
+    assert halves.now is not first
+    assert halves.now.account() == whole.account()
