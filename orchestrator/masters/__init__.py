@@ -12,12 +12,14 @@ from typing import Any
 from .gauss_seidel import GaussSeidel
 from .iterated import Iterated
 from .jacobi import Jacobi
+from .newton import Newton
 from .protocol import Master
 
 MASTERS: dict[str, type[Any]] = {
     "jacobi": Jacobi,
     "gauss_seidel": GaussSeidel,
     "iterated": Iterated,
+    "newton": Newton,
 }
 
 
@@ -26,4 +28,4 @@ def name_of(master: Master) -> str:
     return next((name for name, kind in MASTERS.items() if isinstance(master, kind)), type(master).__name__)
 
 
-__all__ = ["MASTERS", "GaussSeidel", "Iterated", "Jacobi", "Master", "name_of"]
+__all__ = ["MASTERS", "GaussSeidel", "Iterated", "Jacobi", "Master", "Newton", "name_of"]

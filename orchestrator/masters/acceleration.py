@@ -6,6 +6,7 @@ goes through `carried`, as plain arrays, so that a checkpoint has it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,8 +18,6 @@ Carried = dict[str, Any]
 
 class Acceleration(Protocol):
     """Chooses the next guess."""
-
-    def __init__(self, carried: Carried, step: float) -> None: ...
 
     def next(self, guess: Vector, result: Vector) -> Vector:
         """The guess after `guess` gave `result` = G(guess)."""
@@ -121,7 +120,7 @@ class QuasiNewton(Anderson):
         }
 
 
-ACCELERATIONS: dict[str, type[Acceleration]] = {
+ACCELERATIONS: dict[str, Callable[[Carried, float], Acceleration]] = {
     "none": Plain,
     "aitken": Aitken,
     "anderson": Anderson,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -113,7 +113,7 @@ def converge(
     step: float,
     first_sweep: Sweep,
     next_sweep: Sweep,
-    accelerate: type[Acceleration],
+    accelerate: Callable[[dict[str, Any], float], Acceleration],
     tolerance: float,
     maximum_iterations: int,
 ) -> int:
