@@ -32,7 +32,7 @@ from .plain_data import Plain
 from .scenario import Scenario
 from .stepping import Step
 from .summary import FAILED, Summary
-from .watchdog_process import CALL, CELLS, FRESH, STEPS, TIME, message, number_of
+from .watchdog_process import CELLS, FRESH, MARK, STEPS, TIME, message, number_of
 
 # How long an interrupted call may take to come back: Python code does at once, code that the signal does
 # not reach never.
@@ -97,7 +97,7 @@ class Watchdog:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._cells[CALL] = 0
+        self._cells[MARK] = 0
         assert self._process.stdin
         self._process.stdin.close()
         self._process.wait()
@@ -106,8 +106,9 @@ class Watchdog:
             signal.signal(signal.SIGUSR1, self._previous)
 
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
-        if call := self._cells[CALL]:
-            text = message(self._names, call, self._limit, self._cells[STEPS], self._times[TIME])
+        if mark := self._cells[MARK]:
+            number = mark % FRESH
+            text = message(self._names, number, self._limit, self._cells[STEPS], self._times[TIME])
             self._stalled = StalledError(text)
             raise self._stalled
 
@@ -124,26 +125,54 @@ class Watchdog:
             try:
                 return marked(*arguments)
             finally:
-                cells[CALL] = 0
+                cells[MARK] = 0
 
         return enclosed
 
     def marked(self, index: int, call: str, function: Callable[..., Made]) -> Callable[..., Made]:
         """`function`, watched until the next call or the end of the macro step: less to do in every step."""
-        number, cells = number_of(index, call), self._cells
+        mark, cells, cause = FRESH + number_of(index, call), self._cells, self._cause
 
         def marked(*arguments: Any) -> Made:
-            cells[CALL] = number
-            cells[FRESH] = 1
+            cells[MARK] = mark
             try:
                 return function(*arguments)
-            except Exception:
-                # What an FMU has made of the interruption, of which it could only say that it failed.
-                if self._stalled:
-                    raise self._stalled from None
-                raise
+            except Exception as error:
+                raise cause(error)  # noqa: B904
 
         return marked
+
+    def advancing(
+        self, index: int, advance: Callable[[float, float], None]
+    ) -> Callable[[float, float], None]:
+        """As `marked`, for the steps: without the cost of any number of arguments."""
+        mark, cells, cause = FRESH + number_of(index, "step"), self._cells, self._cause
+
+        def advancing(time: float, step: float) -> None:
+            cells[MARK] = mark
+            try:
+                advance(time, step)
+            except Exception as error:
+                raise cause(error)  # noqa: B904
+
+        return advancing
+
+    def exchanging(self, index: int, call: str, exchange: Callable[[], None]) -> Callable[[], None]:
+        """As `marked`, for what passes values in every step."""
+        mark, cells, cause = FRESH + number_of(index, call), self._cells, self._cause
+
+        def exchanging() -> None:
+            cells[MARK] = mark
+            try:
+                exchange()
+            except Exception as error:
+                raise cause(error)  # noqa: B904
+
+        return exchanging
+
+    def _cause(self, error: Exception) -> Exception:
+        """Of an interruption an FMU could only say that it failed."""
+        return self._stalled or error
 
     def begin(self, names: Sequence[str]) -> None:
         pass
@@ -155,14 +184,14 @@ class Watchdog:
         self._cells[STEPS], self._times[TIME] = state["steps"], state["time"]
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        self._cells[CALL] = 0
+        self._cells[MARK] = 0
         self._cells[STEPS] += 1
         self._times[TIME] = time
         if self._stalled:  # an FMU kept it to itself
             raise self._stalled
 
     def end(self, complete: bool, message: str) -> None:
-        self._cells[CALL] = 0
+        self._cells[MARK] = 0
 
 
 class Watched:
@@ -176,7 +205,7 @@ class Watched:
         self.finish_initialisation = enclosed(
             index, "end of initialisation", participant.finish_initialisation
         )
-        self.advance = marked(index, "step", participant.advance)
+        self.advance = watchdog.advancing(index, participant.advance)
         self.read_all = enclosed(index, "reading of all outputs", participant.read_all)
         self.save = marked(index, "saving of its state", participant.save)
         self.restore = marked(index, "restoring of its state", participant.restore)
@@ -202,8 +231,8 @@ class Watched:
     ) -> Sequence[bool]:
         rated = self._participant.connect(input_names, inputs, output_names, outputs, rates)
         # Only now: participants make these when they are connected.
-        self.write = self._watchdog.marked(self._index, "setting of inputs", self._participant.write)
-        self.read = self._watchdog.marked(self._index, "reading of outputs", self._participant.read)
+        self.write = self._watchdog.exchanging(self._index, "setting of inputs", self._participant.write)
+        self.read = self._watchdog.exchanging(self._index, "reading of outputs", self._participant.read)
         return rated
 
 

@@ -1,9 +1,10 @@
 """The process that watches a run's calls. Standard library only: run as a script it starts at once.
 
-Usage: watchdog_process.py FD, with FD a file of `CELLS` numbers of 8 bytes, shared with the run: the number
-of the call that goes on (0: none), whether it began since this process looked, the macro steps made, and the
-time at the end of the last one (a double). On standard input comes a line of JSON (see `Watchdog`); when
-that input ends, so does this process.
+Usage: watchdog_process.py FD, with FD a file of `CELLS` numbers of 8 bytes, shared with the run: a mark of
+the call that goes on (0: none), the macro steps made, and the time at the end of the last one (a double). A
+mark is one store for the run: the call's number, and in the upper half a one that this process takes away
+when it looks. On standard input comes a line of JSON (see `Watchdog`); when that input ends, so does this
+process.
 """
 
 import json
@@ -16,7 +17,10 @@ import time as clock
 from pathlib import Path
 from typing import Any
 
-CALL, FRESH, STEPS, TIME, CELLS = 0, 1, 2, 3, 4
+MARK, STEPS, TIME, CELLS = 0, 1, 2, 3
+FRESH = 1 << 32
+# The halves of the mark, as numbers of 4 bytes.
+NUMBER, UPPER = (0, 1) if sys.byteorder == "little" else (1, 0)
 
 CALLS = (
     "instantiation", "initialisation", "end of initialisation", "setting of inputs", "step",
@@ -29,7 +33,7 @@ LOOKS, SHORTEST, LONGEST = 20, 0.02, 1.0
 
 
 def number_of(participant: int, call: str) -> int:
-    """The mark of a call, from 1 on."""
+    """The number of a call, from 1 on."""
     return participant * len(CALLS) + CALLS.index(call) + 1
 
 
@@ -43,8 +47,9 @@ def message(names: list[str], number: int, limit: float, steps: int, time: float
     )
 
 
-def watch(cells: Any, times: Any, setup: dict[str, Any]) -> None:
+def watch(shared: Any, setup: dict[str, Any]) -> None:
     """Until standard input ends, or the run had to be ended."""
+    cells, halves, times = shared.cast("q"), shared.cast("i"), shared.cast("d")
     limit, grace, run = setup["limit"], setup["grace"], os.getppid()
     pause = min(max(limit / LOOKS, SHORTEST), LONGEST)
     looked, lasted, interrupted = clock.monotonic(), 0.0, False
@@ -53,11 +58,11 @@ def watch(cells: Any, times: Any, setup: dict[str, Any]) -> None:
         now = clock.monotonic()
         lasted += min(now - looked, 2.0 * pause)
         looked = now
-        if cells[FRESH] or not cells[CALL]:
-            cells[FRESH] = 0
+        if halves[UPPER] or not halves[NUMBER]:
+            halves[UPPER] = 0
             lasted, interrupted = 0.0, False
         elif lasted > limit + grace:
-            text = message(setup["names"], cells[CALL], limit, cells[STEPS], times[TIME])
+            text = message(setup["names"], halves[NUMBER], limit, cells[STEPS], times[TIME])
             setup["summary"]["macro_steps"] = max(0, cells[STEPS])
             _end(run, text, setup)
             return
@@ -83,7 +88,7 @@ def main() -> None:
         if not (more := os.read(0, 1 << 16)):
             return
         line += more
-    watch(memoryview(shared).cast("q"), memoryview(shared).cast("d"), json.loads(line))
+    watch(memoryview(shared), json.loads(line))
 
 
 if __name__ == "__main__":
