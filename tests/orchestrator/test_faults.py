@@ -1,0 +1,356 @@
+"""Participants that misbehave: retried where that helps, otherwise named, with what was computed kept."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import json
+import math
+import re
+import tempfile
+
+import numpy as np
+import pytest
+from fmpy.fmi2 import FMU2Slave
+from scipy.linalg import expm
+
+from fmus.build import build
+from models.catalogue import CATALOGUE
+from models.oscillators.two_masses import CoupledMassParameters
+from models.system import Instance, System
+from orchestrator.assembly import FmuFile, participants_of
+from orchestrator.errors import (
+    DiscardedStepError,
+    LostParticipantError,
+    NotFiniteError,
+    ParticipantError,
+    RecoverableError,
+    RunError,
+)
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi
+from orchestrator.participants import fmu, in_process
+from orchestrator.simulation import simulate
+from orchestrator.stepping import ControlledSteps, StepControl
+from orchestrator.stepping.protocol import DISCARD, SHORTEST
+
+from .faulty import Faulty, after, at_random, every, longer_than
+from .recorder import Recorder
+from .small_fmus import small_fmu
+from .test_command_line import SHORT, _tampered, tribocosim
+from .two_masses import exact, two_masses
+
+STOP = 1.0
+JUMP, OFFSET = 0.5, 0.1
+
+# Step control over explicit and implicit masters, by every estimator that suits two masses.
+CONTROLLED = {
+    "jacobi, schierz": (Jacobi("quadratic"), "schierz"),
+    "gauss_seidel, step_doubling": (GaussSeidel("quadratic"), "step_doubling"),
+    "iterated, predictor_corrector": (Iterated("hermite"), "predictor_corrector"),
+}
+TOLERANCE = 1e-5
+
+
+def controlled(second, kind, minimum_step=1e-7):
+    """The recorder of a run with step control, and the error that ended it."""
+    master, estimator = CONTROLLED[kind]
+    control = StepControl(
+        estimator, relative=TOLERANCE, absolute=TOLERANCE, minimum_step=minimum_step, maximum_step=0.05
+    )
+    return simulated(second, master, ControlledSteps(1e-3, control))
+
+
+@functools.cache
+def sound(kind):
+    """The recorder of a run without faults."""
+    recorder, ended = controlled(faulty(), kind)
+    assert ended is None
+    return recorder
+
+
+def simulated(second, master, steps):
+    system, recorder = two_masses(), Recorder()
+    units = {"first": Faulty(in_process("first", system.instances["first"])), "second": second}
+    ended = None
+    try:
+        simulate(system, units, master, steps, STOP, [recorder])
+    except RunError as error:
+        ended = error
+    finally:
+        for unit in units.values():
+            unit.close()
+    assert recorder.ended == (ended is None, "" if ended is None else str(ended))
+    for unit in units.values():
+        if isinstance(unit, Faulty):
+            assert unit.saved == unit.released
+    return recorder, ended
+
+
+def faulty(**faults):
+    return Faulty(in_process("second", two_masses().instances["second"]), **faults)
+
+
+def missed(recorder):
+    truth = exact(recorder.times)
+    return max(
+        np.abs(recorder["first.position"] - truth[:, 0]).max(),
+        np.abs(recorder["second.position"] - truth[:, 1]).max(),
+    )
+
+
+def nan_every(number):
+    """Of what is read now and then, not a number."""
+    count = itertools.count(1)
+    return lambda time, name, value: math.nan if next(count) % number == 0 else value
+
+
+# More calls than an attempt takes: at the start the two of step doubling have up to eight sweeps each.
+OFTEN = 37
+
+TRANSIENT = {
+    "discards longer steps": lambda: {"discards": longer_than(3e-3)},
+    "discards now and then": lambda: {"discards": every(OFTEN)},
+    "discards at random": lambda: {"discards": at_random(1.0 / OFTEN, seed=3)},
+    "discards without a word": lambda: {"discards": every(OFTEN), "silent": True},
+    "discards in mid-step": lambda: {"discards": every(OFTEN), "arrives": 0.4},
+    "fails now and then": lambda: {"fails": every(OFTEN)},
+    "not a number now and then": lambda: {"value": nan_every(2 * OFTEN)},
+}
+
+
+@pytest.mark.parametrize("kind", CONTROLLED)
+@pytest.mark.parametrize("fault", TRANSIENT)
+def test_step_control_gets_past_what_passes(fault, kind):
+    """Shorter steps do not make a result worse; a factor of two is left to how errors add up."""
+    clean = sound(kind)
+    unit = faulty(**TRANSIENT[fault]())
+    recorder, ended = controlled(unit, kind)
+    assert ended is None
+    assert recorder.times[-1] == STOP
+    assert missed(recorder) < 2.0 * missed(clean)
+    assert sum(step.rejected for step in recorder.steps) > sum(step.rejected for step in clean.steps)
+    assert DISCARD in {step.reason for step in recorder.steps}
+
+
+PERMANENT = {
+    "discards": ({"discards": after(0.5)}, DiscardedStepError, r"^second: step from t = 0\.5\d* s by "),
+    "fails": ({"fails": after(0.5)}, RecoverableError, r"^second: step from t = 0\.5\d* s by .*failed"),
+    "not a number": (
+        {"value": lambda time, name, value: math.nan if time > 0.5 and name == "velocity" else value},
+        NotFiniteError,
+        r"^second\.velocity: not a finite number in the step from t = 0\.(49|5)",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", CONTROLLED)
+@pytest.mark.parametrize("fault", PERMANENT)
+def test_what_does_not_pass_is_named_after_the_shortest_step(fault, kind):
+    faults, error, said = PERMANENT[fault]
+    recorder, ended = controlled(faulty(**faults), kind)
+    assert type(ended) is error
+    assert re.search(said, str(ended))
+    shortest = re.search(r"also with the shortest step of (\S+) s", str(ended))
+    assert shortest
+    assert 1e-7 <= float(shortest[1]) < 1e-6
+    # The last good step ends where the fault begins, to the shortest step.
+    assert recorder.times[-1] == pytest.approx(0.5, abs=2e-6) or recorder.times[-1] > 0.5
+    assert missed(recorder) < 1e-3
+
+
+@pytest.mark.parametrize("kind", CONTROLLED)
+def test_a_dead_participant_is_not_called_again(kind):
+    unit = faulty(dies=after(0.5))
+    recorder, ended = controlled(unit, kind)  # Faulty asserts it
+    assert type(ended) is LostParticipantError
+    assert str(ended).startswith("second: step from t = 0.5")
+    assert len([time for time, _ in unit.calls if time >= 0.5]) == 1
+    assert recorder.times[-1] <= unit.calls[-1][0] + 1e-12
+
+
+def exact_with_jump(times):
+    """As `exact`, where from JUMP on the first mass sees the second one OFFSET further than it is."""
+    p = CoupledMassParameters()
+    k, d, kc, dc, m = p.stiffness, p.damping, p.coupling_stiffness, p.coupling_damping, p.mass
+    a = np.array(
+        [
+            [0, 1, 0, 0, 0],
+            [-(k + kc) / m, -(d + dc) / m, kc / m, dc / m, kc / m],
+            [0, 0, 0, 1, 0],
+            [kc / m, dc / m, -(k + kc) / m, -(d + dc) / m, -kc / m],
+            [0, 0, 0, 0, 0],
+        ]
+    )
+    start = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
+    later = expm(a * JUMP) @ start
+    later[4] = OFFSET
+    return np.array(
+        [(expm(a * t) @ start if t <= JUMP else expm(a * (t - JUMP)) @ later)[[0, 2]] for t in times]
+    )
+
+
+@pytest.mark.parametrize("minimum_step", [1e-6, 1e-3])
+@pytest.mark.parametrize("kind", CONTROLLED)
+def test_a_jump_is_closed_in_on_and_passed(kind, minimum_step):
+    """While a signal misses the jump of 0.1 m, the masses of 1 kg are pushed wrongly by 40 N/m times that."""
+    unit = faulty(value=lambda time, name, value: value + OFFSET * (name == "position" and time > JUMP))
+    recorder, ended = controlled(unit, kind, minimum_step)
+    assert ended is None
+    over = int(np.searchsorted(recorder.times, JUMP, side="right"))
+    steps = recorder.steps
+    assert sum(step.rejected for step in steps[over - 1 : over + 1]) > 0
+    assert steps[over].length < steps[over - 2].length
+    # Two signals are wrong: the one over the jump, and the one through the values on both sides of it.
+    wrong = recorder.times[over + 1] - recorder.times[over - 1]
+    slowest = math.sqrt(CoupledMassParameters().stiffness)  # rad/s, both masses together
+    truth, clean = exact_with_jump(recorder.times), sound(kind)
+    allowed = 2.0 * missed(clean) + 40.0 * OFFSET * wrong / slowest
+    assert np.abs(recorder["first.position"] - truth[:, 0]).max() < allowed
+
+
+@pytest.mark.parametrize("kind", ["jacobi, schierz", "gauss_seidel, step_doubling"])
+def test_a_jump_that_the_shortest_step_cannot_resolve_is_recorded_as_a_discontinuity(kind):
+    unit = faulty(value=lambda time, name, value: value + OFFSET * (name == "position" and time > JUMP))
+    recorder, ended = controlled(unit, kind, 1e-3)
+    assert ended is None
+    passed = [step for step in recorder.steps if step.reason == SHORTEST]
+    assert passed
+    assert all(JUMP < step.end < JUMP + 5e-3 for step in passed)
+
+
+@pytest.mark.parametrize("kind", CONTROLLED)
+def test_an_output_that_keeps_jumping_is_named(kind):
+    """Noise has no step that resolves it."""
+    draw = np.random.default_rng(1)
+    unit = faulty(
+        value=lambda time, name, value: value + draw.normal() * (name == "position" and time > JUMP)
+    )
+    recorder, ended = controlled(unit, kind, 1e-4)
+    # The first mass's force follows that position at once, and may be what misses most.
+    assert re.match(r"(second\.position|first\.force)\b.* at t = 0\.(49|50)\d* s ", str(ended)), str(ended)
+    assert "shortest step of" in str(ended)
+    assert JUMP - 0.05 < recorder.times[-1] < JUMP + 0.05
+
+
+# Steps of one length.
+
+FIXED = 1e-2
+ENDING = {
+    "discards": ({"discards": after(0.5)}, DiscardedStepError, r"^second: step from t = 0\.5 s by 0\.01 s"),
+    "fails": ({"fails": after(0.5)}, RecoverableError, r"^second: step from t = 0\.5 s by 0\.01 s"),
+    "dies": ({"dies": after(0.5)}, LostParticipantError, r"^second: step from t = 0\.5 s by 0\.01 s"),
+    "infinite": (
+        {"value": lambda time, name, value: math.inf if time > 0.505 and name == "velocity" else value},
+        NotFiniteError,
+        r"^second\.velocity: not a finite number in the step from t = 0\.5 s",
+    ),
+}
+
+
+@pytest.mark.parametrize("master", [Jacobi("hold"), GaussSeidel("linear"), Iterated("quadratic")])
+@pytest.mark.parametrize("fault", ENDING)
+def test_with_fixed_steps_the_culprit_and_the_time_are_named(fault, master):
+    faults, error, said = ENDING[fault]
+    unit = faulty(**faults)
+    recorder, ended = simulated(unit, master, FIXED)
+    assert type(ended) is error
+    assert re.search(said, str(ended))
+    assert len(recorder.times) == 51
+    assert unit.closed
+
+
+VICES = {
+    "refusing": (DiscardedStepError, r"^second: step .* returned Discard: no way on; .*second\.retries"),
+    "raising": (LostParticipantError, r"^second: step .* returned Fatal: RuntimeError\('broken gear'\)"),
+    "infinite": (NotFiniteError, r"^second\.velocity: not a finite number in the step from t = 0\.5"),
+    "unready": (LostParticipantError, r"^second: initialise: RuntimeError\('no table found'\)"),
+}
+
+
+@pytest.fixture
+def temporary(tmp_path, monkeypatch):
+    """The folder of temporary files."""
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    return folder
+
+
+@pytest.mark.parametrize("vice", VICES)
+def test_an_fmu_that_fails_is_named_and_freed(vice, tmp_path, temporary, monkeypatch):
+    error, said = VICES[vice]
+    freed = []
+    free = FMU2Slave.freeInstance
+    monkeypatch.setattr(FMU2Slave, "freeInstance", lambda slave: freed.append(free(slave)))
+    file = small_fmu(vice, tmp_path)
+    recorder, ended = simulated(
+        fmu("second", file, two_masses().instances["second"]), GaussSeidel("linear"), FIXED
+    )
+    assert type(ended) is error
+    assert re.search(said, str(ended))
+    assert len(recorder.times) == (0 if vice == "unready" else 52)
+    # After fmi2Fatal no call is allowed, so that the instance has to be given up.
+    assert len(freed) == (0 if error is LostParticipantError else 1)
+    assert list(temporary.iterdir()) == []
+
+
+def test_an_fmu_that_cannot_be_instantiated_is_named_and_the_others_are_closed(tmp_path, temporary):
+    system, made = two_masses(), []
+
+    def watched(name, make):
+        made.append(Faulty(make()))
+        return made[-1]
+
+    class Tables:
+        substeps, retries = 1, 0
+
+    class Told:
+        components = dict.fromkeys(system.instances, Tables)
+
+    files = {"second": FmuFile(small_fmu("unborn", tmp_path), "")}
+    with pytest.raises(ParticipantError, match=r"^second: instantiate: RuntimeError\('no licence'\)"):
+        participants_of(Told, system, files, watched)
+    assert [(unit.name, unit.closed) for unit in made] == [("first", True)]
+    assert list(temporary.iterdir()) == []
+
+
+def test_a_clock_that_drifts_is_refused_by_our_fmus(tmp_path):
+    """A step has to begin where the last one ended, to 1e-9 of the time and 1e-6 of the step."""
+    component = CATALOGUE["flywheel"]()
+    system = System({"flywheel": Instance(component)}, [])
+    unit = Faulty(fmu("flywheel", build("flywheel", tmp_path), system.instances["flywheel"]), drift=1e-4)
+    unit._inner.advance, true = lambda time, step: true(time / (1.0 + 1e-4), step), unit._inner.advance
+    recorder = Recorder()
+    try:
+        with pytest.raises(DiscardedStepError, match=r"must begin at 0\.01\d* s, where the state is"):
+            simulate(system, {"flywheel": unit}, Jacobi("hold"), 1e-2, 1.0, [recorder])
+    finally:
+        unit.close()
+
+
+# The whole command.
+
+LIMITED = """
+def do_step(self, t, h, _real=camshaft.do_step):
+    return h < 0.3 * {step} and _real(self, t, h)
+camshaft.do_step = do_step
+"""
+
+
+@pytest.mark.parametrize("retries", [1, 2])
+def test_a_camshaft_that_needs_a_quarter_of_the_step_gets_it_with_two_retries(retries, tmp_path):
+    file = _tampered(build("camshaft", tmp_path), tmp_path / "limited.fmu", LIMITED.format(step=5e-6))
+    others = [text for text in SHORT if "camshaft" not in text]
+    out = tmp_path / "out"
+    done = tribocosim(
+        "run", "valve-train", "--out", str(out), *others, "--no-figures", "--set=reference.enabled=false",
+        "--set=macro_step=5 us", f"--set=components.camshaft.participant={file}",
+        f"--set=components.camshaft.retries={retries}",
+    )  # fmt: skip
+    summary = json.loads((out / "summary.json").read_text())
+    assert done.returncode == (4 if retries == 2 else 3), summary["message"]
+    if retries == 1:
+        assert summary["message"].startswith(
+            "incomplete: camshaft: step from t = 0 s by 2.5e-06 s returned Discard"
+        )
+        assert "raise components.camshaft.retries" in summary["message"]
