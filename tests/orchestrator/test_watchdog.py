@@ -117,7 +117,19 @@ def test_every_call_is_watched_under_its_name(method, tmp_path):
 def test_an_instantiation_is_watched(tmp_path):
     with pytest.raises(StalledError, match="second: the instantiation did not return"):
         run(tmp_path, 0.3, lambda instance: clock.sleep(60.0))
-    assert set(METHODS.values()) | {"instantiation"} == set(CALLS)
+    assert {*METHODS.values(), *OF_CHECKPOINTS.values(), "instantiation"} == set(CALLS)
+
+
+OF_CHECKPOINTS = {"to_bytes": "serialising of its state", "from_bytes": "taking of a serialised state"}
+
+
+@pytest.mark.parametrize("method", OF_CHECKPOINTS)
+def test_calls_for_checkpoints_are_watched(method, tmp_path):
+    unit = Faulty(in_process("second", two_masses().instances["second"]))
+    setattr(unit, method, lambda argument: clock.sleep(60.0))
+    said = f"^second: the {OF_CHECKPOINTS[method]} did not return"
+    with watchdog(tmp_path, 0.3) as dog, pytest.raises(StalledError, match=said):
+        getattr(dog.made("second", lambda: unit), method)(None)
 
 
 def test_the_limit_is_one_for_each_call_and_not_for_what_lies_between(tmp_path):
