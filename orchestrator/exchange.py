@@ -14,7 +14,7 @@ from models.system import Port, System
 
 from .errors import NotFiniteError, RunError
 from .participants import Participant
-from .signals import History, gather, interpolate_part
+from .signals import History, finite, gather, interpolate_part
 
 
 @dataclass(frozen=True)
@@ -93,6 +93,8 @@ class Exchange:
             if degree == 3:
                 self.rated[own_part] = given
         self.history = History(0.0, self.values, self.rates, self.rated)
+        self._movers = [self._mover(i) for i in self.listed]
+        self._arrivals = [self._arrival(i) for i in self.listed]
         self._through = _with_feedthrough(system)
         self.through = np.array([self._depends(port) for port in self.sources], dtype=np.bool_)
         self._saved: Saved | None = None  # the present point, as long as nobody has moved
@@ -106,28 +108,47 @@ class Exchange:
     def advance(self, i: int, time: float, step: float) -> None:
         """Participant i goes from `time` to `time + step` with the current signals."""
         self._saved = None
-        gather(self.signals, self.columns[i], self.inputs[i])
-        participant = self.participants[i]
-        participant.write()
-        participant.advance(time, step)
+        self._movers[i](time, step)
         self.calls[i] += 1
+
+    def _mover(self, i: int) -> Callable[[float, float], None]:
+        """`advance` of participant i with all that it needs looked up once, for it runs in every step."""
+        signals, columns, inputs = self.signals, self.columns[i], self.inputs[i]
+        write, advance = self.participants[i].write, self.participants[i].advance
+
+        def move(time: float, step: float) -> None:
+            gather(signals, columns, inputs)
+            write()
+            advance(time, step)
+
+        return move
 
     def read(self, i: int) -> None:
         """Take the values of participant i; NotFiniteError if one is not finite."""
         self.participants[i].read()
         own = self.slices[i]
-        if not (np.isfinite(self.values[own]).all() and np.isfinite(self.rates[own]).all()):
+        if not finite(self.values, self.rates, own.start, own.stop):
             self._refuse(i)
 
     def arrive(self, i: int, end: float) -> None:
         """As `read` at the time `end`, and let the signals of participant i go to what it arrived at."""
-        self.participants[i].read()
-        own, h = self.slices[i], self.history
-        if not interpolate_part(
-            h.times, h.values, h.rates, h.rated, h.count, self.degree, end, self.values, self.rates,
-            self.signals, own.start, own.stop,
-        ):  # fmt: skip
-            self._refuse(i)
+        self._arrivals[i](end)
+
+    def _arrival(self, i: int) -> Callable[[float], None]:
+        """`arrive` of participant i with all that it needs looked up once."""
+        read, degree, h = self.participants[i].read, self.degree, self.history
+        times, past, past_rates, rated = h.times, h.values, h.rates, h.rated
+        values, rates, signals = self.values, self.rates, self.signals
+        first, last = self.slices[i].start, self.slices[i].stop
+
+        def arrive(end: float) -> None:
+            read()
+            if not interpolate_part(
+                times, past, past_rates, rated, h.count, degree, end, values, rates, signals, first, last
+            ):
+                self._refuse(i)
+
+        return arrive
 
     def _refuse(self, i: int) -> None:
         own = self.slices[i]
@@ -166,7 +187,7 @@ class Exchange:
                 self._pass_on(self.listed)
         for participant in self.participants:
             participant.finish_initialisation()
-        self.history = History(start_time, self.values, self.rates, self.rated)
+        self.history.begin(start_time, self.values, self.rates)
 
     def settle(self, part: Sequence[int]) -> None:
         """Make outputs of `part` with direct feedthrough consistent with the inputs at the present time.

@@ -50,6 +50,11 @@ class History:
         self.rated = np.zeros(len(values), dtype=np.bool_) if rated is None else rated
         self.count = 1
 
+    def begin(self, time: float, values: Vector, rates: Vector) -> None:
+        """Only this point is known."""
+        self.times[:], self.values[:], self.rates[:] = time, values, rates
+        self.count = 1
+
     def append(self, time: float, values: Vector, rates: Vector) -> None:
         """The values at a later communication point; the oldest are forgotten."""
         push(self.times, self.values, self.rates, time, values, rates)
@@ -198,6 +203,15 @@ def gather(signals: Any, columns: Any, out: Any) -> None:
     for k in range(out.shape[0]):
         for j in range(columns.shape[0]):
             out[k, j] = signals[k, columns[j]]
+
+
+@numba.njit(cache=True)
+def finite(values: Any, rates: Any, first: int, last: int) -> bool:
+    """All values and rates of the sources from `first` up to `last` are finite."""
+    for i in range(first, last):
+        if not (math.isfinite(values[i]) and math.isfinite(rates[i])):
+            return False
+    return True
 
 
 @numba.njit(cache=True)

@@ -52,12 +52,9 @@ class Calls:
         in_python = Path(slave.unzipDirectory, "resources", "slavemodule.txt").is_file()
         self._library = ctypes.PyDLL(None, handle=slave.dll._handle) if in_python else slave.dll
         self._handle = ctypes.c_void_p(slave.component)
-        self._time, self._length = ctypes.c_double(), ctypes.c_double()
-        self._step = self._function("fmi2DoStep")
         self._save = self._function("fmi2GetFMUstate")
         self._restore = self._function("fmi2SetFMUstate")
         self._release = self._function("fmi2FreeFMUstate")
-        self._true = ctypes.c_int(1)
 
     def _function(self, name: str) -> Any:
         function = self._library[name]  # a new object at every look-up, so fmpy's own stay as they are
@@ -84,10 +81,18 @@ class Calls:
 
         return transfer
 
-    def step(self, time: float, length: float) -> int:
-        """fmi2DoStep."""
-        self._time.value, self._length.value = time, length
-        return self._step(self._handle, self._time, self._length, self._true)  # type: ignore[no-any-return]
+    def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
+        """fmi2DoStep from a time by a length; `fail` is called as well with the status if it did not succeed."""
+        call, handle, yes = self._function("fmi2DoStep"), self._handle, ctypes.c_int(1)
+        begin, duration = ctypes.c_double(), ctypes.c_double()
+
+        def advance(time: float, step: float) -> None:
+            begin.value, duration.value = time, step
+            status = call(handle, begin, duration, yes)
+            if status > WARNING:
+                fail(status, time, step)
+
+        return advance
 
     def reached(self) -> float | None:
         """Last successful time after a discarded step, where the FMU says it."""
@@ -171,6 +176,8 @@ class FmuParticipant:
             self._slave.instantiate(callbacks=callbacks, loggingOn=True)
         self._instantiated = True
         self._calls = Calls(self._slave)
+        # What runs in every step are such functions themselves, not methods around them.
+        self.advance = self._calls.steps(self._not_advanced)
 
     def _log(self, environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
         # Of a Python FMU's traceback the last line says what happened.
@@ -247,7 +254,6 @@ class FmuParticipant:
         self._set = self._calls.reals(
             "fmi2SetReal", found, taken, lambda status: self._fail(status, "setting the inputs")
         )
-        # What runs in every step are these functions themselves, not methods around them.
         self.write = self._set if self._picked is None else self._write_picked
         wanted = [self._reference(name) for name in output_names]
         self.read = self._calls.reals("fmi2GetReal", wanted, outputs, self._reading_failed)
@@ -298,12 +304,10 @@ class FmuParticipant:
     def _reading_failed(self, status: int) -> None:
         self._fail(status, "reading the outputs")
 
-    def advance(self, time: float, step: float) -> None:
-        status = self._calls.step(time, step)
+    def _not_advanced(self, status: int, time: float, step: float) -> NoReturn:
         if status == DISCARD:
             self._discarded(time, step)
-        if status > WARNING:
-            self._fail(status, f"step from t = {time:.9g} s by {step:g} s")
+        self._fail(status, f"step from t = {time:.9g} s by {step:g} s")
 
     def read_all(self, values: Vector) -> None:
         self._get_all()

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from ..exchange import Exchange
 from ..masters import Master
@@ -16,8 +15,7 @@ REASONS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Step:
+class Step(NamedTuple):
     """A macro step that was made, from `end - length` to `end`.
 
     `iterations` of its last attempt; `rejected` attempts before; `error` estimated, over what is allowed;

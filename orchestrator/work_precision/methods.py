@@ -56,7 +56,7 @@ class Method:
 FIXED = tuple(Method(master, extrapolation) for master in MASTERS for extrapolation in DEGREES)
 CONTROLLED = (
     Method("jacobi", "quadratic", "schierz"),
-    Method("gauss_seidel", "quadratic", "schierz"),
+    Method("gauss_seidel", "quadratic", "step_doubling"),
     Method("gauss_seidel", "hermite", "step_doubling"),
     Method("iterated", "quadratic", "predictor_corrector"),
     Method("iterated", "hermite", "predictor_corrector"),
