@@ -208,10 +208,10 @@ def gather(signals: Any, columns: Any, out: Any) -> None:
 @numba.njit(cache=True)
 def finite(values: Any, rates: Any, first: int, last: int) -> bool:
     """All values and rates of the sources from `first` up to `last` are finite."""
+    known = True
     for i in range(first, last):
-        if not (math.isfinite(values[i]) and math.isfinite(rates[i])):
-            return False
-    return True
+        known &= math.isfinite(values[i]) and math.isfinite(rates[i])
+    return known
 
 
 @numba.njit(cache=True)
