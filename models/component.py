@@ -22,6 +22,9 @@ from .rates import make_rates, rates_work_size
 # Indices of what an energy kernel writes, in J, W and W.
 STORED, DISSIPATED_POWER, SOURCE_POWER = 0, 1, 2
 
+# The value of an output `next_event` (s) where no event is known.
+NO_EVENT = 1e30
+
 
 @dataclass(frozen=True)
 class PowerBond:
@@ -62,6 +65,13 @@ class Component:
     (component) -> advance kernel, with `extra_work` elements of scratch more. `runs_on`: it moves while the
     mechanisms it drives are at rest, so that an equilibrium does not ask it to stand still, but for the
     states in `settles`. `sample` is called along the motion (see `quadrature`).
+
+    For masters, names of outputs: `event_indicators` are continuous and change their sign where the mode
+    changes (contact made or lost); `event_counter` counts the events that happened inside the component
+    (impacts, landings, releases) and `event_time`, where it is known, is the time (s) of the last one;
+    `next_event` is the time (s) of the next known event ahead at which an input or a profile loses
+    smoothness, extrapolated from what is in effect, or NO_EVENT; one that has just been reached is not told
+    again. ValueError if one is no output.
     """
 
     name: str
@@ -88,6 +98,14 @@ class Component:
     event_counter: str = ""
     event_time: str = ""
     next_event: str = ""
+
+    def __post_init__(self) -> None:
+        told = (*self.event_indicators, self.event_counter, self.event_time, self.next_event)
+        for name in told:
+            if name and name not in self.outputs:
+                raise ValueError(
+                    f"{self.name}: event output {name!r} must be one of {', '.join(self.outputs.names)}"
+                )
 
     @cached_property
     def flat_derivative(self) -> Any:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from .bonds import counts_energies
-from .component import Component, PowerBond
+from .component import NO_EVENT, Component, PowerBond
+from .integrator import TOLERANCE
 from .kernel import kernel
 from .quantities import Layout, Quantity, Vector, per_element
 
@@ -70,6 +71,9 @@ class FlywheelOutputs:
     supplied_torque: Annotated[
         float, Quantity("N.m", "torque that the drive gives (what the prescribed motion needs)", nominal=10.0)
     ] = 0.0
+    next_event: Annotated[
+        float, Quantity("s", "time at which the ramp next begins or ends; 1e30 if it does not")
+    ] = NO_EVENT
 
 
 @counts_energies
@@ -132,6 +136,17 @@ def flywheel(loads: int = 1) -> Component:
         return u.drive_torque
 
     @kernel
+    def next_event(t: float, p: FlywheelParameters) -> float:
+        """Nearer to an end of the ramp than the integrator's tolerance the speed is that at the end."""
+        if p.motion != PRESCRIBED or p.initial_speed == p.final_speed:
+            return NO_EVENT
+        reached = t + TOLERANCE * (abs(t) + p.ramp_duration)
+        if p.ramp_start > reached:
+            return p.ramp_start
+        end = p.ramp_start + p.ramp_duration
+        return end if end > reached else NO_EVENT
+
+    @kernel
     def output(
         t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, y: FlywheelOutputs
     ) -> None:
@@ -139,6 +154,7 @@ def flywheel(loads: int = 1) -> Component:
         y.speed = shaft_speed(t, x, u, p)
         y.acceleration = acceleration(t, u, p)
         y.supplied_torque = supplied_torque(t, u, p)
+        y.next_event = next_event(t, p)
 
     @kernel
     def energy(t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, e: Vector) -> None:
@@ -169,4 +185,5 @@ def flywheel(loads: int = 1) -> Component:
         bonds=tuple(PowerBond(name, "speed", -1) for name in torques),
         structure=sizes,
         runs_on=True,
+        next_event="next_event",
     )

@@ -144,6 +144,9 @@ class ContactOutputs:
     ] = 0.0
     viscous_friction: Annotated[float, Quantity("N", "viscous share of the friction", nominal=10.0)] = 0.0
     boundary_friction: Annotated[float, Quantity("N", "boundary share of the friction", nominal=10.0)] = 0.0
+    damping_margin: Annotated[
+        float, Quantity("1", "1 + c delta'/W_ref: where it is negative the damping takes the whole load")
+    ] = 0.0
     separated: Annotated[float, Quantity("1", "the contact carries no load", boolean=True)] = 0.0
     material_in_range: Annotated[float, Quantity("1", "G inside K Table 3", boolean=True)] = 0.0
     squeeze_in_range: Annotated[float, Quantity("1", "w_s inside K Table 3", boolean=True)] = 0.0
@@ -161,6 +164,7 @@ class Contact(NamedTuple):
     deflection: float
     deflection_rate: float
     elastic_load: float
+    damping_margin: float
     load: float
 
 
@@ -198,10 +202,12 @@ def contact(x: ContactState, u: ContactInputs, p: ContactParameters) -> Contact:
     film_rate = relaxation_rate(x.film_thickness, steady, u.entraining_velocity, p.squeeze_constant)
     delta_rate = u.approach_rate - u.retreat_rate + film_rate
     if p.load_is_given != 0.0:
+        margin = 1.0
         load = u.applied_load
     else:
-        load = elastic_load * max(0.0, 1.0 + p.contact_damping * delta_rate / p.damping_reference_load)
-    return Contact(compliance, film, steady, film_rate, delta, delta_rate, elastic_load, load)
+        margin = 1.0 + p.contact_damping * delta_rate / p.damping_reference_load
+        load = elastic_load * max(0.0, margin)
+    return Contact(compliance, film, steady, film_rate, delta, delta_rate, elastic_load, margin, load)
 
 
 @kernel
@@ -236,6 +242,7 @@ def output(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, y:
     y.viscous_friction = direction * share * stress * 2.0 * y.half_width * p.length
     y.boundary_friction = direction * (1.0 - share) * p.boundary_friction_coefficient * load
     y.friction_force = y.viscous_friction + y.boundary_friction
+    y.damping_margin = c.damping_margin
     y.separated = 1.0 if c.load <= 0.0 else 0.0
     g = groups(math.pi / c.compliance, load, speed, radius, p.length, p.viscosity, p.pressure_viscosity)
     y.material_in_range = inside(g.material, G_LOW, G_HIGH)
@@ -283,6 +290,7 @@ def ehl_contact() -> Component:
             "friction_force": friction,
             "viscous_friction": friction,
             "boundary_friction": friction,
+            "damping_margin": surfaces,
             "separated": surfaces,
             "squeeze_in_range": rated,
             "load_in_range": surfaces,
@@ -292,4 +300,5 @@ def ehl_contact() -> Component:
             PowerBond("load", "approach_rate", +1),
             PowerBond("load", "retreat_rate", -1),
         ),
+        event_indicators=("deflection", "damping_margin"),
     )

@@ -188,4 +188,5 @@ def spring_stop() -> Component:
         feedthrough={"force": motion, "compression": ("position",), "contact_margin": motion},
         bonds=(PowerBond("force", "velocity", -1),),
         runs_on=True,
+        event_indicators=("contact_margin",),
     )

@@ -145,6 +145,8 @@ class SliderCrankState:
     lower_wall_film_rate: Annotated[float, Quantity("m/s", "rate of the lower wall's film", nominal=1e-3)] = (
         0.0
     )
+    event_count: Annotated[float, Quantity("1", "impacts and releases", count=True)] = 0.0
+    last_event_time: Annotated[float, Quantity("s", "time of the last impact or release")] = 0.0
 
 
 # The states by which the walls follow their films.
@@ -231,6 +233,8 @@ class SliderCrankOutputs:
     last_impact_velocity: Annotated[
         float, Quantity("m/s", "velocity towards the wall just before the last impact")
     ] = 0.0
+    event_count: Annotated[float, Quantity("1", "impacts and releases", count=True)] = 0.0
+    last_event_time: Annotated[float, Quantity("s", "time of the last impact or release")] = 0.0
 
 
 @kernel

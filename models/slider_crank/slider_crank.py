@@ -62,6 +62,8 @@ def derivative(
     dx.crank_impact_impulse = 0.0
     dx.last_impact_time = 0.0
     dx.last_impact_velocity = 0.0
+    dx.event_count = 0.0
+    dx.last_event_time = 0.0
     dx.impact_loss = 0.0
     dx.impact_work = 0.0
     dx.upper_wall_film = x.upper_wall_film_rate
@@ -101,6 +103,7 @@ def transition(k: int, t: float, x: SliderCrankState, u: SliderCrankInputs, p: S
     before = energy_now(x, u, p)
     if k == RELEASE:
         release(x, u, p)
+        count(t, x)
     else:
         strike(UPPER if k == UPPER_WALL else LOWER, t, x, u, p)
     x.impact_work += energy_now(x, u, p) - before
@@ -113,6 +116,13 @@ def release(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters)
     x.psi = on.psi - x.mode * INSIDE * resolution(on.psi, p)
     x.psi_rate = on.rate
     x.mode = FREE
+
+
+@kernel
+def count(t: float, x: SliderCrankState) -> None:
+    """An event has happened."""
+    x.event_count += 1.0
+    x.last_event_time = t
 
 
 @kernel
@@ -131,6 +141,7 @@ def strike(
     x.psi = on.psi - side * INSIDE * size
     if approach < 0.0:  # found outside a wall that has jumped, and leaving already
         return
+    count(t, x)
     pressing = wall_force(side, on, u, p) * slope / (inertia(m) * p.piston_mass * p.rod_length)
     slides = ends_chatter(p.restitution * approach, pressing, UNRESOLVED * size, u, p)
     restitution = 0.0 if slides else p.restitution
@@ -190,6 +201,8 @@ def output(
     y.crank_impact_impulse = x.crank_impact_impulse
     y.last_impact_time = x.last_impact_time
     y.last_impact_velocity = x.last_impact_velocity
+    y.event_count = x.event_count
+    y.last_event_time = x.last_event_time
 
 
 @kernel
@@ -243,4 +256,6 @@ def slider_crank() -> Component:
         check_start=check_start,
         runs_on=True,
         settles=WALL_FILMS,
+        event_counter="event_count",
+        event_time="last_event_time",
     )

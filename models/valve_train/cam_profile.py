@@ -11,6 +11,17 @@ from typing import NamedTuple
 
 from ..kernel import kernel
 
+# Nearer to a break of the profile than this (rad) a cam has reached it: s'' changes there by 4e-9 of its
+# largest value, and what that adds up to is below the 1e-10 of any integrator here.
+REACHED = 1e-9
+
+
+class Breaks(NamedTuple):
+    """Cam angles (rad, > 0) to the next break of the profile forwards, and to the next one backwards."""
+
+    ahead: float
+    behind: float
+
 
 class Lift(NamedTuple):
     """Lift s (m) and its derivatives s' (m/rad), s'' (m/rad^2) by the cam angle."""
@@ -70,3 +81,38 @@ def smallest_radius_of_curvature(
         cam = cycloidal_lift(angle, lift, rise_angle, dwell_half_width)
         smallest = min(smallest, radius_of_curvature(base_radius, cam))
     return smallest
+
+
+@kernel
+def breaks_about(angle: float, rise_angle: float, dwell_half_width: float) -> Breaks:
+    """Where s''' jumps: at both ends of rise, dwell and fall. One that is nearer than REACHED is passed."""
+    turn = 2.0 * math.pi
+    ahead = behind = math.inf
+    for i in range(4):
+        half = dwell_half_width if i < 2 else dwell_half_width + rise_angle
+        distance = math.pi + (half if i % 2 == 0 else -half) - angle
+        forwards = distance - turn * math.floor(distance / turn)
+        backwards = turn - forwards
+        ahead = min(ahead, forwards if forwards > REACHED else forwards + turn)
+        behind = min(behind, backwards if backwards > REACHED else backwards + turn)
+    return Breaks(ahead, behind)
+
+
+@kernel
+def time_to_turn(angle: float, speed: float, acceleration: float) -> float:
+    """The first time > 0 at which speed t + acceleration t^2/2 = angle, for angle > 0; infinite if never."""
+    square = speed * speed + 2.0 * acceleration * angle
+    if square < 0.0:
+        return math.inf
+    root = math.sqrt(square)
+    if speed >= 0.0:
+        return 2.0 * angle / (speed + root) if speed + root > 0.0 else math.inf
+    return (root - speed) / acceleration if acceleration > 0.0 else math.inf
+
+
+@kernel
+def time_to_break(breaks: Breaks, speed: float, acceleration: float) -> float:
+    """Time (s) after which a cam that turns so reaches a break, in either direction; infinite if never."""
+    return min(
+        time_to_turn(breaks.ahead, speed, acceleration), time_to_turn(breaks.behind, -speed, -acceleration)
+    )

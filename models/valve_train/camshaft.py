@@ -14,16 +14,18 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 from ..bonds import counts_energies
-from ..component import Component, PowerBond
+from ..component import NO_EVENT, Component, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector
 from .cam_profile import (
     Lift,
+    breaks_about,
     cycloidal_lift,
     entraining_velocity,
     radius_of_curvature,
     sliding_velocity,
     smallest_radius_of_curvature,
+    time_to_break,
 )
 
 
@@ -137,6 +139,9 @@ class CamshaftOutputs:
     contact_offset: Annotated[
         float, Quantity("m", "offset s' of the contact along the follower", nominal=1e-2, display_unit="mm")
     ] = 0.0
+    next_event: Annotated[
+        float, Quantity("s", "time at which the cam next reaches a jump of s''' (jerk); 1e30 if it rests")
+    ] = NO_EVENT
 
 
 class Shaft(NamedTuple):
@@ -201,24 +206,48 @@ def load_torque(cam: Lift, u: CamshaftInputs, p: CamshaftParameters) -> float:
 
 
 @kernel
+def twist_acceleration(e: Shaft, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters) -> float:
+    """I (theta'' + psi_d'') = -k theta - c theta' - W s' ..."""
+    cam = cam_lift(x, u, p)
+    torque = e.twist_stiffness * x.twist + e.twist_damping * x.twist_rate + load_torque(cam, u, p)
+    return -torque / p.polar_inertia - p.drive_ratio * u.drive_acceleration
+
+
+@kernel
 def derivative(
     t: float, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters, dx: CamshaftState
 ) -> None:
-    """I (theta'' + psi_d'') = -k theta - c theta' - W s' ...; M q'' = -K q - C q' - (W, 0)."""
+    """M q'' = -K q - C q' - (W, 0) for q = (bending, slope), and the twist's."""
     if p.flexible == 0.0:
         dx.twist = dx.twist_rate = dx.bending = dx.bending_rate = dx.slope = dx.slope_rate = 0.0
         return
     e = shaft_element(p)
-    cam = cam_lift(x, u, p)
-    torque = e.twist_stiffness * x.twist + e.twist_damping * x.twist_rate + load_torque(cam, u, p)
     dx.twist = x.twist_rate
-    dx.twist_rate = -torque / p.polar_inertia - p.drive_ratio * u.drive_acceleration
+    dx.twist_rate = twist_acceleration(e, x, u, p)
     force = e.k11 * x.bending + e.k12 * x.slope + e.c11 * x.bending_rate + e.c12 * x.slope_rate
     moment = e.k12 * x.bending + e.k22 * x.slope + e.c12 * x.bending_rate + e.c22 * x.slope_rate
     dx.bending = x.bending_rate
     dx.bending_rate = -(force + u.contact_load) / p.mass
     dx.slope = x.slope_rate
     dx.slope_rate = -moment / p.transverse_inertia
+
+
+@kernel
+def next_event(t: float, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters) -> float:
+    """Time at which the profile breaks next, by angle, speed and acceleration of the drive.
+
+    Of a flexible shaft the twist as it is; within a radian of its own oscillation, which rate and
+    acceleration tell, as it goes on.
+    """
+    breaks = breaks_about(cam_angle(x, u, p), p.rise_angle, p.dwell_half_width)
+    speed, acceleration = p.drive_ratio * u.drive_speed, p.drive_ratio * u.drive_acceleration
+    wait = time_to_break(breaks, speed, acceleration)
+    if p.flexible != 0.0:
+        e = shaft_element(p)
+        if wait < math.sqrt(p.polar_inertia / e.twist_stiffness):
+            acceleration += twist_acceleration(e, x, u, p)
+            wait = time_to_break(breaks, speed + x.twist_rate, acceleration)
+    return min(t + wait, NO_EVENT)
 
 
 @kernel
@@ -229,6 +258,7 @@ def output(t: float, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters,
     y.cam_speed = speed
     y.cam_lift = cam.s
     y.contact_offset = cam.ds
+    y.next_event = next_event(t, x, u, p)
     y.surface_position = cam.s + x.bending
     y.surface_velocity = cam.ds * speed + x.bending_rate
     y.radius_of_curvature = radius_of_curvature(p.base_radius, cam)
@@ -295,6 +325,7 @@ def camshaft() -> Component:
             "cam_speed": ("drive_speed",),
             "cam_lift": angle,
             "contact_offset": angle,
+            "next_event": inputs.names,
         },
         bonds=(
             PowerBond("drive_torque", "drive_speed", +1),
@@ -302,4 +333,5 @@ def camshaft() -> Component:
             PowerBond("friction_force", "sliding_velocity", -1),
         ),
         check=profile_faults,
+        next_event="next_event",
     )

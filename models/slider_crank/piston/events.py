@@ -180,8 +180,15 @@ def contact_events(motion: Any, give: Any) -> Events:
             x.closed[touching.second] = 1.0
 
     @kernel
-    def release(k: int, x: Any, u: Any, p: Any, m: Machine) -> None:
+    def count(t: float, x: Any) -> None:
+        """An event has happened."""
+        x.event_count += 1.0
+        x.last_event_time = t
+
+    @kernel
+    def release(k: int, t: float, x: Any, u: Any, p: Any, m: Machine) -> None:
         """A wall would have to pull: open what the accelerations open."""
+        count(t, x)
         before = closed(x)
         other = before.second if before.first == k else before.first
         open_all(x, m)
@@ -232,6 +239,7 @@ def contact_events(motion: Any, give: Any) -> Events:
                 close_pressed(x, u, p, Touching(-1, j), m)
             move_inside(x, Touching(j, i) if j_closed else touching, m)
             return
+        count(t, x)
         e = p.restitution
         w = Pair(with_restitution(rate_i, e), with_restitution(rate_j, e))
         ratios = impact_ratios(touching, w, p.wall_friction, s, m)
@@ -269,7 +277,7 @@ def contact_events(motion: Any, give: Any) -> Events:
     def transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
         m = machine(p)
         if x.closed[k] != 0.0:
-            release(k, x, u, p, m)
+            release(k, t, x, u, p, m)
         else:
             strike(k, t, x, u, p, m)
 

@@ -135,4 +135,6 @@ def free_piston_crank() -> Component:
         check=check,
         check_start=check_start,
         runs_on=True,
+        event_counter="event_count",
+        event_time="last_event_time",
     )

@@ -171,6 +171,8 @@ def differentiate(x: Any, s: Motion, p: Any, m: Machine, dx: Any) -> None:
         dx.force_integral[i] = force_on(i, touching, forces)
     dx.last_impact_time = 0.0
     dx.last_impact_velocity = 0.0
+    dx.event_count = 0.0
+    dx.last_event_time = 0.0
     dx.impact_loss = 0.0
 
 
@@ -242,5 +244,7 @@ def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) 
         y.lower_wall_impulse += x.impact_impulse[2 + i] + x.force_integral[2 + i]
     y.last_impact_time = x.last_impact_time
     y.last_impact_velocity = x.last_impact_velocity
+    y.event_count = x.event_count
+    y.last_event_time = x.last_event_time
     y.friction_power = friction_power(x, s, p, m)
     y.impact_loss = x.impact_loss

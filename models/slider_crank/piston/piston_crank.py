@@ -140,4 +140,6 @@ def piston_crank() -> Component:
         check=check,
         check_start=check_start,
         runs_on=True,
+        event_counter="event_count",
+        event_time="last_event_time",
     )

@@ -209,6 +209,8 @@ class PistonState:
     last_impact_velocity: Annotated[
         float, Quantity("m/s", "velocity towards the wall just before the last impact", nominal=0.1)
     ] = 0.0
+    event_count: Annotated[float, Quantity("1", "impacts and releases", count=True)] = 0.0
+    last_event_time: Annotated[float, Quantity("s", "time of the last impact or release")] = 0.0
     impact_loss: Annotated[float, Quantity("J", "energy lost in impacts")] = 0.0
 
 
@@ -323,6 +325,8 @@ class PistonOutputs:
     last_impact_velocity: Annotated[
         float, Quantity("m/s", "velocity towards the wall just before the last impact", nominal=0.1)
     ] = 0.0
+    event_count: Annotated[float, Quantity("1", "impacts and releases", count=True)] = 0.0
+    last_event_time: Annotated[float, Quantity("s", "time of the last impact or release")] = 0.0
     friction_power: Annotated[
         float, Quantity("W", "power taken by friction at pins and walls, between impacts", nominal=100.0)
     ] = 0.0
