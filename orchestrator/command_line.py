@@ -189,6 +189,19 @@ def scenarios(
         print(f"{name:24} {tomllib.loads(path.read_text('utf-8')).get('description', '')}")
 
 
+@app.command("diagnose")
+@reported
+def diagnose_run(
+    folder: Annotated[Path, typer.Argument(help="A run's output folder.")],
+    figure: Annotated[Path | None, typer.Option(help="Draw the steps into this file (.png).")] = None,
+) -> None:
+    """Say what limited the steps of a run, finished or killed, and what would help."""
+    from .diagnosis.command import diagnose
+    from .report import Reporter
+
+    diagnose(folder, figure, Reporter().line)
+
+
 @app.command("analyse")
 @reported
 def run_analysis(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ STEP_VARIABLES = {
     "rejected": Quantity("1", "attempts rejected before the macro step that ended here", count=True),
     "error": Quantity("1", "estimated error of the macro step that ended here, over what is allowed"),
     "source": Quantity(
-        "1", "variable of /coupled with most of the error, by its number; -1: none", count=True
+        "1", "variable with most of the error, by its number among flag_meanings; -1: none", count=True
     ),
     "reason": Quantity("1", "what set the length of the macro step that ended here", choices=REASONS),
 }
@@ -43,8 +44,10 @@ class ResultRecorder:
     def _open(self, names: Sequence[str], coupled: int | None, steps: int | None) -> None:
         variables = {name: self._quantities[name] for name in names}
         self._coupled = Journal(self._folder / f"coupled{SUFFIX}", variables, coupled)
+        # With the names, so that a journal alone says which variable a number is.
+        told = STEP_VARIABLES | {"source": replace(STEP_VARIABLES["source"], choices=tuple(names))}
         try:
-            self._steps = Journal(self._folder / f"steps{SUFFIX}", STEP_VARIABLES, steps)
+            self._steps = Journal(self._folder / f"steps{SUFFIX}", told, steps)
         except BaseException:
             self._coupled.close()
             raise

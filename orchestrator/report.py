@@ -18,6 +18,7 @@ from rich.text import Text
 from models.quantities import Vector
 
 from .comparison import Errors, VariableError
+from .diagnosis import brief
 from .energy.account import lines as energy_lines
 from .stepping import Step
 from .summary import Summary
@@ -118,6 +119,9 @@ class Reporter:
             self.line(line)
         for line in energy_lines(summary.energy) if summary.energy else ():
             self.line(line)
+        if summary.steps:
+            for line in brief(summary.steps, summary.suggestions):
+                self.line(line)
         if summary.complete:
             self.line(f"{summary.scenario}: {summary.verdict}")
         if summary.resumable:

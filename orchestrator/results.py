@@ -124,6 +124,7 @@ def _make(group: h5netcdf.Group, name: str, quantity: Quantity) -> None:
         variable.attrs["display_units"] = quantity.display_unit
     if quantity.choices:
         variable.attrs["flag_meanings"] = " ".join(quantity.choices)
+        variable.attrs["flag_values"] = np.arange(float(len(quantity.choices)))
 
 
 def _placed(blocks: Iterable[Vector]) -> Iterator[tuple[int, Vector]]:

@@ -17,6 +17,7 @@ from . import assembly
 from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import Checkpoints, Identity
 from .comparison import compare, largest_uncertainty, verdict
+from .diagnosis import Facts, diagnosed, steps_of, suggestions
 from .energy import Ledger, Trimmed, counted
 from .errors import CheckpointError, RunError
 from .interruption import Interruption
@@ -128,6 +129,7 @@ def _stages(job: Job, summary: Summary) -> None:
         _coupled(job, system, fmus, identity, summary)
         coupled = True
     with written_result(job, summary) as result:
+        _diagnosed(job.scenario, result, summary)
         if coupled:
             with _outcome(summary, job.out):
                 _judged(job.scenario, system, result, summary, job.reporter)
@@ -149,6 +151,15 @@ def written_result(job: Job, summary: Summary) -> Iterator[ResultFile]:
             with job.reporter.stage("figures"):
                 title = name if summary.complete else f"{name} (incomplete)"
                 plots.draw(result, job.out / FIGURES, title, job.scenario)
+
+
+def _diagnosed(scenario: Scenario, result: ResultFile, summary: Summary) -> None:
+    """What limited the steps, of an incomplete run too."""
+    steps = steps_of(result)
+    summary.steps = diagnosed(steps, summary.do_steps)
+    if summary.steps:
+        summary.rejected_steps = summary.steps.rejected
+        summary.suggestions = suggestions(Facts(summary.steps, steps, scenario))
 
 
 def _judged(
@@ -234,7 +245,7 @@ def _coupled(
             summary.energy = ledger.account() if ledger else None
             for participant in participants.values():
                 participant.close()
-    summary.rejected_steps = statistics.rejected_steps
+    summary.do_steps = statistics.do_steps
     summary.iterations = statistics.iterations
     summary.coupled_time_s = statistics.coupled_time_s
 

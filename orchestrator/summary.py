@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .comparison import Errors
+from .diagnosis import Diagnosis
 from .energy.account import Account
 from .replacement import replace
 from .validity import Excursions
@@ -35,6 +36,7 @@ class Summary:
     macro_steps: int = 0
     rejected_steps: int = 0
     iterations: int = 0
+    do_steps: int | None = None  # of single participants; None where the run did not end
     wall_time_s: float = 0.0
     coupled_time_s: float = 0.0
     reference_time_s: float | None = None
@@ -42,6 +44,8 @@ class Summary:
     errors: Errors = field(default_factory=dict)
     validity: Excursions = field(default_factory=dict)
     energy: Account | None = None
+    steps: Diagnosis | None = None
+    suggestions: list[str] = field(default_factory=list)
     fmus: dict[str, str] = field(default_factory=dict)
 
     def content(self) -> dict[str, Any]:

@@ -19,7 +19,7 @@ KINDS = (
     "slider_crank_motion",
     "slider_crank_phase",
     "piston",
-    "effort",
+    "steps",
 )
 
 

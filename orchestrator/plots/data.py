@@ -10,6 +10,7 @@ import numpy as np
 
 from models.quantities import Quantity, Vector
 
+from ..diagnosis.steps import NONE, Steps, steps_of
 from ..results import ResultFile
 from ..scenario import Scenario, ends
 from ..units import to_unit
@@ -47,8 +48,7 @@ class FigureData:
     reference_time: Vector
     reference: Mapping[str, Vector]
     quantities: Mapping[str, Quantity]
-    step_time: Vector
-    iterations: Vector
+    steps: Steps = NONE
     drivers: Mapping[str, str] = field(default_factory=dict)
     parameters: Mapping[str, float] = field(default_factory=dict)
     angle: str = ""
@@ -68,7 +68,6 @@ class FigureData:
         coupled = group("coupled", ["time", *names])
         compared = result.has("reference")
         reference = group("reference", ["time", *(names if compared else [])])
-        steps = group("steps", ["time", "iterations"])
         return cls(
             title=title,
             time=coupled.pop("time"),
@@ -76,8 +75,7 @@ class FigureData:
             reference_time=reference.pop("time"),
             reference=reference,
             quantities=quantities,
-            step_time=steps["time"],
-            iterations=steps["iterations"],
+            steps=steps_of(result),
             drivers={target: source for source, target in map(ends, scenario.connections)},
             parameters=parameters_of(scenario),
         )

@@ -48,8 +48,6 @@ def engine() -> FigureData:
         reference_time=time,
         reference=values,
         quantities={name: quantity for name, (_, quantity) in coupled.items()},
-        step_time=time,
-        iterations=np.ones(401),
         drivers={target: source for source, target in map(ends, scenario.connections)},
         parameters=parameters_of(scenario),
     )

@@ -1,0 +1,24 @@
+"""After the run: what limited its steps, where its work went, and what would help."""
+
+from __future__ import annotations
+
+from .numbers import Diagnosis, Interval, Limit, Share, diagnosed
+from .steps import Steps, recorded, steps_of
+from .suggestions import RULES, Facts, suggestions
+from .text import brief, full
+
+__all__ = [
+    "RULES",
+    "Diagnosis",
+    "Facts",
+    "Interval",
+    "Limit",
+    "Share",
+    "Steps",
+    "brief",
+    "diagnosed",
+    "full",
+    "recorded",
+    "steps_of",
+    "suggestions",
+]

@@ -1,0 +1,47 @@
+"""The diagnosis of a run from its output folder."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+from ..errors import MistakeError
+from ..output_folder import SCENARIO, SUMMARY
+from ..scenario import ScenarioError
+from ..scenario_files import load
+from .numbers import diagnosed
+from .steps import recorded
+from .suggestions import Facts, suggestions
+from .text import full
+
+
+def diagnose(out: Path, figure: Path | None, say: Callable[[str], None]) -> None:
+    """Say everything about the steps of the run in `out`, and draw them; MistakeError if there is no run."""
+    steps, message = recorded(out)
+    diagnosis = diagnosed(steps, _do_steps(out / SUMMARY))
+    if diagnosis is None:
+        raise MistakeError(f"{out}: the run made no step ({message})")
+    try:
+        scenario = load(out / SCENARIO)
+    except ScenarioError as error:
+        raise MistakeError(f"{error}; the steps are judged with the scenario of the run") from None
+    facts = Facts(diagnosis, steps, scenario)
+    for line in full(facts, suggestions(facts), message):
+        say(line)
+    if figure:
+        if figure.suffix != ".png":
+            raise MistakeError(f"--figure {figure}: must end in .png")
+        from ..plots.steps import drawn
+        from ..plots.style import saved
+
+        say(f"figure in {saved(lambda: drawn(steps, scenario.name), figure)}")
+
+
+def _do_steps(summary: Path) -> int | None:
+    """As the run's summary says, if it does."""
+    try:
+        found = json.loads(summary.read_text("utf-8")).get("do_steps")
+    except (OSError, ValueError):
+        return None
+    return int(found) if isinstance(found, int) else None

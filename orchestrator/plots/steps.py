@@ -1,0 +1,194 @@
+"""Macro steps: how long they were, what limited them, their errors and iterations, over time and in sum."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from models.quantities import Vector
+
+from ..diagnosis.steps import Steps
+from ..diagnosis.text import percent
+from ..stepping import REASONS
+from .data import FigureData
+from .style import ACCENT, MUTED, REFERENCE, headed, plt
+
+# Steps drawn of each kind at most: more cannot be told apart.
+DRAWN = 20_000
+# Of the whole time: shorter steps are drawn as dots.
+VISIBLE = 2e-3
+# Steps with rejected attempts that are marked one by one; more are shaded, in so many spans.
+MARKS, SHADES = 300, 300
+# Variables whose error limits steps, each in a colour of its own; the others share one.
+VARIABLES = ("#0b5fa5", "#e08e0b", "#7b4fa3", "#17a2b8")
+OTHERS = "#b8c4cf"
+# What limited a step otherwise: words and colour. Common ones are drawn first, rare ones on top.
+KINDS = {
+    "fixed": ("macro_step", "#4f6d7a"),
+    "maximum_step": ("maximum_step", MUTED),
+    "stop_time": ("stop time", "#444444"),
+    "convergence": ("no convergence before", "#a0522d"),
+    "discard": ("refused before", "#d977c3"),
+    "time_event": ("time event", "#7ac29a"),
+    "event": ("event located", ACCENT),
+    "discontinuity": ("discontinuity", REFERENCE),
+}
+SMALLEST = 1e-6  # of the allowed error: below, estimates are rounding
+
+# Colours, and which steps have each.
+Kinds = list[tuple[str, Any]]
+
+
+def applies(data: FigureData) -> bool:
+    """There is something to see: not all steps were alike."""
+    steps = data.steps
+    if len(steps) < 2:
+        return False
+    even = np.ptp(steps.length[:-1]) <= 1e-6 * steps.length[0]
+    return not (even and steps.iterations.max() == 1 and not steps.rejected.any())
+
+
+def figure(data: FigureData) -> Figure:
+    return drawn(data.steps, data.title)
+
+
+def drawn(steps: Steps, title: str) -> Figure:
+    """The figure of these steps; panels that would be empty are left out."""
+    judged = bool(np.any(steps.error > 0.0))
+    iterated = bool(steps.iterations.max() > 1)
+    heights = [2.6] + [1.5] * judged + [1.7] * iterated
+    made, axes = plt.subplots(
+        len(heights), 2, squeeze=False, sharey="row",
+        figsize=(7.6, 1.5 + sum(heights)), gridspec_kw={"width_ratios": [4, 1], "height_ratios": heights},
+    )  # fmt: skip
+    headed(made, f"{title}: macro steps")
+    kinds, entries = _coloured(steps)
+    rows = iter(axes)
+    _lengths(*next(rows), steps, kinds)
+    if judged:
+        _errors(*next(rows), steps, kinds)
+    if iterated:
+        _counts(*next(rows), steps, kinds)
+    for ax in axes[:, 0]:
+        ax.set_xlim(1e3 * steps.start[0], 1e3 * steps.end[-1])
+    for ax in axes[:-1, 0]:
+        ax.tick_params(labelbottom=False)
+    axes[-1, 0].set_xlabel("Time (ms)")
+    axes[-1, 1].set_xlabel("Share of steps (%)")
+    made.align_ylabels(axes[:, 0])
+    made.legend(handles=entries, loc="outside lower left", ncols=3, handlelength=1.4)
+    return made
+
+
+def _coloured(steps: Steps) -> tuple[Kinds, list[Line2D]]:
+    """Which steps are of each colour, most frequent first, and the legend."""
+    limited = steps.reason == REASONS.index("error")
+    sources, counts = np.unique(steps.source[limited], return_counts=True)
+    sources = sources[np.argsort(-counts)]
+    kinds = [
+        (f"error of {steps.name(int(source))}", colour, limited & (steps.source == source))
+        for source, colour in zip(sources, VARIABLES, strict=False)
+    ]
+    if len(sources) > len(VARIABLES):
+        rest = limited & np.isin(steps.source, sources[len(VARIABLES) :])
+        kinds.append(("error of others", OTHERS, rest))
+    kinds += [(words, colour, steps.reason == REASONS.index(name)) for name, (words, colour) in KINDS.items()]
+    kinds = [kind for kind in kinds if kind[2].any()]
+    entries = [
+        Line2D([], [], color=colour, lw=3.0, label=f"{words}: {percent(np.mean(chosen))}")
+        for words, colour, chosen in kinds
+    ]
+    if steps.rejected.any():
+        shaded = " (shaded)" if np.count_nonzero(steps.rejected) > MARKS else ""
+        label = f"rejected attempts: {steps.rejected.sum()}{shaded}"
+        entries.append(Line2D([], [], color="black", marker="|", ls="", ms=7.0, label=label))
+    return [kind[1:] for kind in kinds], entries
+
+
+def _bars(ax: Axes, steps: Steps, values: Vector, kinds: Kinds) -> None:
+    """Each step as a bar from its start to its end, or as a dot where that is too short to be drawn."""
+    width = 2.4 if len(steps) < 1000 else 1.6
+    visible = steps.length > VISIBLE * (steps.end[-1] - steps.start[0])
+    for colour, chosen in kinds:
+        at = np.flatnonzero(chosen)
+        at = at[:: -(-len(at) // DRAWN)]
+        bars, dots = at[visible[at]], at[~visible[at]]
+        ends = np.stack([steps.start[bars], steps.end[bars]], axis=1) * 1e3
+        level = np.repeat(values[bars, None], 2, axis=1)
+        segments = list(np.stack([ends, level], axis=2))
+        ax.add_collection(LineCollection(segments, colors=colour, lw=width, rasterized=True))
+        ax.plot(1e3 * steps.end[dots], values[dots], "o", color=colour, ms=width, mew=0.0, rasterized=True)
+
+
+def _lengths(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
+    _bars(ax, steps, steps.length, kinds)
+    low, high = float(steps.length.min()), float(steps.length.max())
+    ax.set_yscale("log")
+    ax.set_ylim(low / 1.6, high * 3.0)  # room for the marks of rejected attempts
+    ax.set_ylabel("Step length (s)")
+    _rejected(ax, steps)
+    edges = np.geomspace(low / 1.05, high * 1.05, 31)
+    _sums(sums, steps.length, edges, kinds)
+
+
+def _rejected(ax: Axes, steps: Steps) -> None:
+    """A line on top: a mark for each step with rejected attempts, or a shade for their share if many."""
+    at = np.flatnonzero(steps.rejected)
+    if len(at) <= MARKS:
+        ax.plot(
+            1e3 * steps.start[at], np.full(len(at), 0.955), "|", color="black", ms=7.0, mew=0.7,
+            transform=ax.get_xaxis_transform(),
+        )  # fmt: skip
+        return
+    edges = np.linspace(steps.start[0], steps.end[-1], SHADES + 1)
+    attempts, _ = np.histogram(steps.end, edges, weights=1.0 + steps.rejected)
+    rejected, _ = np.histogram(steps.end, edges, weights=steps.rejected)
+    share = np.divide(rejected, attempts, out=np.zeros(SHADES), where=attempts > 0.0)
+    ax.pcolormesh(
+        1e3 * edges, [0.935, 0.975], share[None, :], cmap="Greys", vmin=0.0, vmax=1.0,
+        transform=ax.get_xaxis_transform(), rasterized=True,
+    )  # fmt: skip
+
+
+def _errors(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
+    shown = np.maximum(steps.error.astype(float), SMALLEST)
+    _bars(ax, steps, shown, kinds)
+    ax.axhline(1.0, color="#444444", lw=0.8)
+    top = max(3.0, 2.0 * float(shown.max()))
+    low = max(SMALLEST, 0.3 * float(np.quantile(shown, 0.005)))
+    ax.set_yscale("log")
+    ax.set_ylim(low, top)
+    ax.set_ylabel("Error / allowed")
+    _sums(sums, np.clip(shown, low, top), np.geomspace(low, top, 31), kinds)
+
+
+def _counts(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
+    _bars(ax, steps, steps.iterations.astype(float), kinds)
+    if len(steps) > 10 * SHADES:
+        edges = np.linspace(steps.start[0], steps.end[-1], SHADES + 1)
+        made, _ = np.histogram(steps.end, edges)
+        total, _ = np.histogram(steps.end, edges, weights=steps.iterations)
+        mean = np.divide(total, made, out=np.full(SHADES, np.nan), where=made > 0)
+        ax.stairs(mean, 1e3 * edges, color="black", lw=1.0, baseline=None)
+    most = int(steps.iterations.max())
+    ax.set_ylim(0.0, most + 0.8)
+    ax.set_ylabel("Iterations")
+    ax.yaxis.set_major_locator(MaxNLocator(integer=True))
+    _sums(sums, steps.iterations, np.arange(0.5, most + 1.0), kinds)
+
+
+def _sums(ax: Axes, values: Vector, edges: Vector, kinds: Kinds) -> None:
+    """Histogram, stacked in the colours."""
+    parts = [values[chosen] for _, chosen in kinds]
+    share = [np.full(len(part), 100.0 / len(values)) for part in parts]
+    colours = [colour for colour, _ in kinds]
+    ax.hist(
+        parts, bins=edges, weights=share, color=colours, stacked=True, orientation="horizontal", rwidth=0.9
+    )
+    ax.tick_params(labelleft=False)

@@ -1,0 +1,290 @@
+"""What limited the steps of a run: numbers by their definitions, rules that speak only with ground."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.diagnosis import RULES, Facts, Steps, brief, diagnosed, full, recorded, suggestions
+from orchestrator.diagnosis.command import diagnose
+from orchestrator.errors import MistakeError
+from orchestrator.output_folder import RESULT, SCENARIO
+from orchestrator.plots import steps as figure
+from orchestrator.plots.style import plt, saved
+from orchestrator.recording import ResultRecorder
+from orchestrator.report import Reporter
+from orchestrator.run import run
+from orchestrator.scenario_files import load, written
+from orchestrator.stepping import REASONS, Step
+from orchestrator.unfinished import unfinished
+
+OUTPUTS = ("flywheel.angle", "camshaft.surface_position", "contact.load", "valve_spring.velocity")
+LOAD, ANGLE = 2, 0
+
+
+def made(length, reason="error", source=LOAD, iterations=1, rejected=0, error=0.1) -> Steps:  # type: ignore[no-untyped-def]
+    """Steps from t = 0; what is not an array is the same for all."""
+    length = np.asarray(length, dtype=float)
+    n = len(length)
+    numbers = np.array([REASONS.index(name) for name in np.broadcast_to(reason, n)])
+    columns = {
+        "time": np.cumsum(length),
+        "macro_step": length,
+        "iterations": np.broadcast_to(iterations, n),
+        "rejected": np.broadcast_to(rejected, n),
+        "error": np.broadcast_to(error, n),
+        "source": np.broadcast_to(source, n),
+        "reason": numbers,
+    }
+    return Steps.of(columns, OUTPUTS)
+
+
+def facts(steps: Steps, *changes: str, scenario: str = "valve-train-controlled") -> Facts:
+    diagnosis = diagnosed(steps)
+    assert diagnosis is not None
+    return Facts(diagnosis, steps, load(scenario, changes))
+
+
+def said(found: Facts) -> dict[str, str]:
+    """What is suggested, by rule."""
+    return {rule.__name__: text for rule in RULES if (text := rule(found))}
+
+
+def random_steps(n: int, seed: int = 1) -> Steps:
+    random = np.random.default_rng(seed)
+    return made(
+        10.0 ** random.uniform(-7.0, -4.0, n),
+        random.choice(REASONS, n),
+        random.integers(0, len(OUTPUTS), n),
+        random.integers(1, 9, n),
+        random.integers(0, 2, n),
+        10.0 ** random.uniform(-9.0, 0.0, n),
+    )
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_shares_are_a_partition(seed: int) -> None:
+    """Every step has one reason, and every limit by error one variable: shares add up."""
+    d = diagnosed(random_steps(300, seed))
+    assert d is not None
+    assert sum(share.steps for share in d.reasons.values()) == pytest.approx(1.0)
+    assert sum(share.time for share in d.reasons.values()) == pytest.approx(1.0)
+    assert sum(limit.steps for limit in d.limits.values()) == pytest.approx(d.share("error"))
+    assert sum(limit.time for limit in d.limits.values()) == pytest.approx(d.reasons["error"].time)
+    assert sum(d.rejections.values()) == d.rejected
+    spans = sorted(span for limit in d.limits.values() for span in limit.spans)
+    assert all(a[1] <= b[0] + 1e-15 for a, b in pairwise(spans))
+    assert list(d.length.values()) == sorted(d.length.values())
+
+
+def test_spans_are_where_a_variable_limits_most_steps() -> None:
+    """Two halves of a run, one limited by the load, the other by the angle: borders to one span of 1 %."""
+    steps = made(np.full(1000, 1e-3), source=np.repeat([LOAD, ANGLE], 500))
+    d = diagnosed(steps)
+    assert d is not None
+    assert d.limits["contact.load"].spans == (pytest.approx((0.0, 0.5), abs=0.01),)
+    assert d.limits["flywheel.angle"].spans == (pytest.approx((0.5, 1.0), abs=0.01),)
+    long = diagnosed(made([0.5, 0.5]))  # steps longer than spans
+    assert long is not None
+    assert long.limits["contact.load"].spans == ((0.0, 1.0),)
+
+
+def test_the_densest_intervals_are_the_shortest_with_a_tenth_of_the_work() -> None:
+    """Compared with all intervals that steps can make; and work is iterations times attempts."""
+    steps = random_steps(150)
+    d = diagnosed(steps)
+    assert d is not None
+    work = steps.iterations * (1 + steps.rejected)
+    np.testing.assert_array_equal(steps.work, work)
+    shortest = min(
+        steps.end[j] - steps.start[i]
+        for i in range(150)
+        for j in range(i, 150)
+        if work[i : j + 1].sum() >= 0.1 * work.sum() * (1.0 - 1e-9)
+    )
+    assert min(i.end - i.start for i in d.densest) == pytest.approx(shortest)
+    for i in d.densest:
+        inside = (steps.start >= i.start - 1e-15) & (steps.end <= i.end + 1e-15)
+        assert i.work == pytest.approx(work[inside].sum() / work.sum())
+        assert i.work >= 0.1 * (1.0 - 1e-9)
+
+
+def test_even_steps_have_no_dense_interval_and_no_suggestion() -> None:
+    found = facts(made(np.full(1000, 1e-5), "fixed", -1, error=0.0), scenario="valve-train")
+    assert [i.density for i in found.diagnosis.densest] == pytest.approx([1.0] * len(found.diagnosis.densest))
+    assert said(found) == {}
+    assert brief(found.diagnosis, []) == []
+    assert "work: spread evenly over the time" in full(found, [], "complete")
+
+
+CONTROLLED = made(np.full(200, 1e-5), iterations=3)
+FAST = ["master.iterate=[]", "master.acceleration=quasi_newton"]
+GROUNDS = {
+    "stiff_connection": (CONTROLLED, ["master.name=gauss_seidel"], 'name = "iterated"'),
+    "smaller_part": (
+        CONTROLLED,
+        ["master.iterate=[]"],
+        'iterate = ["camshaft", "valve_spring", "contact"]',
+    ),
+    "higher_degree": (CONTROLLED, ["master.extrapolation=linear"], 'extrapolation = "hermite"'),
+    "convergence": (
+        made(np.full(100, 1e-5), ["convergence"] * 40 + ["error"] * 60, rejected=[1] * 40 + [0] * 60),
+        [],
+        'were rejected because the iteration did not converge: [master] acceleration = "quasi_newton"',
+    ),
+    "many_iterations": (
+        made(np.full(100, 1e-5), iterations=6),
+        ["master.tolerance=1e-12"],
+        "6.0 iterations a step: loosen master.tolerance (now 1e-12) to 1e-09",
+    ),
+    "longest": (
+        made(np.full(100, 1e-5), "maximum_step", error=0.01),
+        ["step_control.maximum_step=1e-5"],
+        "100 % of the steps were cut at step_control.maximum_step = 1e-05 s, with 0.01 of the allowed error",
+    ),
+    "discontinuity": (
+        made([1e-5, 1e-12, 1e-5], ["error", "discontinuity", "error"]),
+        [],
+        "minimum step reached at t = 1.0000001e-05 s: discontinuity of contact.load",
+    ),
+    "rough": (
+        made(np.r_[np.full(90, 1e-4), np.full(10, 1e-6)], rejected=np.r_[np.zeros(90, int), np.full(10, 3)]),
+        [],
+        "30 attempts were rejected for their error, in 0.11 % of the time",
+    ),
+    "discards": (
+        made(np.full(100, 1e-5), ["discard"] * 20 + ["error"] * 80, rejected=[1] * 20 + [0] * 80),
+        [],
+        "17 % of the attempts were refused by a participant",
+    ),
+    "chatter": (
+        made(np.full(100, 1e-5), ["event"] * 20 + ["error"] * 80),
+        [],
+        "events end 20 % of the steps, 20 of them told by contact.load",
+    ),
+    "costly_estimator": (CONTROLLED, ["step_control.estimator=step_doubling"], '"predictor_corrector"'),
+}
+
+
+@pytest.mark.parametrize("rule", GROUNDS)
+def test_a_rule_speaks_with_ground_and_is_silent_without(rule: str) -> None:
+    steps, changes, words = GROUNDS[rule]
+    assert words in said(facts(steps, *changes))[rule]
+    assert rule not in said(facts(CONTROLLED))
+
+
+@pytest.mark.parametrize(
+    ("rule", "steps", "change"),
+    [
+        ("held_inputs", made(np.full(100, 1e-5), "fixed", -1), "master.extrapolation=hold"),
+        (
+            "uneven_work",
+            made(np.full(100, 1e-5), "fixed", -1, np.r_[np.full(98, 2), 20, 20]),
+            "master.name=iterated",
+        ),
+    ],
+)
+def test_rules_for_steps_of_one_length(rule: str, steps: Steps, change: str) -> None:
+    assert rule in said(facts(steps, change, scenario="valve-train"))
+    assert rule not in said(facts(steps))
+
+
+def test_every_rule_is_tried() -> None:
+    assert {rule.__name__ for rule in RULES} == {*GROUNDS, "held_inputs", "uneven_work"}
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A short run with controlled steps, from its start in motion."""
+    out = tmp_path_factory.mktemp("run") / "out"
+    parts = ("flywheel", "camshaft", "valve_spring", "contact")
+    changes = [f"components.{name}.participant=in-process" for name in parts]
+    scenario = load("valve-train-controlled", ["stop_time=1 ms", "reference.enabled=false", *changes])
+    run(scenario, out, lambda name, structure: Path(), Reporter())
+    return out
+
+
+def test_a_run_tells_in_its_summary_what_its_steps_were(finished: Path) -> None:
+    summary = json.loads((finished / "summary.json").read_text())
+    steps, message = recorded(finished)
+    assert message == "complete"
+    assert steps.end[-1] == 1e-3
+    assert steps.length.sum() == pytest.approx(1e-3)
+    assert summary["steps"]["steps"] == summary["macro_steps"] == len(steps)
+    assert summary["do_steps"] == summary["steps"]["do_steps"] >= 4 * len(steps)
+    assert sum(share["steps"] for share in summary["steps"]["reasons"].values()) == pytest.approx(1.0)
+    # Sources are numbers among the names that the result itself gives.
+    assert set(summary["steps"]["limits"]) <= set(steps.outputs)
+    assert (finished / "figures" / "steps.png").exists()
+
+
+def test_the_command_says_it_again_and_draws(finished: Path, tmp_path: Path) -> None:
+    lines: list[str] = []
+    diagnose(finished, tmp_path / "steps.png", lines.append)
+    assert lines[0].startswith("valve-train-controlled (complete): ")
+    assert any(line.startswith("what set the step") for line in lines)
+    assert (tmp_path / "steps.png").stat().st_size > 10_000
+    with pytest.raises(MistakeError, match=r"must end in \.png"):
+        diagnose(finished, tmp_path / "steps.txt", lines.append)
+
+
+def test_a_killed_run_is_diagnosed_from_its_journals(finished: Path, tmp_path: Path) -> None:
+    """Round trip: the same steps from the journals of a run that left no result."""
+    steps, _ = recorded(finished)
+    folder = unfinished(tmp_path)
+    folder.mkdir()
+    recorder = ResultRecorder(folder, dict.fromkeys(steps.outputs, load_quantity()), 1)
+    recorder.begin(steps.outputs)
+    values = np.zeros(len(steps.outputs))
+    recorder.observe(0.0, values.copy, Step(0.0, 0.0, 0))
+    for row in zip(
+        steps.end, steps.length, steps.iterations, steps.rejected, steps.error, steps.source, steps.reason,
+        strict=True,
+    ):  # fmt: skip
+        recorder.observe(row[0], values.copy, Step(*row))
+    recorder.end(False, "killed")
+    found, message = recorded(tmp_path)
+    assert "was killed" in message
+    assert found.outputs == steps.outputs
+    for name in ("end", "length", "iterations", "rejected", "error", "source", "reason"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(steps, name))
+    (tmp_path / SCENARIO).write_text(written(load("valve-train-controlled")), "utf-8")
+    lines: list[str] = []
+    diagnose(tmp_path, None, lines.append)
+    assert "was killed" in lines[0]
+
+
+def load_quantity():  # type: ignore[no-untyped-def]
+    from models.quantities import Quantity
+
+    return Quantity("N", "a load")
+
+
+def test_what_is_no_run_is_a_mistake(tmp_path: Path) -> None:
+    with pytest.raises(MistakeError, match="holds no result and no unfinished run"):
+        recorded(tmp_path)
+    (tmp_path / RESULT).write_bytes(b"not HDF5")
+    with pytest.raises(MistakeError, match="is no result of this version"):
+        recorded(tmp_path)
+
+
+def test_suggestions_are_sentences_of_the_rules() -> None:
+    found = facts(CONTROLLED, "master.iterate=[]")
+    assert suggestions(found) == list(said(found).values())
+    assert [line for line in brief(found.diagnosis, suggestions(found)) if line.startswith("suggestion: ")]
+
+
+@pytest.mark.parametrize("n", [1, 50, 100_000])
+def test_the_figure_is_drawn_for_few_and_for_many_steps(n: int, tmp_path: Path) -> None:
+    """All steps are in the histograms: their bars add up to 100 %."""
+    steps = random_steps(n)
+    drawn = figure.drawn(steps, "random")
+    widths = [patch.get_width() for patch in drawn.axes[1].patches]
+    assert sum(widths) == pytest.approx(100.0)
+    plt.close(drawn)
+    path = saved(lambda: figure.drawn(steps, f"{n} random steps"), tmp_path / "steps.png")
+    assert path.stat().st_size > 10_000
