@@ -129,7 +129,6 @@ def _stages(job: Job, summary: Summary) -> None:
         _coupled(job, system, fmus, identity, summary)
         coupled = True
     with written_result(job, summary) as result:
-        _diagnosed(job.scenario, result, summary)
         if coupled:
             with _outcome(summary, job.out):
                 _judged(job.scenario, system, result, summary, job.reporter)
@@ -142,6 +141,7 @@ def written_result(job: Job, summary: Summary) -> Iterator[ResultFile]:
         with job.reporter.stage("result file"):
             for name, path in journals(job.folder).items():
                 result.take(name, Recorded(path))
+        _diagnosed(job.scenario, result, summary)
         yield result
         result.finish(summary.complete, summary.message)
         if job.figures and summary.exit_status != INTERRUPTED and result.length("coupled") > 1:

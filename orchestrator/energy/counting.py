@@ -51,6 +51,7 @@ class Trimmed:
         self._observer: Any = observer
         energies = set(added(system))
         self._kept = np.array([i for i, n in enumerate(system.outputs.names) if n not in energies], dtype=int)
+        self._number = {int(kept): i for i, kept in enumerate(self._kept)}
 
     def _names(self, names: Sequence[str]) -> list[str]:
         return [names[i] for i in self._kept]
@@ -59,7 +60,8 @@ class Trimmed:
         self._observer.begin(self._names(names))
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        self._observer.observe(time, lambda: outputs()[self._kept], step)
+        told = replace(step, source=self._number.get(step.source, -1))
+        self._observer.observe(time, lambda: outputs()[self._kept], told)
 
     def end(self, complete: bool, message: str) -> None:
         self._observer.end(complete, message)

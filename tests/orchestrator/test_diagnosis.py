@@ -11,6 +11,7 @@ import pytest
 
 from orchestrator.diagnosis import RULES, Facts, Steps, brief, diagnosed, full, recorded, suggestions
 from orchestrator.diagnosis.command import diagnose
+from orchestrator.energy import Trimmed, counted
 from orchestrator.errors import MistakeError
 from orchestrator.output_folder import RESULT, SCENARIO
 from orchestrator.plots import steps as figure
@@ -21,6 +22,9 @@ from orchestrator.run import run
 from orchestrator.scenario_files import load, written
 from orchestrator.stepping import REASONS, Step
 from orchestrator.unfinished import unfinished
+
+from .recorder import Recorder
+from .two_masses import two_masses
 
 OUTPUTS = ("flywheel.angle", "camshaft.surface_position", "contact.load", "valve_spring.velocity")
 LOAD, ANGLE = 2, 0
@@ -256,6 +260,22 @@ def test_a_killed_run_is_diagnosed_from_its_journals(finished: Path, tmp_path: P
     lines: list[str] = []
     diagnose(tmp_path, None, lines.append)
     assert "was killed" in lines[0]
+
+
+def test_sources_are_the_same_outputs_where_energies_are_counted() -> None:
+    """Counted energies are outputs between the others, and move their numbers: the recorder sees the old."""
+    system = two_masses()
+    counts = counted(system, system.instances)
+    recorder = Recorder()
+    trimmed = Trimmed(recorder, counts)
+    trimmed.begin(counts.outputs.names)
+    assert list(counts.outputs.names) != recorder.names
+    for number, name in enumerate(counts.outputs.names):
+        trimmed.observe(0.0, lambda: np.zeros(counts.outputs.size), Step(1.0, 1.0, 1, source=number))
+        source = recorder.steps[-1].source
+        assert (recorder.names[source] if source >= 0 else "none") == (
+            name if name in recorder.names else "none"
+        )
 
 
 def load_quantity():  # type: ignore[no-untyped-def]
