@@ -84,32 +84,32 @@ class ControlledSteps:
         exchange, locator = self._exchange, self._locator
         rejected = 0
         with exchange.point() as saved:
-            while True:
-                length, reason = self._proposed(time)
-                try:
-                    attempt = self._estimator.attempt(exchange, self._master, time, length)
-                except (NonConvergenceError, RecoverableError) as error:
-                    self._go_back(saved, length, error)
-                    rejected += 1
-                    why = CONVERGENCE if isinstance(error, NonConvergenceError) else DISCARD
-                    continue
-                error, source = self._norm(saved.values, attempt.error)
-                if error <= 1.0 or length <= self._control.minimum_step:
-                    break
-                exchange.restore(saved)
-                rejected += 1
-                why = ERROR
-                self._next = max(
-                    self._control.minimum_step, length * self._controller.instead(error, attempt.exponent)
-                )
 
             def again(shorter: float) -> None:
                 nonlocal attempt
                 exchange.restore(saved)
                 attempt = self._estimator.attempt(exchange, self._master, time, shorter)
 
-            whole = length
-            length, event = locator.locate(saved.values, time, whole, again)
+            while True:
+                length, reason = self._proposed(time)
+                try:
+                    attempt = self._estimator.attempt(exchange, self._master, time, length)
+                    error, source = self._norm(saved.values, attempt.error)
+                    if error <= 1.0 or length <= self._control.minimum_step:
+                        whole = length
+                        length, event = locator.locate(saved.values, time, whole, again)
+                        break
+                except (NonConvergenceError, RecoverableError) as failure:
+                    self._go_back(saved, length, failure)
+                    rejected += 1
+                    why = CONVERGENCE if isinstance(failure, NonConvergenceError) else DISCARD
+                    continue
+                exchange.restore(saved)
+                rejected += 1
+                why = ERROR
+                self._next = max(
+                    self._control.minimum_step, length * self._controller.instead(error, attempt.exponent)
+                )
         if event >= 0:
             reason, source = EVENT, event
         elif rejected and reason == ERROR:

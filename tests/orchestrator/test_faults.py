@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import itertools
 import json
@@ -16,6 +17,8 @@ from scipy.linalg import expm
 
 from fmus.build import build
 from models.catalogue import CATALOGUE
+from models.oscillators import exact as solutions
+from models.oscillators.bouncing_mass import falling_mass, spring_stop
 from models.oscillators.two_masses import CoupledMassParameters
 from models.system import Instance, System
 from orchestrator.assembly import FmuFile, participants_of
@@ -31,7 +34,7 @@ from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import fmu, in_process
 from orchestrator.simulation import simulate
 from orchestrator.stepping import ControlledSteps, StepControl
-from orchestrator.stepping.protocol import DISCARD, SHORTEST
+from orchestrator.stepping.protocol import DISCARD, EVENT, SHORTEST
 
 from .faulty import Faulty, after, at_random, every, longer_than
 from .recorder import Recorder
@@ -230,6 +233,49 @@ def test_an_output_that_keeps_jumping_is_named(kind):
     assert re.match(r"(second\.position|first\.force)\b.* at t = 0\.(49|50)\d* s ", str(ended)), str(ended)
     assert "shortest step of" in str(ended)
     assert JUMP - 0.05 < recorder.times[-1] < JUMP + 0.05
+
+
+def on_second_thoughts():
+    """The first shorter attempt at every step: among them those that locate an event."""
+    tried, refused = {}, set()
+
+    def when(time, step, n):
+        again = step < 0.999 * tried.setdefault(time, step) and time not in refused
+        if again:
+            refused.add(time)
+        return again
+
+    return when
+
+
+def bouncing(kind, discards):
+    """A mass that falls on a spring, for three contacts: the error of its position, and the recorder."""
+    stop = dataclasses.replace(spring_stop(), event_indicators=("contact_margin",))
+    system = System(
+        {"mass": Instance(falling_mass(), {}, {"position": 0.01}), "stop": Instance(stop)},
+        [
+            ("mass.position", "stop.position"),
+            ("mass.velocity", "stop.velocity"),
+            ("stop.force", "mass.force"),
+        ],
+    )
+    master, estimator = CONTROLLED[kind]
+    control = StepControl(estimator, TOLERANCE, TOLERANCE, minimum_step=1e-8, maximum_step=5e-3)
+    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    units["stop"], recorder = Faulty(units["stop"], discards=discards), Recorder()
+    simulate(system, units, master, ControlledSteps(1e-3, control), 0.4, [recorder])
+    assert units["stop"].saved == units["stop"].released
+    truth = solutions.bouncing_mass(recorder.times, position=0.01).motion[:, 0]
+    return np.abs(recorder["mass.position"] - truth).max(), recorder
+
+
+@pytest.mark.parametrize("kind", ["jacobi, schierz", "iterated, predictor_corrector"])
+def test_a_step_discarded_while_an_event_is_located_is_made_shorter(kind):
+    error, clean = bouncing(kind, lambda time, step, n: False)
+    again, recorder = bouncing(kind, on_second_thoughts())
+    events = [sum(step.reason == EVENT for step in each.steps) for each in (clean, recorder)]
+    assert events[0] == events[1] >= 5
+    assert again < 2.0 * error
 
 
 # Steps of one length.
