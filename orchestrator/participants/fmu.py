@@ -1,8 +1,4 @@
-"""An FMI 2.0 co-simulation FMU as participant, through fmpy's low-level class.
-
-The calls of every step go straight to the FMU's functions with memory that is bound once; fmpy's own
-methods build lists at every call.
-"""
+"""An FMI 2.0 co-simulation FMU as participant, through fmpy's low-level class."""
 
 from __future__ import annotations
 
@@ -11,7 +7,7 @@ import ctypes
 import difflib
 import shutil
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -29,88 +25,12 @@ from ..errors import (
     ParticipantError,
     RecoverableError,
 )
+from .fmi_calls import WARNING, Calls
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-WARNING, DISCARD, FATAL = 1, 2, 4
-
-# fmi2StatusKind. (fmi2Terminated says nothing: pythonfmu's C layer answers true to every discarded step.)
-LAST_SUCCESSFUL_TIME = 2
-
+DISCARD, FATAL = 2, 4
 
 REMEDY = "look at its inputs and parameters, reduce macro_step or use the iterated master"
-
-
-class Calls:
-    """The FMU's functions that run in every step, with their arguments made once.
-
-    Without argument types ctypes passes these objects as they are, which is what makes a call cheap.
-    """
-
-    def __init__(self, slave: FMU2Slave) -> None:
-        # A Python FMU runs in this interpreter, which ctypes would let go for every call only for the FMU to
-        # take it again; PyDLL keeps it.
-        in_python = Path(slave.unzipDirectory, "resources", "slavemodule.txt").is_file()
-        self._library = ctypes.PyDLL(None, handle=slave.dll._handle) if in_python else slave.dll
-        self._handle = ctypes.c_void_p(slave.component)
-        self._save = self._function("fmi2GetFMUstate")
-        self._restore = self._function("fmi2SetFMUstate")
-        self._release = self._function("fmi2FreeFMUstate")
-
-    def _function(self, name: str) -> Any:
-        function = self._library[name]  # a new object at every look-up, so fmpy's own stay as they are
-        function.restype = ctypes.c_int
-        return function
-
-    def reals(
-        self, function: str, references: Sequence[int], values: Vector, fail: Callable[[int], None]
-    ) -> Callable[[], None]:
-        """fmi2SetReal or fmi2GetReal between these variables and the memory of `values`.
-
-        `fail` is called with the status of a call that did not succeed.
-        """
-        if not references:
-            return lambda: None
-        call, handle = self._function(function), self._handle
-        wanted = (ctypes.c_uint * len(references))(*references)
-        count, memory = ctypes.c_size_t(len(references)), ctypes.c_void_p(values.ctypes.data)
-
-        def transfer(values: Vector = values) -> None:  # keeps the memory alive
-            status = call(handle, wanted, count, memory)
-            if status > WARNING:
-                fail(status)
-
-        return transfer
-
-    def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
-        """fmi2DoStep from a time by a length; `fail` is called as well with the status if it did not succeed."""
-        call, handle, yes = self._function("fmi2DoStep"), self._handle, ctypes.c_int(1)
-        begin, duration = ctypes.c_double(), ctypes.c_double()
-
-        def advance(time: float, step: float) -> None:
-            begin.value, duration.value = time, step
-            status = call(handle, begin, duration, yes)
-            if status > WARNING:
-                fail(status, time, step)
-
-        return advance
-
-    def reached(self) -> float | None:
-        """Last successful time after a discarded step, where the FMU says it."""
-        value = ctypes.c_double()
-        status = self._function("fmi2GetRealStatus")(self._handle, LAST_SUCCESSFUL_TIME, ctypes.byref(value))
-        return value.value if status <= WARNING else None
-
-    def save(self, state: ctypes.c_void_p) -> int:
-        """fmi2GetFMUstate."""
-        return self._save(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]
-
-    def restore(self, state: ctypes.c_void_p) -> int:
-        """fmi2SetFMUstate."""
-        return self._restore(self._handle, state)  # type: ignore[no-any-return]
-
-    def release(self, state: ctypes.c_void_p) -> int:
-        """fmi2FreeFMUstate."""
-        return self._release(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]
 
 
 def missing(path: Path, names: Iterable[str]) -> list[str]:
