@@ -1,0 +1,80 @@
+"""Spectral radius and estimated error against the macro step, a column a master, a line a signal."""
+
+from __future__ import annotations
+
+import math
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..masters import name_of
+from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, headed, plt
+from ..signals import DEGREES
+from .survey import Survey, Surveyed
+from .words import shown_time
+
+COLOURS = dict(zip(DEGREES, (MUTED, COUPLED, REFERENCE, ACCENT), strict=True))
+
+
+def figure(found: Survey) -> Figure:
+    masters = list(
+        dict.fromkeys(name_of(m.master) for m in sorted(found.methods, key=lambda m: m.master.implicit))
+    )
+    made, axes = plt.subplots(
+        2, len(masters), figsize=(1.2 + 2.7 * len(masters), 5.2), sharex=True, sharey="row", squeeze=False
+    )
+    headed(made, f"{found.scenario.name}: coupling against the macro step")
+    for column, name in enumerate(masters):
+        radius, error = axes[:, column]
+        radius.set_title(name)
+        for method in found.methods:
+            if name_of(method.master) == name:
+                _radius(radius, method)
+                _error(error, found, method)
+        for panel in (radius, error):
+            panel.set_xscale("log")
+            panel.axvline(found.scenario.macro_step, color="black", lw=0.8, ls=":")
+        error.set_xlabel("Macro step (s)")
+    radius, error = axes[:, 0]
+    radius.axhspan(0.0, 1.0, color="#eef3ee", zorder=0)
+    radius.set_ylim(0.8, 2.5)
+    radius.set_ylabel("Spectral radius of a step")
+    error.set_yscale("log")
+    low, high = error.get_ylim()
+    error.set_ylim(max(low, 1e-6), min(high, 1e3))
+    error.set_ylabel("Estimated error over tolerance")
+    for panel in axes[1]:
+        panel.axhline(1.0, color="black", lw=0.8)
+    order = list(DEGREES)
+    handles, labels = radius.get_legend_handles_labels()
+    pairs = sorted(dict(zip(labels, handles, strict=True)).items(), key=lambda pair: order.index(pair[0]))
+    axes[0, -1].legend([h for _, h in pairs], [n for n, _ in pairs], loc="upper left")
+    axes[1, 0].annotate(
+        f"scenario: {shown_time(found.scenario.macro_step)}",
+        (found.scenario.macro_step, 0.0),
+        xycoords=("data", "axes fraction"),
+        xytext=(3, 3),
+        textcoords="offset points",
+        fontsize=7.5,
+    )
+    return made
+
+
+def _radius(axes: Axes, method: Surveyed) -> None:
+    signal = method.master.extrapolation
+    seen = [at for at in method.seen if math.isfinite(at.radius)]
+    axes.plot([at.step for at in seen], [at.radius for at in seen], color=COLOURS[signal], label=signal)
+    if math.isfinite(method.limit):
+        axes.plot([method.limit], [1.0], "o", ms=4.5, color=COLOURS[signal])
+
+
+def _error(axes: Axes, found: Survey, method: Surveyed) -> None:
+    allowed = found.scenario.tolerance
+    points = [
+        (step, max(e / allowed[n] for n, e in errors.items())) for step, errors in method.errors.items()
+    ]
+    points = [(step, excess) for step, excess in points if math.isfinite(excess) and excess > 0.0]
+    colour = COLOURS[method.master.extrapolation]
+    axes.plot([p[0] for p in points], [p[1] for p in points], ".-", ms=5, color=colour)
+    if math.isfinite(method.limit) and points:
+        axes.plot([method.limit] * 2, [points[-1][1], 1e3], color=colour, lw=0.8, ls="--")

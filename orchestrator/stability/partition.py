@@ -1,0 +1,116 @@
+"""Which connections form loops, and in which orders a Gauss-Seidel sweep may follow them.
+
+A connection counts if what it brings in has an effect: at some point of the course a slope that is not
+zero. A load torque on a flywheel whose motion is prescribed closes no loop.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from scipy.sparse.csgraph import connected_components
+
+from models.quantities import Vector
+from models.system import Connection, Port, System
+
+from .linear import Linear
+from .points import Point
+
+# All orders of a loop with so many participants are compared; of a longer one those that suggest themselves.
+PERMUTED = 5
+
+
+class Partition:
+    """The loops of a system about its points, and the order in which its parts drive one another.
+
+    `counting`: the connections that have an effect, perhaps through others, on a loop or on what is
+    `watched`.
+    """
+
+    def __init__(self, system: System, points: Sequence[Point], watched: Sequence[Port]) -> None:
+        self.system = system
+        self.names = list(system.instances)
+        self._effects = {
+            name: np.logical_or.reduce([_effect(point.linears[name]) for point in points])
+            for name in self.names
+        }
+        n = len(system.connections)
+        follows = np.zeros((n, n), dtype=bool)
+        for i, one in enumerate(system.connections):
+            for j, next_ in enumerate(system.connections):
+                follows[i, j] = one.target.instance == next_.source.instance and self._passes(one, next_)
+        _, labels = connected_components(follows, directed=True, connection="strong")
+        self.loops: list[list[Connection]] = []
+        counts = np.array([self._shows(c, watched) for c in system.connections], dtype=bool)
+        for label in range(labels.max(initial=-1) + 1):
+            members = np.flatnonzero(labels == label)
+            if len(members) > 1:
+                self.loops.append([system.connections[k] for k in members])
+                counts[members] = True
+        for _ in range(n):
+            counts |= follows @ counts
+        self.counting = [c for c, count in zip(system.connections, counts, strict=True) if count]
+
+    def _passes(self, one: Connection, following: Connection) -> bool:
+        c = self.system.instances[one.target.instance].component
+        effect = self._effects[one.target.instance]
+        return bool(effect[c.outputs.index(following.source.variable), c.inputs.index(one.target.variable)])
+
+    def _shows(self, connection: Connection, watched: Sequence[Port]) -> bool:
+        """What it brings in has an effect on an output that is looked at."""
+        name = connection.target.instance
+        c = self.system.instances[name].component
+        column = self._effects[name][:, c.inputs.index(connection.target.variable)]
+        return any(bool(column[c.outputs.index(p.variable)]) for p in watched if p.instance == name)
+
+    @property
+    def participants(self) -> list[list[str]]:
+        """The participants of each group that drives itself in a circle, in the order of driving; one that
+        is in no circle is a group alone."""
+        n = len(self.names)
+        drives = np.zeros((n, n), dtype=bool)
+        for c in self.counting:
+            drives[self.names.index(c.source.instance), self.names.index(c.target.instance)] = True
+        count, labels = connected_components(drives, directed=True, connection="strong")
+        groups = [[self.names[k] for k in np.flatnonzero(labels == label)] for label in range(count)]
+        above = [
+            {int(labels[k]) for k in np.flatnonzero(np.any(drives[:, labels == label], axis=1))} - {label}
+            for label in range(count)
+        ]
+        placed: list[int] = []
+        while len(placed) < count:
+            placed += [i for i in range(count) if i not in placed and above[i] <= set(placed)][:1]
+        return [groups[i] for i in placed]
+
+    @property
+    def stiff(self) -> tuple[str, ...]:
+        """The participants worth iterating, if they are one group that is smaller than the whole."""
+        circling = [group for group in self.participants if len(group) > 1]
+        return tuple(circling[0]) if len(circling) == 1 and len(circling[0]) < len(self.names) else ()
+
+    def orders(self) -> Iterator[tuple[str, ...]]:
+        """Orders worth a comparison: what drives first, and every sequence within a loop."""
+        choices = [self._sequences(group) for group in self.participants]
+        if math.prod(len(choice) for choice in choices) > math.factorial(PERMUTED):
+            choices = [choice[:2] for choice in choices]
+        for parts in itertools.product(*choices):
+            yield tuple(itertools.chain.from_iterable(parts))
+
+    def _sequences(self, group: list[str]) -> list[tuple[str, ...]]:
+        if len(group) <= PERMUTED:
+            return list(itertools.permutations(group))
+        # Along direct feedthrough, against it, and as listed.
+        along = tuple(dict.fromkeys(name for name in self.system.order if name in group))
+        return list(dict.fromkeys([along, along[::-1], tuple(group)]))
+
+
+def _effect(linear: Linear) -> Vector:
+    """Which inputs (columns) have an effect on which outputs, at once or through the states."""
+    A, B, C, D = (np.asarray(part != 0.0) for part in (linear.A, linear.B, linear.C, linear.D))
+    reached = B
+    for _ in range(len(A)):
+        reached = reached | (A.astype(int) @ reached > 0)
+    return np.asarray(D | (C.astype(int) @ reached > 0))

@@ -1,0 +1,70 @@
+"""Points along a scenario's course at which it is linearised, and the coupled system about each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from models.monolithic.course import Course
+from models.quantities import Vector
+from models.system import Port, System
+
+from .linear import Linear, linearised
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """All participants about one instant of the course."""
+
+    time: float
+    system: System
+    linears: Mapping[str, Linear]
+
+    @cached_property
+    def growth(self) -> float:
+        """The largest rate (1/s) at which the system itself grows, without splitting; not below zero.
+
+        A system that grows is not to be blamed on its coupling.
+        """
+        values = np.linalg.eigvals(self.matrix)
+        return max(0.0, float(np.max(values.real, initial=0.0)))
+
+    @cached_property
+    def matrix(self) -> Vector:
+        """dx/dt = matrix x of the whole system: the connections closed exactly."""
+        s = self.system
+        A, B, C, D = (_blocks([getattr(self.linears[n], part) for n in s.instances]) for part in "ABCD")
+        connect = np.zeros((s.inputs.size, s.outputs.size))
+        connect[s.target_index, s.source_index] = 1.0
+        loop = np.eye(s.outputs.size) - D @ connect
+        outputs = np.linalg.solve(loop, C)
+        return np.asarray(A + B @ connect @ outputs)
+
+    @property
+    def kinks(self) -> list[str]:
+        """Variables with one-sided slopes here."""
+        return [f"{name}.{item}" for name, linear in self.linears.items() for item in linear.kinks]
+
+
+def _blocks(parts: Sequence[Vector]) -> Vector:
+    rows, columns = (sum(part.shape[axis] for part in parts) for axis in (0, 1))
+    whole = np.zeros((rows, columns))
+    i = j = 0
+    for part in parts:
+        whole[i : i + part.shape[0], j : j + part.shape[1]] = part
+        i, j = i + part.shape[0], j + part.shape[1]
+    return whole
+
+
+def point_at(system: System, course: Course, row: int, watched: Sequence[Port]) -> Point:
+    """The system about an instant of its course."""
+    wanted = {c.source for c in system.connections} | set(watched)
+    t, x, u = float(course.times[row]), course.state[row], course.inputs[row]
+    linears = {}
+    for name, instance in system.instances.items():
+        outputs = {port.variable for port in wanted if port.instance == name}
+        linears[name] = linearised(instance, t, x[system.state.of(name)], u[system.inputs.of(name)], outputs)
+    return Point(t, system, linears)

@@ -1,0 +1,297 @@
+"""The survey of a scenario: every master with every signal, and what is to be recommended."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
+
+import numpy as np
+
+from models.monolithic.course import Course, course
+from models.system import Port, System, parse_port
+
+from ..masters import MASTERS, Master, name_of
+from ..scenario import Scenario
+from ..signals import DEGREES
+from .behaviour import RATIO, At, Behaviour, bisected, hardest, largest_stable
+from .error import Sampled, predicted, sampled
+from .operator import HERMITE, missed_by
+from .partition import Partition
+from .points import Point, point_at
+
+# Of the course: instants for each macro step, most instants, and the integrator's tolerance. The highest
+# differences taken of it, of fourth order, add up sixteen times its error.
+FINER, INSTANTS, COURSE_TOLERANCE = 2, 60_000, 1e-9
+# Instants of the course at which the system is linearised.
+POINTS = 12
+# Steps are looked at from the scenario's over this to the scenario's times that.
+DOWN, UP = 8.0, 256.0
+# An implicit master's step costs ten times as much to read out: fewer of them.
+COARSE = 2.0
+# What is recommended keeps away from the end of stability and of the tolerance by these factors: the first
+# for what is not linear, the second for an estimate's.
+AWAY, WITHIN = 1.5, 2.0
+# Another point is harder if it is unstable at this share of the limit found so far.
+ALMOST = 0.97
+# Mantissas of recommended steps.
+ROUND = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
+
+
+@dataclass
+class Surveyed:
+    """A method: what was found about it. Steps in s; errors as in the scenario's tolerance."""
+
+    master: Master
+    seen: list[At] = field(default_factory=list)
+    limit: float = math.inf
+    hardest: float = 0.0
+    culprit: Port | None = None
+    errors: dict[float, dict[str, float]] = field(default_factory=dict)
+    within: float = 0.0
+    recommended: float = 0.0
+    cost: float = math.inf
+
+    @property
+    def name(self) -> str:
+        return f"{name_of(self.master)} {self.master.extrapolation}"
+
+    @property
+    def order(self) -> tuple[str, ...]:
+        """The order of participants; empty where it makes no difference."""
+        return getattr(self.master, "order", ())
+
+    @property
+    def contracting(self) -> float:
+        """The largest step seen up to which a plain iteration contracts; NaN for explicit masters."""
+        if not self.master.implicit:
+            return math.nan
+        good = 0.0
+        for at in self.seen:
+            if not at.contraction < 1.0:
+                break
+            good = at.step
+        return good
+
+
+@dataclass(frozen=True)
+class Survey:
+    """A scenario's methods, cheapest first; `own` is the scenario's, `best` the recommended one, if any.
+
+    Errors are those along the course up to `until`, about the instant `typical` (s)."""
+
+    scenario: Scenario
+    system: System
+    partition: Partition
+    points: list[Point]
+    methods: list[Surveyed]
+    own: Surveyed
+    best: Surveyed | None
+    until: float
+    typical: float
+
+    @property
+    def kinks(self) -> list[str]:
+        """Variables that had a kink at a point."""
+        return list(dict.fromkeys(kink for point in self.points for kink in point.kinks))
+
+
+def survey(
+    scenario: Scenario,
+    system: System,
+    at: Sequence[float] = (),
+    progress: Callable[[float], None] = lambda share: None,
+) -> Survey:
+    """Survey the methods on the scenario's system, which has its start values; ModelError if it fails.
+
+    `at` are further instants of the course (s) at which to linearise.
+    """
+    step, watched = (
+        scenario.macro_step,
+        [parse_port(n, system.instances, "output") for n in scenario.tolerance],
+    )
+    interval = step / FINER
+    count = min(INSTANTS, round(scenario.stop_time / interval))
+    where = course(system, interval * np.arange(count + 1), COURSE_TOLERANCE, lambda s: progress(0.2 * s))
+    rows = np.linspace(0, count, POINTS, endpoint=False).astype(int)
+    rows = np.unique([*rows, *(round(min(max(t / interval, 0.0), count)) for t in at)])
+    surveyor = _Surveyor(
+        scenario, system, where, watched, [point_at(system, where, r, watched) for r in rows]
+    )
+    methods = []
+    kinds = _methods(scenario, system, surveyor)
+    for i, master in enumerate(kinds):
+        methods.append(surveyor.method(master))
+        progress(0.3 + 0.7 * (i + 1) / len(kinds))
+    own = methods[0]
+    usable = [m for m in methods if m.recommended > 0.0]
+    methods.sort(key=lambda m: m.cost)
+    return Survey(
+        scenario, system, surveyor.partition, surveyor.points, methods, own,
+        min(usable, key=lambda m: m.cost, default=None), float(where.times[-1]), surveyor.typical.time,
+    )  # fmt: skip
+
+
+def _methods(scenario: Scenario, system: System, surveyor: _Surveyor) -> list[Master]:
+    """The scenario's own master, then every master with every signal, in the best order."""
+    own = scenario.master.made()
+    order, stiff = surveyor.order(), surveyor.partition.stiff
+    if getattr(own, "order", None) == () and order == tuple(system.instances):
+        own = replace(own, order=order)
+    made: list[Master] = [own]
+    for kind in MASTERS.values():
+        options = {item.name for item in fields(kind)}
+        if "extrapolation" not in options:
+            continue
+        # Options of the scenario's master that are not compared here stay as they are.
+        base: Any = own if isinstance(own, kind) else kind()
+        if "iterate" in options and not base.iterate and stiff:
+            base = replace(base, iterate=stiff)
+        for signal in DEGREES:
+            ordered = {"order": order} if "order" in options else {}
+            made.append(replace(base, extrapolation=signal, **ordered))
+    return list(dict.fromkeys(made))
+
+
+class _Surveyor:
+    def __init__(
+        self, scenario: Scenario, system: System, where: Course, watched: list[Port], points: list[Point]
+    ) -> None:
+        self.scenario, self.system, self.points = scenario, system, points
+        self.partition = Partition(system, points, watched)
+        self._watched: Mapping[str, list[str]] = {
+            name: [port.variable for port in watched if port.instance == name] for name in system.instances
+        }
+        self._first = scenario.macro_step / DOWN
+        self._longest = min(UP * scenario.macro_step, scenario.stop_time)
+        probe = MASTERS["jacobi"]()
+        self.hardest, _ = hardest(points, probe, self._first, self._longest, self._watched)
+        sources = Behaviour(points[0], probe, self._watched).sources
+        self._sampled: Sampled = sampled(where, system, sources)
+        self._names = {str(port): sources.index(port) for port in watched}
+        self.typical = self._typical()
+
+    def _typical(self) -> Point:
+        """The point about which errors are carried along the course: of median errors, or, where events
+        change what a participant is, of the largest."""
+        kind = MASTERS["gauss_seidel"]
+        excess = []
+        for point in self.points:
+            behaviour = Behaviour(point, kind(), self._watched)
+            excess.append(self._excess(self._errors(behaviour, FINER)))
+        events = any(i.component.events for i in self.system.instances.values())
+        return self.points[int(np.argsort(excess)[-1 if events else len(excess) // 2])]
+
+    def order(self) -> tuple[str, ...]:
+        """The order in which a Gauss-Seidel sweep is the most stable, and of equals the most accurate."""
+        kind = MASTERS["gauss_seidel"]
+        orders = list(self.partition.orders())
+        if len(orders) == 1:
+            return orders[0]
+        listed = Behaviour(self.hardest, kind(), self._watched)
+        limit = largest_stable(listed.at, self._first, self._longest, [], COARSE)
+        beyond = min(1.5 * limit, self._longest)
+        radius = {
+            order: Behaviour(self.hardest, kind(order=order), self._watched).at(beyond).radius
+            for order in orders
+        }
+        least = min(radius.values())
+        equal = [order for order in orders if radius[order] <= 1.001 * least]
+        step = self.scenario.macro_step
+        if len(equal) == 1 or not limit > step:
+            return equal[0]
+        return min(
+            equal,
+            key=lambda order: max(
+                self._errors(Behaviour(self.typical, kind(order=order), self._watched), FINER).values()
+            ),
+        )
+
+    def method(self, master: Master) -> Surveyed:
+        found = Surveyed(master)
+        worst = Behaviour(self.hardest, master, self._watched)
+        ratio = COARSE if master.implicit else RATIO
+        found.limit = largest_stable(worst.at, self._first, self._longest, found.seen, ratio)
+        found.hardest = self.hardest.time
+        for point in self.points:
+            other = Behaviour(point, master, self._watched)
+            just = min(ALMOST * found.limit, self._longest)
+            if found.limit > 0.0 and not other.at(just).stable:
+                found.limit = min(found.limit, largest_stable(other.at, self._first, just, [], ratio))
+                worst, found.hardest = other, point.time
+        if found.limit < math.inf:
+            found.culprit = worst.culprit(1.1 * found.limit)
+        self._measure(found)
+        return found
+
+    def _errors(self, behaviour: Behaviour, factor: int) -> dict[str, float]:
+        """Predicted errors at `factor` intervals of the course a macro step."""
+        operator = behaviour.operator(factor * self._sampled.interval)
+        if operator is None:
+            return dict.fromkeys(self._names, math.inf)
+        found = predicted(operator, *self._sampled.every(factor), behaviour.bench.exchange.nominal)
+        return {name: float(found[i]) for name, i in self._names.items()}
+
+    def _measure(self, found: Surveyed) -> None:
+        """Errors against the step, and the largest steps that stability and tolerance allow."""
+        step, interval = self.scenario.macro_step, self._sampled.interval
+        factor, behaviour = FINER, Behaviour(self.typical, found.master, self._watched)
+        while factor * interval < found.limit and len(self._sampled.values) > 8 * factor:
+            # A narrow band of unstable steps, met where the limit's search stepped over it.
+            if not behaviour.at(factor * interval).stable:
+                good = factor * interval / COARSE
+                found.limit = bisected(behaviour.at, good, factor * interval)
+                found.culprit, found.hardest = behaviour.culprit(factor * interval), self.typical.time
+                break
+            found.errors[factor * interval] = errors = self._errors(behaviour, factor)
+            if factor * interval >= self._longest or self._excess(errors) > 100.0:
+                break
+            factor *= 2
+        if interval < found.limit and self._excess(found.errors.get(step, {})) > 1.0:
+            found.errors[interval] = self._errors(behaviour, 1)
+        found.errors = dict(sorted(found.errors.items()))
+        order = 4 if found.master.degree == HERMITE else found.master.degree + 1
+        excess = {at: self._excess(errors) for at, errors in found.errors.items()}
+        found.within = _reached(excess, order, 1.0)
+        safe = min(_reached(excess, order, 1.0 / WITHIN), found.limit / AWAY, self._longest)
+        found.recommended = rounded_down(safe)
+        if found.recommended > 0.0:
+            factor = max(1, round(found.recommended / interval))
+            missed = missed_by(*self._sampled.every(factor), factor * interval, found.master.degree)
+            amounts = np.sqrt(np.mean(missed**2, axis=0)) / behaviour.bench.exchange.nominal
+            found.cost = behaviour.effort(found.recommended, amounts) / found.recommended
+            if not math.isfinite(found.cost):
+                found.recommended = 0.0
+
+    def _excess(self, errors: Mapping[str, float]) -> float:
+        """The largest error over its tolerance."""
+        return max(
+            (error / self.scenario.tolerance[name] for name, error in errors.items()), default=math.inf
+        )
+
+
+def _reached(excess: Mapping[float, float], order: int, share: float) -> float:
+    """The step at which the excess grows beyond `share`: between known steps a power law, below the first
+    one that of the method's order."""
+    steps = list(excess)
+    if not steps or not math.isfinite(excess[steps[0]]):
+        return 0.0
+    if excess[steps[0]] > share:
+        return float(steps[0] * (share / excess[steps[0]]) ** (1.0 / order))
+    for low, high in itertools.pairwise(steps):
+        if not excess[high] <= share:
+            if not math.isfinite(excess[high]) or excess[low] <= 0.0:
+                return low
+            slope = math.log(high / low) / math.log(excess[high] / excess[low])
+            return float(low * (share / excess[low]) ** slope)
+    return steps[-1]
+
+
+def rounded_down(step: float) -> float:
+    """The next smaller step that one would write down; zero for zero."""
+    if not step > 0.0:
+        return 0.0
+    power = 10.0 ** math.floor(math.log10(step))
+    return float(f"{max(m for m in ROUND if m * power <= step * (1.0 + 1e-12)) * power:.3g}")

@@ -1,0 +1,406 @@
+"""Behaviour of a coupling before the run: against closed forms, and against what runs do."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray
+from scipy.optimize import brentq
+from typer.testing import CliRunner
+
+from models.monolithic.course import course
+from models.monolithic.difference import difference
+from models.oscillators.two_masses import CoupledMassParameters
+from models.system import Evaluation, Instance, Port
+from models.valve_train.valve_spring import valve_spring
+from orchestrator import assembly
+from orchestrator.command_line import app
+from orchestrator.errors import UnstableCouplingError
+from orchestrator.exchange import Exchange
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi
+from orchestrator.participants import in_process
+from orchestrator.scenario import MasterTable
+from orchestrator.scenario_files import load
+from orchestrator.simulation import simulate
+from orchestrator.stability.behaviour import Behaviour, hardest, largest_stable
+from orchestrator.stability.error import predicted, sampled
+from orchestrator.stability.linear import ROWS, LinearParticipant, linearised
+from orchestrator.stability.operator import missed_by, missing, spectral_radius
+from orchestrator.stability.partition import Partition
+from orchestrator.stability.points import Point, point_at
+from orchestrator.stability.survey import rounded_down
+
+from .recorder import Recorder
+from .two_masses import two_masses
+
+SIGNALS = ("hold", "linear", "quadratic", "hermite")
+
+
+def point(system, row=0, stop=1.0, watched=()):
+    return point_at(system, course(system, np.linspace(0.0, stop, 11), 1e-9), row, watched)
+
+
+def step_by_hand(h, degree, gauss_seidel, **parameters):
+    """The macro step of both masses, from the variation of constants in closed form.
+
+    Data: positions and velocities of both, force, and force, position and velocity before. Constants of an
+    invertible A: the integral of exp(A s) B is A^-1 (Phi - 1) B, and of exp(A (h - s)) s B
+    A^-2 (Phi - 1 - A h) B.
+    """
+    p = CoupledMassParameters(**parameters)
+    k, d, kc, dc = p.stiffness / p.mass, p.damping / p.mass, p.coupling_stiffness, p.coupling_damping
+    one = np.array([[0.0, 1.0], [-k - kc / p.mass, -d - dc / p.mass]])
+    two = np.array([[0.0, 1.0], [-k, -d]])
+    b1, b2 = np.array([[0.0, 0.0], [kc / p.mass, dc / p.mass]]), np.array([[0.0], [1.0 / p.mass]])
+
+    def response(a, b):
+        values, vectors = np.linalg.eig(a)
+        phi = ((vectors * np.exp(values * h)) @ np.linalg.inv(vectors)).real
+        inverse = np.linalg.inv(a)
+        return phi, inverse @ (phi - np.eye(2)) @ b, inverse @ inverse @ (phi - np.eye(2) - a * h) @ b
+
+    phi1, held1, ramp1 = response(one, b1)
+    phi2, held2, ramp2 = response(two, b2)
+    first, second, force, before, motion_before = (
+        np.eye(8)[0:2], np.eye(8)[2:4], np.eye(8)[4:5], np.eye(8)[5:6], np.eye(8)[6:8]
+    )  # fmt: skip
+    slope = (second - motion_before) / h if degree else 0.0 * second
+    first_new = phi1 @ first + held1 @ second + ramp1 @ slope
+    motion_seen = second + h * slope
+    force_new = np.array([[kc, dc]]) @ (first_new - motion_seen)
+    if gauss_seidel:
+        start, force_slope = (force, (force_new - force) / h) if degree else (force_new, 0.0 * force)
+    else:
+        start, force_slope = force, ((force - before) / h if degree else 0.0 * force)
+    second_new = phi2 @ second + held2 @ start + ramp2 @ force_slope
+    return np.vstack([first_new, second_new, force_new, force, second])
+
+
+def radius(matrix):
+    return np.abs(np.linalg.eigvals(matrix)).max()
+
+
+@pytest.mark.parametrize("kind", [Jacobi, GaussSeidel])
+@pytest.mark.parametrize("signal", ["hold", "linear"])
+def test_the_macro_step_read_out_of_a_master_has_the_spectral_radius_of_the_one_derived_by_hand(kind, signal):
+    """Independent method; eigenvalues agree to the differences' 1e-9 times their condition."""
+    behaviour = Behaviour(point(two_masses()), kind(signal), {})
+    for h in (1e-2, 5e-2, 0.2):
+        by_hand = radius(step_by_hand(h, int(signal == "linear"), kind is GaussSeidel))
+        assert behaviour.at(h).radius == pytest.approx(by_hand, rel=1e-7)
+
+
+@pytest.mark.parametrize("kind", [Jacobi, GaussSeidel])
+@pytest.mark.parametrize("signal", ["hold", "linear"])
+def test_the_largest_stable_step_is_where_the_radius_derived_by_hand_crosses_one(kind, signal):
+    """To the bisection's 2^(1/256) in the step."""
+    behaviour = Behaviour(point(two_masses()), kind(signal), {})
+    limit = largest_stable(behaviour.at, 1e-2, 1.0, [])
+
+    def excess(h):
+        return radius(step_by_hand(h, int(signal == "linear"), kind is GaussSeidel)) - 1.0
+
+    assert limit == pytest.approx(brentq(excess, 0.5 * limit, 2.0 * limit), rel=3e-3)
+
+
+def recorded(system, master, step, stop):
+    recorder = Recorder()
+    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    simulate(system, units, master, step, stop, [recorder])
+    return recorder
+
+
+def grown(system, master, step, steps):
+    """By how much the velocities grow from the first tenth of a run to its last, without the run's guard."""
+    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    exchange = Exchange(system, units, master.degree)
+    exchange.initialise(0.0, 1.0)
+    seen = []
+    for n in range(steps):
+        master.step(exchange, n * step, step)
+        exchange.accept((n + 1) * step)
+        seen.append(np.abs(exchange.values / exchange.nominal).max())
+    tenth = max(10, steps // 10)
+    return max(seen[-tenth:]) / max(seen[:tenth])
+
+
+@pytest.mark.parametrize(
+    "master",
+    [
+        *(kind(signal) for kind in (Jacobi, GaussSeidel) for signal in ("linear", "quadratic", "hermite")),
+        *(Iterated(signal) for signal in ("linear", "quadratic")),
+    ],
+    ids=lambda master: f"{type(master).__name__}-{master.extrapolation}",
+)
+def test_runs_of_the_masses_grow_beyond_the_predicted_limit_and_decay_below_it(master):
+    """Observed 4 % to both sides, over steps enough for a factor of exp(10): what grows is no part of the
+    start and begins at its rounding or truncation."""
+    system = two_masses(coupling_stiffness=400.0)
+    behaviour = Behaviour(point(system), master, {})
+    limit = largest_stable(behaviour.at, 1e-3, 0.5, [])
+    for share in (0.96, 1.04):
+        rate = np.log(behaviour.at(share * limit).radius)
+        factor = grown(system, master, share * limit, int(10.0 / abs(rate)))
+        assert (factor > 1.0) == (share > 1.0)
+
+
+def estimate(system, master, step, stop, watched=(), row=0):
+    """Estimated and measured relative RMS error, of the watched or of all exchanged values."""
+    where = course(system, step * np.arange(round(stop / step) + 1), 1e-10)
+    names = {n: [p.variable for p in watched if p.instance == n] for n in system.instances}
+    behaviour = Behaviour(point_at(system, where, row, watched), master, names)
+    sources, nominal = behaviour.sources, behaviour.bench.exchange.nominal
+    track = sampled(where, system, sources)
+    expected = predicted(behaviour.operator(step), track.values, track.rates, nominal)
+    run = recorded(system, master, step, stop)
+    truth = where.outputs[:, [system.outputs.index(port) for port in sources]]
+    seen = [difference(run[str(port)], truth[:, i]).relative_rms for i, port in enumerate(sources)]
+    asked = [i for i, port in enumerate(sources) if port in watched or not watched]
+    return expected[asked], np.array(seen)[asked]
+
+
+@pytest.mark.parametrize("kind", [Jacobi, GaussSeidel, Iterated])
+@pytest.mark.parametrize("signal", SIGNALS)
+def test_estimated_errors_of_the_masses_are_those_of_a_run(kind, signal):
+    """The masses are linear. A quarter is left to the first steps, which a run repeats and an estimate does
+    not know, and to rates that are differences of the course."""
+    expected, measured = estimate(two_masses(), kind(signal), 2e-2, 4.0)
+    np.testing.assert_allclose(expected, measured, rtol=0.25)
+
+
+@pytest.fixture(scope="module")
+def valve_train():
+    scenario = load("valve-train")
+    return assembly.at_start(scenario, assembly.system_of(scenario))
+
+
+# The first lift is over then; the contact is at its stiffest on the way.
+LIFT = 45e-3
+
+
+@pytest.fixture(scope="module")
+def lift(valve_train):
+    return course(valve_train, np.linspace(0.0, LIFT, 901), 1e-9)
+
+
+@pytest.mark.parametrize("master", [GaussSeidel("linear"), Jacobi("linear")], ids=str)
+def test_the_valve_train_runs_below_the_predicted_limit_and_runs_away_beyond(valve_train, lift, master):
+    """Observed at 0.8 and 1.25 of the limit. Jacobi's contact ends in bouncing, which the run's guard may
+    bear: an error of the load's own size is a runaway too."""
+    points = [point_at(valve_train, lift, row, []) for row in range(0, 901, 90)]
+    _, limit = hardest(points, master, 1e-6, 1e-4, {})
+
+    def error(step):
+        found = recorded(valve_train, master, step, LIFT)
+        truth = course(valve_train, found.times, 1e-9).outputs[
+            :, valve_train.outputs.names.index("contact.load")
+        ]
+        return difference(found["contact.load"], truth).relative_rms
+
+    assert error(0.8 * limit) < 1e-2
+    try:
+        beyond = error(1.25 * limit)
+    except UnstableCouplingError:
+        beyond = np.inf
+    assert beyond > 1.0
+
+
+@pytest.mark.parametrize("master", [GaussSeidel("quadratic"), Jacobi("linear")], ids=str)
+def test_the_estimated_error_of_the_contact_load_is_that_of_a_run_within_a_factor_of_three(
+    valve_train, master
+):
+    """Linear about one instant of the lift, in place of all: that costs a factor at most."""
+    watched = [Port("contact", "load")]
+    expected, measured = estimate(valve_train, master, 5e-6, LIFT, watched, row=int(35e-3 / 5e-6))
+    assert measured[0] / 3.0 < expected[0] < 3.0 * measured[0]
+
+
+def test_a_linear_participant_moves_as_its_component_does():
+    """The masses are linear, so that both agree to the integrator's 1e-10 a step, for cubic inputs too."""
+    system = two_masses()
+    instance = system.instances["first"]
+    inputs = np.array([[0.3, -1.0], [2.0, 0.5], [-8.0, 30.0], [100.0, -50.0]])
+    found = []
+    at = point(system)
+    for unit in (
+        in_process("first", replace(instance, start={})),
+        LinearParticipant("first", instance, at.linears["first"]),
+    ):
+        bound, outputs, rates = inputs.copy(), np.zeros(2), np.zeros(2)
+        unit.connect(["other_position", "other_velocity"], bound, ["force", "position"], outputs, rates)
+        unit.initialise(0.0, 1.0)
+        for n in range(3):
+            unit.write()
+            unit.advance(0.1 * n, 0.1)
+        unit.read()
+        found.append([outputs.copy(), rates.copy()])
+    # The position of the first mass is not exchanged: the linear one does not have it.
+    np.testing.assert_allclose(np.array(found[1])[:, 0], np.array(found[0])[:, 0], rtol=1e-7)
+
+
+def test_at_a_kink_the_steeper_side_is_taken_and_named():
+    """A valve at its seat: the seat pushes on one side only."""
+    component = valve_spring(2)
+    instance = Instance(component, {"seat_stiffness": 1e7})
+    x, u = component.state.vector(), component.inputs.vector()
+    found = linearised(instance, 0.0, x, u, ["position"])
+    p = component.parameters.vector(instance.parameters)
+    values = dict(zip(component.parameters.names, p, strict=True))
+    row, column = component.state.index("velocity"), component.state.index("position")
+    stiffness = 8.0 / 3.0 * values["spring_rate"] + 1e7
+    assert found.A[row, column] == pytest.approx(-stiffness / values["valve_mass"], rel=1e-6)
+    assert "position" in found.kinks
+    lifted = linearised(instance, 0.0, component.state.vector({"position": 1e-3}), u, ["position"])
+    assert lifted.kinks == ()
+
+
+def test_the_whole_system_about_a_point_is_the_one_that_the_connections_make():
+    """Independent method: differences of the system's own rates."""
+    system = two_masses()
+    evaluation = Evaluation(system)
+    by_differences = np.column_stack(
+        [evaluation.derivative(0.0, column).copy() for column in np.eye(system.state.size)]
+    )
+    np.testing.assert_allclose(point(system).matrix, by_differences, atol=1e-6)
+
+
+@pytest.mark.parametrize("signal", SIGNALS)
+def test_what_a_signal_misses_is_one_for_the_polynomial_that_it_misses_and_zero_for_lower_ones(signal):
+    """Closed form: a signal of degree k is exact up to s^k."""
+    degree, h = SIGNALS.index(signal), 0.1
+    times = h * np.arange(6)
+    for power in range(degree + 1):
+        found = missed_by((times**power)[:, None], (power * times ** max(0, power - 1))[:, None], h, degree)
+        np.testing.assert_allclose(found[4:], 0.0, atol=1e-14)
+    taylor = missing(h, degree)
+    factorials = np.cumprod([1.0, *range(1, ROWS)])
+    shape = np.polynomial.Polynomial(taylor / factorials)
+    around = shape(h * np.arange(-3, 2)), shape.deriv()(h * np.arange(-3, 2))
+    assert missed_by(around[0][:, None], around[1][:, None], h, degree)[-1, 0] == pytest.approx(1.0)
+    assert shape(h) == pytest.approx(1.0)
+    np.testing.assert_allclose(shape(0.0), 0.0, atol=1e-15)
+
+
+def test_the_loop_of_the_valve_train_is_contact_and_valve(valve_train, lift):
+    """A prescribed flywheel feels no load, so that the drive closes no loop; a free one does."""
+    watched = [Port("contact", "load")]
+    partition = Partition(valve_train, [point_at(valve_train, lift, 600, watched)], watched)
+    assert [sorted({c.source.instance for c in loop}) for loop in partition.loops] == [
+        ["contact", "valve_spring"]
+    ]
+    assert partition.participants[:2] == [["flywheel"], ["camshaft"]]
+    assert set(partition.stiff) == {"contact", "valve_spring"}
+    instances = dict(valve_train.instances)
+    instances["flywheel"] = replace(
+        instances["flywheel"], parameters={"motion": 0.0, "inertia": 0.1}, start={"speed": 104.7}
+    )
+    free = valve_train.with_instances(instances)
+    where = course(free, np.linspace(0.0, 0.03, 301), 1e-9)
+    loops = Partition(free, [point_at(free, where, 200, watched)], watched).loops
+    assert [len({c.source.instance for c in loop}) for loop in loops] == [4]
+
+
+def test_growth_of_the_system_itself_is_not_blamed_on_its_coupling():
+    """A negative spring to the ground drives the masses off at a rate of its own, which every method follows:
+    the radius is above one, and that is not called unstable."""
+    system = two_masses()
+    at = point(system)
+    negative = np.array([[0.0, 0.0], [200.0, 0.0]])
+    pushed = replace(at.linears["first"], A=at.linears["first"].A + negative)
+    grows = Point(0.0, system, {**at.linears, "first": pushed})
+    assert grows.growth == pytest.approx(
+        np.linalg.eigvals(at.matrix + np.pad(negative, (0, 2))).real.max(), rel=1e-9
+    )
+    assert grows.growth > 5.0
+    behaviour = Behaviour(grows, GaussSeidel("quadratic"), {})
+    assert spectral_radius(behaviour.operator(1e-2).matrix) == pytest.approx(
+        np.exp(1e-2 * grows.growth), rel=1e-3
+    )
+    assert behaviour.at(1e-2).stable
+
+
+SCENARIO = """
+stop_time = "2 s"
+macro_step = "10 ms"
+start = "given"
+connections = [
+    "first.force -> second.force",
+    "second.position -> first.other_position",
+    "second.velocity -> first.other_velocity",
+]
+
+[tolerance]
+"first.force" = 1e-3
+
+[components.first]
+component = "coupled_mass"
+start = { position = 1.0 }
+
+[components.second]
+component = "sprung_mass"
+"""
+
+
+@pytest.fixture
+def masses(tmp_path):
+    path = tmp_path / "masses.toml"
+    path.write_text(SCENARIO, "utf-8")
+    return path
+
+
+def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_the_tolerance(
+    masses, tmp_path
+):
+    """What is written reads back. Observed: a run as advised is within the scenario's tolerance."""
+    out = tmp_path / "out"
+    arguments = ["analyse", str(masses), "--out", str(out), "--at", "0.5 s", "--set", "macro_step=0.02"]
+    shown = CliRunner().invoke(app, arguments)
+    assert shown.exit_code == 0, shown.output
+    assert "Advised: macro_step" in shown.output
+    assert "Worth iterating: first, second" in shown.output
+    with xarray.open_dataset(out / "stability.nc", engine="h5netcdf") as table:
+        # Three masters with four signals in the best order, and the scenario's, in another.
+        assert table.sizes["method"] == 13
+        assert table.of_scenario.sum() == 1
+        assert 0.5 in table.point_time
+        rows = list(csv.DictReader((out / "stability.csv").read_text().splitlines()))
+        limits = [float(row["largest_stable_step [s]"]) for row in rows]
+        assert limits == list(table.largest_stable_step.values)
+        best = table.isel(method=int(np.argmax(table.advised.values)))
+        options = {"name": best.master.item(), "extrapolation": best.extrapolation.item()}
+        step, order = best.advised_step.item(), best.order.item().split()
+    assert (out / "stability.png").read_bytes().startswith(b"\x89PNG")
+    assert "already holds a result" in CliRunner().invoke(app, arguments).output
+    scenario = load(masses)
+    system = assembly.system_of(scenario)
+    master = MasterTable(**options, **({"order": order} if order else {})).made()
+    found = recorded(system, master, step, scenario.stop_time)
+    truth = course(system, found.times, 1e-10).outputs[:, system.outputs.names.index("first.force")]
+    assert difference(found["first.force"], truth).relative_rms <= scenario.tolerance["first.force"]
+    assert step > 0.01
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["valve-train", "--parameters"], "--set changes any of its keys"),
+        (["trace", "--at", "1"], "belongs to a scenario"),
+        (["valve-train", "--at", "1 mm"], "unit"),
+        (["valve-train", "--at", "1 s"], "between 0 and stop_time"),
+        (["valve-train", "--set", "macro_stp=1"], "unknown key"),
+        (["nothing.toml"], "no such scenario file"),
+    ],
+)
+def test_mistakes_are_named_and_nothing_is_written(arguments, said, tmp_path):
+    shown = CliRunner().invoke(app, ["analyse", *arguments, "--out", str(tmp_path / "out")])
+    assert shown.exit_code == 2
+    assert said in shown.output
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("step", "written"), [(1.99e-5, 1.5e-5), (2e-5, 2e-5), (9.9e-4, 8e-4), (0.0, 0.0)])
+def test_advised_steps_are_round(step, written):
+    assert rounded_down(step) == written
