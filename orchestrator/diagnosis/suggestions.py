@@ -57,6 +57,11 @@ class Facts:
             found[source.split(".")[0]].add(target.split(".")[0])
         return found
 
+    @property
+    def weaker(self) -> bool:
+        """The master accelerates its iteration, with less than there is."""
+        return getattr(self.master, "acceleration", "quasi_newton") != "quasi_newton"
+
     def around(self, variable: str) -> list[str]:
         """The participant that gives `variable`, and those that it drives by it and that drive it."""
         own = variable.split(".")[0]
@@ -155,8 +160,10 @@ def convergence(facts: Facts) -> str | None:
     share = d.rejections.get("convergence", 0) / (d.steps + d.rejected)
     if share < OFTEN:
         return None
-    if facts.master.acceleration != "quasi_newton":
+    if facts.weaker:
         remedy = '[master] acceleration = "quasi_newton"'
+    elif facts.scenario.master.name == "iterated":
+        remedy = '[master] name = "newton"'
     else:
         most = 2 * facts.master.maximum_iterations
         remedy = (
@@ -178,7 +185,7 @@ def many_iterations(facts: Facts) -> str | None:
             f"{said}loosen master.tolerance (now {tolerance:g}) to {needed:g}, a hundredth of "
             "step_control.relative, or leave it out"
         )
-    if facts.master.acceleration != "quasi_newton":
+    if facts.weaker:
         return f'{said}[master] acceleration = "quasi_newton" goes on with what earlier steps learnt'
     return f"{said}the iteration contracts faster with shorter steps: lower " + (
         f"step_control.maximum_step (now the longest are {facts.diagnosis.length['p95']:.2g} s)"

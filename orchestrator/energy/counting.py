@@ -60,7 +60,7 @@ class Trimmed:
         self._observer.begin(self._names(names))
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        told = replace(step, source=self._number.get(step.source, -1))
+        told = step._replace(source=self._number.get(step.source, -1))
         self._observer.observe(time, lambda: outputs()[self._kept], told)
 
     def end(self, complete: bool, message: str) -> None:

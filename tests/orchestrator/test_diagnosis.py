@@ -197,6 +197,19 @@ def test_rules_for_steps_of_one_length(rule: str, steps: Steps, change: str) -> 
     assert rule not in said(facts(steps))
 
 
+@pytest.mark.parametrize(
+    ("changes", "remedy"),
+    [
+        (["master.acceleration=anderson"], 'acceleration = "quasi_newton"'),
+        (["master.acceleration=quasi_newton"], 'name = "newton"'),
+        (["master.name=newton"], "maximum_iterations = 60"),
+    ],
+)
+def test_the_remedy_is_one_that_the_master_does_not_have_yet(changes: list[str], remedy: str) -> None:
+    steps = GROUNDS["convergence"][0]
+    assert remedy in said(facts(steps, *changes))["convergence"]
+
+
 def test_every_rule_is_tried() -> None:
     assert {rule.__name__ for rule in RULES} == {*GROUNDS, "held_inputs", "uneven_work"}
 
