@@ -24,7 +24,7 @@ def resume(out: Path, build: assembly.Builder, reporter: Reporter, figures: bool
 
     A run that was stopped before it had computed anything begins anew. Of one without checkpoints the result
     is made of what was recorded, marked incomplete. Raises CheckpointError or another MistakeError where the
-    run cannot go on, with nothing changed.
+    run cannot go on; nothing that it needs is changed then.
     """
     if not (out / SCENARIO).is_file():
         raise OutputFolderError(f"{out}: holds no run (there is no {SCENARIO}); tribocosim run makes one")

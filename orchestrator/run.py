@@ -80,7 +80,7 @@ class Job:
 def carry_out(job: Job) -> Summary:
     """Run from the start or the checkpoint to the end, and write everything.
 
-    CheckpointError if the run cannot go on from the checkpoint; nothing is changed then.
+    CheckpointError if the run cannot go on from the checkpoint; nothing that it needs is changed then.
     """
     began = clock.perf_counter()
     summary = begun(job.scenario)

@@ -163,16 +163,21 @@ def test_a_damaged_checkpoint_is_refused(killed: Path) -> None:
     _refused(killed, "is not a checkpoint of this version")
 
 
-def test_lost_records_are_noticed(killed: Path) -> None:
+def test_lost_records_are_noticed_and_may_be_put_back(killed: Path, whole: Path) -> None:
     journal, csv = killed / "unfinished" / "coupled.journal", killed / "coupled.csv"
-    whole = journal.read_bytes()
-    journal.write_bytes(whole[: len(whole) // 2])
+    rows = journal.read_bytes()
+    journal.write_bytes(rows[: len(rows) // 2])
     _refused(killed, "coupled.journal: has .* rows, of .* at the checkpoint")
     journal.unlink()
     _refused(killed, "coupled.journal: cannot be read")
-    journal.write_bytes(whole)
+    journal.write_bytes(rows)
+    lines = csv.read_bytes()
     csv.write_bytes(b"")
-    _refused(killed, "coupled.csv: has 0 bytes")
+    with pytest.raises(CheckpointError, match=r"coupled.csv: has 0 bytes.*--overwrite"):
+        resume(killed, _fmu, _quiet(), figures=False)
+    csv.write_bytes(lines)
+    assert resume(killed, _fmu, _quiet(), figures=False).complete
+    _same(killed, whole)
 
 
 def test_a_changed_scenario_is_refused(killed: Path) -> None:
