@@ -8,7 +8,7 @@ import platform
 import sys
 from pathlib import Path
 
-NAMES = ("macro_steps", "reference", "start_up", "memory", "slider_crank", "exponent_map")
+NAMES = ("macro_steps", "reference", "start_up", "memory", "checkpoint", "slider_crank", "exponent_map")
 PAGE = Path(__file__).parent.parent / "docs" / "benchmarks.md"
 
 

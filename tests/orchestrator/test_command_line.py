@@ -180,7 +180,7 @@ def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
         process.wait(2.0)
     except subprocess.TimeoutExpired:
         process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=60)
+    output, errors = process.communicate(timeout=60)
     assert process.returncode == 130, errors
     assert errors.strip() == "tribocosim: incomplete: interrupted"
     summary = json.loads((out / "summary.json").read_text())
@@ -190,6 +190,9 @@ def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
     assert tree["coupled"].sizes["time"] == 1 + summary["macro_steps"] // 200
     assert tree.attrs["message"] == "incomplete: interrupted"
     tree.close()
+    assert summary["resumable"] is True
+    assert (out / "unfinished" / "checkpoint").exists()
+    assert f"tribocosim resume {out} continues this run" in output
 
 
 MISTAKES = {
@@ -202,6 +205,8 @@ MISTAKES = {
     ("run", "valve-train", "--master", "jacob"): "did you mean jacobi?",
     ("run", "valve-train", "--set=components.camshaft.parameters.mass=-1"): "camshaft.mass = -1 kg",
     ("run", "valve-train", "--out", "pyproject.toml"): "is a file",
+    ("resume", "none"): "none: holds no run (there is no scenario.toml)",
+    ("resume", "docs"): "docs: holds no run",
     ("fmu", "validate", "none.fmu"): "no such file",
     ("fmu", "validate", "docs"): "docs: is a folder; give its files: docs/*.fmu",
     ("fmu", "info", "none.fmu"): "no such file",

@@ -1,0 +1,55 @@
+"""What checkpoints cost a coupled run that records every macro step: most has to reach the disk then."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+from rich.console import Console
+
+from fmus.build import build
+from orchestrator import run as running
+from orchestrator.checkpoint import Checkpoints
+from orchestrator.report import Reporter
+from orchestrator.scenario_files import load
+
+EVERY = 10.0  # s
+LENGTH = 0.06  # s, of 1e-7 s steps
+
+
+class Timed(Checkpoints):
+    """Notes how long each takes, and the file's size."""
+
+    seconds: list[float]
+    size: int
+
+    def _write(self) -> None:
+        began = time.perf_counter()
+        super()._write()
+        Timed.seconds.append(time.perf_counter() - began)
+        Timed.size = self._path.stat().st_size
+
+
+def rows() -> list[tuple[str, str]]:
+    """Figures for the report."""
+    overrides = ["macro_step=1e-7", "output_step=1e-7", f"stop_time={LENGTH}", "reference.enabled=false"]
+    loaded = load("valve-train", [*overrides, f"checkpoint_every={EVERY}"])
+    Timed.seconds = []
+    with tempfile.TemporaryDirectory() as folder, mock.patch.object(running, "Checkpoints", Timed):
+        summary = running.run(
+            loaded, Path(folder), lambda name, structure: build(name, structure=structure),
+            Reporter(Console(quiet=True)), figures=False,
+        )  # fmt: skip
+    # Without those of the start and the end, where there is less to write.
+    usual = 1e3 * np.array(Timed.seconds[1:-1])
+    speed = summary.macro_steps / summary.coupled_time_s
+    what = f"checkpoint: valve-train, {speed:.0f} recorded steps/s"
+    each = f"{np.median(usual):.1f} ms (largest {usual.max():.1f} ms, {usual.size} of them)"
+    share = 100.0 * sum(Timed.seconds) / summary.coupled_time_s
+    return [
+        (f"{what}, one each {EVERY:g} s", f"{each}, {Timed.size / 1e3:.1f} kB"),
+        (f"{what}: share of the wall time, all checkpoints", f"{share:.2f} %"),
+    ]
