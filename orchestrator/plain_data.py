@@ -37,7 +37,9 @@ def _written(data: Plain) -> Any:
     if isinstance(data, np.ndarray):
         if not _KINDS.fullmatch(data.dtype.str):
             raise TypeError(f"an array of {data.dtype} is not plain data")
-        return {ARRAY: [data.dtype.str, list(data.shape), _base64(data.tobytes())]}
+        # The order in memory too: products of matrices depend on it in the last bit.
+        order = "F" if data.flags.fnc else "C"
+        return {ARRAY: [data.dtype.str, list(data.shape), order, _base64(data.tobytes(order))]}
     if isinstance(data, np.generic):
         return _written(data.item())
     if isinstance(data, bytes):
@@ -61,13 +63,13 @@ def _read(data: Any) -> Plain:
     if BYTES in data:
         return base64.b64decode(data[BYTES], validate=True)
     if ARRAY in data:
-        kind, shape, content = data[ARRAY]
-        if not _KINDS.fullmatch(kind) or min(shape, default=0) < 0:
-            raise ValueError(f"an array of {kind!r} and shape {shape} is not plain data")
+        kind, shape, order, content = data[ARRAY]
+        if not _KINDS.fullmatch(kind) or min(shape, default=0) < 0 or order not in ("C", "F"):
+            raise ValueError(f"an array of {kind!r}, shape {shape} and order {order!r} is not plain data")
         values = np.frombuffer(base64.b64decode(content, validate=True), np.dtype(kind))
         if len(values) != math.prod(shape):
             raise ValueError(f"an array of shape {shape} has {len(values)} values")
-        return values.reshape(shape).copy()
+        return values.reshape(shape, order=order).copy(order)
     return {key: _read(value) for key, value in data.items()}
 
 

@@ -27,7 +27,7 @@ from orchestrator.run import run
 from orchestrator.scenario_files import load
 from orchestrator.unfinished import unfinished
 
-STEPPING, STARTING = 0.3, 2.0  # s
+STEPPING, STARTING = 0.2, 2.0  # s
 EVERY = "checkpoint_every=1e-9"
 
 
