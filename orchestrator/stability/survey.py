@@ -160,6 +160,7 @@ class _Surveyor:
         self, scenario: Scenario, system: System, where: Course, watched: list[Port], points: list[Point]
     ) -> None:
         self.scenario, self.system, self.points = scenario, system, points
+        self._converged: dict[tuple[Any, ...], Surveyed] = {}
         self.partition = Partition(system, points, watched)
         self._watched: Mapping[str, list[str]] = {
             name: [port.variable for port in watched if port.instance == name] for name in system.instances
@@ -210,6 +211,22 @@ class _Surveyor:
         )
 
     def method(self, master: Master) -> Surveyed:
+        """All that is known of a master; of implicit ones the converged step only once.
+
+        It is the same whichever way it was found; what it costs is not.
+        """
+        key = (master.degree, getattr(master, "order", ()), getattr(master, "iterate", ()))
+        if master.implicit and key in self._converged:
+            found = replace(self._converged[key], master=master)
+        else:
+            found = self._stability(master)
+            self._measure(found)
+            if master.implicit and all(math.isfinite(at.radius) for at in found.seen):
+                self._converged[key] = replace(found)
+        self._effort(found)
+        return found
+
+    def _stability(self, master: Master) -> Surveyed:
         found = Surveyed(master)
         worst = Behaviour(self.hardest, master, self._watched)
         ratio = COARSE if master.implicit else RATIO
@@ -223,7 +240,6 @@ class _Surveyor:
                 worst, found.hardest = other, point.time
         if found.limit < math.inf:
             found.culprit = worst.culprit(1.1 * found.limit)
-        self._measure(found)
         return found
 
     def _errors(self, behaviour: Behaviour, factor: int) -> dict[str, float]:
@@ -257,13 +273,19 @@ class _Surveyor:
         found.within = _reached(excess, order, 1.0)
         safe = min(_reached(excess, order, 1.0 / WITHIN), found.limit / AWAY, self._longest)
         found.recommended = rounded_down(safe)
-        if found.recommended > 0.0:
-            factor = max(1, round(found.recommended / interval))
-            missed = missed_by(*self._sampled.every(factor), factor * interval, found.master.degree)
-            amounts = np.sqrt(np.mean(missed**2, axis=0)) / behaviour.bench.exchange.nominal
-            found.cost = behaviour.effort(found.recommended, amounts) / found.recommended
-            if not math.isfinite(found.cost):
-                found.recommended = 0.0
+
+    def _effort(self, found: Surveyed) -> None:
+        """What the advised step costs; none is advised that a master's iteration cannot make."""
+        if not found.recommended > 0.0:
+            return
+        interval = self._sampled.interval
+        factor = max(1, round(found.recommended / interval))
+        missed = missed_by(*self._sampled.every(factor), factor * interval, found.master.degree)
+        behaviour = Behaviour(self.typical, found.master, self._watched)
+        amounts = np.sqrt(np.mean(missed**2, axis=0)) / behaviour.bench.exchange.nominal
+        found.cost = behaviour.effort(found.recommended, amounts) / found.recommended
+        if not math.isfinite(found.cost):
+            found.recommended = 0.0
 
     def _excess(self, errors: Mapping[str, float]) -> float:
         """The largest error over its tolerance."""
