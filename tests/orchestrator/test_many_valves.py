@@ -1,0 +1,73 @@
+"""The shipped scenario with 16 valves: phases, and valves that do not feel each other."""
+
+from __future__ import annotations
+
+import tomllib
+
+import numpy as np
+import pytest
+
+from benchmarks.many_valves import FILE, FIRING_ORDER, content, phases
+from models.system import System
+from orchestrator import assembly
+from orchestrator.masters import GaussSeidel
+from orchestrator.participants import in_process
+from orchestrator.scenario_files import load
+from orchestrator.simulation import simulate
+
+from .recorder import Recorder
+
+
+@pytest.fixture(scope="module")
+def system():
+    return assembly.system_of(load("valve-train-16v"))
+
+
+def run(system):
+    """0.2 ms in steps of 2 us."""
+    recorder = Recorder()
+    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    simulate(system, units, GaussSeidel("quadratic"), 2e-6, 2e-4, [recorder])
+    return recorder
+
+
+def test_sixteen_valves_on_one_shaft(system):
+    assert len(system.instances) == 1 + 3 * 16
+    loads = [c.target.variable for c in system.connections if c.target.instance == "flywheel"]
+    assert sorted(loads) == sorted(f"load_torque[{i}]" for i in range(1, 17))
+
+
+@pytest.mark.parametrize("kind", ["intake", "exhaust"])
+def test_noses_come_in_firing_order_half_a_crank_turn_apart(kind):
+    """A cam is at its nose (180 deg) when the crank has turned by 2 (180 - phase)."""
+    crank = [2.0 * (180.0 - phases()[f"{kind}_{cylinder}a"]) % 720.0 for cylinder in FIRING_ORDER]
+    np.testing.assert_allclose(np.diff(crank) % 720.0, 180.0)
+
+
+@pytest.mark.parametrize("valve", ["intake_3a", "exhaust_4b"])
+def test_a_valve_moves_as_it_does_alone(system, valve):
+    """The shaft's speed is prescribed: the same numbers to the last bit, one on the nose's far side, one at
+    rest."""
+    names = {"flywheel", *(f"{part}_{valve}" for part in ("camshaft", "valve_spring", "contact"))}
+    own = {name: i for name, i in system.instances.items() if name in names}
+    kept = [c for c in system.connections if {c.source.instance, c.target.instance} <= names]
+    alone = run(System(own, [(str(c.source), str(c.target)) for c in kept]))
+    together = run(system)
+    for output in (f"contact_{valve}.load", f"valve_spring_{valve}.position"):
+        np.testing.assert_array_equal(together[output], alone[output])
+        assert np.ptp(alone[output]) > 0.0
+
+
+@pytest.mark.long
+def test_the_file_is_what_the_script_writes():
+    """Start values to 1e-9 of themselves: they are the reference's, on this machine."""
+
+    def flat(table, path=""):
+        for key, value in table.items():
+            yield from flat(value, f"{path}{key}.") if isinstance(value, dict) else [(path + key, value)]
+
+    written, made = dict(flat(tomllib.loads(FILE.read_text("utf-8")))), dict(flat(content()))
+    assert written.keys() == made.keys()
+    for key, value in made.items():
+        expected = pytest.approx(value, rel=1e-6, abs=1e-12) if isinstance(value, float) else value
+        assert written[key] == expected
