@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -21,6 +20,7 @@ from .error import Sampled, predicted, sampled
 from .operator import HERMITE, missed_by
 from .partition import Partition
 from .points import Point, point_at
+from .steps import reached, rounded_down
 
 # Of the course: instants for each macro step, most instants, and the integrator's tolerance. The highest
 # differences taken of it, of fourth order, add up sixteen times its error.
@@ -36,8 +36,6 @@ COARSE = 2.0
 AWAY, WITHIN = 1.5, 2.0
 # Another point is harder if it is unstable at this share of the limit found so far.
 ALMOST = 0.97
-# Mantissas of recommended steps.
-ROUND = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
 
 
 @dataclass
@@ -270,8 +268,8 @@ class _Surveyor:
         found.errors = dict(sorted(found.errors.items()))
         order = 4 if found.master.degree == HERMITE else found.master.degree + 1
         excess = {at: self._excess(errors) for at, errors in found.errors.items()}
-        found.within = _reached(excess, order, 1.0)
-        safe = min(_reached(excess, order, 1.0 / WITHIN), found.limit / AWAY, self._longest)
+        found.within = reached(excess, order, 1.0)
+        safe = min(reached(excess, order, 1.0 / WITHIN), found.limit / AWAY, self._longest)
         found.recommended = rounded_down(safe)
 
     def _effort(self, found: Surveyed) -> None:
@@ -292,28 +290,3 @@ class _Surveyor:
         return max(
             (error / self.scenario.tolerance[name] for name, error in errors.items()), default=math.inf
         )
-
-
-def _reached(excess: Mapping[float, float], order: int, share: float) -> float:
-    """The step at which the excess grows beyond `share`: between known steps a power law, below the first
-    one that of the method's order."""
-    steps = list(excess)
-    if not steps or not math.isfinite(excess[steps[0]]):
-        return 0.0
-    if excess[steps[0]] > share:
-        return float(steps[0] * (share / excess[steps[0]]) ** (1.0 / order))
-    for low, high in itertools.pairwise(steps):
-        if not excess[high] <= share:
-            if not math.isfinite(excess[high]) or excess[low] <= 0.0:
-                return low
-            slope = math.log(high / low) / math.log(excess[high] / excess[low])
-            return float(low * (share / excess[low]) ** slope)
-    return steps[-1]
-
-
-def rounded_down(step: float) -> float:
-    """The next smaller step that one would write down; zero for zero."""
-    if not step > 0.0:
-        return 0.0
-    power = 10.0 ** math.floor(math.log10(step))
-    return float(f"{max(m for m in ROUND if m * power <= step * (1.0 + 1e-12)) * power:.3g}")

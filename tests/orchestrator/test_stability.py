@@ -31,7 +31,7 @@ from orchestrator.stability.linear import ROWS, LinearParticipant, linearised
 from orchestrator.stability.operator import missed_by, missing, spectral_radius
 from orchestrator.stability.partition import Partition
 from orchestrator.stability.points import Point, point_at
-from orchestrator.stability.survey import rounded_down
+from orchestrator.stability.steps import rounded_down
 
 from .recorder import Recorder
 from .two_masses import two_masses
