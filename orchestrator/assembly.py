@@ -13,6 +13,7 @@ from models.fmu_archive import FmuFileError, archive_faults, opened
 from models.quantities import Quantity
 from models.system import Instance, System, suggestion
 
+from .energy.correction import Compensated, bond_inputs
 from .energy.counting import counting_structure
 from .participants import Participant, fmu, in_process, missing, substepped
 from .scenario import ComponentTable, Scenario, ScenarioError, ends
@@ -32,6 +33,11 @@ def system_of(scenario: Scenario) -> System:
     if scenario.start == "given":
         system.check_start(0.0, system.x0)
     check_order(scenario)
+    if scenario.energy.correction and scenario.master.name != "jacobi":
+        raise ScenarioError(
+            f"energy.correction = true: the master {scenario.master.name} interpolates inputs, which then "
+            "miss nothing; use the master jacobi, or leave the correction out"
+        )
     for name, table in scenario.components.items():
         if table.participant.endswith(".fmu"):
             check_file(name, Path(table.participant), variables_used(name, system, scenario.start))
@@ -165,6 +171,8 @@ def participants_of(
             table = scenario.components[name]
             if table.substeps > 1 or table.retries:
                 participants[name] = substepped(participants[name], table.substeps, table.retries)
+            if scenario.energy.correction:
+                participants[name] = Compensated(participants[name], bond_inputs(instance.component))
     except BaseException:
         for participant in participants.values():
             participant.close()

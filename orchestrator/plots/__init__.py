@@ -20,6 +20,7 @@ KINDS = (
     "slider_crank_phase",
     "piston",
     "steps",
+    "energy",
 )
 
 

@@ -39,7 +39,8 @@ class FigureData:
     """Values by "instance.variable" in SI units. `reference` is empty if there is none.
 
     `drivers` gives the output that drives an input, `parameters` what the scenario states. `angle` is the
-    variable to draw against; "": the first angle that there is.
+    variable to draw against; "": the first angle that there is. `energies` are the ledger's channels at
+    `energy_time`, if one was kept.
     """
 
     title: str
@@ -52,6 +53,8 @@ class FigureData:
     drivers: Mapping[str, str] = field(default_factory=dict)
     parameters: Mapping[str, float] = field(default_factory=dict)
     angle: str = ""
+    energy_time: Vector = field(default_factory=lambda: np.zeros(0))
+    energies: Mapping[str, Vector] = field(default_factory=dict)
 
     @classmethod
     def read(cls, result: ResultFile, title: str, scenario: Scenario) -> FigureData:
@@ -68,6 +71,8 @@ class FigureData:
         coupled = group("coupled", ["time", *names])
         compared = result.has("reference")
         reference = group("reference", ["time", *(names if compared else [])])
+        channels = list(result.quantities("energy")) if result.has("energy") else []
+        energies = group("energy", ["time", *channels])
         return cls(
             title=title,
             time=coupled.pop("time"),
@@ -78,6 +83,8 @@ class FigureData:
             steps=steps_of(result),
             drivers={target: source for source, target in map(ends, scenario.connections)},
             parameters=parameters_of(scenario),
+            energy_time=energies.pop("time"),
+            energies=energies,
         )
 
     def find(self, variable: str) -> str | None:

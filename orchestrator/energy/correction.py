@@ -1,0 +1,90 @@
+"""Coupling that nearly preserves energy: what efforts and flows missed comes back in the next step.
+
+Benedikt, Watzenig, Zehetner and Hofer 2013 (NEPCE, Coupled Problems 2013): over a step an input's
+polynomial misses the true signal by an area; with the next step's input raised by this area over the step,
+the integral of the input over time is right to one order more, and the coupling creates less energy. The
+order of the whole stays that of the signals where exchanged outputs depend directly on inputs.
+
+The missed signal begins with zero and grows with s^(k+1) for a polynomial of degree k: its area is the value
+that it misses at the end, times the step over k + 2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from models.component import Component
+from models.quantities import Vector
+
+from ..participants import Participant
+
+
+def bond_inputs(component: Component) -> list[str]:
+    """The inputs that are efforts or flows of power bonds."""
+    variables = dict.fromkeys(v for bond in component.bonds for v in (bond.effort, bond.flow))
+    return [v for v in variables if v in component.inputs]
+
+
+class Compensated:
+    """Implements `Participant` by `participant`, with the inputs `corrected` made up for what they missed.
+
+    For Jacobi masters, which extrapolate every input.
+    """
+
+    def __init__(self, participant: Participant, corrected: Sequence[str]) -> None:
+        self.name = participant.name
+        self.restorable = participant.restorable
+        self._participant = participant
+        self._corrected = set(corrected)
+        self.initialise = participant.initialise
+        self.finish_initialisation = participant.finish_initialisation
+        self.read_all = participant.read_all
+        self.close = participant.close
+
+    def connect(
+        self,
+        input_names: Sequence[str],
+        inputs: Vector,
+        output_names: Sequence[str],
+        outputs: Vector,
+        rates: Vector,
+    ) -> Sequence[bool]:
+        self._given, self._used = inputs, inputs.copy()
+        self._columns = np.array([i for i, n in enumerate(input_names) if n in self._corrected], dtype=int)
+        # Where the last step's polynomials ended; nan before the first step.
+        self._end: Vector = np.full(len(self._columns), np.nan)
+        rated = self._participant.connect(input_names, self._used, output_names, outputs, rates)
+        self.read = self._participant.read
+        return rated
+
+    def write(self) -> None:
+        self._used[:] = self._given
+        missed = self._given[0, self._columns] - self._end
+        degree = len(self._given) - 1
+        self._used[0, self._columns] += np.nan_to_num(missed, nan=0.0) / (degree + 2)
+        self._participant.write()
+
+    def advance(self, time: float, step: float) -> None:
+        self._participant.advance(time, step)
+        powers = np.cumprod([1.0, *(step / k for k in range(1, len(self._given)))])
+        self._end[:] = powers @ self._given[:, self._columns]
+
+    def save(self) -> tuple[Any, Vector]:
+        return self._participant.save(), self._end.copy()
+
+    def restore(self, saved: tuple[Any, Vector]) -> None:
+        self._participant.restore(saved[0])
+        self._end[:] = saved[1]
+
+    def release(self, saved: tuple[Any, Vector]) -> None:
+        self._participant.release(saved[0])
+
+    def to_bytes(self, saved: tuple[Any, Vector]) -> bytes:
+        return saved[1].tobytes() + self._participant.to_bytes(saved[0])
+
+    def from_bytes(self, data: bytes) -> tuple[Any, Vector]:
+        own = self._end.nbytes
+        return self._participant.from_bytes(data[own:]), np.frombuffer(data[:own]).copy()

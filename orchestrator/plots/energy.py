@@ -1,0 +1,57 @@
+"""What the coupling created over each power bond, and what components got besides their bonds, over time.
+
+A panel for each bond with the larger part, in joules; the title says how much went over it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from .data import FigureData
+from .style import ACCENT, COUPLED, MUTED, headed, plt
+
+# Bonds with less than this share of the largest created energy cannot be seen beside it.
+SHOWN = 1e-6
+
+
+def applies(data: FigureData) -> bool:
+    return bool(bonds(data))
+
+
+def bonds(data: FigureData) -> list[str]:
+    """The bonds of the ledger over which the coupling created energy."""
+    prefix = "created "
+    largest = {
+        name.removeprefix(prefix): float(np.abs(values).max(initial=0.0))
+        for name, values in data.energies.items()
+        if name.startswith(prefix)
+    }
+    most = max(largest.values(), default=0.0)
+    return [name for name, size in largest.items() if size > SHOWN * most]
+
+
+def figure(data: FigureData) -> Figure:
+    names = bonds(data)
+    rows = len(names) + 1
+    made, axes = plt.subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + 1.5 * rows))
+    headed(made, f"{data.title}: energy created by the coupling")
+    time = 1e3 * data.energy_time
+    for ax, name in zip(axes[:, 0], names, strict=False):
+        created, given = data.energies[f"created {name}"], data.energies[f"given {name}"]
+        ax.plot(time, created, color=COUPLED)
+        exchanged = float(np.abs(np.diff(given)).sum())
+        ax.set_title(f"{name}: {exchanged:.3g} J exchanged", loc="left", fontsize=8.5)
+    last = axes[-1, 0]
+    last.plot(time, data.energies["created"], color=COUPLED, label="over all bonds")
+    last.plot(time, data.energies["besides"], color=ACCENT, label="besides bonds")
+    last.set_title("All together", loc="left", fontsize=8.5)
+    last.legend(loc="best", ncols=2)
+    last.set_xlabel("Time (ms)")
+    last.set_xlim(time[0], time[-1])
+    for ax in axes[:, 0]:
+        ax.axhline(0.0, color=MUTED, lw=0.7)
+        ax.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
+        ax.set_ylabel("Energy (J)")
+    made.align_ylabels(axes)
+    return made
