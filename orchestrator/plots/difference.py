@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
+from models.quantities import Vector
+
 from .data import FigureData
 from .style import headed, over_time, plt
 
@@ -34,18 +36,17 @@ def figure(data: FigureData) -> Figure:
     x = data.x(True)
     for name, colour in zip(names, colours, strict=True):
         relative = data.difference(name) / np.ptp(data.reference[name])
-        top = _envelope(np.where(relative > FLOOR, relative, np.nan))
-        every = max(1, len(x) // len(top))
-        ax.semilogy(x[::every][: len(top)], top[: len(x[::every])], color=colour, lw=1.2, label=name)
+        first, top = envelope(np.where(relative > FLOOR, relative, np.nan))
+        ax.semilogy(x[first], top, color=colour, lw=1.2, label=name)
     over_time(ax, data)
     ax.set_ylabel("|coupled − reference| / range of the reference")
     made.legend(loc="outside lower center", ncols=min(3, len(names)), handlelength=1.6)
     return made
 
 
-def _envelope(values: np.ndarray, bins: int = 400) -> np.ndarray:
-    """The largest value of each bin: an error that changes its sign would hide the line in dips."""
+def envelope(values: Vector, bins: int = 400) -> tuple[Vector, Vector]:
+    """The largest value of each bin, and its first place: dips at changes of sign would hide the line."""
     if len(values) <= 2 * bins:
-        return values
-    width = len(values) // bins
-    return np.fmax.reduce(values[: width * bins].reshape(bins, width), axis=1)
+        return np.arange(len(values)), values
+    first = np.arange(bins) * len(values) // bins
+    return first, np.fmax.reduceat(values, first)

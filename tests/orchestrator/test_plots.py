@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from models.quantities import Quantity
-from orchestrator.plots import film_and_load, slider_crank_motion, slider_crank_phase
+from orchestrator.plots import difference, film_and_load, slider_crank_motion, slider_crank_phase
 from orchestrator.plots.data import FigureData, parameters_of
 from orchestrator.plots.style import plt, saved
 from orchestrator.scenario import ends
@@ -92,3 +92,11 @@ def test_the_phase_portrait_is_cut_at_impacts(engine: FigureData) -> None:
 def test_figures_are_saved(kind, engine: FigureData, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     assert kind.applies(engine)
     assert saved(lambda: kind.figure(engine), tmp_path / "figure.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("records", [10, 800, 801, 5934])
+def test_the_envelope_of_errors_leaves_no_record_out(records: int) -> None:
+    """A record that is larger than all before it is the largest of its bin, the last record too."""
+    first, top = difference.envelope(np.arange(1.0, records + 1.0))
+    assert (first[0], top[-1]) == (0, records)
+    np.testing.assert_array_equal(top, np.append(first[1:], records))
