@@ -181,6 +181,8 @@ def _scalar(parent: Element, variable: Variable) -> None:
         attributes |= {"min": "0", "max": str(len(quantity.choices) - 1)}
     if variable.kind == "Real" and quantity is not None and quantity.nominal != 1.0:
         attributes["nominal"] = _number(quantity.nominal)
+    if variable.rate_of is not None:
+        attributes["derivative"] = str(variable.rate_of + 1)
     if variable.start is not None:
         if variable.kind == "Boolean":
             attributes["start"] = "true" if variable.start else "false"
@@ -190,14 +192,24 @@ def _scalar(parent: Element, variable: Variable) -> None:
 
 
 def _structure(parent: Element, component: Any, variables: tuple[Variable, ...]) -> None:
-    """Outputs depend on the inputs that their feedthrough names and, at the start, on the parameters."""
+    """Outputs depend on the inputs that their feedthrough names and, at the start, on the parameters.
+
+    A rate goes along with the state, whose derivative may depend on every input, and with the slopes of the
+    inputs that its output names.
+    """
     index = {v.name: v.reference + 1 for v in variables if v.causality == "input"}
+    names = {v.reference: v.name for v in variables}
     given = [v.reference + 1 for v in variables if v.causality == "parameter"]
     outputs, unknowns = SubElement(parent, "Outputs"), SubElement(parent, "InitialUnknowns")
     for variable in variables:
         if variable.causality != "output":
             continue
-        inputs = sorted(index[name] for name in component.feedthrough.get(variable.name, ()))
+        if variable.rate_of is None:
+            inputs = sorted(index[name] for name in component.feedthrough.get(variable.name, ()))
+        else:
+            direct = component.feedthrough.get(names[variable.rate_of], ())
+            slopes = (component.inputs.field(name).suffixed("_der1") for name in direct)
+            inputs = sorted(index[name] for name in (*component.inputs.names, *slopes))
         for place, known in ((outputs, inputs), (unknowns, given + inputs)):
             SubElement(
                 place,

@@ -23,6 +23,10 @@ _DERIVATIVES = """<p>Every continuous input has the optional companions <code>_d
 input is held.</p>
 """
 
+_RATES = """<p>Every continuous output has the companion <code>der(name)</code>: its derivative by time along
+the motion, with the inputs' slopes in effect (<code>_der1</code>, after a step those at its end).</p>
+"""
+
 _TITLES = {
     "parameter": "Parameters",
     "start": "Start values of the states",
@@ -47,12 +51,12 @@ def page(readme: str, component: Any) -> str:
 
 
 def variables_table(component: Any) -> str:
-    """HTML tables of all variables, by their role; the optional derivatives of inputs are one line."""
+    """HTML tables of all variables, by their role; derivatives of inputs and outputs are one line each."""
     groups: dict[str, list[Variable]] = {title: [] for title in _TITLES}
-    derivatives = False
+    derived: set[str] = set()
     for variable in Memory(component).variables():
         if variable.derivative_order:
-            derivatives = True
+            derived.add(variable.causality)
         else:
             groups["start" if variable.state_start else variable.causality].append(variable)
     parts = []
@@ -61,8 +65,8 @@ def variables_table(component: Any) -> str:
             head = "<tr><th>name</th><th>unit</th><th>default</th><th>allowed</th><th>meaning</th></tr>"
             lines = "\n".join(map(_row, rows))
             parts.append(f"<h3>{title}</h3>\n<table>\n{head}\n{lines}\n</table>\n")
-        if role == "input" and derivatives:
-            parts.append(_DERIVATIVES)
+        if role in derived:
+            parts.append(_DERIVATIVES if role == "input" else _RATES)
     return "".join(parts)
 
 

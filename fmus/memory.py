@@ -2,10 +2,12 @@
 
 The vector holds, one after the other,
 
-    parameters | state start values | inputs and their three derivatives | outputs | energies | x | u | t
+    parameters | state start values | inputs and their three derivatives | outputs | energies | rates
+    | x | u | t | s
 
-of which the first three may be set and all up to the energies are variables of the FMU; the rest is the
-evolving data (state, inputs in effect, time). A copy of the vector is a copy of the slave.
+of which the first three may be set and all up to the rates (of continuous outputs) are variables of the
+FMU; the rest is the evolving data: state, inputs in effect, time, and how far along their polynomials the
+inputs are. A copy of the vector is a copy of the slave.
 
 Shipped inside every FMU, so it knows components only by their attributes.
 """
@@ -29,7 +31,8 @@ ENERGIES = (
 class Variable:
     """One scalar variable of an FMU. `kind` is Real, Integer, Boolean or Enumeration.
 
-    `unit` is that of the quantity, also where the variable is its derivative of `derivative_order`.
+    `unit` is that of the quantity, also where the variable is its derivative of `derivative_order`. The rate
+    of an output has that output's reference as `rate_of`.
     """
 
     name: str
@@ -42,6 +45,7 @@ class Variable:
     description: str
     quantity: Any = None
     derivative_order: int = 0
+    rate_of: int | None = None
     state_start: bool = False
 
 
@@ -56,11 +60,15 @@ class Memory:
         self.inputs = self.starts + states
         self.outputs = self.inputs + COEFFICIENTS * inputs
         self.energies = self.outputs + outputs
-        self.end_of_variables = self.energies + len(ENERGIES)
+        self.rates = self.energies + len(ENERGIES)
+        # Which outputs have rates.
+        self.rated = [i for i, f in enumerate(component.outputs.fields) if not f.quantity.discrete]
+        self.end_of_variables = self.rates + len(self.rated)
         self.x = self.end_of_variables
         self.u = self.x + states
         self.t = self.u + inputs
-        self.size = self.t + 1
+        self.s = self.t + 1
+        self.size = self.s + 1
 
     def variables(self) -> tuple[Variable, ...]:
         """All variables in the order of their value references."""
@@ -81,6 +89,8 @@ class Memory:
             found.append(_variable(f.name, i, "output", f))
         for i, (name, unit, text) in enumerate(ENERGIES, self.energies):
             found.append(Variable(name, i, "Real", "local", "continuous", None, unit, text))
+        for i, rated in enumerate(self.rated, self.rates):
+            found.append(_rate(component.outputs.fields[rated], i, self.outputs + rated))
         names = [v.name for v in found]
         if twice := sorted({name for name in names if names.count(name) > 1}):
             raise ValueError(f"{component.name}: more than one variable is called {', '.join(twice)}")
@@ -131,4 +141,19 @@ def _derivative(field: Any, reference: int, order: int) -> Variable:
         field.quantity.unit,
         text,
         derivative_order=order,
+    )
+
+
+def _rate(field: Any, reference: int, output: int) -> Variable:
+    return Variable(
+        f"der({field.name})",
+        reference,
+        "Real",
+        "output",
+        "continuous",
+        None,
+        field.quantity.unit,
+        f"derivative of {field.name} by time",
+        derivative_order=1,
+        rate_of=output,
     )

@@ -7,9 +7,10 @@ Inputs. An input keeps the value that the master set. During a step it follows t
 coefficients `<input>`, `<input>_der1`, `_der2`, `_der3`; it is held if the derivatives stay zero. After a
 step the outputs are those at the end of the step, with the inputs where the polynomial ends. As soon as
 the master sets an input or a parameter, outputs are those of the values that are set, at the same time:
-this serves initialisation, iterations and events.
+this serves initialisation, iterations and events. So are the outputs' rates, with the slopes that the
+polynomials have there.
 
-State. The evolving data is one vector and two flags; a saved state is a copy as bytes with the identity of
+State. The evolving data is one vector and some flags; a saved state is a copy as bytes with the identity of
 the code that wrote it. Restored, in this or another instance, it continues to the last bit.
 
 Errors. A step that cannot be made is discarded: the message goes to the host's logger and nothing has
@@ -69,7 +70,8 @@ def slave_class(component: Any, model_name: str, digest: str, failures: dict[int
         "names": names,
         "fixed": fixed,
         "driven": frozenset(range(memory.inputs, memory.outputs)),
-        "free": frozenset(range(memory.energies)),
+        "accounts": frozenset(range(memory.energies, memory.rates)),
+        "rated": np.array(memory.rated, dtype=np.int64),
         "failures": failures,
         "header": _STATE_FORMAT + identity.hexdigest()[:16].encode() + b"\n",
         "warm": False,
@@ -88,7 +90,8 @@ class ComponentSlave(Fmi2Slave):
     names: tuple[str, ...]
     fixed: frozenset[int]
     driven: frozenset[int]  # inputs and their derivatives
-    free: frozenset[int]  # all but the energies
+    accounts: frozenset[int]  # energies
+    rated: Any  # which outputs have rates
     failures: dict[int, str]
     header: bytes
     warm: bool
@@ -105,13 +108,16 @@ class ComponentSlave(Fmi2Slave):
         self._x_start = data[at.starts : at.inputs]
         self._U = data[at.inputs : at.outputs].reshape(COEFFICIENTS, m)
         self._y = data[at.outputs : at.energies]
-        self._energies = data[at.energies : at.end_of_variables]
+        self._energies = data[at.energies : at.rates]
+        self._rates = data[at.rates : at.end_of_variables]
         self._x = data[at.x : at.x + n]
         self._u = data[at.u : at.u + m]
         self._scale = component.state.nominal
         self._work = np.zeros(component.work_size)
+        self._slopes, self._all_rates = np.zeros(m), np.zeros(component.outputs.size)
+        self._rates_work = np.zeros(component.rates_work_size)
         self._phase = INSTANTIATED
-        self._outputs_stale = self._energies_stale = True
+        self._outputs_stale = self._energies_stale = self._rates_stale = True
         # Looked at once more before they are used: values that were set and may be out of range.
         self._parameters_unchecked = self._inputs_unchecked = True
         if self._host.present:
@@ -168,11 +174,12 @@ class ComponentSlave(Fmi2Slave):
             current_time, step_size, self._x, self._U, self._p, self._scale, self._work, self._u, self._y
         )
         if status != 0:
-            self._outputs_stale = self._energies_stale = True
+            self._outputs_stale = self._energies_stale = self._rates_stale = True
             reason = self.failures.get(status, f"status {status}")
             return self._discard(f"step from t = {t:.9g} s by {step_size:g} s: {reason}")
         cells[at.t] = current_time + step_size
-        self._outputs_stale, self._energies_stale = False, True
+        cells[at.s] = step_size
+        self._outputs_stale, self._energies_stale, self._rates_stale = False, True, True
         return True
 
     def _misplaced_step(self, current_time: float, step_size: float, t: float) -> str:
@@ -192,26 +199,40 @@ class ComponentSlave(Fmi2Slave):
         if self._phase != STEPPING:
             self._x[:] = self._x_start
         self._u[:] = self._U[0]
+        self._cells[self.memory.s] = 0.0
         self.component.flat_output(self._cells[self.memory.t], self._x, self._u, self._p, self._y)
-        self._outputs_stale, self._energies_stale = False, True
+        self._outputs_stale, self._energies_stale, self._rates_stale = False, True, True
 
-    def _ready(self, highest: int) -> None:
-        """Compute what is stale, up to the variable `highest`."""
-        if highest < self.memory.outputs:
+    def _ready(self, vrs: list[int]) -> None:
+        """Compute what is stale of these variables."""
+        at, highest = self.memory, max(vrs, default=0)
+        if highest < at.outputs:
             return
         if self._outputs_stale:
             self._refresh()
-        if self._energies_stale and highest >= self.memory.energies:
-            t = self._cells[self.memory.t]
-            self.component.flat_energy(t, self._x, self._u, self._p, self._energies)
+        if highest < at.energies:
+            return
+        if self._rates_stale and highest >= at.rates:
+            self._refresh_rates()
+        if self._energies_stale and not self.accounts.isdisjoint(vrs):
+            self.component.flat_energy(self._cells[at.t], self._x, self._u, self._p, self._energies)
             self._energies_stale = False
+
+    def _refresh_rates(self) -> None:
+        component, cells, at = self.component, self._cells, self.memory
+        component.input_rates(self._U, cells[at.s], self._slopes)
+        component.flat_rates(
+            cells[at.t], self._x, self._u, self._slopes, self._p, self._rates_work, self._all_rates
+        )
+        np.take(self._all_rates, self.rated, out=self._rates, mode="clip")  # unbuffered
+        self._rates_stale = False
 
     # Variables
 
     def get_real(self, vrs: list[int]) -> list[float]:
         try:
-            if self._outputs_stale or self._energies_stale:
-                self._ready(max(vrs, default=0))
+            if self._outputs_stale or self._energies_stale or self._rates_stale:
+                self._ready(vrs)
             cells = self._variables
             return [cells[i] for i in vrs]
         except Exception as error:
@@ -276,6 +297,7 @@ class ComponentSlave(Fmi2Slave):
             | self._energies_stale << 3
             | self._parameters_unchecked << 4
             | self._inputs_unchecked << 5
+            | self._rates_stale << 6
         )
         return b"".join((self.header, flags.to_bytes(1, "little"), self._cells))
 
@@ -288,6 +310,7 @@ class ComponentSlave(Fmi2Slave):
         self._phase = flags & 3
         self._outputs_stale, self._energies_stale = bool(flags & 4), bool(flags & 8)
         self._parameters_unchecked, self._inputs_unchecked = bool(flags & 16), bool(flags & 32)
+        self._rates_stale = bool(flags & 64)
 
     # The C layer calls these two on the class; what the bytes mean is checked when they are set, where
     # an error can be told to the host.

@@ -17,7 +17,7 @@ from .hybrid import hybrid_work_size, make_hybrid_advance
 from .integrator import INPUT_COEFFICIENTS, make_advance, taylor, work_size
 from .kernel import kernel
 from .quantities import Layout, Vector
-from .rates import make_rates, rates_work_size
+from .rates import input_rates, make_rates, rates_work_size
 
 # Indices of what an energy kernel writes, in J, W and W.
 STORED, DISSIPATED_POWER, SOURCE_POWER = 0, 1, 2
@@ -124,6 +124,11 @@ class Component:
         du: time derivatives of the inputs; work has `rates_work_size` elements.
         """
         return make_rates(self.flat_derivative, self.flat_output, self.state, self.inputs, self.outputs)
+
+    @property
+    def input_rates(self) -> Any:
+        """(U, s, du): slopes of the inputs' polynomials at s after the start."""
+        return input_rates
 
     @cached_property
     def flat_energy(self) -> Any:

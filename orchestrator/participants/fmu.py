@@ -56,6 +56,8 @@ class FmuParticipant:
     """Implements `Participant` for the FMU at `path`, with the parameters and starts of `instance`.
 
     Inputs follow a polynomial over the step where the FMU offers `<input>_der1`, `_der2`; others are held.
+    Rates are those of outputs for which the FMU has an output or local variable that it declares to be
+    their `derivative`, and of discrete outputs.
     """
 
     def __init__(self, name: str, path: Path, instance: Instance) -> None:
@@ -175,10 +177,42 @@ class FmuParticipant:
             "fmi2SetReal", found, taken, lambda status: self._fail(status, "setting the inputs")
         )
         self.write = self._set if self._picked is None else self._write_picked
-        wanted = [self._reference(name) for name in output_names]
-        self.read = self._calls.reals("fmi2GetReal", wanted, outputs, self._reading_failed)
         self._bind_all_outputs()
-        return [False] * len(output_names)
+        return self._bind_read(output_names, outputs, rates)
+
+    def _bind_read(self, output_names: Sequence[str], outputs: Vector, rates: Vector) -> Sequence[bool]:
+        """Bind outputs and rates to one call; for each output, whether its rate is given."""
+        wanted = [self._reference(name) for name in output_names]
+        companions = self._rates_by_output() if rates.size else {}
+        rated = [i for i, name in enumerate(output_names) if name in companions]
+        if not rated:
+            self.read = self._calls.reals("fmi2GetReal", wanted, outputs, self._reading_failed)
+        else:
+            self._outputs, self._rates = outputs, rates
+            self._rated = slice(None) if len(rated) == rates.size else np.array(rated)
+            wanted += [companions[output_names[i]] for i in rated]
+            self._values_and_rates = np.zeros(len(wanted))
+            self._get = self._calls.reals("fmi2GetReal", wanted, self._values_and_rates, self._reading_failed)
+            self.read = self._read_with_rates
+        if not rates.size:
+            return [False] * len(output_names)
+        discrete = [self._variables[name].variability == "discrete" for name in output_names]
+        rates[discrete] = 0.0
+        return [name in companions or still for name, still in zip(output_names, discrete, strict=True)]
+
+    def _rates_by_output(self) -> dict[str, int]:
+        """References of the variables that the FMU declares to be derivatives of others, by these."""
+        return {
+            v.derivative.name: int(v.valueReference)
+            for v in self._variables.values()
+            if v.derivative is not None and v.type == "Real" and v.causality in ("output", "local")
+        }
+
+    def _read_with_rates(self) -> None:
+        self._get()
+        values, count = self._values_and_rates, self._outputs.size
+        self._outputs[:] = values[:count]
+        self._rates[self._rated] = values[count:]
 
     def _bind_all_outputs(self) -> None:
         names = self._instance.component.outputs.names

@@ -8,7 +8,6 @@ import numpy as np
 
 from models.integrator import FAILURES, OK
 from models.quantities import Vector
-from models.rates import input_rates
 from models.system import Instance
 
 from ..errors import DiscardedStepError, ParticipantError
@@ -92,7 +91,7 @@ class InProcessParticipant:
                 f"{self.name}: step from t = {time:.9g} s by {step:g} s: {FAILURES[status]}", reached=time
             )
         if self._rated:
-            input_rates(self._U, step, self._du)
+            c.input_rates(self._U, step, self._du)
         self._t = time + step
         self._stale = False
 

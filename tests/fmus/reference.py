@@ -24,24 +24,34 @@ class Reference:
         self.x, self.p = c.state.start.copy(), c.parameters.start.copy()
         self.U = c.input_polynomial()
         self.u, self.y, self.e = c.inputs.start.copy(), c.outputs.start.copy(), np.zeros(3)
-        self.work = np.zeros(c.work_size)
+        self.du, self.yd = np.zeros(c.inputs.size), np.zeros(c.outputs.size)
+        self.rated = [not field.quantity.discrete for field in c.outputs.fields]
+        self.work, self.rates_work = np.zeros(c.work_size), np.zeros(c.rates_work_size)
 
     def set_inputs(self, values: Mapping[str, float]) -> None:
         for name, value in values.items():
             stem, order = split(name)
             self.U[order, self.component.inputs.index(stem)] = value
-        self.u[:] = self.U[0]
+        self.u[:], self.du[:] = self.U[0], self.U[1]
         self.component.flat_output(self.t, self.x, self.u, self.p, self.y)
 
     def step(self, h: float) -> None:
         c = self.component
         status = c.step(self.t, h, self.x, self.U, self.p, c.state.nominal, self.work, self.u, self.y)
         assert status == 0
+        self.du[:] = self.U[1] + h * (self.U[2] + h * self.U[3] / 2.0)
         self.t += h
 
+    def rates(self) -> list[float]:
+        """Those of continuous outputs."""
+        c = self.component
+        c.flat_rates(self.t, self.x, self.u, self.du, self.p, self.rates_work, self.yd)
+        return self.yd[self.rated].tolist()
+
     def outputs(self) -> list[float]:
+        """Outputs, their rates, energies."""
         self.component.flat_energy(self.t, self.x, self.u, self.p, self.e)
-        return [*self.y.tolist(), *self.e.tolist()]
+        return [*self.y.tolist(), *self.rates(), *self.e.tolist()]
 
 
 def split(name: str) -> tuple[str, int]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from fmpy import read_model_description
 
 from fmus.build import NAMES, build
 
@@ -66,7 +67,8 @@ def test_structure_is_fixed_at_build(isolated: Isolated, tmp_path: Path) -> None
     report([slave.names("output"), slave.get(["coil_position[5]", "position"])])
     """
     names, (last_coil, follower) = isolated(code, "numba")
-    assert names == list(Reference("valve_spring", coil_masses=5).component.outputs.names)
+    expected = Reference("valve_spring", coil_masses=5).component.outputs.names
+    assert names == [*expected, *(f"der({name})" for name in expected)]
     assert 0.0 < last_coil < follower
 
 
@@ -97,6 +99,26 @@ def test_outputs_depend_on_declared_inputs_only(name: str) -> None:
             moved = {output for output in before if before[output] != after[output]}
             declared = {output for output in before if changed in component.feedthrough.get(output, ())}
             assert moved <= declared, f"{changed} changes {moved - declared}"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_rates_depend_on_declared_inputs_only(name: str, fmu_files: dict[str, Path]) -> None:
+    """As the outputs: an undeclared input or slope changes no bit of the rate."""
+    reference = Reference(name)
+    described = read_model_description(str(fmu_files[name]))
+    declared = {u.variable.name: {v.name for v in u.dependencies} for u in described.outputs}
+    rates = [
+        f"der({field.name})" for field in reference.component.outputs.fields if not field.quantity.discrete
+    ]
+    values = wave(reference.component, 3e-4)
+    reference.set_inputs(values)
+    before = dict(zip(rates, reference.rates(), strict=True))
+    for changed in values:
+        reference.set_inputs(values | {changed: values[changed] * 1.01 + 1e-3})
+        after = dict(zip(rates, reference.rates(), strict=True))
+        # How a rate is rounded depends on the pace of all that moves.
+        moved = {r for r in rates if abs(after[r] - before[r]) > 1e-6 * (1.0 + abs(before[r]))}
+        assert moved <= {r for r in rates if changed in declared[r]}, f"{changed} changes {moved}"
 
 
 def test_derivatives_of_indexed_inputs_have_structured_names() -> None:

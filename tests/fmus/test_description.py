@@ -70,7 +70,17 @@ def test_every_quantity_is_described(name: str, fmu_files: dict[str, Path]) -> N
                 assert variable.variability in ("discrete", "fixed")
     for unknown in described.outputs:
         inputs = {v.name for v in unknown.dependencies}
-        assert inputs == set(component.feedthrough.get(unknown.variable.name, ()))
+        rated = unknown.variable.derivative
+        direct = component.feedthrough.get((rated or unknown.variable).name, ())
+        if rated is None:
+            assert inputs == set(direct)
+        else:
+            slopes = {component.inputs.field(name).suffixed("_der1") for name in direct}
+            assert inputs == {*component.inputs.names, *slopes}
+    continuous = [field for field in component.outputs.fields if not field.quantity.discrete]
+    rates = [v for v in found.values() if v.derivative is not None]
+    assert [(v.name, v.derivative.name) for v in rates] == [(f"der({f.name})", f.name) for f in continuous]
+    assert [v.unit for v in rates] == [per_second(f.quantity.unit, 1) for f in continuous]
     assert found["stored_energy"].unit == "J"
 
 

@@ -1,0 +1,158 @@
+"""An FMU as participant gives what the component in this process gives, rates of outputs as well."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmus.build import NAMES
+from models.catalogue import CATALOGUE
+from models.component import Component
+from models.quantities import Vector
+from models.system import Instance
+from orchestrator.participants import Participant, fmu, in_process
+
+from .reference import joined, wave
+
+STEP = 1e-5
+
+
+class Bound:
+    """A participant with all inputs and Real outputs bound, started with the waves' values."""
+
+    def __init__(self, participant: Participant, component: Component, rows: int, rated: bool = True) -> None:
+        self.participant, self.component = participant, component
+        self.names = [f.name for f in component.outputs.fields if not f.quantity.discrete]
+        self.inputs = np.zeros((rows, component.inputs.size))
+        self.outputs = np.zeros(len(self.names))
+        self.rates = np.zeros(len(self.names) if rated else 0)
+        self.given = participant.connect(
+            component.inputs.names, self.inputs, self.names, self.outputs, self.rates
+        )
+        participant.initialise(0.0, 1.0)
+        self.write(0.0)
+        participant.read()
+        participant.finish_initialisation()
+
+    def write(self, t: float) -> None:
+        values = wave(self.component, t)
+        for j, name in enumerate(self.component.inputs.names):
+            self.inputs[:, j] = [values[joined(name, order)] for order in range(len(self.inputs))]
+        self.participant.write()
+
+    def advance(self, t: float) -> None:
+        self.participant.advance(t, STEP)
+
+    def read(self) -> list[float]:
+        self.participant.read()
+        return [*self.outputs.tolist(), *self.rates.tolist()]
+
+    def run(self, begin: int, steps: int) -> list[list[float]]:
+        """What is read after every step and every write."""
+        found = []
+        for i in range(begin, begin + steps):
+            self.write(i * STEP)
+            found.append(self.read())
+            self.advance(i * STEP)
+            found.append(self.read())
+        return found
+
+
+def both(name: str, path: Path, rows: int) -> tuple[Bound, Bound]:
+    instance = Instance(CATALOGUE[name]())
+    packaged, direct = fmu(name, path, instance), in_process(name, instance)
+    return Bound(packaged, instance.component, rows), Bound(direct, instance.component, rows)
+
+
+# Every component with all derivatives of its inputs, one with fewer.
+ROWS = [*((name, 4) for name in NAMES), *(("camshaft", rows) for rows in (1, 2, 3))]
+
+
+@pytest.mark.parametrize(("name", "rows"), ROWS)
+def test_values_and_rates_are_equal(name: str, rows: int, fmu_files: dict[str, Path]) -> None:
+    """To the last bit, between steps and after a return to a saved state too."""
+    packaged, direct = both(name, fmu_files[name], rows)
+    assert all(packaged.given)
+    assert all(direct.given)
+    assert packaged.run(0, 20) == direct.run(0, 20)
+    saved = [(unit, unit.participant.save(), unit.read()) for unit in (packaged, direct)]
+    later = packaged.run(20, 10)
+    assert later == direct.run(20, 10)
+    for unit, state, there in saved:
+        unit.participant.restore(state)
+        assert unit.read() == there
+        assert unit.run(20, 10) == later
+        unit.participant.release(state)
+        unit.participant.close()
+
+
+@pytest.mark.parametrize("kind", ["fmu", "in_process"])
+def test_rates_that_are_not_wanted(kind: str, fmu_files: dict[str, Path]) -> None:
+    """Values are the same without them."""
+    instance = Instance(CATALOGUE["camshaft"]())
+    found = []
+    for rated in (True, False):
+        made = fmu("cam", fmu_files["camshaft"], instance) if kind == "fmu" else in_process("cam", instance)
+        unit = Bound(made, instance.component, 2, rated)
+        assert unit.given == [rated] * len(unit.names)
+        unit.run(0, 5)
+        found.append(unit.outputs.tolist())
+        made.close()
+    assert found[0] == found[1]
+
+
+def without_rates(path: Path, target: Path, removed: str) -> Path:
+    """A copy of an FMU whose description does not say of what `removed` is the derivative."""
+    with zipfile.ZipFile(path) as source, zipfile.ZipFile(target, "w") as copy:
+        for item in source.infolist():
+            content = source.read(item)
+            if item.filename == "modelDescription.xml":
+                lines = content.decode().splitlines()
+                at = next(i for i, line in enumerate(lines) if f'name="{removed}"' in line)
+                begin, _, rest = lines[at + 1].partition(' derivative="')
+                assert rest
+                lines[at + 1] = begin + rest.partition('"')[2]
+                content = "\n".join(lines).encode()
+            copy.writestr(item, content)
+    return target
+
+
+@pytest.fixture
+def foreign(fmu_files: dict[str, Path], tmp_path: Path) -> Iterator[Path]:
+    """A valve spring that does not declare the rate of its velocity."""
+    yield without_rates(fmu_files["valve_spring"], tmp_path / "foreign.fmu", "der(velocity)")
+    shutil.rmtree(tmp_path, ignore_errors=True)
+
+
+def test_only_declared_rates_are_given(foreign: Path, fmu_files: dict[str, Path]) -> None:
+    """What is not given stays as it is; what is given does not move to another place."""
+    packaged, direct = both("valve_spring", foreign, 2)
+    assert dict(zip(packaged.names, packaged.given, strict=True)) == {
+        name: name != "velocity" for name in packaged.names
+    }
+    place = packaged.names.index("velocity")
+    packaged.rates[place] = 7.0
+    packaged.run(0, 5)
+    direct.run(0, 5)
+    assert packaged.rates[place] == 7.0
+    direct.rates[place] = 7.0
+    assert packaged.rates.tolist() == direct.rates.tolist()
+    packaged.participant.close()
+
+
+def test_discrete_outputs_have_rate_zero(fmu_files: dict[str, Path]) -> None:
+    instance = Instance(CATALOGUE["ehl_contact"]())
+    names = ["load", "separated"]
+    for unit in (fmu("contact", fmu_files["ehl_contact"], instance), in_process("contact", instance)):
+        rates: Vector = np.full(2, 7.0)
+        given = unit.connect([], np.zeros((1, 0)), names, np.zeros(2), rates)
+        unit.initialise(0.0, 1.0)
+        unit.read()
+        unit.close()
+        assert list(given) == [True, True]
+        assert rates[1] == 0.0
