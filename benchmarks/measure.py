@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Mapping
+import time
+from collections.abc import Callable, Mapping, Sequence
+
+from models.quantities import Vector
+from orchestrator.stepping import Step
 
 
 def medians(candidates: Mapping[str, Callable[[], float]], rounds: int = 5) -> dict[str, float]:
@@ -15,3 +19,20 @@ def medians(candidates: Mapping[str, Callable[[], float]], rounds: int = 5) -> d
         for name, candidate in candidates.items():
             figures[name].append(candidate())
     return {name: statistics.median(found) for name, found in figures.items()}
+
+
+class Clock:
+    """An observer that takes the processor time of the stepping, `elapsed` (s).
+
+    Other programs on the machine change it less than wall time.
+    """
+
+    def begin(self, names: Sequence[str]) -> None:
+        pass
+
+    def observe(self, time_: float, outputs: Callable[[], Vector], step: Step) -> None:
+        if step.length == 0.0:
+            self._began = time.process_time()
+
+    def end(self, complete: bool, message: str) -> None:
+        self.elapsed = time.process_time() - self._began

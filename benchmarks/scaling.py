@@ -5,38 +5,20 @@ In processor time, which other programs on the machine change less than wall tim
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Sequence
-
 import numpy as np
 
 from fmus.build import build
-from models.quantities import Vector
 from models.system import System
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import fmu, in_process
 from orchestrator.simulation import simulate
-from orchestrator.stepping import Step
 
 from .many_valves import valve_trains
+from .measure import Clock
 
 VALVES = (1, 2, 4, 8, 16, 32, 64)
 STEPS, STEP = 500, 2e-6
 ROUNDS = 3
-
-
-class Clock:
-    """An observer that takes the processor time from the start to the end of the stepping."""
-
-    def begin(self, names: Sequence[str]) -> None:
-        pass
-
-    def observe(self, time_: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if step.length == 0.0:
-            self._began = time.process_time()
-
-    def end(self, complete: bool, message: str) -> None:
-        self.elapsed = time.process_time() - self._began
 
 
 def seconds_per_step(system: System, packaged: bool) -> float:
