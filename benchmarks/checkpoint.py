@@ -17,7 +17,7 @@ from orchestrator.report import Reporter
 from orchestrator.scenario_files import load
 
 EVERY = 10.0  # s
-LENGTH = 0.06  # s, of 1e-7 s steps
+LENGTH = 0.04  # s, of 1e-7 s steps
 
 
 class Timed(Checkpoints):
