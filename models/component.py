@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from .hybrid import hybrid_work_size, make_hybrid_advance
-from .integrator import INPUT_COEFFICIENTS, make_advance, taylor, work_size
+from .integrator import INPUT_COEFFICIENTS, TOLERANCE, make_advance, taylor, work_size
 from .kernel import kernel
 from .quantities import Layout, Vector
 from .rates import input_rates, make_rates, rates_work_size
@@ -94,6 +94,7 @@ class Component:
     structure: Mapping[str, int] = field(default_factory=dict)
     runs_on: bool = False
     settles: Sequence[str] = ()
+    tolerance: float = TOLERANCE
     event_indicators: Sequence[str] = ()
     event_counter: str = ""
     event_time: str = ""
@@ -176,7 +177,7 @@ class Component:
         polynomials U; unchanged if the status is not OK."""
         if maker := self.advance_maker or (make_hybrid_advance if self.events else None):
             return maker(self)
-        return make_advance(self.flat_derivative, self.state, self.inputs, self.sample)
+        return make_advance(self.flat_derivative, self.state, self.inputs, self.sample, self.tolerance)
 
     @cached_property
     def step(self) -> Any:

@@ -72,7 +72,7 @@ def make_hybrid_advance(component: Component) -> Any:
     n, m, count = component.state.size, component.inputs.size, component.events.count
     guards, transition = component.flat_guards, component.flat_transition
     derivative_along = make_derivative_along(component.flat_derivative)
-    runge_kutta = make_runge_kutta(derivative_along, n)
+    runge_kutta = make_runge_kutta(derivative_along, n, component.tolerance)
     interpolate = make_interpolate(n)
     quadrature = make_quadrature(component.sample, n)
     points = len(FRACTIONS)

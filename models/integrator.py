@@ -27,6 +27,10 @@ FAILURES = {
 # coupled comparison asks for, five above the rounding of a double.
 TOLERANCE = 1e-10
 
+# For positions of some 1e-2 m that press a contact which deflects by 1e-6 m: a millionth of its load is
+# 1e-12 m, 1e-10 of such a position, and the errors of many micro-steps add up.
+FINE_TOLERANCE = 1e-13
+
 # Taylor coefficients that an input may have: value and three derivatives (cubic).
 INPUT_COEFFICIENTS = 4
 
@@ -57,7 +61,7 @@ def make_derivative_along(derivative: Any) -> Any:
     return derivative_along
 
 
-def make_runge_kutta(derivative_along: Any, n: int) -> Any:
+def make_runge_kutta(derivative_along: Any, n: int, tolerance: float = TOLERANCE) -> Any:
     """One Dormand-Prince step from x: the new state in `xn`, the scaled error returned.
 
     k[0:n] must hold the derivative at the start; k[6n:7n] is the derivative at the end (first same as
@@ -115,7 +119,7 @@ def make_runge_kutta(derivative_along: Any, n: int) -> Any:
                 + 22.0 / 525.0 * k6[i]
                 - 1.0 / 40.0 * k7[i]
             )
-            ratio = abs(error) / (TOLERANCE * (scale[i] + max(abs(x[i]), abs(xn[i]))))
+            ratio = abs(error) / (tolerance * (scale[i] + max(abs(x[i]), abs(xn[i]))))
             if ratio > worst or ratio != ratio:  # nan must reject the step, and stays
                 worst = ratio
         return worst
@@ -123,7 +127,9 @@ def make_runge_kutta(derivative_along: Any, n: int) -> Any:
     return runge_kutta
 
 
-def make_advance(derivative: Any, state: Layout, inputs: Layout, sample: Any = None) -> Any:
+def make_advance(
+    derivative: Any, state: Layout, inputs: Layout, sample: Any = None, tolerance: float = TOLERANCE
+) -> Any:
     """advance(t, h, x, U, p, scale, work) -> status: integrates x in place from t to t + h.
 
     `derivative` is flat: (t, x, u, p, dx). On failure x is unchanged. `sample` is called along the steps
@@ -131,7 +137,7 @@ def make_advance(derivative: Any, state: Layout, inputs: Layout, sample: Any = N
     """
     n, m = state.size, inputs.size
     derivative_along = make_derivative_along(derivative)
-    runge_kutta = make_runge_kutta(derivative_along, n)
+    runge_kutta = make_runge_kutta(derivative_along, n, tolerance)
     quadrature = make_quadrature(sample, n)
 
     @kernel

@@ -137,15 +137,16 @@ class Exchange:
     def _arrival(self, i: int) -> Callable[[float], None]:
         """`arrive` of participant i with all that it needs looked up once."""
         read, degree, h = self.participants[i].read, self.degree, self.history
-        times, past, past_rates, rated = h.times, h.values, h.rates, h.rated
+        times, past, past_rates, rated, smooth = h.times, h.values, h.rates, h.rated, h.smooth
         values, rates, signals = self.values, self.rates, self.signals
         first, last = self.slices[i].start, self.slices[i].stop
 
         def arrive(end: float) -> None:
             read()
             if not interpolate_part(
-                times, past, past_rates, rated, h.count, degree, end, values, rates, signals, first, last
-            ):
+                times, past, past_rates, rated, smooth, h.end_smooth, h.count, degree, end, values, rates,
+                signals, first, last,
+            ):  # fmt: skip
                 self._refuse(i)
 
         return arrive
@@ -241,6 +242,7 @@ class Exchange:
             "past_values": h.values.copy(),
             "past_rates": h.rates.copy(),
             "known": h.count,
+            "smooth": h.smooth.copy(),
             "calls": list(self.calls),
             "carried": dict(self.carried),
         }
@@ -251,6 +253,7 @@ class Exchange:
         h = self.history
         h.times[:], h.values[:], h.rates[:] = state["times"], state["past_values"], state["past_rates"]
         h.count = int(state["known"])
+        h.smooth[:] = state["smooth"]
         self.calls[:] = [int(n) for n in state["calls"]]
         self.carried = dict(state["carried"])
         self._saved = None

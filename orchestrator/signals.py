@@ -10,6 +10,8 @@ macro step.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numba
@@ -36,7 +38,9 @@ def degree_of(name: str) -> int:
 class History:
     """The exchanged values and their rates at the last three communication points, newest first.
 
-    `count` says how many are known, `rated` which sources give rates.
+    `count` says how many are known, `rated` which sources give rates. Where a derivative jumps, at an event,
+    a rate has no meaning: `smooth` says at which points rates are used, `end_smooth` whether they are at the
+    end of the step that is being made.
     """
 
     def __init__(
@@ -48,11 +52,14 @@ class History:
         if rates is not None:
             self.rates[:] = rates
         self.rated = np.zeros(len(values), dtype=np.bool_) if rated is None else rated
+        self.smooth = np.ones(POINTS, dtype=np.bool_)
+        self.end_smooth = True
         self.count = 1
 
     def begin(self, time: float, values: Vector, rates: Vector) -> None:
         """Only this point is known."""
         self.times[:], self.values[:], self.rates[:] = time, values, rates
+        self.smooth[:], self.end_smooth = True, True
         self.count = 1
 
     def append(self, time: float, values: Vector, rates: Vector) -> None:
@@ -62,16 +69,28 @@ class History:
 
     def appended(self) -> None:
         """Values have been put into the memory."""
+        self.smooth[1:] = self.smooth[:-1]
+        self.smooth[0] = True
         if self.count < POINTS:
             self.count += 1
+
+    @contextmanager
+    def passing(self) -> Iterator[None]:
+        """For steps to a point on the way, where rates are used."""
+        kept, self.end_smooth = self.end_smooth, True
+        try:
+            yield
+        finally:
+            self.end_smooth = kept
 
     def restart(self) -> None:
         """Only the newest point is known: what was before does not continue smoothly."""
         self.count = 1
+        self.smooth[0] = False
 
     def lacks(self, degree: int) -> bool:
         """Too few points are known for signals of that degree to extrapolate at their full order."""
-        return self.count < NEEDED[degree]
+        return self.count < NEEDED[degree] or (degree == 3 and not self.smooth[:2].all())
 
     def copy(self) -> History:
         """An independent copy."""
@@ -84,6 +103,7 @@ class History:
         self.times[:] = other.times
         self.values[:] = other.values
         self.rates[:] = other.rates
+        self.smooth[:] = other.smooth
         self.count = other.count
 
 
@@ -122,6 +142,24 @@ def hermite(v0: float, r0: float, v1: float, r1: float, h: float) -> Any:
 
 
 @numba.njit(cache=True)
+def cubic(v0: float, r0: float, smooth: bool, v1: float, r1: float, smooth_1: bool, h: float) -> Any:
+    """First to third derivative at the first point of the signal through two values and their rates.
+
+    The second point lies h later (h < 0: earlier). Rates are used where it is smooth: cubic with both,
+    parabola with one, straight line with none.
+    """
+    if smooth and smooth_1:
+        second, third = hermite(v0, r0, v1, r1, h)
+        return r0, second, third
+    d = (v1 - v0) / h
+    if smooth:
+        return r0, 2.0 * (d - r0) / h, 0.0
+    if smooth_1:
+        return 2.0 * d - r1, 2.0 * (r1 - d) / h, 0.0
+    return d, 0.0, 0.0
+
+
+@numba.njit(cache=True)
 def _store(out: Any, i: int, value: float, slope: float, curvature: float, third: float) -> None:
     out[0, i] = value
     if out.shape[0] > 1:
@@ -133,14 +171,17 @@ def _store(out: Any, i: int, value: float, slope: float, curvature: float, third
 
 
 @numba.njit(cache=True)
-def _extrapolate(times: Any, values: Any, rates: Any, rated: Any, count: int, degree: int, out: Any) -> None:
+def _extrapolate(
+    times: Any, values: Any, rates: Any, rated: Any, smooth: Any, count: int, degree: int, out: Any
+) -> None:
     t0, t1, t2 = times[0], times[1], times[2]
     for i in range(values.shape[1]):
         third = 0.0
         if degree == 3 and rated[i]:
-            v, d, c = values[0, i], rates[0, i], 0.0
+            v, c = values[0, i], 0.0
+            d = rates[0, i] if smooth[0] else 0.0
             if count > 1:
-                c, third = hermite(v, d, values[1, i], rates[1, i], t1 - t0)
+                d, c, third = cubic(v, d, smooth[0], values[1, i], rates[1, i], smooth[1], t1 - t0)
         else:
             points = min(min(degree, 2) + 1, count)
             v, d, c = parabola(t0, values[0, i], t1, values[1, i], t2, values[2, i], points, t0)
@@ -149,8 +190,8 @@ def _extrapolate(times: Any, values: Any, rates: Any, rated: Any, count: int, de
 
 @numba.njit(cache=True)
 def interpolate_part(
-    times: Any, values: Any, rates: Any, rated: Any, count: int, degree: int, end: float, new: Any,
-    new_rates: Any, out: Any, first: int, last: int,
+    times: Any, values: Any, rates: Any, rated: Any, smooth: Any, end_smooth: bool, count: int, degree: int,
+    end: float, new: Any, new_rates: Any, out: Any, first: int, last: int,
 ) -> bool:  # fmt: skip
     """Interpolate the sources from `first` up to `last`; True if their new values are finite."""
     finite = True
@@ -160,8 +201,8 @@ def interpolate_part(
         third = 0.0
         if degree == 3 and rated[i]:
             finite &= math.isfinite(new_rates[i])
-            v, d = values[0, i], rates[0, i]
-            c, third = hermite(v, d, new[i], new_rates[i], end - at)
+            v = values[0, i]
+            d, c, third = cubic(v, rates[0, i], smooth[0], new[i], new_rates[i], end_smooth, end - at)
         else:
             points = min(min(degree, 2), count) + 1
             v, d, c = parabola(end, new[i], at, values[0, i], times[1], values[1, i], points, at)
@@ -172,7 +213,7 @@ def interpolate_part(
 def extrapolate(history: History, degree: int, out: Vector) -> None:
     """Derivatives (coefficients x n) at the newest point of the polynomials through the last points."""
     h = history
-    _extrapolate(h.times, h.values, h.rates, h.rated, h.count, degree, out)
+    _extrapolate(h.times, h.values, h.rates, h.rated, h.smooth, h.count, degree, out)
 
 
 def interpolate(
@@ -181,8 +222,9 @@ def interpolate(
     """As `extrapolate`, through the last points and `values` (`rates`) at the time `end`; True if finite."""
     h = history
     return interpolate_part(  # type: ignore[no-any-return]
-        h.times, h.values, h.rates, h.rated, h.count, degree, end, values, rates, out, 0, len(values)
-    )
+        h.times, h.values, h.rates, h.rated, h.smooth, h.end_smooth, h.count, degree, end, values, rates, out,
+        0, len(values),
+    )  # fmt: skip
 
 
 @numba.njit(cache=True)

@@ -15,6 +15,7 @@ from typing import Annotated, NamedTuple
 
 from ..bonds import counts_energies
 from ..component import NO_EVENT, Component, PowerBond
+from ..integrator import FINE_TOLERANCE
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector
 from .cam_profile import (
@@ -305,6 +306,7 @@ def camshaft() -> Component:
     inputs = Layout(CamshaftInputs)
     angle, speed = ("drive_angle",), ("drive_angle", "drive_speed")
     return Component(
+        tolerance=FINE_TOLERANCE,
         name="camshaft",
         description="Cycloidal cam for a flat follower on a rigid or flexible shaft",
         parameters=Layout(CamshaftParameters),
@@ -333,5 +335,7 @@ def camshaft() -> Component:
             PowerBond("friction_force", "sliding_velocity", -1),
         ),
         check=profile_faults,
+        # Where the entrainment reverses, film formulas have a kink: they know |u|.
+        event_indicators=("entraining_velocity",),
         next_event="next_event",
     )

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..bonds import counts_energies
 from ..component import Component, PowerBond
+from ..integrator import FINE_TOLERANCE
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector, per_element
 
@@ -226,6 +227,7 @@ def valve_spring(coil_masses: int = 2) -> Component:
 
     sizes = {"coil_masses": n}
     return Component(
+        tolerance=FINE_TOLERANCE,
         name="valve_spring",
         description="Valve with follower on a spring of lumped coils, with seat and lash",
         parameters=Layout(ValveSpringParameters),

@@ -146,8 +146,8 @@ def converge(
                 roll_back()
                 for own in interface.slices:
                     interpolate_part(
-                        h.times, h.values, h.rates, h.rated, h.count, exchange.degree, end, values, rates,
-                        exchange.signals, own.start, own.stop,
+                        h.times, h.values, h.rates, h.rated, h.smooth, h.end_smooth, h.count,
+                        exchange.degree, end, values, rates, exchange.signals, own.start, own.stop,
                     )  # fmt: skip
                 next_sweep(exchange, part, time, step)
             result = interface.vector(exchange.values, exchange.rates)

@@ -88,16 +88,18 @@ class ControlledSteps:
             def again(shorter: float) -> None:
                 nonlocal attempt
                 exchange.restore(saved)
+                exchange.history.end_smooth = False  # close to an event
                 attempt = self._estimator.attempt(exchange, self._master, time, shorter)
 
             while True:
                 length, reason = self._proposed(time)
+                exchange.history.end_smooth = reason != TIME_EVENT
                 try:
                     attempt = self._estimator.attempt(exchange, self._master, time, length)
                     error, source = self._norm(saved.values, attempt.error)
                     if error <= 1.0 or length <= self._control.minimum_step:
                         whole = length
-                        length, event = locator.locate(saved.values, time, whole, again)
+                        length, event = locator.locate(saved, time, whole, again)
                         break
                 except (NonConvergenceError, RecoverableError) as failure:
                     self._go_back(saved, length, failure)

@@ -57,11 +57,12 @@ class FixedSteps:
             def attempt(length: float) -> None:
                 nonlocal iterations
                 exchange.restore(saved)
+                exchange.history.end_smooth = reason != TIME_EVENT and length == end - time
                 iterations = self._master.step(exchange, time, length)
 
             attempt(end - time)
-            length, source = locator.locate(saved.values, time, end - time, attempt)
-        if source >= 0:
+            length, source = locator.locate(saved, time, end - time, attempt)
+        if source >= 0 or length < end - time:
             end, reason = time + length, EVENT
         told = exchange.output_number(source)
         made = self._accepted(Step(end, length, iterations, source=told, reason=reason))

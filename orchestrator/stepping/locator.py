@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from models.quantities import Vector
 from models.system import Port, System
 
-from ..exchange import Exchange
+from ..exchange import Exchange, Saved
+from ..signals import hermite
 
 # Attempts to close in on one event. Secant steps need three to eight, bisection forty.
 ATTEMPTS = 60
@@ -70,15 +72,37 @@ class Locator:
         counted = now[self._counts] > before[self._counts]
         return int(self._counts[np.argmax(counted)]) if counted.any() else -1
 
+    def dip(self, start: Saved, length: float) -> float:
+        """How long after the start an indicator may be on its other side and back at the end of the step.
+
+        By the cubic through its values and rates at both ends, so only where it gives rates; else `length`.
+        """
+        e = self._exchange
+        for i in self._signs[e.rated[self._signs]]:
+            v, r = start.values[i], start.rates[i]
+            second, third = hermite(v, r, e.values[i], e.rates[i], length)
+            polynomial = Polynomial([v, r, second / 2.0, third / 6.0])
+            for s in polynomial.deriv().roots():
+                if np.isreal(s) and 0.0 < s.real < length and polynomial(s.real) * v < 0.0:
+                    length = float(s.real)
+        return length
+
     def locate(
-        self, before: Vector, time: float, length: float, attempt: Callable[[float], None]
+        self, start: Saved, time: float, length: float, attempt: Callable[[float], None]
     ) -> tuple[float, int]:
         """Length of the step from `time` that ends just after the first event inside, and its source.
 
         An attempt of `length` has been made; `attempt` makes others, from the same start. The last one is
-        that of the length returned. Without an event, or with one too close to the last: `length`, -1.
+        that of the length returned. Without an event, or with one too close to the last: `length`, -1 (a
+        shorter one where something seemed to have happened and been undone inside).
         """
+        before = start.values
         source = self.happened(before)
+        if source < 0:
+            shorter = self.dip(start, length)
+            if shorter < length:
+                attempt(shorter)
+                length, source = shorter, self.happened(before)
         if source < 0:
             return length, -1
         low, high, made = 0.0, length, length

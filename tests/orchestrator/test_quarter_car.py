@@ -81,6 +81,6 @@ def test_step_controlled_hermite_coupling_takes_at_most_a_hundred_steps_for_the_
     ids=str,
 )
 def test_the_error_follows_the_tolerance(master, estimator, order):
-    """Local errors of tol leave a global error ~ tol^(k / (k + 1)) for a method of order k; within a fifth."""
+    """Local errors of tol leave a global one ~ tol^(k / (k + 1)) for a method of order k; within a fifth."""
     loose, tight = (run(master, ControlledSteps(1e-4, StepControl(estimator, t, t)))[0] for t in (1e-5, 1e-7))
     assert np.log10(loose / tight) / 2.0 == pytest.approx(order / (order + 1.0), rel=0.2)

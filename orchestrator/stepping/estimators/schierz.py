@@ -33,7 +33,8 @@ class Schierz:
         middle_time = time + half
         degree = effective_degree(exchange)
         shares = ratios(exchange, degree, half)
-        iterations = master.step(exchange, time, half)
+        with exchange.history.passing():
+            iterations = master.step(exchange, time, half)
         move_origin(exchange.signals, half, exchange.signals)
         exchange.accept(middle_time)
         with exchange.point() as middle:
