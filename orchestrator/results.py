@@ -48,7 +48,7 @@ class ResultFile:
 
     def take(self, group: str, recorded: Recorded) -> None:
         """A new group of a journal's rows."""
-        self._write(group, recorded.columns, recorded.blocks(CHUNK))
+        self._write(group, recorded.columns, recorded.rows, recorded.blocks(CHUNK))
 
     def write(self, group: str, times: Vector, variables: Mapping[str, Quantity], values: Vector) -> None:
         """A new group: `values` has a row for each time."""
@@ -56,20 +56,21 @@ class ResultFile:
             np.column_stack([times[first : first + CHUNK], values[first : first + CHUNK]])
             for first in range(0, len(times), CHUNK)
         )
-        self._write(group, {"time": TIME, **variables}, blocks)
+        self._write(group, {"time": TIME, **variables}, len(times), blocks)
 
-    def _write(self, name: str, columns: Mapping[str, Quantity], blocks: Iterable[Vector]) -> None:
+    def _write(self, name: str, columns: Mapping[str, Quantity], rows: int, blocks: Iterable[Vector]) -> None:
         self._quantities[name] = {key: value for key, value in columns.items() if key != "time"}
         group = self._file.create_group(name)
-        group.dimensions["time"] = None  # unlimited
+        # Of an unlimited dimension h5netcdf asks all variables for their length whenever it makes or opens
+        # one; netCDF knows no other of length 0.
+        group.dimensions["time"] = rows or None
         for key, quantity in columns.items():
-            _make(group, key, quantity)
+            _make(group, key, quantity, min(rows, CHUNK) or CHUNK)
         # Each by itself: what HDF5 lists as attached to a dimension has been seen to lack one.
         datasets = [self._hdf5[f"{group.name}/{key}"] for key in columns]
         for first, block in _placed(blocks):
             for dataset, values in zip(datasets, np.ascontiguousarray(block.T), strict=True):
-                dataset.resize(first + len(block), axis=0)
-                dataset[first:] = values
+                dataset[first : first + len(block)] = values
 
     def attribute(self, group: str, name: str, value: Any) -> None:
         """An attribute of a group."""
@@ -114,9 +115,9 @@ class ResultFile:
             partial(self.path).unlink(missing_ok=True)
 
 
-def _make(group: h5netcdf.Group, name: str, quantity: Quantity) -> None:
+def _make(group: h5netcdf.Group, name: str, quantity: Quantity, chunk: int) -> None:
     variable = group.create_variable(
-        name, ("time",), np.float64, chunks=(CHUNK,), compression="gzip", compression_opts=1, shuffle=True
+        name, ("time",), np.float64, chunks=(chunk,), compression="gzip", compression_opts=1, shuffle=True
     )
     variable.attrs["units"] = quantity.unit
     variable.attrs["long_name"] = quantity.description

@@ -1,9 +1,11 @@
 """The result file: what is written is read, survives the process, and costs no memory."""
 
 import csv
+import math
 import subprocess
 import sys
 import textwrap
+import time
 from pathlib import Path
 
 import numpy as np
@@ -51,6 +53,37 @@ def test_round_trip_through_xarray(tmp_path: Path, every: int) -> None:
     assert np.all(tree["steps"]["iterations"] == 1)
     assert (tree.attrs["complete"], tree.attrs["scenario"]) == (1, "test")
     tree.close()
+
+
+def test_no_rows_are_no_rows(tmp_path: Path) -> None:
+    with ResultFile(tmp_path / "result.nc", {}) as file:
+        file.write("coupled", np.zeros(0), QUANTITIES, np.zeros((0, 2)))
+        assert not file.has("coupled")
+        file.finish(True, "")
+    with open_result(tmp_path) as tree:
+        assert tree["coupled"]["contact.load"].shape == (0,)
+
+
+def _seconds_to_write_and_open(folder: Path, variables: int) -> float:
+    """Processor time for a file with that many variables of three rows."""
+    folder.mkdir()
+    quantities = {f"unit.variable[{i}]": Quantity("m", "a variable") for i in range(variables)}
+    values = np.arange(3.0 * variables).reshape(3, variables)
+    began = time.process_time()
+    with ResultFile(folder / "result.nc", {}) as file:
+        file.write("coupled", np.arange(3.0), quantities, values)
+        file.finish(True, "")
+    with open_result(folder) as tree:
+        assert np.array_equal(tree["coupled"][f"unit.variable[{variables - 1}]"], values[:, -1])
+    return time.process_time() - began
+
+
+def test_a_file_takes_time_proportional_to_its_variables(tmp_path: Path) -> None:
+    """Exponent of time over variables: 1; a look at all variables for each one would make it 2."""
+    _seconds_to_write_and_open(tmp_path / "first", 1)  # imports
+    counts = (50, 500)
+    few, many = (_seconds_to_write_and_open(tmp_path / str(count), count) for count in counts)
+    assert math.log(many / few) / math.log(counts[1] / counts[0]) < 1.5
 
 
 def test_csv_is_in_cross_check_layout_and_exact(tmp_path: Path) -> None:
