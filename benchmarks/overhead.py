@@ -25,6 +25,7 @@ from .macro_steps import STEP, Unit, units
 from .measure import Clock, medians
 
 STEPS = 10_000
+CALLS, BARE = "calls", "bare ctypes loop"
 
 
 def prepared(found: dict[str, Unit], now: ctypes.c_double) -> list[tuple[Any, ...]]:
@@ -88,18 +89,23 @@ def ours(system: System, master: Any) -> float:
     return clock.elapsed / STEPS
 
 
-def rows() -> list[tuple[str, str]]:
-    """Figures for the report."""
+def measured() -> dict[str, float]:
+    """Seconds a macro step: of the calls alone, of the bare loop, and of our masters."""
     scenario = load("valve-train")
     system = assembly.at_start(scenario, assembly.system_of(scenario))
     candidates: dict[str, Callable[[], float]] = {
-        "calls": lambda: loop(system, moving=False),
-        "bare ctypes loop": lambda: loop(system, moving=True),
+        CALLS: lambda: loop(system, moving=False),
+        BARE: lambda: loop(system, moving=True),
         "gauss_seidel, hold": lambda: ours(system, GaussSeidel("hold")),
         "jacobi, hold": lambda: ours(system, Jacobi("hold")),
     }
-    found = medians(candidates)
-    calls, bare = found.pop("calls"), found["bare ctypes loop"]
+    return medians(candidates)
+
+
+def rows() -> list[tuple[str, str]]:
+    """Figures for the report."""
+    found = measured()
+    calls, bare = found.pop(CALLS), found[BARE]
     return [("overhead: the FMUs' own calls in a macro step", f"{1e6 * calls:.1f} us")] + [
         (
             f"overhead: {name}, outside the calls",

@@ -64,6 +64,22 @@ PAGES = (
             "slider_crank_mistakes": "Bad input",
         },
     ),
+    Page(
+        "Coupling, promise by promise",
+        "The best co-simulation master there is",
+        {
+            "quarter_car": "Signals and orders: the quarter car",
+            "coupling_masters": "Signals, masters, partitions, substeps",
+            "estimates": "Estimated and true errors",
+            "steps_for_accuracy": "Valve train: doStep calls for a millionth",
+            "coupling_events": "Events",
+            "ledger": "Energy",
+            "stability_limits": "Before the run",
+            "coupling_runs": "After the run, checkpoint and resume, other tools",
+            "coupling_speed": "Size, overhead, memory",
+            "faults": "Faults",
+        },
+    ),
 )
 
 

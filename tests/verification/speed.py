@@ -71,7 +71,7 @@ def _macro_steps() -> Row:
 
 
 def _memory() -> Row:
-    ((_, peak),) = memory.rows()
+    peak = memory.recorded()
     number = int(peak.split()[1]) if peak.startswith("peak") else MEGABYTES
     return Row(
         "a run of a million macro steps stays under 500 MB",
