@@ -76,7 +76,10 @@ def controlled(
 
 
 def _bouncing() -> Iterator[Row]:
-    """How late a step ends is seen in the run itself: at a crossing the mass has its speed and no height."""
+    """How late a step ends is seen in the run itself: what the stop is compressed by then, over the speed.
+
+    One part in a hundred is left to the speed's change within the tolerance.
+    """
     system = assembly.system_of(load("bouncing-mass"))
     parts, met = [], True
     for way in WAYS:
@@ -85,10 +88,10 @@ def _bouncing() -> Iterator[Row]:
         truth = exact.bouncing_mass(recorder.times)
         changes = np.sort(np.concatenate([truth.touches, truth.releases]))
         at = [k for k, step in enumerate(recorder.steps) if step.reason == EVENT]
-        late = np.abs(recorder["mass.position"][at] / recorder["mass.velocity"][at]).max(initial=0.0)
+        late = np.abs(recorder["stop.compression"][at] / recorder["mass.velocity"][at]).max(initial=0.0)
         missed = max(np.abs(run.events - time).min(initial=np.inf) for time in changes)
         error = np.abs(recorder["mass.position"] - truth.motion[:, 0]).max()
-        met &= len(at) == len(changes) and late <= 2.0 * LOCATED
+        met &= len(at) == len(changes) and late <= 1.01 * LOCATED
         parts.append(
             f"{way}: {len(at)} of {len(changes)} changes of contact located, to {late:.1e} s in its own "
             "motion "
@@ -102,7 +105,9 @@ def _bouncing() -> Iterator[Row]:
         f"tolerance {TOLERANCE:g}, events {LOCATED:g} s, fall from 0.1 m, 1 s: " + "; ".join(parts),
         ("orchestrator/test_faults.py::test_a_step_discarded_while_an_event_is_located_is_made_shorter",),
         command="tribocosim run bouncing-mass --set step_control.relative=1e-6",
-        short="" if met else "not met.",
+        short=""
+        if met
+        else f"not met: an instant is missed or further off than {LOCATED:g} s in its own motion.",
     )
 
 

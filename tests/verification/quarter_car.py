@@ -99,7 +99,7 @@ def _fixed(case: Case) -> Row:
     }
     short = ""
     if above:
-        worst = ", ".join(f"{name} {error:.3g}" for name, error in above.items())
+        worst = ", ".join(f"{name} ({error:.2e})" for name, error in above.items())
         short = f"not met by {worst}."
         if case.name == "explicit, linear":
             short += (
