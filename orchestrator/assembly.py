@@ -32,7 +32,7 @@ def system_of(scenario: Scenario) -> System:
             raise ScenarioError(f"tolerance.{name}: no such output; {suggestion(name, system.outputs.names)}")
     if scenario.start == "given":
         system.check_start(0.0, system.x0)
-    check_order(scenario)
+    check_master(scenario)
     if scenario.energy.correction and scenario.master.name != "jacobi":
         raise ScenarioError(
             f"energy.correction = true: the master {scenario.master.name} interpolates inputs, which then "
@@ -44,13 +44,20 @@ def system_of(scenario: Scenario) -> System:
     return system
 
 
-def check_order(scenario: Scenario) -> None:
-    """ScenarioError unless the master's order, if it has one, names every component once."""
-    order = getattr(scenario.master.made(), "order", ())
+def check_master(scenario: Scenario) -> None:
+    """ScenarioError unless the master's order, if it has one, names every component once, and what it is to
+    iterate are components."""
+    master = scenario.master.made()
+    order = getattr(master, "order", ())
     if order and sorted(order) != sorted(scenario.components):
         raise ScenarioError(
             f"master.order = {', '.join(order)}: must name each of {', '.join(scenario.components)} once"
         )
+    for name in getattr(master, "iterate", ()):
+        if name not in scenario.components:
+            raise ScenarioError(
+                f"master.iterate: no component {name!r}; {suggestion(name, scenario.components)}"
+            )
 
 
 def _instance(table: ComponentTable) -> Instance:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from models.component import PowerBond
 from models.system import Port, System
 
 
@@ -12,12 +13,13 @@ class Bond:
     """An effort that one instance gives and another takes, and the flow that goes the other way.
 
     `effort` and `flow` are the outputs that give them. Power into the effort's instance is `sign` times
-    effort times flow.
+    effort times flow. `declared` is the bond as the components of these instances declare it: both, or one.
     """
 
     effort: Port
     flow: Port
     sign: int
+    declared: dict[str, PowerBond] = field(default_factory=dict, compare=False)
 
     def __str__(self) -> str:
         return f"{self.effort} * {self.flow}"
@@ -28,13 +30,13 @@ def bonds_of(system: System) -> list[Bond]:
     driver = {connection.target: connection.source for connection in system.connections}
     found: dict[tuple[Port, Port], Bond] = {}
     for name, instance in system.instances.items():
-        for bond in instance.component.bonds:
+        for own in instance.component.bonds:
             effort, flow = (
                 Port(name, v) if v in instance.component.outputs else driver.get(Port(name, v))
-                for v in (bond.effort, bond.flow)
+                for v in (own.effort, own.flow)
             )
             if effort is None or flow is None or effort.instance == flow.instance:
                 continue
-            sign = bond.sign if effort.instance == name else -bond.sign
-            found.setdefault((effort, flow), Bond(effort, flow, sign))
+            sign = own.sign if effort.instance == name else -own.sign
+            found.setdefault((effort, flow), Bond(effort, flow, sign)).declared.setdefault(name, own)
     return list(found.values())

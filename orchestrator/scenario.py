@@ -394,5 +394,5 @@ def _keys(location: Location) -> list[str]:
         return [*Scenario.model_fields, "extends"]
     if location[0] == "components":
         return list(ComponentTable.model_fields)
-    table = {"step_control": StepControlTable, "reference": ReferenceTable}[str(location[0])]
-    return list(table.model_fields)
+    tables = {"step_control": StepControlTable, "reference": ReferenceTable, "energy": EnergyTable}
+    return list(tables[str(location[0])].model_fields)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from models.bonds import CountingComponent, energy_through
 from models.component import PowerBond
-from models.system import Port, System
+from models.system import System
 
 from ..bonds import Bond, bonds_of
 
@@ -28,19 +28,11 @@ class Sides:
 
 def sides_of(system: System) -> list[Sides]:
     """All bonds between instances."""
-    driver = {connection.target: connection.source for connection in system.connections}
-
-    def given_by(instance: str, variable: str) -> Port | None:
-        port = Port(instance, variable)
-        return port if variable in system.instances[instance].component.outputs else driver.get(port)
 
     def counts(instance: str, bond: Bond) -> str | None:
+        own = bond.declared.get(instance)
         component = system.instances[instance].component
-        for own in component.bonds:
-            ends = given_by(instance, own.effort), given_by(instance, own.flow)
-            if isinstance(component, CountingComponent) and ends == (bond.effort, bond.flow):
-                return _variable(instance, own)
-        return None
+        return _variable(instance, own) if own and isinstance(component, CountingComponent) else None
 
     return [
         Sides(bond, counts(bond.effort.instance, bond), counts(bond.flow.instance, bond))

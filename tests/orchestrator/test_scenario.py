@@ -131,6 +131,18 @@ def test_an_impossible_system_is_one_message(override: str) -> None:
     assert all(word in str(error.value) for word in BAD_SYSTEMS[override]), error.value
 
 
+@pytest.mark.parametrize("table", ["step_control", "reference", "energy", "components.camshaft"])
+def test_an_unknown_key_of_any_table_is_one_message(table: str) -> None:
+    with pytest.raises(ScenarioError, match=rf"^--set {table}\.colour: unknown key; known: \w+"):
+        load("valve-train", [f"{table}.colour=1"])
+
+
+@pytest.mark.parametrize("master", ["iterated", "newton"])
+def test_what_is_iterated_are_components(master: str) -> None:
+    with pytest.raises(ScenarioError, match=r"master\.iterate: .*'contct'; did you mean contact\?"):
+        system_of(load("valve-train", [f"master.name={master}", "master.iterate=['camshaft', 'contct']"]))
+
+
 @pytest.mark.parametrize("start", ["given", "equilibrium"])
 def test_a_start_outside_the_walls_is_one_message(start: str) -> None:
     """At the flywheel's start angle, before anything is stepped; in-process participants say the same."""
