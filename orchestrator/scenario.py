@@ -66,7 +66,7 @@ def _scalar(value: Any) -> Any:
 # How long after an event a step may end, by default (s).
 EVENT_TOLERANCE = 1e-9
 # Tolerance of an iterated master over that of the step control.
-CONVERGED = 0.01
+CONVERGED = 0.3
 
 Seconds = Annotated[float, BeforeValidator(_seconds, json_schema_input_type=float | str)]
 SecondsOr0 = Annotated[float, BeforeValidator(_seconds_or_0, json_schema_input_type=float | str)]
@@ -298,7 +298,7 @@ class Scenario(_Table):
         return control
 
     def made_master(self) -> Any:
-        """The master. With step control an iterated one converges to a hundredth of the step's tolerance,
+        """The master. With step control an iterated one converges to 0.3 of the step's tolerance,
         unless its own is given."""
         master = self.master.made()
         if self.step_control and master.implicit and "tolerance" not in (self.master.model_extra or {}):

@@ -182,7 +182,7 @@ def many_iterations(facts: Facts) -> str | None:
     if control and tolerance < CONVERGED * control.relative * (1.0 - 1e-9):
         needed = CONVERGED * control.relative
         return (
-            f"{said}loosen master.tolerance (now {tolerance:g}) to {needed:g}, a hundredth of "
+            f"{said}loosen master.tolerance (now {tolerance:g}) to {needed:g}, {CONVERGED:g} of "
             "step_control.relative, or leave it out"
         )
     if facts.weaker:
