@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -14,7 +14,8 @@ from models.system import Port, System
 
 from .errors import NotFiniteError, RunError
 from .participants import Participant
-from .signals import History, finite, gather, interpolate_part
+from .passes import Pass
+from .signals import History, finite, gather
 
 
 @dataclass(frozen=True)
@@ -78,10 +79,14 @@ class Exchange:
         self._present: Vector = np.zeros_like(self.signals)
         self.columns: list[Vector] = []
         self.inputs: list[Vector] = []
-        for i, name in enumerate(self.names):
-            feeding = [c for c in system.connections if c.target.instance == name]
+        fed = {name: [c for c in system.connections if c.target.instance == name] for name in self.names}
+        # All inputs in one memory, participant by participant.
+        self.offsets = np.cumsum([0, *((degree + 1) * len(feeding) for feeding in fed.values())])
+        self.all_inputs: Vector = np.zeros(self.offsets[-1])
+        for i, feeding in enumerate(fed.values()):
             self.columns.append(np.array([self.number[c.source] for c in feeding], dtype=np.int64))
-            self.inputs.append(np.zeros((degree + 1, len(feeding))))
+            own_inputs = self.all_inputs[self.offsets[i] : self.offsets[i + 1]]
+            self.inputs.append(own_inputs.reshape(degree + 1, len(feeding)))
             own_part = self.slices[i]
             given = self.participants[i].connect(
                 [c.target.variable for c in feeding],
@@ -93,8 +98,7 @@ class Exchange:
             if degree == 3:
                 self.rated[own_part] = given
         self.history = History(0.0, self.values, self.rates, self.rated)
-        self._movers = [self._mover(i) for i in self.listed]
-        self._arrivals = [self._arrival(i) for i in self.listed]
+        self._passes: dict[tuple[Any, ...], Pass] = {}
         self._through = _with_feedthrough(system)
         self.through = np.array([self._depends(port) for port in self.sources], dtype=np.bool_)
         self._saved: Saved | None = None  # the present point, as long as nobody has moved
@@ -108,51 +112,29 @@ class Exchange:
     def advance(self, i: int, time: float, step: float) -> None:
         """Participant i goes from `time` to `time + step` with the current signals."""
         self._saved = None
-        self._movers[i](time, step)
+        gather(self.signals, self.columns[i], self.inputs[i])
+        self.participants[i].write()
+        self.participants[i].advance(time, step)
         self.calls[i] += 1
-
-    def _mover(self, i: int) -> Callable[[float, float], None]:
-        """`advance` of participant i with all that it needs looked up once, for it runs in every step."""
-        signals, columns, inputs = self.signals, self.columns[i], self.inputs[i]
-        write, advance = self.participants[i].write, self.participants[i].advance
-
-        def move(time: float, step: float) -> None:
-            gather(signals, columns, inputs)
-            write()
-            advance(time, step)
-
-        return move
 
     def read(self, i: int) -> None:
         """Take the values of participant i; NotFiniteError if one is not finite."""
         self.participants[i].read()
         own = self.slices[i]
         if not finite(self.values, self.rates, own.start, own.stop):
-            self._refuse(i)
+            self.refuse(own)
 
-    def arrive(self, i: int, end: float) -> None:
-        """As `read` at the time `end`, and let the signals of participant i go to what it arrived at."""
-        self._arrivals[i](end)
+    def make(self, kind: Callable[[Exchange, Sequence[int]], Pass], order: Sequence[int]) -> Pass:
+        """A pass of that kind over `order` (see `passes`), bound at its first use; to be run at once."""
+        self._saved = None
+        key = (kind, *order)
+        found = self._passes.get(key)
+        if found is None:
+            found = self._passes[key] = kind(self, order)
+        return found
 
-    def _arrival(self, i: int) -> Callable[[float], None]:
-        """`arrive` of participant i with all that it needs looked up once."""
-        read, degree, h = self.participants[i].read, self.degree, self.history
-        times, past, past_rates, rated, smooth = h.times, h.values, h.rates, h.rated, h.smooth
-        values, rates, signals = self.values, self.rates, self.signals
-        first, last = self.slices[i].start, self.slices[i].stop
-
-        def arrive(end: float) -> None:
-            read()
-            if not interpolate_part(
-                times, past, past_rates, rated, smooth, h.end_smooth, h.count, degree, end, values, rates,
-                signals, first, last,
-            ):  # fmt: skip
-                self._refuse(i)
-
-        return arrive
-
-    def _refuse(self, i: int) -> None:
-        own = self.slices[i]
+    def refuse(self, own: slice) -> NoReturn:
+        """NotFiniteError for what is not finite in these sources."""
         finite = np.isfinite(self.values[own]) & np.isfinite(self.rates[own])
         bad = ", ".join(str(port) for port, fine in zip(self.sources[own], finite, strict=True) if not fine)
         raise NotFiniteError(

@@ -64,13 +64,7 @@ class History:
 
     def append(self, time: float, values: Vector, rates: Vector) -> None:
         """The values at a later communication point; the oldest are forgotten."""
-        push(self.times, self.values, self.rates, time, values, rates)
-        self.appended()
-
-    def appended(self) -> None:
-        """Values have been put into the memory."""
-        self.smooth[1:] = self.smooth[:-1]
-        self.smooth[0] = True
+        push(self.times, self.values, self.rates, self.smooth, time, values, rates)
         if self.count < POINTS:
             self.count += 1
 
@@ -108,12 +102,12 @@ class History:
 
 
 @numba.njit(cache=True)
-def push(times: Any, values: Any, rates: Any, time: float, new: Any, new_rates: Any) -> None:
+def push(times: Any, values: Any, rates: Any, smooth: Any, time: float, new: Any, new_rates: Any) -> None:
     for k in range(values.shape[0] - 1, 0, -1):
-        times[k] = times[k - 1]
+        times[k], smooth[k] = times[k - 1], smooth[k - 1]
         values[k] = values[k - 1]
         rates[k] = rates[k - 1]
-    times[0] = time
+    times[0], smooth[0] = time, True
     values[0] = new
     rates[0] = new_rates
 
@@ -210,6 +204,23 @@ def interpolate_part(
     return finite
 
 
+@numba.njit(cache=True)
+def relay(
+    times: Any, past: Any, count: int, degree: int, end: float, new: Any, out: Any, first: int, last: int,
+    columns: Any, inputs: Any,
+) -> bool:  # fmt: skip
+    """`interpolate_part` without rates (degree 2 at most), then `gather` of another participant's inputs."""
+    finite = True
+    at = times[0]
+    points = min(degree, count) + 1
+    for i in range(first, last):
+        finite &= math.isfinite(new[i])
+        v, d, c = parabola(end, new[i], at, past[0, i], times[1], past[1, i], points, at)
+        _store(out, i, v, d, c, 0.0)
+    gather(out, columns, inputs)
+    return finite
+
+
 def extrapolate(history: History, degree: int, out: Vector) -> None:
     """Derivatives (coefficients x n) at the newest point of the polynomials through the last points."""
     h = history
@@ -245,6 +256,14 @@ def gather(signals: Any, columns: Any, out: Any) -> None:
     for k in range(out.shape[0]):
         for j in range(columns.shape[0]):
             out[k, j] = signals[k, columns[j]]
+
+
+@numba.njit(cache=True)
+def gather_flat(signals: Any, sources: Any, targets: Any, out: Any) -> None:
+    """out[targets[j]] = signals[k, i], where sources[j] counts the signals row by row."""
+    n = signals.shape[1]
+    for j in range(sources.shape[0]):
+        out[targets[j]] = signals[sources[j] // n, sources[j] % n]
 
 
 @numba.njit(cache=True)

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import ClassVar
 
 from ..exchange import Exchange
+from ..passes import in_turn
 from ..signals import degree_of, extrapolate
 from .restart import repeated
 
@@ -52,7 +53,4 @@ def order_of(exchange: Exchange, names: tuple[str, ...]) -> list[int]:
 
 def sweep(exchange: Exchange, order: Sequence[int], time: float, step: float) -> None:
     """Advance in `order`, replacing each participant's signals by interpolation of its arrival."""
-    end = time + step
-    for i in order:
-        exchange.advance(i, time, step)
-        exchange.arrive(i, end)
+    exchange.make(in_turn, order)(time, step)

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import ClassVar
 
 from ..exchange import Exchange
+from ..passes import together
 from ..signals import degree_of, extrapolate
 from .restart import repeated
 
@@ -38,7 +39,4 @@ class Jacobi:
 
 def parallel(exchange: Exchange, order: Sequence[int], time: float, step: float) -> None:
     """Advance all in `order` with the signals as they are, then read them."""
-    for i in order:
-        exchange.advance(i, time, step)
-    for i in order:
-        exchange.read(i)
+    exchange.make(together, order)(time, step)
