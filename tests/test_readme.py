@@ -1,12 +1,20 @@
-"""The README's commands: CI runs exactly the test command, and every linked page exists."""
+"""The README's commands: CI runs exactly the test command, others are understood; linked pages exist."""
 
 from __future__ import annotations
 
 import re
+import shlex
 from pathlib import Path
+
+import pytest
+import typer
+
+from orchestrator.command_line import app
+from orchestrator.scenario_files import load
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+COMMANDS = list(dict.fromkeys(re.findall(r"\.venv/bin/tribocosim (.+?)[`\n]", README)))
 
 
 def test_ci_runs_exactly_the_readmes_test_command():
@@ -21,3 +29,16 @@ def test_every_link_leads_somewhere():
     assert links
     for link in links:
         assert (ROOT / link).exists(), link
+
+
+@pytest.mark.parametrize("line", COMMANDS)
+def test_every_command_is_understood(line: str) -> None:
+    """Its options are known, and a scenario loads with its changes."""
+    command, words = typer.main.get_command(app), shlex.split(line)
+    context = command.make_context("tribocosim", words[:], resilient_parsing=True)
+    while hasattr(command, "resolve_command"):
+        name, command, words = command.resolve_command(context, words)
+        assert command is not None
+        context = command.make_context(name, words[:], parent=context, resilient_parsing=not words)
+    if name == "run":
+        load(context.params["scenario"], context.params["set_"] or [])

@@ -11,7 +11,8 @@ from ..errors import MistakeError
 from ..report import Reporter
 from ..scenario_files import load, shipped
 from ..units import UnitError, to_unit
-from .survey import Survey, survey
+from .findings import Survey
+from .survey import survey
 
 FILE = "stability"
 

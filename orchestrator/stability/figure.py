@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from ..masters import name_of
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, headed, plt
 from ..signals import DEGREES
-from .survey import Survey, Surveyed
+from .findings import Survey, Surveyed
 from .words import shown_time
 
 COLOURS = dict(zip(DEGREES, (MUTED, COUPLED, REFERENCE, ACCENT), strict=True))

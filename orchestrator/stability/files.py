@@ -11,7 +11,7 @@ import numpy as np
 
 from ..masters import name_of
 from ..scenario_files import written
-from .survey import Survey, Surveyed
+from .findings import Survey, Surveyed
 from .words import sentences
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -12,11 +12,12 @@ import numpy as np
 from models.monolithic.course import Course, course
 from models.system import Port, System, parse_port
 
-from ..masters import MASTERS, Master, name_of
+from ..masters import MASTERS, Master
 from ..scenario import Scenario
 from ..signals import DEGREES
-from .behaviour import RATIO, At, Behaviour, bisected, hardest, largest_stable
+from .behaviour import RATIO, Behaviour, bisected, hardest, largest_stable
 from .error import Sampled, predicted, sampled
+from .findings import Survey, Surveyed
 from .operator import HERMITE, missed_by
 from .partition import Partition
 from .points import Point, point_at
@@ -36,64 +37,6 @@ COARSE = 2.0
 AWAY, WITHIN = 1.5, 2.0
 # Another point is harder if it is unstable at this share of the limit found so far.
 ALMOST = 0.97
-
-
-@dataclass
-class Surveyed:
-    """A method: what was found about it. Steps in s; errors as in the scenario's tolerance."""
-
-    master: Master
-    seen: list[At] = field(default_factory=list)
-    limit: float = math.inf
-    hardest: float = 0.0
-    culprit: Port | None = None
-    errors: dict[float, dict[str, float]] = field(default_factory=dict)
-    within: float = 0.0
-    recommended: float = 0.0
-    cost: float = math.inf
-
-    @property
-    def name(self) -> str:
-        return f"{name_of(self.master)} {self.master.extrapolation}"
-
-    @property
-    def order(self) -> tuple[str, ...]:
-        """The order of participants; empty where it makes no difference."""
-        return getattr(self.master, "order", ())
-
-    @property
-    def contracting(self) -> float:
-        """The largest step seen up to which a plain iteration contracts; NaN for explicit masters."""
-        if not self.master.implicit:
-            return math.nan
-        good = 0.0
-        for at in self.seen:
-            if not at.contraction < 1.0:
-                break
-            good = at.step
-        return good
-
-
-@dataclass(frozen=True)
-class Survey:
-    """A scenario's methods, cheapest first; `own` is the scenario's, `best` the recommended one, if any.
-
-    Errors are those along the course up to `until`, about the instant `typical` (s)."""
-
-    scenario: Scenario
-    system: System
-    partition: Partition
-    points: list[Point]
-    methods: list[Surveyed]
-    own: Surveyed
-    best: Surveyed | None
-    until: float
-    typical: float
-
-    @property
-    def kinks(self) -> list[str]:
-        """Variables that had a kink at a point."""
-        return list(dict.fromkeys(kink for point in self.points for kink in point.kinks))
 
 
 def survey(

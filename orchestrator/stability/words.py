@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ..masters import name_of
-from .survey import Survey, Surveyed
+from .findings import Survey, Surveyed
 
 
 def shown_time(seconds: float) -> str:

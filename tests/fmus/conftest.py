@@ -53,7 +53,7 @@ def isolated(tmp_path: Path) -> Isolated:
             env=clean_environment(environment),
             capture_output=True,
             text=True,
-            timeout=120,
+            timeout=600,  # of a call that hangs; on a busy machine compiling takes minutes
             check=False,
         )
         assert finished.returncode == 0, finished.stdout + finished.stderr

@@ -18,7 +18,7 @@ from orchestrator.assembly import system_of
 from orchestrator.command_line import reported
 from orchestrator.results import open_result
 from orchestrator.scenario import scenario_of
-from orchestrator.scenario_files import load
+from orchestrator.scenario_files import load, shipped
 
 ROOT = Path(__file__).parents[2]
 IN_PROCESS = [
@@ -195,11 +195,12 @@ def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
     assert f"tribocosim resume {out} continues this run" in output
 
 
+SHIPPED = ", ".join(shipped())
 MISTAKES = {
     ("run", "valve-trian"): "did you mean valve-train?",
-    ("run", "none.toml"): "no such scenario file; shipped scenarios: engine",
+    ("run", "none.toml"): f"no such scenario file; shipped scenarios: {SHIPPED}",
     ("run", "valve_train.toml"): "did you mean valve-train?",
-    ("run", "."): "is a folder; give the path of a .toml file, or a shipped scenario: engine",
+    ("run", "."): f"is a folder; give the path of a .toml file, or a shipped scenario: {SHIPPED}",
     ("run", "valve-train", "--set", "macro_stp=1"): "did you mean macro_step?",
     ("run", "valve-train", "--set", "macro_step=0"): "must be > 0",
     ("run", "valve-train", "--master", "jacob"): "did you mean jacobi?",
