@@ -143,16 +143,23 @@ class Exchange:
         )
 
     def initialise(self, start_time: float, stop_time: float) -> None:
-        """Initialise all participants and make the outputs (and rates) consistent at the start.
+        """Initialise all participants and make the outputs (and rates) consistent at the start."""
+        for participant in self.participants:
+            participant.initialise(start_time, stop_time)
+        for i in self.listed:
+            self.read(i)
+        self.agree(start_time)
+        for participant in self.participants:
+            participant.finish_initialisation()
+        self.history.begin(start_time, self.values, self.rates)
+
+    def agree(self, time: float) -> None:
+        """Make outputs (and rates) consistent with the inputs at the present time; RunError if they do not.
 
         Values pass along the connections until none changes by more than 1e-12 of its nominal size;
         without algebraic loops that takes at most one sweep per participant. Rates need as many more, for
         a rate depends on the rates of the inputs.
         """
-        for participant in self.participants:
-            participant.initialise(start_time, stop_time)
-        for i in self.listed:
-            self.read(i)
         for _ in range(10 * len(self.participants) + 50):
             before = self.values.copy()
             self._pass_on(self.listed)
@@ -162,15 +169,12 @@ class Exchange:
         else:
             worst = self.sources[int(np.argmax(change))]
             raise RunError(
-                f"{worst}: the initial values do not settle (algebraic loop that does not contract); "
-                "break the loop or change the parameters that close it"
+                f"{worst}: the values at t = {time:.9g} s do not settle (algebraic loop that does not "
+                "contract); break the loop or change the parameters that close it"
             )
         if self.degree == 3:
             for _ in self.participants:
                 self._pass_on(self.listed)
-        for participant in self.participants:
-            participant.finish_initialisation()
-        self.history.begin(start_time, self.values, self.rates)
 
     def settle(self, part: Sequence[int]) -> None:
         """Make outputs of `part` with direct feedthrough consistent with the inputs at the present time.

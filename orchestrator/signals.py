@@ -39,8 +39,8 @@ class History:
     """The exchanged values and their rates at the last three communication points, newest first.
 
     `count` says how many are known, `rated` which sources give rates. Where a derivative jumps, at an event,
-    a rate has no meaning: `smooth` says at which points rates are used, `end_smooth` whether they are at the
-    end of the step that is being made.
+    a rate has no meaning: `smooth` says at which points which sources' rates are used, `end_smooth` of which
+    they are at the end of the step that is being made.
     """
 
     def __init__(
@@ -52,14 +52,14 @@ class History:
         if rates is not None:
             self.rates[:] = rates
         self.rated = np.zeros(len(values), dtype=np.bool_) if rated is None else rated
-        self.smooth = np.ones(POINTS, dtype=np.bool_)
-        self.end_smooth = True
+        self.smooth = np.ones((POINTS, len(values)), dtype=np.bool_)
+        self.end_smooth = np.ones(len(values), dtype=np.bool_)
         self.count = 1
 
     def begin(self, time: float, values: Vector, rates: Vector) -> None:
         """Only this point is known."""
         self.times[:], self.values[:], self.rates[:] = time, values, rates
-        self.smooth[:], self.end_smooth = True, True
+        self.smooth[:], self.end_smooth[:] = True, True
         self.count = 1
 
     def append(self, time: float, values: Vector, rates: Vector) -> None:
@@ -71,16 +71,17 @@ class History:
     @contextmanager
     def passing(self) -> Iterator[None]:
         """For steps to a point on the way, where rates are used."""
-        kept, self.end_smooth = self.end_smooth, True
+        kept = self.end_smooth.copy()
+        self.end_smooth[:] = True
         try:
             yield
         finally:
-            self.end_smooth = kept
+            self.end_smooth[:] = kept
 
-    def restart(self) -> None:
-        """Only the newest point is known: what was before does not continue smoothly."""
+    def restart(self, smooth: Any = False) -> None:
+        """Only the newest point is known, and which rates there: what was before does not go on smoothly."""
         self.count = 1
-        self.smooth[0] = False
+        self.smooth[0] = smooth
 
     def lacks(self, degree: int) -> bool:
         """Too few points are known for signals of that degree to extrapolate at their full order."""
@@ -173,9 +174,9 @@ def _extrapolate(
         third = 0.0
         if degree == 3 and rated[i]:
             v, c = values[0, i], 0.0
-            d = rates[0, i] if smooth[0] else 0.0
+            d = rates[0, i] if smooth[0, i] else 0.0
             if count > 1:
-                d, c, third = cubic(v, d, smooth[0], values[1, i], rates[1, i], smooth[1], t1 - t0)
+                d, c, third = cubic(v, d, smooth[0, i], values[1, i], rates[1, i], smooth[1, i], t1 - t0)
         else:
             points = min(min(degree, 2) + 1, count)
             v, d, c = parabola(t0, values[0, i], t1, values[1, i], t2, values[2, i], points, t0)
@@ -184,7 +185,7 @@ def _extrapolate(
 
 @numba.njit(cache=True)
 def interpolate_part(
-    times: Any, values: Any, rates: Any, rated: Any, smooth: Any, end_smooth: bool, count: int, degree: int,
+    times: Any, values: Any, rates: Any, rated: Any, smooth: Any, end_smooth: Any, count: int, degree: int,
     end: float, new: Any, new_rates: Any, out: Any, first: int, last: int,
 ) -> bool:  # fmt: skip
     """Interpolate the sources from `first` up to `last`; True if their new values are finite."""
@@ -196,7 +197,7 @@ def interpolate_part(
         if degree == 3 and rated[i]:
             finite &= math.isfinite(new_rates[i])
             v = values[0, i]
-            d, c, third = cubic(v, rates[0, i], smooth[0], new[i], new_rates[i], end_smooth, end - at)
+            d, c, third = cubic(v, rates[0, i], smooth[0, i], new[i], new_rates[i], end_smooth[i], end - at)
         else:
             points = min(min(degree, 2), count) + 1
             v, d, c = parabola(end, new[i], at, values[0, i], times[1], values[1, i], points, at)

@@ -40,7 +40,7 @@ DISCONTINUITY = 5
 class StepControl:
     """Tolerances and limits. An error is allowed `absolute` of nominal + `relative` of the value.
 
-    `minimum_step` and `maximum_step` in s; `event_tolerance` (s) is how long after an event a step may end.
+    `minimum_step` and `maximum_step` in s; `event_tolerance` (s) is how well events are located.
     """
 
     estimator: str
@@ -81,64 +81,87 @@ class ControlledSteps:
         self._locator = Locator(exchange, self._control.event_tolerance)
 
     def step(self, time: float) -> Step:
-        exchange, locator = self._exchange, self._locator
-        rejected = 0
+        exchange, shortest = self._exchange, self._control.minimum_step
+        rejected, early = 0, self._master.implicit
         with exchange.point() as saved:
 
             def again(shorter: float) -> None:
                 nonlocal attempt
                 exchange.restore(saved)
-                exchange.history.end_smooth = False  # close to an event
                 attempt = self._estimator.attempt(exchange, self._master, time, shorter)
 
             while True:
-                length, reason = self._proposed(time)
-                exchange.history.end_smooth = reason != TIME_EVENT
+                length, gap, end, reason = self._proposed(time)
+                event, error = -1, 0.0
+                exchange.history.end_smooth[:] = ~self._locator.bent(end)
                 try:
                     attempt = self._estimator.attempt(exchange, self._master, time, length)
                     error, source = self._norm(saved.values, attempt.error)
-                    if error <= 1.0 or length <= self._control.minimum_step:
+                    # Over an event the estimate sees what jumps or bends there: it tells before it. (An explicit
+                    # step of such an error may be too far off to look for the event in it.)
+                    met = early and self._locator.happened(saved.values) >= 0
+                    if error <= 1.0 or length <= shortest or met:
                         whole = length
-                        length, event = locator.locate(saved, time, whole, again)
-                        break
+                        length, over, event = self._locator.locate(saved, time, whole, again)
+                        if length < whole:
+                            gap, end, reason = over, time + length + over, EVENT
+                            error, source = self._norm(saved.values, attempt.error)
+                        if length == 0.0:
+                            exchange.restore(saved)
+                            error = 0.0
+                        if error <= 1.0 or length <= shortest:
+                            break
                 except (NonConvergenceError, RecoverableError) as failure:
-                    self._go_back(saved, length, failure)
                     rejected += 1
                     why = CONVERGENCE if isinstance(failure, NonConvergenceError) else DISCARD
-                    continue
+                    if error <= 1.0:
+                        self._go_back(saved, length, failure)
+                        continue
+                    early = False  # the event was too far away for this step
+                else:
+                    rejected += 1
+                    why = ERROR
                 exchange.restore(saved)
-                rejected += 1
-                why = ERROR
-                self._next = max(
-                    self._control.minimum_step, length * self._controller.instead(error, attempt.exponent)
-                )
-        if event >= 0:
-            reason, source = EVENT, event
-        elif rejected and reason == ERROR:
+                self._next = max(shortest, length * self._controller.instead(error, attempt.exponent))
+        if rejected and reason == ERROR:
             reason = why
-        return self._accepted(time, length, whole, attempt, error, source, reason, rejected)
+        smooth: Any = False
+        if gap:
+            smooth = ~self._locator.bent(end, event)
+            if length:
+                exchange.accept(time + length)
+            gap = self._locator.cross(
+                self._master, time + length, gap, saved.values if reason == EVENT else None
+            )
+        if event >= 0:
+            source, end = event, time + length + gap
+            self._locator.last = end
+        return self._accepted(time, end, length, smooth, attempt, error, source, reason, rejected)
 
-    def _proposed(self, time: float) -> tuple[float, int]:
-        """Length of the next attempt, and what sets it."""
+    def _proposed(self, time: float) -> tuple[float, float, float, int]:
+        """Length of the next attempt, how long to cross what then comes, where that ends, what sets it."""
         control = self._control
         length, reason = self._next, ERROR
         if length >= control.maximum_step:
             length, reason = control.maximum_step, LONGEST
-        ahead, why = self._locator.ahead(time), TIME_EVENT
-        if self._stop <= ahead:
-            ahead, why = self._stop, STOP
-        left = ahead - time
+        end, why = self._locator.ahead(time), TIME_EVENT
+        if self._stop <= end:
+            end, why = self._stop, STOP
+        left = end - time
         if length >= left * (1.0 - 1e-9):
-            return left, why
+            gap = min(self._locator.tolerance, 0.5 * left) if why == TIME_EVENT else 0.0
+            return left - gap, gap, end, why
         # Two equal steps rather than one and a remainder.
-        return (0.5 * left, reason) if length > 0.5 * left else (length, reason)
+        if length > 0.5 * left:
+            length = 0.5 * left
+        return length, 0.0, time + length, reason
 
     def _go_back(self, saved: Saved, length: float, error: RunError) -> None:
         """Back to the start of the step for a shorter attempt; the error itself if there is none left."""
         self._exchange.restore(saved)
         self._exchange.carried = {}
-        self._next = FAILED * length
-        if self._next < self._control.minimum_step:
+        self._next = max(self._control.minimum_step, FAILED * length)
+        if length <= self._control.minimum_step:
             raise type(error)(f"{error} (also with the shortest step of {length:g} s)") from error
 
     def _norm(self, before: Vector, error: Vector) -> tuple[float, int]:
@@ -152,11 +175,14 @@ class ControlledSteps:
         return float(np.sqrt(np.mean(parts**2))), int(e.connected[np.argmax(parts)])
 
     def _accepted(
-        self, time: float, length: float, whole: float, attempt: Attempt, error: float, source: int,
-        reason: int, rejected: int,
+        self, time: float, end: float, length: float, smooth: Any, attempt: Attempt, error: float,
+        source: int, reason: int, rejected: int,
     ) -> Step:  # fmt: skip
+        """A step to `end`, of which `length` has the estimated error.
+
+        `smooth`: the sources whose rates hold after an event that was crossed; False for none.
+        """
         exchange = self._exchange
-        end = self._stop if reason == STOP else time + length
         discontinuous = error > 1.0
         self._over = self._over + 1 if discontinuous else 0
         if self._over > DISCONTINUITY:
@@ -168,21 +194,20 @@ class ControlledSteps:
         exchange.accept(end)
         if discontinuous:
             reason = SHORTEST
-        restart = discontinuous or reason in (EVENT, TIME_EVENT) or self._locator.due(end)
         factor = self._controller.after(min(error, 1.0), attempt.exponent)
         if rejected:
             factor = min(factor, 1.0)
         # A step cut short by an event or the stop says nothing against the length proposed before it.
-        cut = whole < self._next
-        self._next = max(self._next, whole * factor) if cut else whole * factor
-        if restart:
-            exchange.history.restart()
+        cut = length < self._next
+        self._next = max(self._next, length * factor) if cut else length * factor
+        if smooth is not False or discontinuous or self._locator.due(end):
+            exchange.history.restart(smooth)
             exchange.carried = {}
             self._controller = PI()
             self._next *= RESTARTED
         self._next = min(max(self._next, self._control.minimum_step), self._control.maximum_step)
         told = exchange.output_number(source)
-        return Step(end, length, attempt.iterations, rejected, error, told, reason)
+        return Step(end, end - time, attempt.iterations, rejected, error, told, reason)
 
     def state(self) -> dict[str, Any]:
         return {

@@ -13,7 +13,7 @@ from .protocol import EVENT, FIXED, STOP, TIME_EVENT, Step
 
 
 class FixedSteps:
-    """Steps that end at multiples of `macro_step`, at `stop`, and, with `event_tolerance`, at events."""
+    """Steps that end at multiples of `macro_step`, at `stop`, and, with `event_tolerance` (s), at events."""
 
     def __init__(self, macro_step: float, event_tolerance: float | None = None) -> None:
         self.macro_step = macro_step
@@ -46,28 +46,40 @@ class FixedSteps:
         return (self._stop, STOP) if last else (end, FIXED)
 
     def _located(self, time: float, end: float, reason: int, locator: Locator) -> Step:
-        exchange = self._exchange
+        exchange, gap = self._exchange, 0.0
         ahead = locator.ahead(time)
         if ahead < end - locator.tolerance:
             end, reason = ahead, TIME_EVENT
+            gap = min(locator.tolerance, 0.5 * (end - time))
+        whole = end - time - gap
         iterations = 0
 
+        exchange.history.end_smooth[:] = ~locator.bent(end)
         with exchange.point() as saved:
 
             def attempt(length: float) -> None:
                 nonlocal iterations
                 exchange.restore(saved)
-                exchange.history.end_smooth = reason != TIME_EVENT and length == end - time
                 iterations = self._master.step(exchange, time, length)
 
-            attempt(end - time)
-            length, source = locator.locate(saved, time, end - time, attempt)
-        if source >= 0 or length < end - time:
-            end, reason = time + length, EVENT
+            attempt(whole)
+            length, over, source = locator.locate(saved, time, whole, attempt)
+            if length == 0.0:
+                exchange.restore(saved)
+        if length < whole:
+            gap, end, reason = over, time + length + over, EVENT
+        smooth: Any = False
+        if gap:
+            smooth = ~locator.bent(end, source)
+            if length:
+                exchange.accept(time + length)
+            gap = locator.cross(self._master, time + length, gap, saved.values if reason == EVENT else None)
+        if source >= 0:
+            end = locator.last = time + length + gap
         told = exchange.output_number(source)
-        made = self._accepted(Step(end, length, iterations, source=told, reason=reason))
-        if source >= 0 or reason == TIME_EVENT or locator.due(end):
-            exchange.history.restart()
+        made = self._accepted(Step(end, end - time, iterations, source=told, reason=reason))
+        if gap or locator.due(end):
+            exchange.history.restart(smooth)
         return made
 
     def _accepted(self, step: Step) -> Step:

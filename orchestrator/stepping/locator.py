@@ -11,12 +11,16 @@ from models.quantities import Vector
 from models.system import Port, System
 
 from ..exchange import Exchange, Saved
+from ..masters import Master
 from ..signals import hermite
 
 # Attempts to close in on one event. Secant steps need three to eight, bisection forty.
 ATTEMPTS = 60
 # Events that follow the last one within this many tolerances are stepped over: chatter has no end.
 SEPARATE = 100.0
+# An event that was found from further away comes later, by rounding, from close by: crossing it may take a
+# step twice as long, that many times.
+WIDER = 8
 
 
 def watched(system: System) -> dict[str, list[str]]:
@@ -32,7 +36,8 @@ def watched(system: System) -> dict[str, list[str]]:
 class Locator:
     """Events are changes of sign of indicators, and counts of events inside a participant.
 
-    `tolerance` (s): a located step ends at most that long after its event.
+    `tolerance` (s): how well an event's time is found. The step before it ends before anything jumps or
+    bends, and a step of that length crosses it.
     """
 
     def __init__(self, exchange: Exchange, tolerance: float) -> None:
@@ -63,6 +68,22 @@ class Locator:
         """A known event is due at `time`."""
         return bool(np.any(np.abs(self._exchange.values[self._ahead] - time) <= self.tolerance))
 
+    def bent(self, time: float, source: int = -1) -> Vector:
+        """The sources whose rates do not hold next to the event that `source` tells of, or one due at `time`.
+
+        Rates are differences over a small part of the motion, across what bends at an indicator's zero or
+        at a known time: outputs of the participant that tells of it, and of those that it tells.
+        An event inside a participant changes its state, and rates follow from the state.
+        """
+        e = self._exchange
+        bent = np.zeros(len(e.sources), dtype=np.bool_)
+        telling = [i for i in self._ahead if abs(e.values[i] - time) <= self.tolerance]
+        telling += [source] if source in self._signs else []
+        for i in telling:
+            for own, fed in zip(e.slices, e.columns, strict=True):
+                bent[own] |= own.start <= i < own.stop or i in fed
+        return bent
+
     def happened(self, before: Vector) -> int:
         """The source that tells of an event between the values `before` and now; -1 if none does."""
         now = self._exchange.values
@@ -89,23 +110,40 @@ class Locator:
 
     def locate(
         self, start: Saved, time: float, length: float, attempt: Callable[[float], None]
-    ) -> tuple[float, int]:
-        """Length of the step from `time` that ends just after the first event inside, and its source.
+    ) -> tuple[float, float, int]:
+        """Length of the step from `time` to just before its first event, how long to cross it, its source.
 
         An attempt of `length` has been made; `attempt` makes others, from the same start. The last one is
-        that of the length returned. Without an event, or with one too close to the last: `length`, -1 (a
-        shorter one where something seemed to have happened and been undone inside).
+        that of the length returned, unless that is zero. Without an event, or with one too close to the
+        last: `length`, 0, -1 (a shorter one where something seemed to have happened and been undone inside).
         """
         before = start.values
-        source = self.happened(before)
-        if source < 0:
-            shorter = self.dip(start, length)
-            if shorter < length:
+        while True:
+            if self.happened(before) < 0:
+                shorter = self.dip(start, length)
+                if shorter == length:
+                    return length, 0.0, -1
                 attempt(shorter)
-                length, source = shorter, self.happened(before)
-        if source < 0:
-            return length, -1
-        low, high, made = 0.0, length, length
+                length = shorter
+                if self.happened(before) < 0:
+                    return length, 0.0, -1
+            low, high, source, made = self._close_in(before, time, length, attempt)
+            if time + high - self.last <= SEPARATE * self.tolerance:
+                attempt(length)
+                return length, 0.0, -1
+            if low > 0.0 and made != low:
+                attempt(low)
+            # Another event before this one, that had been undone?
+            if low == 0.0 or self.dip(start, low) == low:
+                return low, high - low, source
+            length = low
+
+    def _close_in(
+        self, before: Vector, time: float, length: float, attempt: Callable[[float], None]
+    ) -> tuple[float, float, int, float]:
+        """Lengths just before and after an event, its source, and the length of the last attempt."""
+        low, high, made, source = 0.0, length, length, self.happened(before)
+        self._exchange.history.end_smooth[:] = ~self.bent(time + length, source)
         values = {0.0: before.copy(), length: self._exchange.values.copy()}
         for _ in range(ATTEMPTS):
             if high - low <= self.tolerance:
@@ -123,14 +161,29 @@ class Locator:
                     high, source = trial, found
                 else:
                     low = trial
-        if made != high:
-            attempt(high)
-        end = time + high
-        if end - self.last <= SEPARATE * self.tolerance:
-            attempt(length)
-            return length, -1
-        self.last = end
-        return high, source
+        return low, high, source, made
+
+    def cross(self, master: Master, time: float, gap: float, before: Vector | None = None) -> float:
+        """Step from the point at `time`, just before an event, over it; returns how far that was.
+
+        `gap` at first, and further until what tells of the event has changed since `before` (None: it
+        comes at a known time). Values may jump there, so nothing smooth leads over it: the jump has no
+        effect longer than this step. Then outputs and rates are made consistent with what is in effect
+        after the event, and the history begins there.
+        """
+        exchange = self._exchange
+        exchange.carried = {}
+        with exchange.point() as saved:
+            master.step(exchange, time, gap)
+            for _ in range(WIDER):
+                if before is None or self.happened(before) >= 0:
+                    break
+                exchange.restore(saved)
+                gap *= 2.0
+                master.step(exchange, time, gap)
+        exchange.agree(time + gap)
+        exchange.carried = {}
+        return gap
 
     def _guess(self, values: dict[float, Vector], low: float, high: float, time: float) -> float:
         """When the first event may be, after the start of the step; the middle if nothing tells."""

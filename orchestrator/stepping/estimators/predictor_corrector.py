@@ -17,8 +17,8 @@ class PredictorCorrector:
     The first sweep used extrapolated signals, the last one interpolated ones. Both errors are the same
     derivative times the integral of their node polynomials, I_p and I_c, so the corrector's error is
     (predictor - corrector) I_c / (I_p - I_c): a 30th of the difference for Hermite signals and equal steps.
-    Outputs with feedthrough were made consistent with their inputs before they are compared. Right after
-    the start or an event there is no extrapolation yet: step doubling.
+    Outputs with feedthrough were made consistent with their inputs before they are compared. Next to
+    the start or an event signals go without rates, or through fewer points: step doubling.
     """
 
     def check(self, master: Master) -> None:
@@ -29,7 +29,8 @@ class PredictorCorrector:
             )
 
     def attempt(self, exchange: Exchange, master: Master, time: float, length: float) -> Attempt:
-        if exchange.history.lacks(exchange.degree):
+        history = exchange.history
+        if history.lacks(exchange.degree) or (exchange.degree == 3 and not history.end_smooth.all()):
             exchange.predicted = None
             return StepDoubling().attempt(exchange, master, time, length)
         degree = effective_degree(exchange)
