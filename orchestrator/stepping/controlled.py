@@ -97,8 +97,8 @@ class ControlledSteps:
                 try:
                     attempt = self._estimator.attempt(exchange, self._master, time, length)
                     error, source = self._norm(saved.values, attempt.error)
-                    # Over an event the estimate sees what jumps or bends there: it tells before it. (An explicit
-                    # step of such an error may be too far off to look for the event in it.)
+                    # Over an event the estimate sees what jumps or bends there: it tells before it. (Of an
+                    # explicit step of such an error nothing may be right.)
                     met = early and self._locator.happened(saved.values) >= 0
                     if error <= 1.0 or length <= shortest or met:
                         whole = length
