@@ -1,4 +1,5 @@
-"""Many valve trains on one crankshaft; `python -m benchmarks.many_valves` writes scenario `valve-train-16v`.
+"""Many valve trains on one crankshaft; `python -m benchmarks.many_valves` writes scenario `valve-train-16v`,
+and `engine-16v`, which has four cylinders as well.
 
 Four cylinders that fire in the order 1-3-4-2 with four valves each. Each valve's start values are those of
 that valve alone, which the monolithic reference brings from the base circle to its cam's angle at crank angle
@@ -25,10 +26,16 @@ FIRING_ORDER = (1, 3, 4, 2)
 # Crank angles from a cylinder's firing dead centre to the noses of its cams (deg), chosen here.
 NOSES = {"intake": 470.0, "exhaust": 250.0}
 FILE = SHIPPED / "valve-train-16v.toml"
+ENGINE = SHIPPED / "engine-16v.toml"
 HEADER = """\
 # The valve trains of a four-cylinder engine with 16 valves, firing 1-3-4-2, on a crankshaft at 2000 r/min:
 # 49 instances. Written by `python -m benchmarks.many_valves`; start values are those of each valve alone when
 # its cam comes by. The monolithic reference is off: it would compile all instances into one problem.
+
+"""
+ENGINE_HEADER = """\
+# `valve-train-16v` with its four cylinders: pistons that tilt in their bores, under gas pressure. Written by
+# `python -m benchmarks.many_valves`.
 
 """
 
@@ -130,11 +137,47 @@ def valve_trains(count: int) -> System:
     return System(instances, connections)
 
 
-def write(path: Path = FILE) -> Path:
-    """The scenario file."""
-    path.write_text(HEADER + tomli_w.dumps(content()), "utf-8")
-    return path
+def engine() -> dict[str, Any]:
+    """The scenario with the cylinders as plain data: it adds to the one without.
+
+    Each cylinder has its own crank throw, which is at zero where the cylinder fires, so that all cylinders
+    have the same parameters.
+    """
+    valves = len(phases())
+    throws = {
+        f"throw[{cylinder}]": f"{180.0 * FIRING_ORDER.index(cylinder):g} deg"
+        for cylinder in sorted(FIRING_ORDER)
+    }
+    connections, components = [], {}
+    for k in sorted(FIRING_ORDER):
+        components[f"gas_{k}"] = {"component": "cylinder_gas"}
+        components[f"piston_{k}"] = {"component": "piston_crank", "parameters": {"pin_offset": "0.8 mm"}}
+        connections += [
+            f"flywheel.throw_angle[{k}] -> gas_{k}.crank_angle",
+            f"flywheel.speed -> gas_{k}.crank_speed",
+            f"flywheel.throw_angle[{k}] -> piston_{k}.crank_angle",
+            f"flywheel.speed -> piston_{k}.crank_speed",
+            f"flywheel.acceleration -> piston_{k}.crank_acceleration",
+            f"gas_{k}.gas_pressure -> piston_{k}.gas_pressure",
+            f"piston_{k}.crank_torque -> flywheel.load_torque[{valves + k}]",
+            f"piston_{k}.crank_impact_impulse -> flywheel.load_impulse[{valves + k}]",
+        ]
+    count = len(FIRING_ORDER)
+    shaft = {"structure": {"loads": valves + count, "throws": count}, "parameters": SPEED | throws}
+    return {
+        "extends": "valve-train-16v",
+        "description": "Engine with four cylinders, firing 1-3-4-2, and 16 valves, 57 instances",
+        "connections": connections,
+        "components": {"flywheel": shaft} | components,
+    }
+
+
+def write() -> list[Path]:
+    """The scenario files."""
+    FILE.write_text(HEADER + tomli_w.dumps(content()), "utf-8")
+    ENGINE.write_text(ENGINE_HEADER + tomli_w.dumps(engine()), "utf-8")
+    return [FILE, ENGINE]
 
 
 if __name__ == "__main__":
-    print(write())
+    print(*write(), sep="\n")

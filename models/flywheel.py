@@ -37,6 +37,10 @@ class FlywheelParameters:
         float,
         Quantity("1", "linear in time, or smooth (3 r^2 - 2 r^3)", choices=("linear", "smooth")),
     ] = LINEAR
+    throw: Annotated[
+        Vector,
+        Quantity("rad", "angle by which a crank throw lags the shaft", display_unit="deg", size="throws"),
+    ] = per_element()
 
 
 @dataclass
@@ -71,18 +75,22 @@ class FlywheelOutputs:
     supplied_torque: Annotated[
         float, Quantity("N.m", "torque that the drive gives (what the prescribed motion needs)", nominal=10.0)
     ] = 0.0
+    throw_angle: Annotated[
+        Vector, Quantity("rad", "angle of a crank throw", display_unit="deg", size="throws")
+    ] = per_element()
     next_event: Annotated[
         float, Quantity("s", "time at which the ramp next begins or ends; 1e30 if it does not")
     ] = NO_EVENT
 
 
 @counts_energies
-def flywheel(loads: int = 1) -> Component:
+def flywheel(loads: int = 1, throws: int = 1) -> Component:
     """J w' = T_drive - sum of load torques when free; w(t) given by the ramp when prescribed.
 
     Impacts in the mechanisms take angular impulses at instants: the free shaft's speed is the state less
     their sum over J, so that an impulse needs no event here. (The impact itself is computed by its
     mechanism with the crank's speed just before, as is right for J much larger than the mechanism's own.)
+    Crank throws turn with the shaft, each its angle `throw` behind.
     """
 
     @kernel
@@ -154,6 +162,8 @@ def flywheel(loads: int = 1) -> Component:
         y.speed = shaft_speed(t, x, u, p)
         y.acceleration = acceleration(t, u, p)
         y.supplied_torque = supplied_torque(t, u, p)
+        for i in range(throws):
+            y.throw_angle[i] = x.angle - p.throw[i]
         y.next_event = next_event(t, p)
 
     @kernel
@@ -163,17 +173,17 @@ def flywheel(loads: int = 1) -> Component:
         e[1] = 0.0
         e[2] = supplied_torque(t, u, p) * speed
 
-    sizes = {"loads": loads}
+    sizes = {"loads": loads, "throws": throws}
     inputs = Layout(FlywheelInputs, sizes)
     torques = tuple(name for name in inputs.names if name.startswith("load_torque"))
     impulses = tuple(name for name in inputs.names if name.startswith("load_impulse"))
     return Component(
         name="flywheel",
         description="Rotor under drive and load torques, or at a prescribed speed",
-        parameters=Layout(FlywheelParameters),
+        parameters=Layout(FlywheelParameters, sizes),
         state=Layout(FlywheelState),
         inputs=inputs,
-        outputs=Layout(FlywheelOutputs),
+        outputs=Layout(FlywheelOutputs, sizes),
         derivative=derivative,
         output=output,
         energy=energy,

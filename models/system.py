@@ -151,7 +151,7 @@ class System:
         judging = {n: i.component for n, i in self.instances.items() if i.component.check_start}
         if not judging:
             return
-        evaluation = Evaluation(self)
+        evaluation = Interpreted(self)
         evaluation.outputs(t, x)
         faults: list[str] = []
         for name, component in judging.items():
@@ -297,17 +297,21 @@ class Evaluation:
         self.y = np.zeros(system.outputs.size)
         self._dx = np.zeros(system.state.size)
         self._torn = np.array([system.outputs.index(port) for port in system.torn], dtype=np.int64)
+        self._evaluate, self._differentiate = self._composed()
+
+    def _composed(self) -> tuple[Any, Any]:
+        """Outputs and derivatives of all instances, each as one function."""
+        system = self.system
         evaluate: Any = _nothing
         for name in system.order:
             component = system.instances[name].component
             at = _bounds(name, system.state, system.inputs, system.parameters, system.outputs)
             evaluate = _then_output(evaluate, component.flat_output, at)
-        self._evaluate = evaluate
         differentiate: Any = _no_derivative
         for name, instance in system.instances.items():
             at = _bounds(name, system.state, system.inputs, system.parameters)
             differentiate = _then_derivative(differentiate, instance.component.flat_derivative, at)
-        self._differentiate = differentiate
+        return evaluate, differentiate
 
     def outputs(self, t: float, x: Vector) -> Vector:
         """All outputs at (t, x); shared memory, overwritten by the next call."""
@@ -351,3 +355,26 @@ class Evaluation:
             guess = guess - np.linalg.solve(np.column_stack(columns), residual)
             residual = self._residual(t, x, guess)
         raise ModelError(f"algebraic loop through {self.system.loops()}: no solution at t = {t:g} s")
+
+
+class Interpreted(Evaluation):
+    """Evaluates instance after instance: for few instants, where compiling the whole would take longer.
+
+    It also has no limit of instances, of which some fifty can be nested in one compiled function.
+    """
+
+    def _composed(self) -> tuple[Any, Any]:
+        s = self.system
+
+        def evaluate(t: float, x: Any, u: Any, p: Any, y: Any, source: Any, target: Any) -> None:
+            for name in s.order:
+                u[target] = y[source]
+                own = x[s.state.of(name)], u[s.inputs.of(name)], p[s.parameters.of(name)]
+                s.instances[name].component.flat_output(t, *own, y[s.outputs.of(name)])
+
+        def differentiate(t: float, x: Any, u: Any, p: Any, dx: Any) -> None:
+            for name, instance in s.instances.items():
+                own = x[s.state.of(name)], u[s.inputs.of(name)], p[s.parameters.of(name)]
+                instance.component.flat_derivative(t, *own, dx[s.state.of(name)])
+
+        return evaluate, differentiate
