@@ -13,6 +13,7 @@ from models.fmu_archive import FmuFileError, archive_faults, opened
 from models.quantities import Quantity
 from models.system import Instance, System, suggestion
 
+from .bonds import exchanged_bonds
 from .energy.correction import Compensated, bond_inputs
 from .energy.counting import counting_structure
 from .participants import Participant, fmu, in_process, missing, substepped
@@ -33,6 +34,7 @@ def system_of(scenario: Scenario) -> System:
     if scenario.start == "given":
         system.check_start(0.0, system.x0)
     check_master(scenario)
+    check_energy_estimator(scenario, system)
     if scenario.energy.correction and scenario.master.name != "jacobi":
         raise ScenarioError(
             f"energy.correction = true: the master {scenario.master.name} interpolates inputs, which then "
@@ -53,11 +55,25 @@ def check_master(scenario: Scenario) -> None:
         raise ScenarioError(
             f"master.order = {', '.join(order)}: must name each of {', '.join(scenario.components)} once"
         )
-    for name in getattr(master, "iterate", ()):
+    iterate = getattr(master, "iterate", ())
+    for name in iterate:
         if name not in scenario.components:
             raise ScenarioError(
                 f"master.iterate: no component {name!r}; {suggestion(name, scenario.components)}"
             )
+        if iterate.count(name) > 1:
+            raise ScenarioError(f"master.iterate: {name!r} is named twice; name each component once")
+
+
+def check_energy_estimator(scenario: Scenario, system: System) -> None:
+    """ScenarioError where the energy residual is to set the steps and no power bond is exchanged."""
+    if scenario.step_control is None or scenario.step_control.estimator != "energy":
+        return
+    if not exchanged_bonds(system):
+        raise ScenarioError(
+            "step_control.estimator = 'energy': no power bond has both its effort and its flow among the "
+            "connections, so that it would see no error; use schierz or step_doubling"
+        )
 
 
 def _instance(table: ComponentTable) -> Instance:

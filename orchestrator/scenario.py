@@ -383,7 +383,8 @@ def messages(error: ValidationError, known: Callable[[Location], list[str]] | No
             lines.append(f"{path}: must have at least one entry")
         else:
             text = fault["msg"].replace("Input should be", "must be").replace(" valid", "")
-            text = text.replace("a dictionary", "a table").replace(" or instance of ComponentTable", "")
+            text = re.sub(r"a dictionary( or instance of \w+)?", "a table", text)
+            text = text.replace("a tuple", 'a list: ["...", "..."]').replace("a integer", "an integer")
             lines.append(f"{path} = {shown!r}: {text}")
     return lines
 

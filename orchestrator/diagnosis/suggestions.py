@@ -123,7 +123,7 @@ def smaller_part(facts: Facts) -> str | None:
 def higher_degree(facts: Facts) -> str | None:
     """Most steps are limited by the error of held or linear signals."""
     share = facts.diagnosis.share("error")
-    if share < MOST or facts.master.degree > 1:
+    if share < MOST or facts.master.degree > 1 or not facts.diagnosis.limits:
         return None
     better = "hermite" if facts.master.implicit else "quadratic"
     used = list(DEGREES)[facts.master.degree]

@@ -57,6 +57,8 @@ def test_schema_knows_every_key_and_variable() -> None:
 
 
 BAD = {
+    "step_control=1": ("step_control = 1: must be a table",),
+    "components.camshaft.substeps=2.5": ("components.camshaft.substeps = 2.5: must be an integer",),
     "macro_stp=1": ("macro_stp", "did you mean macro_step?"),
     "macro_step=-1": ("macro_step", "-1", "> 0"),
     "macro_step=0": ("macro_step", "> 0"),
@@ -115,6 +117,7 @@ def test_a_mistake_is_one_message_that_names_it(override: str) -> None:
 
 
 BAD_SYSTEMS = {
+    "master={name='newton', iterate=['contact', 'contact']}": ("master.iterate", "'contact' is named twice"),
     "components.valve_spring.parameters.valve_mass=-0.2": ("valve_spring.valve_mass = -0.2 kg", "> 0"),
     "components.camshaft.parameters.base_radius=2 mm": ("curvature", "undercut"),
     "tolerance.contact.lod=1e-3": ("contact.lod", "contact.load"),
@@ -141,6 +144,16 @@ def test_an_unknown_key_of_any_table_is_one_message(table: str) -> None:
 def test_what_is_iterated_are_components(master: str) -> None:
     with pytest.raises(ScenarioError, match=r"master\.iterate: .*'contct'; did you mean contact\?"):
         system_of(load("valve-train", [f"master.name={master}", "master.iterate=['camshaft', 'contct']"]))
+
+
+def test_the_energy_residual_needs_an_exchanged_power_bond() -> None:
+    """The quarter car's bond has a force that is not exchanged: no error would be seen, whatever the step."""
+    changes = ["master={name='jacobi'}", "step_control={estimator='energy'}"]
+    with pytest.raises(
+        ScenarioError, match=r"step_control\.estimator = 'energy': no power bond .* use schierz"
+    ):
+        system_of(load("quarter-car", changes))
+    system_of(load("two-masses", changes))
 
 
 @pytest.mark.parametrize("start", ["given", "equilibrium"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...bonds import bonds_of
+from ...bonds import exchanged_bonds
 from ...exchange import Exchange
 from ...masters import Jacobi, Master, name_of
 from ...signals import evaluate
@@ -41,7 +41,7 @@ class EnergyResidual:
         assumed, rates = np.zeros_like(exchange.values), np.zeros_like(exchange.rates)
         evaluate(exchange.signals, length, assumed, rates)
         error = np.zeros_like(exchange.values)
-        for bond in bonds_of(exchange.system):
+        for bond in exchanged_bonds(exchange.system):
             effort, flow = exchange.number[bond.effort], exchange.number[bond.flow]
             e, f = exchange.values[effort], exchange.values[flow]
             residual = e * assumed[flow] - assumed[effort] * f
