@@ -172,7 +172,7 @@ class StepControlTable(_Table):
         description="predictor_corrector, step_doubling, schierz or energy; default: predictor_corrector for "
         "iterated masters, step_doubling for others",
     )
-    relative: Tolerance = Field(1e-4, description="Local error allowed, of a value")
+    relative: Annotated[Tolerance, Field(lt=1.0)] = Field(1e-4, description="Local error allowed, of a value")
     absolute: Tolerance | None = Field(
         None, description="Local error allowed, of a variable's nominal size; default: as relative"
     )
@@ -288,6 +288,15 @@ class Scenario(_Table):
     @field_validator("step_control")
     @classmethod
     def _judges(cls, control: StepControlTable | None, info: ValidationInfo) -> StepControlTable | None:
+        longest = info.data.get("macro_step", math.inf)
+        if control is not None and control.minimum_step > longest:
+            raise Faults(
+                (
+                    "minimum_step",
+                    f" = {control.minimum_step:g} s: must not be longer than macro_step = {longest:g} s, the "
+                    "first step",
+                )
+            )
         if control is not None and "master" in info.data:
             master = info.data["master"].made()
             made = control.made(master.implicit, EVENT_TOLERANCE)

@@ -25,8 +25,13 @@ def load(name: str) -> Analysis:
     if ":" in name:
         return _foreign(name)
     if name not in names():
+        from ..scenario_files import shipped
+
+        close = suggestion(name, names())
+        if not close.startswith("did you mean") and "did you mean" in (other := suggestion(name, shipped())):
+            close = f"{other} (a scenario)"
         raise MistakeError(
-            f"no analysis {name!r}; {suggestion(name, names())} (or name your own as module:object)"
+            f"no analysis or scenario {name!r}; {close} (or name an analysis of your own as module:object)"
         )
     analysis: Analysis = import_module(f"{__name__}.{name}").ANALYSIS
     return analysis

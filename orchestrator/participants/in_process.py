@@ -88,7 +88,9 @@ class InProcessParticipant:
             self._du[:] = self._U[1]
             self._stale = True
             raise DiscardedStepError(
-                f"{self.name}: step from t = {time:.9g} s by {step:g} s: {FAILURES[status]}", reached=time
+                f"{self.name}: step from t = {time:.9g} s by {step:g} s: {FAILURES[status]}; "
+                "reduce macro_step, or use [step_control]",
+                reached=time,
             )
         if self._rated:
             c.input_rates(self._U, step, self._du)
