@@ -31,7 +31,7 @@ def load(name: str) -> Analysis:
         if not close.startswith("did you mean") and "did you mean" in (other := suggestion(name, shipped())):
             close = f"{other} (a scenario)"
         raise MistakeError(
-            f"no analysis or scenario {name!r}; {close} (or name an analysis of your own as module:object)"
+            f"no analysis {name!r}; {close} (or name an analysis of your own as module:object)"
         )
     analysis: Analysis = import_module(f"{__name__}.{name}").ANALYSIS
     return analysis
