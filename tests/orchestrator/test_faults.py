@@ -32,6 +32,7 @@ from orchestrator.errors import (
 )
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import fmu, in_process
+from orchestrator.scenario import EnergyTable
 from orchestrator.simulation import simulate
 from orchestrator.stepping import ControlledSteps, StepControl
 from orchestrator.stepping.protocol import DISCARD, EVENT, SHORTEST
@@ -352,6 +353,7 @@ def test_an_fmu_that_cannot_be_instantiated_is_named_and_the_others_are_closed(t
 
     class Told:
         components = dict.fromkeys(system.instances, Tables)
+        energy = EnergyTable()
 
     files = {"second": FmuFile(small_fmu("unborn", tmp_path), "")}
     with pytest.raises(ParticipantError, match=r"^second: instantiate: RuntimeError\('no licence'\)"):

@@ -42,7 +42,7 @@ RUNS = {
         "bouncing-mass",
         [
             *("master.name=iterated", "master.extrapolation=hermite", "master.acceleration=quasi_newton"),
-            *("step_control.relative=1e-6", "output_step=0.4 ms", "energy.ledger=true"),
+            *("step_control.relative=1e-7", "stop_time=10 s", "energy.ledger=true"),
             *("components.mass.participant=in-process", "components.stop.participant=in-process"),
         ],
     ),
