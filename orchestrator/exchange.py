@@ -99,23 +99,10 @@ class Exchange:
                 self.rated[own_part] = given
         self.history = History(0.0, self.values, self.rates, self.rated)
         self._passes: dict[tuple[Any, ...], Pass] = {}
-        self._through = _with_feedthrough(system)
-        self.through = np.array([self._depends(port) for port in self.sources], dtype=np.bool_)
+        self.through = _with_feedthrough(system, self.sources)
+        answering = {self.sources[i].instance for i in self.connected if self.through[i]}
+        self._through = [self.names.index(name) for name in system.order if name in answering]
         self._saved: Saved | None = None  # the present point, as long as nobody has moved
-
-    def _depends(self, port: Port) -> bool:
-        """A source depends directly on an input that another participant drives."""
-        inputs = self.system.instances[port.instance].component.feedthrough.get(port.variable, ())
-        driven = {c.target for c in self.system.connections}
-        return any(Port(port.instance, name) in driven for name in inputs)
-
-    def advance(self, i: int, time: float, step: float) -> None:
-        """Participant i goes from `time` to `time + step` with the current signals."""
-        self._saved = None
-        gather(self.signals, self.columns[i], self.inputs[i])
-        self.participants[i].write()
-        self.participants[i].advance(time, step)
-        self.calls[i] += 1
 
     def read(self, i: int) -> None:
         """Take the values of participant i; NotFiniteError if one is not finite."""
@@ -286,24 +273,18 @@ class Exchange:
         """A source's number among all outputs of the system; -1 for none."""
         return self.system.outputs.index(self.sources[source]) if source >= 0 else -1
 
-    def system_outputs(self, name: str) -> tuple[str, ...]:
-        """Names of all outputs of an instance."""
-        return self.system.instances[name].component.outputs.names
-
     def read_all(self, values: Vector) -> None:
         """All outputs of all participants, in the system's order."""
         for name, participant in zip(self.names, self.participants, strict=True):
             participant.read_all(values[self.system.outputs.of(name)])
 
 
-def _with_feedthrough(system: System) -> list[int]:
-    """The participants, in the order to evaluate, whose connected outputs depend on connected inputs."""
-    numbers = {name: i for i, name in enumerate(system.instances)}
-    driven = {(c.target.instance, c.target.variable) for c in system.connections}
-    through = set()
-    for c in system.connections:
-        name = c.source.instance
-        inputs = system.instances[name].component.feedthrough.get(c.source.variable, ())
-        if any((name, variable) in driven for variable in inputs):
-            through.add(name)
-    return [numbers[name] for name in system.order if name in through]
+def _with_feedthrough(system: System, sources: Sequence[Port]) -> Any:
+    """Whether each source depends directly on an input that another participant drives."""
+    driven = {connection.target for connection in system.connections}
+
+    def depends(port: Port) -> bool:
+        inputs = system.instances[port.instance].component.feedthrough.get(port.variable, ())
+        return any(Port(port.instance, name) in driven for name in inputs)
+
+    return np.array([depends(port) for port in sources], dtype=np.bool_)

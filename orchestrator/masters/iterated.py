@@ -8,12 +8,12 @@ from typing import ClassVar
 
 from ..errors import one_of
 from ..exchange import Exchange
-from ..signals import degree_of, extrapolate
+from ..signals import degree_of
 from .acceleration import ACCELERATIONS
-from .gauss_seidel import order_of, sweep
-from .iteration import converge
+from .gauss_seidel import sweep
+from .iteration import check_limits, converge
 from .jacobi import parallel
-from .parts import parts_of
+from .parts import step_in_parts
 
 
 @dataclass(frozen=True)
@@ -42,10 +42,7 @@ class Iterated:
             raise ValueError(
                 f"acceleration = {self.acceleration!r}: {one_of(ACCELERATIONS, self.acceleration)}"
             )
-        if not self.tolerance > 0.0:
-            raise ValueError(f"tolerance = {self.tolerance:g}: must be > 0")
-        if self.maximum_iterations < 1:
-            raise ValueError(f"maximum_iterations = {self.maximum_iterations}: must be at least 1")
+        check_limits(self.tolerance, self.maximum_iterations)
 
     @cached_property
     def degree(self) -> int:
@@ -53,21 +50,10 @@ class Iterated:
         return degree_of(self.extrapolation)
 
     def step(self, exchange: Exchange, time: float, step: float) -> int:
-        extrapolate(exchange.history, self.degree, exchange.signals)
-        most = 0
-        for part in self._parts(exchange):
-            if len(part) == 1:
-                sweep(exchange, part, time, step)
-                most = max(most, 1)
-                continue
-            iterations = converge(
+        def iterate(part: list[int]) -> int:
+            return converge(
                 exchange, part, time, step, parallel, sweep, ACCELERATIONS[self.acceleration],
                 self.tolerance, self.maximum_iterations,
             )  # fmt: skip
-            most = max(most, iterations)
-        return most
 
-    def _parts(self, exchange: Exchange) -> list[list[int]]:
-        if exchange.parts is None:
-            exchange.parts = parts_of(exchange, order_of(exchange, self.order), self.iterate)
-        return exchange.parts
+        return step_in_parts(exchange, self.order, self.iterate, time, step, iterate)

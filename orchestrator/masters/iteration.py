@@ -23,6 +23,14 @@ MARGIN = 2.0
 REMEMBERED = 25
 
 
+def check_limits(tolerance: float, maximum_iterations: int) -> None:
+    """ValueError unless an iteration can end by its tolerance or its limit."""
+    if not tolerance > 0.0:
+        raise ValueError(f"tolerance = {tolerance:g}: must be > 0")
+    if maximum_iterations < 1:
+        raise ValueError(f"maximum_iterations = {maximum_iterations}: must be at least 1")
+
+
 class Interface:
     """The end values, and for Hermite signals the end rates, of a part's sources as one vector.
 
@@ -35,6 +43,7 @@ class Interface:
         own = np.concatenate([np.arange(s.start, s.stop) for s in self.slices])
         self.sources = own[np.isin(own, exchange.connected)]
         self.rated = self.sources[exchange.rated[self.sources]]
+        self._values, self._rates = exchange.values.copy(), exchange.rates.copy()
         self._scale = np.concatenate(
             [exchange.nominal[self.sources], exchange.nominal[self.rated] / (BEND * step)]
         )
@@ -43,11 +52,22 @@ class Interface:
         """The vector made of all sources' values and rates."""
         return np.asarray(np.concatenate([values[self.sources], rates[self.rated]]) / self._scale)
 
-    def put(self, vector: Vector, values: Vector, rates: Vector) -> None:
-        """The vector's content into all sources' values and rates."""
+    def predicted(self, step: float) -> Vector:
+        """The vector at the end of the signals as they are."""
+        evaluate(self._exchange.signals, step, self._values, self._rates)
+        return self.vector(self._values, self._rates)
+
+    def assume(self, vector: Vector, end: float) -> None:
+        """Let the part's signals go to the vector's content at the time `end`."""
         given = vector * self._scale
-        values[self.sources] = given[: len(self.sources)]
-        rates[self.rated] = given[len(self.sources) :]
+        self._values[self.sources] = given[: len(self.sources)]
+        self._rates[self.rated] = given[len(self.sources) :]
+        e, h = self._exchange, self._exchange.history
+        for own in self.slices:
+            interpolate_part(
+                h.times, h.values, h.rates, h.rated, h.smooth, h.end_smooth, h.count,
+                e.degree, end, self._values, self._rates, e.signals, own.start, own.stop,
+            )  # fmt: skip
 
     def source(self, element: int) -> int:
         """The source that an element of the vector belongs to."""
@@ -125,15 +145,12 @@ def converge(
     """
     end = time + step
     interface = Interface(exchange, part, step)
-    values, rates = exchange.values.copy(), exchange.rates.copy()
-    evaluate(exchange.signals, step, values, rates)
-    guess = interface.vector(values, rates)
+    guess = interface.predicted(step)
     key = f"interface {part[0]}"
     carried = exchange.carried.get(key, {})
     acceleration = accelerate(carried.get("acceleration", {}), step)
     progress = Converging(tolerance, carried.get("convergence", {}), step)
     plain = True
-    h = exchange.history
     with exchange.rollback(part) as roll_back:
         for iteration in range(1, maximum_iterations + 1):
             if iteration == 1:
@@ -144,11 +161,7 @@ def converge(
                         exchange.predicted[own] = exchange.values[own]
             else:
                 roll_back()
-                for own in interface.slices:
-                    interpolate_part(
-                        h.times, h.values, h.rates, h.rated, h.smooth, h.end_smooth, h.count,
-                        exchange.degree, end, values, rates, exchange.signals, own.start, own.stop,
-                    )  # fmt: skip
+                interface.assume(guess, end)
                 next_sweep(exchange, part, time, step)
             result = interface.vector(exchange.values, exchange.rates)
             if progress.add(guess, result, plain):
@@ -160,7 +173,6 @@ def converge(
             # The first sweep answered other signals than the ones that follow: no difference to learn from.
             guess = result.copy() if iteration == 1 else acceleration.next(guess, result)
             plain = np.array_equal(guess, result)
-            interface.put(guess, values, rates)
     raise NonConvergenceError(_message(exchange, interface, progress, time, step))
 
 

@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from models.quantities import Vector
 
 from ..exchange import Exchange
-from ..signals import degree_of, evaluate, extrapolate, interpolate
+from ..signals import degree_of
 from .acceleration import Carried
-from .gauss_seidel import order_of, sweep
-from .iteration import Interface, converge
+from .iteration import Interface, check_limits, converge
 from .jacobi import parallel
-from .parts import parts_of
+from .parts import step_in_parts
 
 # Perturbation of an end value, in nominal sizes: far above what participants integrate to (1e-10), and far
 # below where they bend.
@@ -45,10 +44,7 @@ class Newton:
 
     def __post_init__(self) -> None:
         degree_of(self.extrapolation)
-        if not self.tolerance > 0.0:
-            raise ValueError(f"tolerance = {self.tolerance:g}: must be > 0")
-        if self.maximum_iterations < 1:
-            raise ValueError(f"maximum_iterations = {self.maximum_iterations}: must be at least 1")
+        check_limits(self.tolerance, self.maximum_iterations)
 
     @cached_property
     def degree(self) -> int:
@@ -56,26 +52,19 @@ class Newton:
         return degree_of(self.extrapolation)
 
     def step(self, exchange: Exchange, time: float, step: float) -> int:
-        if exchange.parts is None:
-            exchange.parts = parts_of(exchange, order_of(exchange, ()), self.iterate)
-        extrapolate(exchange.history, self.degree, exchange.signals)
-        most = 1
-        for part in exchange.parts:
-            if len(part) == 1:
-                sweep(exchange, part, time, step)
-                continue
+        def iterate(part: list[int]) -> int:
             key = f"jacobian {part[0]}"
             held = exchange.carried.get(key)
             if held is None or not 1.0 / SERVES_WITHIN < step / held["step"] < SERVES_WITHIN:
                 held = {"step": step, "matrix": measured(exchange, part, time, step)}
-            matrix = held["matrix"]
             iterations = converge(
-                exchange, part, time, step, parallel, parallel, lambda carried, step: Correction(matrix),  # noqa: B023
-                self.tolerance, self.maximum_iterations,
+                exchange, part, time, step, parallel, parallel,
+                lambda carried, step: Correction(held["matrix"]), self.tolerance, self.maximum_iterations,
             )  # fmt: skip
             exchange.carried[key] = held if iterations <= SLOW else None
-            most = max(most, iterations)
-        return most
+            return iterations
+
+        return step_in_parts(exchange, (), self.iterate, time, step, iterate)
 
 
 class Correction:
@@ -97,22 +86,11 @@ def measured(exchange: Exchange, part: Sequence[int], time: float, step: float) 
     The participants end where they were, and the signals are the extrapolation, as before.
     """
     interface = Interface(exchange, part, step)
-    h, end = exchange.history, time + step
-    values, rates = exchange.values.copy(), exchange.rates.copy()
-    before: dict[str, Any] = {"values": values.copy(), "rates": rates.copy()}
-    evaluate(exchange.signals, step, values, rates)
-    guess = interface.vector(values, rates)
-    kept = exchange.signals.copy()
-
-    def assume(vector: Vector) -> None:
-        interface.put(vector, values, rates)
-        interpolate(h, exchange.degree, end, values, rates, exchange.signals)
-        for i in exchange.listed:
-            if i not in part:
-                exchange.signals[:, exchange.slices[i]] = kept[:, exchange.slices[i]]
-
+    end = time + step
+    values, rates, signals = exchange.values.copy(), exchange.rates.copy(), exchange.signals.copy()
+    guess = interface.predicted(step)
     with exchange.rollback(part) as roll_back:
-        assume(guess)
+        interface.assume(guess, end)
         parallel(exchange, part, time, step)
         result = interface.vector(exchange.values, exchange.rates)
         found_values, found_rates = exchange.values.copy(), exchange.rates.copy()
@@ -123,11 +101,10 @@ def measured(exchange: Exchange, part: Sequence[int], time: float, step: float) 
             roll_back()
             perturbed = guess.copy()
             perturbed[j] += PERTURBATION
-            assume(perturbed)
+            interface.assume(perturbed, end)
             parallel(exchange, fed, time, step)
             matrix[:, j] = (interface.vector(exchange.values, exchange.rates) - result) / PERTURBATION
             exchange.values[:], exchange.rates[:] = found_values, found_rates
         roll_back()
-    exchange.values[:], exchange.rates[:] = before["values"], before["rates"]
-    exchange.signals[:] = kept
+    exchange.values[:], exchange.rates[:], exchange.signals[:] = values, rates, signals
     return matrix

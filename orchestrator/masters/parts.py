@@ -2,13 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from graphlib import TopologicalSorter
 
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
 from ..exchange import Exchange
+from ..signals import extrapolate
+from .gauss_seidel import order_of, sweep
+
+
+def step_in_parts(
+    exchange: Exchange,
+    order: tuple[str, ...],
+    together: tuple[str, ...],
+    time: float,
+    step: float,
+    iterate: Callable[[list[int]], int],
+) -> int:
+    """Make a step part by part: one participant by a sweep, several by `iterate`; the most sweeps taken.
+
+    Signals are extrapolated where a part has not arrived yet.
+    """
+    if exchange.parts is None:
+        exchange.parts = parts_of(exchange, order_of(exchange, order), together)
+    extrapolate(exchange.history, exchange.degree, exchange.signals)
+    most = 1
+    for part in exchange.parts:
+        if len(part) == 1:
+            sweep(exchange, part, time, step)
+        else:
+            most = max(most, iterate(part))
+    return most
 
 
 def parts_of(exchange: Exchange, order: Sequence[int], together: tuple[str, ...]) -> list[list[int]]:

@@ -22,7 +22,7 @@ from ..exchange import Exchange
 from ..masters import Master
 from ..masters.gauss_seidel import sweep
 from ..masters.iteration import Interface
-from ..signals import DEGREES, NEEDED, POINTS, interpolate
+from ..signals import DEGREES, NEEDED, POINTS
 from .linear import ROWS, Linear, LinearParticipant
 
 HERMITE = DEGREES["hermite"]
@@ -198,13 +198,12 @@ def contraction(bench: Bench, step: float) -> float:
         if len(part) == 1:
             continue
         interface = Interface(e, part, step)
-        values, rates = np.zeros(bench.sources), np.zeros(bench.sources)
         size = len(interface.sources) + len(interface.rated)
         matrix = np.empty((size, size))
         for j, assumed in enumerate(np.eye(size)):
             bench.put(np.zeros(bench.size), step)
-            interface.put(assumed, values, rates)
-            interpolate(e.history, bench.degree, step, values, rates, e.signals)
+            e.signals[:] = 0.0
+            interface.assume(assumed, step)
             sweep(e, part, 0.0, step)
             matrix[:, j] = interface.vector(e.values, e.rates)
         worst = max(worst, spectral_radius(matrix))

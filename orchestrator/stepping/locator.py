@@ -47,13 +47,12 @@ class Locator:
         signs, counts, times, ahead = [], [], [], []
         for name, instance in exchange.system.instances.items():
             c = instance.component
-            number = {v: exchange.number.get(Port(name, v), -1) for v in exchange.system_outputs(name)}
-            signs += [number[v] for v in c.event_indicators]
+            signs += [exchange.number[Port(name, v)] for v in c.event_indicators]
             if c.event_counter:
-                counts.append(number[c.event_counter])
-                times.append(number[c.event_time] if c.event_time else -1)
+                counts.append(exchange.number[Port(name, c.event_counter)])
+                times.append(exchange.number[Port(name, c.event_time)] if c.event_time else -1)
             if c.next_event:
-                ahead.append(number[c.next_event])
+                ahead.append(exchange.number[Port(name, c.next_event)])
         self._signs = np.array(signs, dtype=int)
         self._counts = np.array(counts, dtype=int)
         self._times = np.array(times, dtype=int)

@@ -6,8 +6,9 @@ import numpy as np
 
 from ...bonds import exchanged_bonds
 from ...exchange import Exchange
-from ...masters import Jacobi, Master, name_of
+from ...masters import Master
 from ...signals import evaluate
+from .jacobi_only import refuse_interpolation
 from .nodes import effective_degree, extrapolated
 from .protocol import Attempt
 from .step_doubling import StepDoubling
@@ -24,12 +25,7 @@ class EnergyResidual:
     """
 
     def check(self, master: Master) -> None:
-        if not isinstance(master, Jacobi):
-            better = "predictor_corrector or step_doubling" if master.implicit else "step_doubling"
-            raise ValueError(
-                "estimator = 'energy': compares extrapolations of both sides, as the master jacobi makes "
-                f"them; {name_of(master)} interpolates some: use {better}"
-            )
+        refuse_interpolation("energy", "both sides", master)
 
     def attempt(self, exchange: Exchange, master: Master, time: float, length: float) -> Attempt:
         if exchange.history.lacks(exchange.degree):

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from ...exchange import Exchange
-from ...masters import Jacobi, Master, name_of
+from ...masters import Master
+from ...masters.jacobi import parallel
 from ...signals import move_origin
+from .jacobi_only import refuse_interpolation
 from .nodes import effective_degree
 from .protocol import Attempt
 from .step_doubling import StepDoubling, exponent, ratios
@@ -19,12 +21,7 @@ class Schierz:
     """
 
     def check(self, master: Master) -> None:
-        if not isinstance(master, Jacobi):
-            better = "predictor_corrector or step_doubling" if master.implicit else "step_doubling"
-            raise ValueError(
-                "estimator = 'schierz': compares extrapolations of all signals, as the master jacobi makes "
-                f"them; {name_of(master)} interpolates some: use {better}"
-            )
+        refuse_interpolation("schierz", "all signals", master)
 
     def attempt(self, exchange: Exchange, master: Master, time: float, length: float) -> Attempt:
         if exchange.history.lacks(exchange.degree):
@@ -38,10 +35,7 @@ class Schierz:
         move_origin(exchange.signals, half, exchange.signals)
         exchange.accept(middle_time)
         with exchange.point() as middle:
-            for i in exchange.listed:
-                exchange.advance(i, middle_time, length - half)
-            for i in exchange.listed:
-                exchange.read(i)
+            parallel(exchange, exchange.listed, middle_time, length - half)
             continued = exchange.values.copy()
             exchange.restore(middle)
             iterations = max(iterations, master.step(exchange, middle_time, length - half))

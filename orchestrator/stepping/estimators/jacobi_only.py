@@ -1,0 +1,15 @@
+"""For estimators that compare extrapolated signals."""
+
+from __future__ import annotations
+
+from ...masters import Jacobi, Master, name_of
+
+
+def refuse_interpolation(estimator: str, compared: str, master: Master) -> None:
+    """ValueError, with the remedy, unless the master extrapolates every signal."""
+    if not isinstance(master, Jacobi):
+        better = "predictor_corrector or step_doubling" if master.implicit else "step_doubling"
+        raise ValueError(
+            f"estimator = {estimator!r}: compares extrapolations of {compared}, as the master jacobi makes "
+            f"them; {name_of(master)} interpolates some: use {better}"
+        )
