@@ -25,6 +25,15 @@ COMMON = (
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 
 
+# Units of time as they are shown, with what a time in seconds is multiplied by.
+TIMES = (("s", 1.0), ("ms", 1e3), ("us", 1e6))
+
+
+def time_unit(span: float) -> tuple[str, float]:
+    """The unit in which times over `span` (s) read well, and its factor: the longest that is not longer."""
+    return next((shown for shown in TIMES if span * shown[1] >= 1.0), TIMES[-1])
+
+
 def to_unit(text: str, unit: str) -> float:
     """The number that `text` means in `unit` (SI symbols as in `Quantity`); UnitError if it does not fit.
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from .facts import Facts
 from .numbers import Diagnosis, Interval, Limit, Share, diagnosed
 from .steps import Steps, recorded, steps_of
-from .suggestions import RULES, Facts, suggestions
+from .suggestions import RULES, suggestions
 from .text import brief, full
 
 __all__ = [

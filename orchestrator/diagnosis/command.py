@@ -10,9 +10,10 @@ from ..errors import MistakeError
 from ..output_folder import SCENARIO, SUMMARY
 from ..scenario import ScenarioError
 from ..scenario_files import load
+from .facts import Facts
 from .numbers import diagnosed
 from .steps import recorded
-from .suggestions import Facts, suggestions
+from .suggestions import suggestions
 from .text import full
 
 

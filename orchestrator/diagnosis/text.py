@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from ..units import time_unit
+from .facts import Facts
 from .numbers import Diagnosis
-from .suggestions import Facts
 
 SHOWN = 5  # variables, and spans of each
 # A reason's name in words.
@@ -19,6 +20,7 @@ WORDS = {
     "discontinuity": "minimum_step (discontinuity)",
     "convergence": "no convergence before",
     "discard": "refused before",
+    "growth": "growth from a shorter step",
 }
 EVEN = 1.5  # times the mean work: below, no interval is worth naming
 
@@ -56,10 +58,11 @@ def full(facts: Facts, suggestions: Sequence[str], message: str) -> list[str]:
         for reason, share in d.reasons.items()
     ]
     lines += _table(("what set the step", "steps", "time", "rejected"), rows)
+    unit, _ = time_unit(d.end - d.start)
     if d.limits:
         lines += [
             "",
-            *_table(("error of", "steps", "time", "limits most steps from .. to (ms)"), _limits(facts)),
+            *_table(("error of", "steps", "time", f"limits most steps from .. to ({unit})"), _limits(facts)),
         ]
     lines += ["", *_quantiles(d), "", *_work(d)]
     if d.events:
@@ -72,10 +75,11 @@ def full(facts: Facts, suggestions: Sequence[str], message: str) -> list[str]:
 
 
 def _limits(facts: Facts) -> list[tuple[str, str, str, str]]:
+    _, factor = time_unit(facts.diagnosis.end - facts.diagnosis.start)
     rows = []
     for name, limit in list(facts.diagnosis.limits.items())[:SHOWN]:
         shown = sorted(limit.spans, key=lambda span: span[0] - span[1])[:SHOWN]
-        spans = ", ".join(f"{1e3 * a:.4g} .. {1e3 * b:.4g}" for a, b in sorted(shown))
+        spans = ", ".join(f"{factor * a:.4g} .. {factor * b:.4g}" for a, b in sorted(shown))
         more = f" and {len(limit.spans) - SHOWN} more" if len(limit.spans) > SHOWN else ""
         to = ", ".join(facts.targets.get(name, []))
         rows.append((f"{name} -> {to}", percent(limit.steps), percent(limit.time), spans + more))
@@ -97,9 +101,10 @@ def _work(d: Diagnosis) -> list[str]:
     dense = [interval for interval in d.densest if interval.density > EVEN]
     if not dense:
         return ["work: spread evenly over the time"]
+    unit, factor = time_unit(d.end - d.start)
     return [
-        f"work: {percent(i.work)} of it in {percent(i.time)} of the time, {1e3 * i.start:.6g} to "
-        f"{1e3 * i.end:.6g} ms ({i.density:.3g} times the mean)"
+        f"work: {percent(i.work)} of it in {percent(i.time)} of the time, {factor * i.start:.6g} to "
+        f"{factor * i.end:.6g} {unit} ({i.density:.3g} times the mean)"
         for i in dense
     ]
 

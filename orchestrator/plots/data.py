@@ -13,7 +13,7 @@ from models.quantities import Quantity, Vector
 from ..diagnosis.steps import NONE, Steps, steps_of
 from ..results import ResultFile
 from ..scenario import Scenario, ends
-from ..units import to_unit
+from ..units import time_unit, to_unit
 from ..values import numbers
 
 # More points than these cannot be told apart in a figure, but would take memory.
@@ -25,6 +25,7 @@ ANGLES = {"cam_angle": "Cam angle (°)", "angle": "Crank angle (°)", "crank_ang
 # Units as they are set in a figure.
 SYMBOLS = {
     "um": "µm",
+    "us": "µs",
     "deg": "°",
     "rpm": "r/min",
     "N.m": "N m",
@@ -143,13 +144,18 @@ class FigureData:
             turned = abs(angle[-1] - angle[0])
             if turned > 0.1 and np.abs(angle - line).max() < 0.01 * min(turned, 2.0 * math.pi):
                 return name, words
-        return "", "Time (ms)"
+        unit, _ = self._time_unit()
+        return "", f"Time ({SYMBOLS.get(unit, unit)})"
+
+    def _time_unit(self) -> tuple[str, float]:
+        return time_unit(float(np.ptp(self.time)))
 
     def x(self, reference: bool = False) -> Vector:
         """The abscissa's values at the records of the coupled run or the reference."""
         name, _ = self.abscissa()
         if not name:
-            return 1e3 * (self.reference_time if reference else self.time)
+            _, factor = self._time_unit()
+            return factor * (self.reference_time if reference else self.time)
         return np.degrees((self.reference if reference else self.coupled)[name])
 
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from .data import FigureData
+from ..units import time_unit
+from .data import SYMBOLS, FigureData
 from .style import ACCENT, COUPLED, MUTED, headed, plt
 
 # Bonds with less than this share of the largest created energy cannot be seen beside it.
@@ -36,7 +37,8 @@ def figure(data: FigureData) -> Figure:
     rows = len(names) + 1
     made, axes = plt.subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + 1.5 * rows))
     headed(made, f"{data.title}: energy created by the coupling")
-    time = 1e3 * data.energy_time
+    unit, factor = time_unit(float(np.ptp(data.energy_time)))
+    time = factor * data.energy_time
     for ax, name in zip(axes[:, 0], names, strict=False):
         created, given = data.energies[f"created {name}"], data.energies[f"given {name}"]
         ax.plot(time, created, color=COUPLED)
@@ -47,7 +49,7 @@ def figure(data: FigureData) -> Figure:
     last.plot(time, data.energies["besides"], color=ACCENT, label="besides bonds")
     last.set_title("All together", loc="left", fontsize=8.5)
     last.legend(loc="best", ncols=2)
-    last.set_xlabel("Time (ms)")
+    last.set_xlabel(f"Time ({SYMBOLS.get(unit, unit)})")
     last.set_xlim(time[0], time[-1])
     for ax in axes[:, 0]:
         ax.axhline(0.0, color=MUTED, lw=0.7)

@@ -9,14 +9,15 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from models.quantities import Vector
 
 from ..diagnosis.steps import Steps
 from ..diagnosis.text import percent
 from ..stepping import REASONS
-from .data import FigureData
+from ..units import time_unit
+from .data import SYMBOLS, FigureData
 from .style import ACCENT, MUTED, REFERENCE, headed, plt
 
 # Steps drawn of each kind at most: more cannot be told apart.
@@ -32,6 +33,7 @@ OTHERS = "#b8c4cf"
 KINDS = {
     "fixed": ("macro_step", "#4f6d7a"),
     "maximum_step": ("maximum_step", MUTED),
+    "growth": ("growth from a shorter step", "#8c9a3a"),
     "stop_time": ("stop time", "#444444"),
     "convergence": ("no convergence before", "#a0522d"),
     "discard": ("refused before", "#d977c3"),
@@ -76,10 +78,12 @@ def drawn(steps: Steps, title: str) -> Figure:
     if iterated:
         _counts(*next(rows), steps, kinds)
     for ax in axes[:, 0]:
-        ax.set_xlim(1e3 * steps.start[0], 1e3 * steps.end[-1])
+        ax.set_xlim(steps.start[0], steps.end[-1])
     for ax in axes[:-1, 0]:
         ax.tick_params(labelbottom=False)
-    axes[-1, 0].set_xlabel("Time (ms)")
+    unit, factor = time_unit(steps.end[-1] - steps.start[0])
+    axes[-1, 0].set_xlabel(f"Time ({SYMBOLS.get(unit, unit)})")
+    axes[-1, 0].xaxis.set_major_formatter(FuncFormatter(lambda time, _: f"{factor * time:.10g}"))
     axes[-1, 1].set_xlabel("Share of steps (%)")
     made.align_ylabels(axes[:, 0])
     made.legend(handles=entries, loc="outside lower left", ncols=3, handlelength=1.4)
@@ -119,11 +123,11 @@ def _bars(ax: Axes, steps: Steps, values: Vector, kinds: Kinds) -> None:
         at = np.flatnonzero(chosen)
         at = at[:: -(-len(at) // DRAWN)]
         bars, dots = at[visible[at]], at[~visible[at]]
-        ends = np.stack([steps.start[bars], steps.end[bars]], axis=1) * 1e3
+        ends = np.stack([steps.start[bars], steps.end[bars]], axis=1)
         level = np.repeat(values[bars, None], 2, axis=1)
         segments = list(np.stack([ends, level], axis=2))
         ax.add_collection(LineCollection(segments, colors=colour, lw=width, rasterized=True))
-        ax.plot(1e3 * steps.end[dots], values[dots], "o", color=colour, ms=width, mew=0.0, rasterized=True)
+        ax.plot(steps.end[dots], values[dots], "o", color=colour, ms=width, mew=0.0, rasterized=True)
 
 
 def _lengths(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
@@ -142,7 +146,7 @@ def _rejected(ax: Axes, steps: Steps) -> None:
     at = np.flatnonzero(steps.rejected)
     if len(at) <= MARKS:
         ax.plot(
-            1e3 * steps.start[at], np.full(len(at), 0.955), "|", color="black", ms=7.0, mew=0.7,
+            steps.start[at], np.full(len(at), 0.955), "|", color="black", ms=7.0, mew=0.7,
             transform=ax.get_xaxis_transform(),
         )  # fmt: skip
         return
@@ -151,7 +155,7 @@ def _rejected(ax: Axes, steps: Steps) -> None:
     rejected, _ = np.histogram(steps.end, edges, weights=steps.rejected)
     share = np.divide(rejected, attempts, out=np.zeros(SHADES), where=attempts > 0.0)
     ax.pcolormesh(
-        1e3 * edges, [0.935, 0.975], share[None, :], cmap="Greys", vmin=0.0, vmax=1.0,
+        edges, [0.935, 0.975], share[None, :], cmap="Greys", vmin=0.0, vmax=1.0,
         transform=ax.get_xaxis_transform(), rasterized=True,
     )  # fmt: skip
 
@@ -175,7 +179,7 @@ def _counts(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
         made, _ = np.histogram(steps.end, edges)
         total, _ = np.histogram(steps.end, edges, weights=steps.iterations)
         mean = np.divide(total, made, out=np.full(SHADES, np.nan), where=made > 0)
-        ax.stairs(mean, 1e3 * edges, color="black", lw=1.0, baseline=None)
+        ax.stairs(mean, edges, color="black", lw=1.0, baseline=None)
     most = int(steps.iterations.max())
     ax.set_ylim(0.0, most + 0.8)
     ax.set_ylabel("Iterations")

@@ -13,7 +13,7 @@ from models.quantities import Vector
 from ..errors import NonConvergenceError, RecoverableError, RunError, one_of
 from ..exchange import Exchange, Saved
 from ..masters import Master
-from .controller import PI
+from .controller import GROW, PI
 from .estimators import ESTIMATORS, Attempt
 from .locator import Locator
 from .protocol import (
@@ -21,6 +21,7 @@ from .protocol import (
     DISCARD,
     ERROR,
     EVENT,
+    GROWTH,
     LONGEST,
     SHORTEST,
     STOP,
@@ -72,7 +73,8 @@ class ControlledSteps:
         self._control = control
         self._estimator = ESTIMATORS[control.estimator]()
         self._controller = PI()
-        self._next = first_step  # what the error allows
+        self._next = first_step  # what the error allows, or growth from what it allowed before
+        self._set_by = GROWTH  # which of the two
         self._over = 0  # steps over the tolerance in a row
 
     def begin(self, exchange: Exchange, master: Master, start: float, stop: float) -> None:
@@ -123,7 +125,8 @@ class ControlledSteps:
                     why = ERROR
                 exchange.restore(saved)
                 self._next = max(shortest, length * self._controller.instead(error, attempt.exponent))
-        if rejected and reason == ERROR:
+                self._set_by = ERROR
+        if rejected and reason in (ERROR, GROWTH):
             reason = why
         smooth: Any = False
         if gap:
@@ -141,7 +144,7 @@ class ControlledSteps:
     def _proposed(self, time: float) -> tuple[float, float, float, int]:
         """Length of the next attempt, how long to cross what then comes, where that ends, what sets it."""
         control = self._control
-        length, reason = self._next, ERROR
+        length, reason = self._next, self._set_by
         if length >= control.maximum_step:
             length, reason = control.maximum_step, LONGEST
         end, why = self._locator.ahead(time), TIME_EVENT
@@ -161,6 +164,7 @@ class ControlledSteps:
         self._exchange.restore(saved)
         self._exchange.carried = {}
         self._next = max(self._control.minimum_step, FAILED * length)
+        self._set_by = GROWTH  # from this length on
         if length <= self._control.minimum_step:
             raise type(error)(f"{error} (also with the shortest step of {length:g} s)") from error
 
@@ -197,14 +201,17 @@ class ControlledSteps:
         factor = self._controller.after(min(error, 1.0), attempt.exponent)
         if rejected:
             factor = min(factor, 1.0)
+        grown = length * factor
         # A step cut short by an event or the stop says nothing against the length proposed before it.
-        cut = length < self._next
-        self._next = max(self._next, length * factor) if cut else length * factor
+        if length >= self._next or grown > self._next:
+            # Where the error would allow as much as the largest growth, it sets nothing.
+            growing = self._controller.allowed(error, attempt.exponent) >= GROW
+            self._next, self._set_by = grown, GROWTH if growing else ERROR
         if smooth is not False or discontinuous or self._locator.due(end):
             exchange.history.restart(smooth)
             exchange.carried = {}
             self._controller = PI()
-            self._next *= RESTARTED
+            self._next, self._set_by = RESTARTED * self._next, GROWTH
         self._next = min(max(self._next, self._control.minimum_step), self._control.maximum_step)
         told = exchange.output_number(source)
         return Step(end, end - time, attempt.iterations, rejected, error, told, reason)
@@ -212,6 +219,7 @@ class ControlledSteps:
     def state(self) -> dict[str, Any]:
         return {
             "next": self._next,
+            "set_by": self._set_by,
             "over": self._over,
             "previous": self._controller.previous,
             "last": self._locator.last,
@@ -219,5 +227,6 @@ class ControlledSteps:
 
     def resume(self, state: dict[str, Any]) -> None:
         self._next, self._over = float(state["next"]), int(state["over"])
+        self._set_by = int(state["set_by"])
         self._controller.previous = float(state["previous"])
         self._locator.last = float(state["last"])

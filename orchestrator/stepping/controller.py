@@ -31,6 +31,10 @@ class PI:
         self.previous = error
         return min(GROW, max(SHRINK, factor))
 
+    def allowed(self, error: float, exponent: float) -> float:
+        """Factor to the length that the error aimed at allows, by its order alone."""
+        return (AIM / max(error, SMALLEST)) ** (1.0 / exponent)
+
     def instead(self, error: float, exponent: float) -> float:
         """Factor for the length of another attempt after one with `error` > 1."""
-        return max(SHRINK, (AIM / error) ** (1.0 / exponent))
+        return max(SHRINK, self.allowed(error, exponent))

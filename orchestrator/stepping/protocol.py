@@ -8,10 +8,10 @@ from ..exchange import Exchange
 from ..masters import Master
 
 # What set the length of a step, by number in result files.
-FIXED, ERROR, LONGEST, STOP, EVENT, TIME_EVENT, SHORTEST, CONVERGENCE, DISCARD = range(9)
+FIXED, ERROR, LONGEST, STOP, EVENT, TIME_EVENT, SHORTEST, CONVERGENCE, DISCARD, GROWTH = range(10)
 REASONS = (
     "fixed", "error", "maximum_step", "stop_time", "event", "time_event", "discontinuity", "convergence",
-    "discard",
+    "discard", "growth",
 )  # fmt: skip
 
 

@@ -145,6 +145,11 @@ GROUNDS = {
         ["master.tolerance=1e-12"],
         "6.0 iterations a step: loosen master.tolerance (now 1e-12) to 3e-08",
     ),
+    "short_start": (
+        made(np.r_[1e-6 * 2.0 ** np.arange(20), np.full(80, 1.0)], ["growth"] * 20 + ["error"] * 80),
+        ["macro_step=1 us"],
+        'the first 20 steps (20 %) only grow, from macro_step = 1e-06 s: macro_step = "0.52 s"',
+    ),
     "longest": (
         made(np.full(100, 1e-5), "maximum_step", error=0.01),
         ["step_control.maximum_step=1e-5"],
@@ -208,6 +213,30 @@ def test_rules_for_steps_of_one_length(rule: str, steps: Steps, change: str) -> 
 def test_the_remedy_is_one_that_the_master_does_not_have_yet(changes: list[str], remedy: str) -> None:
     steps = GROUNDS["convergence"][0]
     assert remedy in said(facts(steps, *changes))["convergence"]
+
+
+def test_every_reason_has_its_words_and_its_colour(tmp_path: Path) -> None:
+    """Also as the only one, where nothing else could stand for it."""
+    for number, reason in enumerate(REASONS):
+        found = facts(made([1e-5, 2e-5], reason, iterations=2))
+        assert list(found.diagnosis.reasons) == [reason]
+        assert full(found, [], "complete")[3].split()[-4:] == ["100", "%", "100", "%"]
+        kinds, _ = figure._coloured(found.steps)
+        assert [chosen.all() for _, chosen in kinds] == [True], reason
+        assert number == found.steps.reason[0]
+
+
+@pytest.mark.parametrize(("length", "unit", "spans"), [(5.0, "s", "0 .. 1000"), (0.05e-3, "ms", "0 .. 10")])
+def test_times_are_in_a_unit_that_suits_the_run(length: float, unit: str, spans: str) -> None:
+    found = facts(made(np.full(200, length), iterations=np.r_[np.full(190, 1), np.full(10, 50)]))
+    lines = full(found, [], "complete")
+    (row,) = (i for i, line in enumerate(lines) if "limits most steps" in line)
+    assert lines[row].endswith(f"({unit})")
+    assert lines[row + 1].endswith(spans)
+    assert any(line.startswith("work: ") and f" {unit} (" in line for line in lines)
+    drawn = figure.drawn(found.steps, "run")
+    assert f"Time ({unit})" in [ax.get_xlabel() for ax in drawn.axes]
+    plt.close(drawn)
 
 
 def test_every_rule_is_tried() -> None:

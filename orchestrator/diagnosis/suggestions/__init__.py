@@ -1,0 +1,37 @@
+"""Suggestions that follow from a run's numbers. To add one: a rule, listed in RULES.
+
+Each rule states in its docstring when it speaks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..facts import Facts
+from .coupling import held_inputs, higher_degree, smaller_part, stiff_connection
+from .iteration import convergence, costly_estimator, many_iterations, uneven_work
+from .step_length import chatter, discards, discontinuity, longest, rough, short_start
+
+Rule = Callable[[Facts], str | None]
+
+RULES: list[Rule] = [
+    stiff_connection,
+    smaller_part,
+    higher_degree,
+    held_inputs,
+    uneven_work,
+    convergence,
+    many_iterations,
+    short_start,
+    longest,
+    discontinuity,
+    rough,
+    discards,
+    chatter,
+    costly_estimator,
+]
+
+
+def suggestions(facts: Facts) -> list[str]:
+    """What the rules say."""
+    return [said for rule in RULES if (said := rule(facts))]
