@@ -18,6 +18,7 @@ from rich.text import Text
 from models.quantities import Vector
 
 from .comparison import Errors, VariableError
+from .compilation import COMPILING, noticed
 from .diagnosis import brief
 from .energy.account import lines as energy_lines
 from .stepping import Step
@@ -61,6 +62,7 @@ class Reporter:
         # Lines for a file or a log need no folding to 80 columns.
         wide = None if sys.stdout.isatty() else 110
         self.console = console or Console(highlight=False, width=wide)
+        self._compiled = False
 
     def line(self, text: str) -> None:
         self.console.print(Text(text), soft_wrap=True)
@@ -73,8 +75,13 @@ class Reporter:
         progress = Progress(*columns, console=self.console, transient=True, disable=not live)
         if not live:
             self.line(text)
-        with progress:
+        with progress, noticed(COMPILING, self._compiling):
             yield Bar(progress, progress.add_task(text, total=1.0), stop_time)
+
+    def _compiling(self) -> None:
+        if not self._compiled:
+            self.line("compiling what these components need (once on this machine; up to minutes)")
+        self._compiled = True
 
     def errors(self, errors: Errors) -> None:
         """The comparison as a table; variables with a tolerance first."""

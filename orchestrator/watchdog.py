@@ -6,6 +6,8 @@ read here.
 When a call has taken too long, that process sends a signal, of which Python code, also where it sleeps,
 makes a StalledError. If the call does not come back even so, it writes the summary and ends this process
 with exit status 3; see `watchdog_process`.
+The time in which kernels are compiled does not count: it is not the participant's, and numba must not be
+broken off in it.
 """
 
 from __future__ import annotations
@@ -19,13 +21,14 @@ import sys
 import tempfile
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, TypeVar
 
 from models.quantities import Vector
 
+from .compilation import PREPARING, noticed
 from .errors import MistakeError, StalledError
 from .participants import Participant
 from .plain_data import Plain
@@ -78,6 +81,7 @@ class Watchdog:
         self._setup = json.dumps(setup).encode() + b"\n"
         self._stalled: StalledError | None = None
         self._previous: Any = None
+        self._kept = 0  # the mark of the call in which kernels are being compiled
 
     def __enter__(self) -> Watchdog:
         with tempfile.TemporaryFile() as file:
@@ -92,12 +96,17 @@ class Watchdog:
         if threading.current_thread() is threading.main_thread():
             self._previous = signal.signal(signal.SIGUSR1, self._interrupt)
         self._quit = _on_quit(ctypes.cast(ctypes.CDLL(None)._exit, ctypes.c_void_p).value)
+        self._unraised, sys.unraisablehook = sys.unraisablehook, self._not_raised
+        self._compiling = ExitStack()
+        self._compiling.enter_context(noticed(PREPARING, self._pause, self._go_on))
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self._compiling.close()
         self._cells[MARK] = 0
+        sys.unraisablehook = self._unraised
         assert self._process.stdin
         self._process.stdin.close()
         self._process.wait()
@@ -111,6 +120,18 @@ class Watchdog:
             text = message(self._names, number, self._limit, self._cells[STEPS], self._times[TIME])
             self._stalled = StalledError(text)
             raise self._stalled
+
+    def _not_raised(self, unraisable: Any) -> None:
+        """A StalledError that C code cannot pass on is raised at the end of the step, and not printed."""
+        if not isinstance(unraisable.exc_value, StalledError):
+            self._unraised(unraisable)
+
+    def _pause(self) -> None:
+        self._kept, self._cells[MARK] = self._cells[MARK] % FRESH, 0
+
+    def _go_on(self) -> None:
+        if self._kept:
+            self._cells[MARK] = FRESH + self._kept
 
     def made(self, name: str, make: Callable[[], Participant]) -> Participant:
         """What `make` gives, watched."""

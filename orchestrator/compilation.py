@@ -1,0 +1,36 @@
+"""When kernels are being compiled: the time is nobody's fault, and whoever waits for it is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from numba.core import event
+
+# What numba tells of: compiling, and all that comes before a kernel's first call, loading from disk too.
+COMPILING, PREPARING = "numba:compile", "numba:compiler_lock"
+
+
+class _Noticing(event.Listener):  # type: ignore[misc]
+    """Calls `begin` and `end` around compilations; kernels that are compiled for others count as one."""
+
+    def __init__(self, begin: Callable[[], None], end: Callable[[], None]) -> None:
+        self._begin, self._end = begin, end
+        self._depth = 0
+
+    def on_start(self, event: object) -> None:
+        self._depth += 1
+        if self._depth == 1:
+            self._begin()
+
+    def on_end(self, event: object) -> None:
+        self._depth -= 1
+        if self._depth == 0:
+            self._end()
+
+
+@contextmanager
+def noticed(what: str, begin: Callable[[], None], end: Callable[[], None] = lambda: None) -> Iterator[None]:
+    """Within the block, `begin` is called when this process begins `what`, and `end` when it has ended."""
+    with event.install_listener(what, _Noticing(begin, end)):
+        yield
