@@ -11,7 +11,8 @@ from models.monolithic.difference import difference
 from models.quantities import Vector
 from models.system import Port, System
 
-from .operator import MacroStep, missed_by
+from .missed import missed_by
+from .operator import MacroStep
 
 # Twelve times the derivatives at the first two of five points.
 ENDS = np.array([[-25.0, 48.0, -36.0, 16.0, -3.0], [-3.0, -10.0, 18.0, -6.0, 1.0]])

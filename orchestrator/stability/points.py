@@ -12,7 +12,9 @@ from models.monolithic.course import Course
 from models.quantities import Vector
 from models.system import Port, System
 
-from .linear import Linear, linearised
+from .equations import linearised
+from .linear import Linear
+from .spectra import eigenvalues
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +31,7 @@ class Point:
 
         A system that grows is not to be blamed on its coupling.
         """
-        values = np.linalg.eigvals(self.matrix)
+        values = eigenvalues(self.matrix)
         return max(0.0, float(np.max(values.real, initial=0.0)))
 
     @cached_property

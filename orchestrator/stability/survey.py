@@ -15,10 +15,10 @@ from models.system import Port, System, parse_port
 from ..masters import MASTERS, Master
 from ..scenario import Scenario
 from ..signals import DEGREES
-from .behaviour import RATIO, Behaviour, bisected, hardest, largest_stable
+from .behaviour import RATIO, Behaviour, Benches, bisected, hardest, largest_stable
 from .error import Sampled, predicted, sampled
 from .findings import Survey, Surveyed
-from .operator import HERMITE, missed_by
+from .missed import HERMITE, missed_by
 from .partition import Partition
 from .points import Point, point_at
 from .steps import reached, rounded_down
@@ -55,7 +55,9 @@ def survey(
     )
     interval = step / FINER
     count = min(INSTANTS, round(scenario.stop_time / interval))
-    where = course(system, interval * np.arange(count + 1), COURSE_TOLERANCE, lambda s: progress(0.2 * s))
+    where = course(
+        system, np.arange(count + 1) * np.float64(interval), COURSE_TOLERANCE, lambda s: progress(0.2 * s)
+    )
     rows = np.linspace(0, count, POINTS, endpoint=False).astype(int)
     rows = np.unique([*rows, *(round(min(max(t / interval, 0.0), count)) for t in at)])
     surveyor = _Surveyor(
@@ -103,14 +105,13 @@ class _Surveyor:
         self.scenario, self.system, self.points = scenario, system, points
         self._converged: dict[tuple[Any, ...], Surveyed] = {}
         self.partition = Partition(system, points, watched)
-        self._watched: Mapping[str, list[str]] = {
-            name: [port.variable for port in watched if port.instance == name] for name in system.instances
-        }
+        names = {n: [port.variable for port in watched if port.instance == n] for n in system.instances}
+        self._benches = Benches(system, names)
         self._first = scenario.macro_step / DOWN
         self._longest = min(UP * scenario.macro_step, scenario.stop_time)
         probe = MASTERS["jacobi"]()
-        self.hardest, _ = hardest(points, probe, self._first, self._longest, self._watched)
-        sources = Behaviour(points[0], probe, self._watched).sources
+        self.hardest, _ = hardest(points, probe, self._first, self._longest, self._benches)
+        sources = Behaviour(points[0], probe, self._benches).sources
         self._sampled: Sampled = sampled(where, system, sources)
         self._names = {str(port): sources.index(port) for port in watched}
         self.typical = self._typical()
@@ -121,7 +122,7 @@ class _Surveyor:
         kind = MASTERS["gauss_seidel"]
         excess = []
         for point in self.points:
-            behaviour = Behaviour(point, kind(), self._watched)
+            behaviour = Behaviour(point, kind(), self._benches)
             excess.append(self._excess(self._errors(behaviour, FINER)))
         events = any(i.component.events for i in self.system.instances.values())
         return self.points[int(np.argsort(excess)[-1 if events else len(excess) // 2])]
@@ -132,11 +133,11 @@ class _Surveyor:
         orders = list(self.partition.orders())
         if len(orders) == 1:
             return orders[0]
-        listed = Behaviour(self.hardest, kind(), self._watched)
+        listed = Behaviour(self.hardest, kind(), self._benches)
         limit = largest_stable(listed.at, self._first, self._longest, [], COARSE)
         beyond = min(1.5 * limit, self._longest)
         radius = {
-            order: Behaviour(self.hardest, kind(order=order), self._watched).at(beyond).radius
+            order: Behaviour(self.hardest, kind(order=order), self._benches).at(beyond).radius
             for order in orders
         }
         least = min(radius.values())
@@ -147,7 +148,7 @@ class _Surveyor:
         return min(
             equal,
             key=lambda order: max(
-                self._errors(Behaviour(self.typical, kind(order=order), self._watched), FINER).values()
+                self._errors(Behaviour(self.typical, kind(order=order), self._benches), FINER).values()
             ),
         )
 
@@ -169,12 +170,12 @@ class _Surveyor:
 
     def _stability(self, master: Master) -> Surveyed:
         found = Surveyed(master)
-        worst = Behaviour(self.hardest, master, self._watched)
+        worst = Behaviour(self.hardest, master, self._benches)
         ratio = COARSE if master.implicit else RATIO
         found.limit = largest_stable(worst.at, self._first, self._longest, found.seen, ratio)
         found.hardest = self.hardest.time
         for point in self.points:
-            other = Behaviour(point, master, self._watched)
+            other = Behaviour(point, master, self._benches)
             just = min(ALMOST * found.limit, self._longest)
             if found.limit > 0.0 and not other.at(just).stable:
                 found.limit = min(found.limit, largest_stable(other.at, self._first, just, [], ratio))
@@ -188,13 +189,13 @@ class _Surveyor:
         operator = behaviour.operator(factor * self._sampled.interval)
         if operator is None:
             return dict.fromkeys(self._names, math.inf)
-        found = predicted(operator, *self._sampled.every(factor), behaviour.bench.exchange.nominal)
+        found = predicted(operator, *self._sampled.every(factor), behaviour.nominal)
         return {name: float(found[i]) for name, i in self._names.items()}
 
     def _measure(self, found: Surveyed) -> None:
         """Errors against the step, and the largest steps that stability and tolerance allow."""
         step, interval = self.scenario.macro_step, self._sampled.interval
-        factor, behaviour = FINER, Behaviour(self.typical, found.master, self._watched)
+        factor, behaviour = FINER, Behaviour(self.typical, found.master, self._benches)
         while factor * interval < found.limit and len(self._sampled.values) > 8 * factor:
             # A narrow band of unstable steps, met where the limit's search stepped over it.
             if not behaviour.at(factor * interval).stable:
@@ -222,8 +223,8 @@ class _Surveyor:
         interval = self._sampled.interval
         factor = max(1, round(found.recommended / interval))
         missed = missed_by(*self._sampled.every(factor), factor * interval, found.master.degree)
-        behaviour = Behaviour(self.typical, found.master, self._watched)
-        amounts = np.sqrt(np.mean(missed**2, axis=0)) / behaviour.bench.exchange.nominal
+        behaviour = Behaviour(self.typical, found.master, self._benches)
+        amounts = np.sqrt(np.mean(missed**2, axis=0)) / behaviour.nominal
         found.cost = behaviour.effort(found.recommended, amounts) / found.recommended
         if not math.isfinite(found.cost):
             found.recommended = 0.0

@@ -25,12 +25,15 @@ from orchestrator.participants import in_process
 from orchestrator.scenario import MasterTable
 from orchestrator.scenario_files import load
 from orchestrator.simulation import simulate
-from orchestrator.stability.behaviour import Behaviour, hardest, largest_stable
+from orchestrator.stability.behaviour import Behaviour, Benches, hardest, largest_stable
+from orchestrator.stability.copies import LinearParticipant
+from orchestrator.stability.equations import linearised
 from orchestrator.stability.error import predicted, sampled
-from orchestrator.stability.linear import ROWS, LinearParticipant, linearised
-from orchestrator.stability.operator import missed_by, missing, spectral_radius
+from orchestrator.stability.linear import ROWS
+from orchestrator.stability.missed import missed_by, missing
 from orchestrator.stability.partition import Partition
 from orchestrator.stability.points import Point, point_at
+from orchestrator.stability.spectra import spectral_radius
 from orchestrator.stability.steps import rounded_down
 
 from .recorder import Recorder
@@ -87,7 +90,7 @@ def radius(matrix):
 @pytest.mark.parametrize("signal", ["hold", "linear"])
 def test_the_macro_step_read_out_of_a_master_has_the_spectral_radius_of_the_one_derived_by_hand(kind, signal):
     """Independent method; eigenvalues agree to the differences' 1e-9 times their condition."""
-    behaviour = Behaviour(point(two_masses()), kind(signal), {})
+    behaviour = Behaviour(point(two_masses()), kind(signal))
     for h in (1e-2, 5e-2, 0.2):
         by_hand = radius(step_by_hand(h, int(signal == "linear"), kind is GaussSeidel))
         assert behaviour.at(h).radius == pytest.approx(by_hand, rel=1e-7)
@@ -97,7 +100,7 @@ def test_the_macro_step_read_out_of_a_master_has_the_spectral_radius_of_the_one_
 @pytest.mark.parametrize("signal", ["hold", "linear"])
 def test_the_largest_stable_step_is_where_the_radius_derived_by_hand_crosses_one(kind, signal):
     """To the bisection's 2^(1/256) in the step."""
-    behaviour = Behaviour(point(two_masses()), kind(signal), {})
+    behaviour = Behaviour(point(two_masses()), kind(signal))
     limit = largest_stable(behaviour.at, 1e-2, 1.0, [])
 
     def excess(h):
@@ -139,7 +142,7 @@ def test_runs_of_the_masses_grow_beyond_the_predicted_limit_and_decay_below_it(m
     """Observed 4 % to both sides, over steps enough for a factor of exp(10): what grows is no part of the
     start and begins at its rounding or truncation."""
     system = two_masses(coupling_stiffness=400.0)
-    behaviour = Behaviour(point(system), master, {})
+    behaviour = Behaviour(point(system), master)
     limit = largest_stable(behaviour.at, 1e-3, 0.5, [])
     for share in (0.96, 1.04):
         rate = np.log(behaviour.at(share * limit).radius)
@@ -151,8 +154,8 @@ def estimate(system, master, step, stop, watched=(), row=0):
     """Estimated and measured relative RMS error, of the watched or of all exchanged values."""
     where = course(system, step * np.arange(round(stop / step) + 1), 1e-10)
     names = {n: [p.variable for p in watched if p.instance == n] for n in system.instances}
-    behaviour = Behaviour(point_at(system, where, row, watched), master, names)
-    sources, nominal = behaviour.sources, behaviour.bench.exchange.nominal
+    behaviour = Behaviour(point_at(system, where, row, watched), master, Benches(system, names))
+    sources, nominal = behaviour.sources, behaviour.nominal
     track = sampled(where, system, sources)
     expected = predicted(behaviour.operator(step), track.values, track.rates, nominal)
     run = recorded(system, master, step, stop)
@@ -191,7 +194,7 @@ def test_the_valve_train_runs_below_the_predicted_limit_and_runs_away_beyond(val
     """Observed at 0.8 and 1.25 of the limit. Jacobi's contact ends in bouncing, which the run's guard may
     bear: an error of the load's own size is a runaway too."""
     points = [point_at(valve_train, lift, row, []) for row in range(0, 901, 90)]
-    _, limit = hardest(points, master, 1e-6, 1e-4, {})
+    _, limit = hardest(points, master, 1e-6, 1e-4)
 
     def error(step):
         found = recorded(valve_train, master, step, LIFT)
@@ -315,7 +318,7 @@ def test_growth_of_the_system_itself_is_not_blamed_on_its_coupling():
         np.linalg.eigvals(at.matrix + np.pad(negative, (0, 2))).real.max(), rel=1e-9
     )
     assert grows.growth > 5.0
-    behaviour = Behaviour(grows, GaussSeidel("quadratic"), {})
+    behaviour = Behaviour(grows, GaussSeidel("quadratic"))
     assert spectral_radius(behaviour.operator(1e-2).matrix) == pytest.approx(
         np.exp(1e-2 * grows.growth), rel=1e-3
     )

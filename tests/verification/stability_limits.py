@@ -58,7 +58,7 @@ def _two_masses() -> Row:
     system = two_masses(coupling_stiffness=400.0)
     parts, wrong = [], []
     for master in COMPARED:
-        behaviour = Behaviour(point(system), master, {})
+        behaviour = Behaviour(point(system), master)
         limit = largest_stable(behaviour.at, 1e-3, 0.5, [])
         factors = []
         for share in (1.0 - NEAR, 1.0 + NEAR):
@@ -84,7 +84,7 @@ def _valve_train() -> Row:
     column = system.outputs.names.index("contact.load")
     parts, met = [], True
     for master in (GaussSeidel("linear"), Jacobi("linear")):
-        _, limit = hardest(points, master, 1e-6, 1e-4, {})
+        _, limit = hardest(points, master, 1e-6, 1e-4)
         said, errors = [], []
         for share in (0.8, 1.25):
             try:
