@@ -33,7 +33,8 @@ class Exchange:
     """All evolving data of a coupled run outside the participants.
 
     `values` are the connected outputs ("sources") and those that are only `watched`, each once,
-    participant by participant; `rates` their time derivatives, for signals of degree 3 and where `rated`.
+    participant by participant; `rates` their time derivatives, for signals of degree 3 and where `rated`;
+    `arrived` both.
     `columns[i]` are the sources that feed participant i, in the order of its bound inputs `inputs[i]`.
     `signals` have `degree` + 1 coefficients: value and derivatives at the start of the step. `calls` counts
     the steps asked of each participant, `carried` is what masters remember from step to step (plain arrays
@@ -53,7 +54,7 @@ class Exchange:
         self.listed = list(range(len(self.names)))
         self.participants = [participants[name] for name in self.names]
         self.restorable = all(participant.restorable for participant in self.participants)
-        self.calls = [0] * len(self.names)
+        self.calls = np.zeros(len(self.names), dtype=np.int64)
         self.carried: dict[str, Any] = {}
         self.predicted: Vector | None = None  # what iterated masters arrive at first, for estimators
         self.parts: list[list[int]] | None = None  # of iterated masters, made at their first step
@@ -69,8 +70,8 @@ class Exchange:
             self.slices.append(slice(start, len(self.sources)))
         self.number = {port: i for i, port in enumerate(self.sources)}
         self.connected = np.array([i for i, port in enumerate(self.sources) if port in connected], dtype=int)
-        self.values: Vector = np.zeros(len(self.sources))
-        self.rates: Vector = np.zeros(len(self.sources))
+        self.arrived: Vector = np.zeros((2, len(self.sources)))
+        self.values, self.rates = self.arrived
         self.rated = np.zeros(len(self.sources), dtype=np.bool_)
         self.nominal: Vector = np.array(
             [system.outputs.nominal[system.outputs.index(port)] for port in self.sources]
@@ -216,7 +217,7 @@ class Exchange:
             "past_rates": h.rates.copy(),
             "known": h.count,
             "smooth": h.smooth.copy(),
-            "calls": list(self.calls),
+            "calls": self.calls.tolist(),
             "carried": dict(self.carried),
         }
 

@@ -9,8 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+import numba
 import numpy as np
 
+from . import fmu_passes
+from .participants.fmu import FmuParticipant
 from .signals import finite, gather, gather_flat, interpolate_part, relay
 
 if TYPE_CHECKING:
@@ -21,6 +24,8 @@ Pass = Callable[[float, float], None]
 
 def together(exchange: Exchange, order: Sequence[int]) -> Pass:
     """All advance with the signals as they are, then all are read."""
+    if fmus := _fmus(exchange, order):
+        return fmu_passes.FmuPass(exchange, fmus, order, fmu_passes.together)
     e, calls = exchange, exchange.calls
     signals, values, rates, inputs = e.signals, e.values, e.rates, e.all_inputs
     n = len(e.sources)
@@ -50,6 +55,8 @@ def together(exchange: Exchange, order: Sequence[int]) -> Pass:
 
 def in_turn(exchange: Exchange, order: Sequence[int]) -> Pass:
     """One after the other, the signals of each interpolating what it arrived at before the next advances."""
+    if fmus := _fmus(exchange, order):
+        return fmu_passes.FmuPass(exchange, fmus, order, fmu_passes.in_turn)
     e, calls = exchange, exchange.calls
     signals = e.signals
     first = (e.columns[order[0]], e.inputs[order[0]])
@@ -92,3 +99,10 @@ def _arrival(exchange: Exchange, i: int, following: int) -> Callable[[float], bo
         return fine
 
     return arrived_with_rates if degree == 3 else arrived
+
+
+def _fmus(exchange: Exchange, order: Sequence[int]) -> list[FmuParticipant]:
+    """The FMUs of a pass; none where compiled code is off, or another kind is among them, or one wrapped."""
+    units = [exchange.participants[i] for i in order]
+    fmus = [unit for unit in units if isinstance(unit, FmuParticipant)]
+    return fmus if len(fmus) == len(units) and not numba.config.DISABLE_JIT else []

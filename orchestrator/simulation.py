@@ -144,7 +144,7 @@ def simulate(
         elapsed = clock.perf_counter() - began
         for observer in observers:
             observer.end(complete, message)
-    return Statistics(made, rejected, iterations, sum(exchange.calls), elapsed)
+    return Statistics(made, rejected, iterations, int(exchange.calls.sum()), elapsed)
 
 
 def _begin(

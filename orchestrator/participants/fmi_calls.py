@@ -6,7 +6,7 @@ fmpy's own methods build lists at every call.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +29,8 @@ class Calls:
     def __init__(self, slave: FMU2Slave) -> None:
         # A Python FMU runs in this interpreter, which ctypes would let go for every call only for the FMU to
         # take it again; PyDLL keeps it.
-        in_python = Path(slave.unzipDirectory, "resources", "slavemodule.txt").is_file()
-        self._library = ctypes.PyDLL(None, handle=slave.dll._handle) if in_python else slave.dll
+        self._in_python = Path(slave.unzipDirectory, "resources", "slavemodule.txt").is_file()
+        self._library = ctypes.PyDLL(None, handle=slave.dll._handle) if self._in_python else slave.dll
         self._handle = ctypes.c_void_p(slave.component)
         self._save = self._function("fmi2GetFMUstate")
         self._restore = self._function("fmi2SetFMUstate")
@@ -41,20 +41,29 @@ class Calls:
         function.restype = ctypes.c_int
         return function
 
+    def addresses(self) -> dict[str, int]:
+        """What compiled code needs to call the functions itself."""
+        functions = {"set_real": "fmi2SetReal", "do_step": "fmi2DoStep", "get_real": "fmi2GetReal"}
+        found = {key: ctypes.cast(self._library[name], ctypes.c_void_p) for key, name in functions.items()}
+        return {key: address.value or 0 for key, address in found.items()} | {
+            "component": self._handle.value or 0,
+            "in_python": int(self._in_python),
+        }
+
     def reals(
-        self, function: str, references: Sequence[int], values: Vector, fail: Callable[[int], None]
+        self, function: str, references: Any, values: Vector, fail: Callable[[int], None]
     ) -> Callable[[], None]:
-        """fmi2SetReal or fmi2GetReal between these variables and the memory of `values`.
+        """fmi2SetReal or fmi2GetReal between these variables (unsigned int) and the memory of `values`.
 
         `fail` is called with the status of a call that did not succeed.
         """
-        if not references:
+        if not len(references):
             return lambda: None
         call, handle = self._function(function), self._handle
-        wanted = (ctypes.c_uint * len(references))(*references)
-        count, memory = ctypes.c_size_t(len(references)), ctypes.c_void_p(values.ctypes.data)
+        wanted, memory = ctypes.c_void_p(references.ctypes.data), ctypes.c_void_p(values.ctypes.data)
+        count = ctypes.c_size_t(len(references))
 
-        def transfer(values: Vector = values) -> None:  # keeps the memory alive
+        def transfer(kept: Any = (references, values)) -> None:  # keeps the memory alive
             status = call(handle, wanted, count, memory)
             if status > WARNING:
                 fail(status)

@@ -25,6 +25,7 @@ from ..errors import (
     ParticipantError,
     RecoverableError,
 )
+from .compiled import SET, STEP
 from .fmi_calls import WARNING, Calls
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
@@ -58,6 +59,9 @@ class FmuParticipant:
     Inputs follow a polynomial over the step where the FMU offers `<input>_der1`, `_der2`; others are held.
     Rates are those of outputs for which the FMU has an output or local variable that it declares to be
     their `derivative`, and of discrete outputs.
+
+    For compiled code that makes the calls of a step itself: the references `given` are set to the inputs
+    `picked` (rows, columns); those `taken` are the outputs, then the rates of the outputs `rated`.
     """
 
     def __init__(self, name: str, path: Path, instance: Instance) -> None:
@@ -169,14 +173,14 @@ class FmuParticipant:
                     found.append(self._reference(full))
                     rows.append(order)
                     columns.append(column)
-        self._inputs, self._pick = inputs, (rows, columns)
+        self._inputs = inputs
+        self.given = np.array(found, dtype=np.uintc)
+        self.picked = np.array(rows, dtype=np.int64), np.array(columns, dtype=np.int64)
         # Where every derivative is taken, the bound memory is handed over as it is.
-        self._picked = None if len(found) == inputs.size else np.zeros(len(found))
-        taken = inputs if self._picked is None else self._picked
-        self._set = self._calls.reals(
-            "fmi2SetReal", found, taken, lambda status: self._fail(status, "setting the inputs")
-        )
-        self.write = self._set if self._picked is None else self._write_picked
+        whole = len(found) == inputs.size
+        self._picks = inputs if whole else np.zeros(len(found))
+        self._set = self._calls.reals("fmi2SetReal", self.given, self._picks, self._setting_failed)
+        self.write = self._set if whole else self._write_picked
         self._bind_all_outputs()
         return self._bind_read(output_names, outputs, rates)
 
@@ -185,15 +189,12 @@ class FmuParticipant:
         wanted = [self._reference(name) for name in output_names]
         companions = self._rates_by_output() if rates.size else {}
         rated = [i for i, name in enumerate(output_names) if name in companions]
-        if not rated:
-            self.read = self._calls.reals("fmi2GetReal", wanted, outputs, self._reading_failed)
-        else:
-            self._outputs, self._rates = outputs, rates
-            self._rated = slice(None) if len(rated) == rates.size else np.array(rated)
-            wanted += [companions[output_names[i]] for i in rated]
-            self._values_and_rates = np.zeros(len(wanted))
-            self._get = self._calls.reals("fmi2GetReal", wanted, self._values_and_rates, self._reading_failed)
-            self.read = self._read_with_rates
+        wanted += [companions[output_names[i]] for i in rated]
+        self.taken, self.rated = np.array(wanted, dtype=np.uintc), np.array(rated, dtype=np.int64)
+        self._outputs, self._rates = outputs, rates
+        self._values_and_rates = np.zeros(len(wanted)) if rated else outputs
+        self._get = self._calls.reals("fmi2GetReal", self.taken, self._values_and_rates, self._reading_failed)
+        self.read = self._read_with_rates if rated else self._get
         if not rates.size:
             return [False] * len(output_names)
         discrete = [self._variables[name].variability == "discrete" for name in output_names]
@@ -212,7 +213,7 @@ class FmuParticipant:
         self._get()
         values, count = self._values_and_rates, self._outputs.size
         self._outputs[:] = values[:count]
-        self._rates[self._rated] = values[count:]
+        self._rates[self.rated] = values[count:]
 
     def _bind_all_outputs(self) -> None:
         names = self._instance.component.outputs.names
@@ -220,7 +221,7 @@ class FmuParticipant:
         self._reals = [i for i, name in enumerate(names) if kinds.get(name) == "Real"]
         self._others = [i for i, name in enumerate(names) if kinds.get(name, "Real") != "Real"]
         self._real_values = np.zeros(len(self._reals))
-        references = [self._reference(names[i]) for i in self._reals]
+        references = np.array([self._reference(names[i]) for i in self._reals], dtype=np.uintc)
         self._get_all = self._calls.reals("fmi2GetReal", references, self._real_values, self._reading_failed)
 
     def initialise(self, start_time: float, stop_time: float) -> None:
@@ -251,9 +252,11 @@ class FmuParticipant:
             self._slave.exitInitializationMode()
 
     def _write_picked(self) -> None:
-        assert self._picked is not None
-        self._picked[:] = self._inputs[self._pick]
+        self._picks[:] = self._inputs[self.picked]
         self._set()
+
+    def _setting_failed(self, status: int) -> None:
+        self._fail(status, "setting the inputs")
 
     def _reading_failed(self, status: int) -> None:
         self._fail(status, "reading the outputs")
@@ -262,6 +265,24 @@ class FmuParticipant:
         if status == DISCARD:
             self._discarded(time, step)
         self._fail(status, f"step from t = {time:.9g} s by {step:g} s")
+
+    def describe(self, record: Any, given: Vector, taken: Vector) -> None:
+        """Fill the record (see `compiled`); what is given and taken begins there."""
+        for name, address in self._calls.addresses().items():
+            record[name] = address
+        record["given"], record["taken"] = given.ctypes.data, taken.ctypes.data
+        for name, references in (("given", self.given), ("taken", self.taken)):
+            record[f"{name}_references"] = references.ctypes.data
+            record[f"{name}_count"] = len(references)
+
+    def failed(self, call: int, status: int, time: float, step: float) -> None:
+        """Raise the error of a call (see `compiled`) that compiled code made."""
+        if call == SET:
+            self._setting_failed(status)
+        elif call == STEP:
+            self._not_advanced(status, time, step)
+        else:
+            self._reading_failed(status)
 
     def read_all(self, values: Vector) -> None:
         self._get_all()

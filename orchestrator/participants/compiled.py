@@ -1,0 +1,111 @@
+"""The calls of FMUs that run in every step, made by compiled code.
+
+An FMU's functions are called by their addresses: between two calls there is no Python, which would take
+longer than the call of a small FMU. `CALLS` is all that this takes, one record for each FMU.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from .fmi_calls import WARNING
+
+# Addresses of the functions, of the component, and of the references and numbers that are given to it and
+# taken from it; how many these are. Where the FMU is in Python, the interpreter is not let go for its calls.
+CALLS = np.dtype(
+    [
+        (name, np.int64)
+        for name in (
+            "component", "in_python", "set_real", "do_step", "get_real",
+            "given", "given_references", "given_count",
+            "taken", "taken_references", "taken_count",
+        )
+    ]
+)  # fmt: skip
+
+# Which call of an FMU did not succeed.
+FINE, SET, STEP, GET, NOT_FINITE = range(5)
+
+
+def _function(builder: Any, address: Any, *arguments: str) -> Any:
+    """The C function at that address, of these types of arguments, that returns a status."""
+    kinds = {"address": ir.IntType(64), "double": ir.DoubleType(), "int": ir.IntType(32)}
+    kind = ir.FunctionType(ir.IntType(32), [kinds[argument] for argument in arguments])
+    return builder.inttoptr(address, kind.as_pointer())
+
+
+@intrinsic
+def _call_reals(typing: Any, function: Any, component: Any, references: Any, count: Any, memory: Any) -> Any:
+    """fmi2SetReal or fmi2GetReal."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        called = _function(builder, arguments[0], "address", "address", "address", "address")
+        return builder.call(called, arguments[1:])
+
+    return types.int32(*[types.int64] * 5), generate
+
+
+@intrinsic
+def _call_step(typing: Any, function: Any, component: Any, time: Any, step: Any, no_rollback: Any) -> Any:
+    """fmi2DoStep."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        called = _function(builder, arguments[0], "address", "double", "double", "int")
+        return builder.call(called, arguments[1:])
+
+    return types.int32(types.int64, types.int64, types.float64, types.float64, types.int32), generate
+
+
+# Other threads, an FMU's own too, may need the interpreter meanwhile.
+_let_go = types.ExternalFunction("PyEval_SaveThread", types.intp())
+_take_again = types.ExternalFunction("PyEval_RestoreThread", types.void(types.intp))
+
+
+@numba.njit(cache=True)
+def _reals(fmu: Any, function: int, references: int, count: int, memory: int) -> int:
+    if count == 0:
+        return 0
+    if fmu.in_python:
+        return _call_reals(function, fmu.component, references, count, memory)
+    thread = _let_go()
+    status = _call_reals(function, fmu.component, references, count, memory)
+    _take_again(thread)
+    return status
+
+
+@numba.njit(cache=True)
+def _step(fmu: Any, time: float, step: float) -> int:
+    yes = numba.int32(1)
+    if fmu.in_python:
+        return _call_step(fmu.do_step, fmu.component, time, step, yes)
+    thread = _let_go()
+    status = _call_step(fmu.do_step, fmu.component, time, step, yes)
+    _take_again(thread)
+    return status
+
+
+@numba.njit(cache=True)
+def advance(fmu: Any, time: float, step: float) -> tuple[int, int]:
+    """Set the inputs and make the step; the call that did not succeed, or FINE, and its status."""
+    status = _reals(fmu, fmu.set_real, fmu.given_references, fmu.given_count, fmu.given)
+    if status > WARNING:
+        return SET, status
+    status = _step(fmu, time, step)
+    if status > WARNING:
+        return STEP, status
+    return FINE, status
+
+
+@numba.njit(cache=True)
+def take(fmu: Any) -> tuple[int, int]:
+    """Get outputs and rates; as `advance`."""
+    status = _reals(fmu, fmu.get_real, fmu.taken_references, fmu.taken_count, fmu.taken)
+    if status > WARNING:
+        return GET, status
+    return FINE, status

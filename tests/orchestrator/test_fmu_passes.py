@@ -1,0 +1,120 @@
+"""Passes in compiled code over FMUs: the same bits, calls and errors as the passes in Python."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fmus.build import build
+from orchestrator import fmu_passes
+from orchestrator.errors import RunError
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi
+from orchestrator.participants import fmu
+from orchestrator.participants.fmi_calls import Calls
+from orchestrator.signals import DEGREES
+from orchestrator.simulation import simulate
+
+from .recorder import Recorder
+from .small_fmus import small_fmu
+from .two_masses import two_masses
+
+STEP = 1e-2
+
+
+class Wrapped:
+    """An FMU as any other participant, for which passes are in Python."""
+
+    def __init__(self, inner):
+        self._inner = inner
+
+    def __getattr__(self, name):
+        return getattr(self._inner, name)
+
+
+class Counting:
+    """Counts the passes in compiled code."""
+
+    def __init__(self, monkeypatch):
+        self.made = 0
+        made = fmu_passes.FmuPass.__call__
+
+        def counted(self_, time, step):
+            self.made += 1
+            made(self_, time, step)
+
+        monkeypatch.setattr(fmu_passes.FmuPass, "__call__", counted)
+
+
+@pytest.fixture
+def compiled(monkeypatch):
+    return Counting(monkeypatch)
+
+
+def run(master, second, wrap, stop=0.3):
+    """The outputs, the steps asked of participants, and the error."""
+    system, recorder = two_masses(), Recorder()
+    files = {"first": build("coupled_mass"), "second": second or build("sprung_mass")}
+    units = {name: wrap(fmu(name, files[name], instance)) for name, instance in system.instances.items()}
+    statistics = ended = None
+    try:
+        statistics = simulate(system, units, master, STEP, stop, [recorder])
+    except RunError as error:
+        ended = type(error), str(error)
+    finally:
+        for unit in units.values():
+            unit.close()
+    found = np.array([recorder[name] for name in ("first.force", "second.position", "second.velocity")])
+    return found, statistics and statistics.do_steps, ended
+
+
+@pytest.mark.parametrize("signal", DEGREES)
+@pytest.mark.parametrize("kind", [Jacobi, GaussSeidel, Iterated])
+def test_the_same_bits_and_calls_as_in_python(kind, signal, compiled):
+    """Ours: all derivatives of inputs are taken, rates are given."""
+    found = run(kind(signal), None, lambda unit: unit)
+    assert compiled.made >= 30
+    compiled.made = 0
+    expected = run(kind(signal), None, Wrapped)
+    assert compiled.made == 0
+    assert found[1:] == expected[1:]
+    assert expected[1] >= 60
+    np.testing.assert_array_equal(found[0], expected[0])
+    assert np.ptp(found[0]) > 1.0
+
+
+@pytest.mark.parametrize("signal", ["hold", "quadratic", "hermite"])
+def test_an_fmu_that_holds_its_inputs_and_gives_no_rates(signal, tmp_path, compiled):
+    """Of ours only some numbers are taken then, and only some go to it."""
+    foreign = small_fmu("sound", tmp_path)
+    found = run(GaussSeidel(signal), foreign, lambda unit: unit)
+    assert compiled.made == 30  # such an FMU cannot be rolled back
+    np.testing.assert_array_equal(found[0], run(GaussSeidel(signal), foreign, Wrapped)[0])
+
+
+def test_the_order_of_calls_may_be_another_one():
+    master = GaussSeidel("linear", order=("second", "first"))
+    found, expected = run(master, None, lambda unit: unit), run(master, None, Wrapped)
+    np.testing.assert_array_equal(found[0], expected[0])
+    assert not np.array_equal(found[0], run(GaussSeidel("linear"), None, Wrapped)[0])
+
+
+@pytest.mark.parametrize("kind", [Jacobi, GaussSeidel])
+@pytest.mark.parametrize("vice", ["refusing", "raising", "infinite"])
+def test_the_same_error_after_the_same_steps(kind, vice, tmp_path, compiled):
+    file = small_fmu(vice, tmp_path)
+    found = run(kind("linear"), file, lambda unit: unit, stop=1.0)
+    assert 50 <= compiled.made <= 60
+    expected = run(kind("linear"), file, Wrapped, stop=1.0)
+    assert found[2] == expected[2]
+    assert "second" in found[2][1]
+    np.testing.assert_array_equal(found[0], expected[0])
+
+
+def test_the_interpreter_is_let_go_for_an_fmu_that_is_not_in_python(monkeypatch, compiled):
+    """It takes it again itself, as these do whether or not it is held."""
+    addresses = Calls.addresses
+    expected = run(GaussSeidel("hermite"), None, Wrapped)
+    monkeypatch.setattr(Calls, "addresses", lambda self: addresses(self) | {"in_python": 0})
+    found = run(GaussSeidel("hermite"), None, lambda unit: unit)
+    assert compiled.made >= 30
+    np.testing.assert_array_equal(found[0], expected[0])
