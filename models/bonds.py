@@ -17,7 +17,7 @@ from functools import cached_property, wraps
 from typing import Any
 
 from .component import DISSIPATED_POWER, SOURCE_POWER, STORED, Component, PowerBond
-from .integrator import OK, taylor
+from .integrator import OK, copy, taylor
 from .kernel import kernel
 from .quantities import Quantity
 
@@ -97,7 +97,7 @@ class CountingComponent(Component):
         def counting_output(t: float, x: Any, u: Any, p: Any, y: Any) -> None:
             output(t, x[:n], u, p, y[:m])
             energy(t, x[:n], u, p, y[m : m + _ENERGIES])
-            y[m + 1 :] = x[n:]
+            copy(y[m + 1 :], x[n:])
 
         return counting_output
 

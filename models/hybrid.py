@@ -13,11 +13,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from .integrator import (
     NOT_FINITE,
     OK,
     STEP_TOO_SMALL,
     TOO_MANY_EVENTS,
+    copy,
     make_derivative_along,
     make_runge_kutta,
     taylor,
@@ -29,6 +32,8 @@ from .quadrature import make_interpolate, make_quadrature
 if TYPE_CHECKING:
     from .component import Component
 
+# No guard. A literal would have numba compile what takes a guard's number once more for it.
+NONE: Any = np.int64(-1)
 # Where guards are sampled, in fractions of a step; the short end intervals tell the slope there.
 FRACTIONS = (0.0, 1.0 / 64.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 63.0 / 64.0, 1.0)
 # Narrows an interval by 1e-7: a minimum's value is then exact to rounding.
@@ -78,14 +83,22 @@ def make_hybrid_advance(component: Component) -> Any:
     points = len(FRACTIONS)
 
     @kernel
+    def guards_between(
+        f: float, t: float, s: float, h: float, x: Any, xn: Any, U: Any, u: Any, p: Any, k: Any, xd: Any,
+        g: Any,
+    ) -> None:  # fmt: skip
+        """The guards at fraction f of the step, by the interpolant."""
+        interpolate(f, h, x, xn, k, xd)
+        taylor(U, s + f * h, u)
+        guards(t + (s + f * h), xd, u, p, g)
+
+    @kernel
     def guard_between(
         j: int, f: float, t: float, s: float, h: float, x: Any, xn: Any, U: Any, u: Any, p: Any, k: Any,
         xd: Any, g: Any,
     ) -> float:  # fmt: skip
-        """Guard j at fraction f of the step, by the interpolant."""
-        interpolate(f, h, x, xn, k, xd)
-        taylor(U, s + f * h, u)
-        guards(t + (s + f * h), xd, u, p, g)
+        """Guard j of them."""
+        guards_between(f, t, s, h, x, xn, U, u, p, k, xd, g)
         return g[j]
 
     @kernel
@@ -202,7 +215,7 @@ def make_hybrid_advance(component: Component) -> Any:
         taylor(U, s, u)
         for _ in range(4 * count):
             guards(t + s, x, u, p, g)
-            fallen = -1
+            fallen = NONE
             for j in range(count):
                 if g[j] < 0.0:
                     fallen = j
@@ -220,7 +233,7 @@ def make_hybrid_advance(component: Component) -> Any:
         rest = work[11 * n + m :]
         g0, g = rest[0:count], rest[count : 2 * count]
         samples = rest[2 * count : (2 + points) * count].reshape((points, count))
-        start[:] = x
+        copy(start, x)
         s, micro, stalled, events = 0.0, h, 0, 0
         status = settle(t, s, x, U, u, p, g0)
         derivative_along(t, 0.0, x, U, u, p, k[0:n])
@@ -235,12 +248,12 @@ def make_hybrid_advance(component: Component) -> Any:
                     status = NOT_FINITE if not error < 1e300 else STEP_TOO_SMALL
                 micro = length * (max(0.2, 0.9 * error**-0.2) if error < 1e300 else 0.2)
                 continue
-            samples[0] = g0
+            copy(samples[0], g0)
             for i in range(1, points - 1):
-                guard_between(0, FRACTIONS[i], t, s, length, x, xn, U, u, p, k, xd, samples[i])
+                guards_between(FRACTIONS[i], t, s, length, x, xn, U, u, p, k, xd, samples[i])
             taylor(U, s + length, u)
             guards(t + (s + length), xn, u, p, samples[points - 1])
-            first, root = -1, 2.0
+            first, root = NONE, 2.0
             for j in range(count):
                 fallen = fallen_by(j, t, s, length, x, xn, U, u, p, k, xd, g, samples)
                 if fallen <= 1.0:
@@ -257,7 +270,7 @@ def make_hybrid_advance(component: Component) -> Any:
                     runge_kutta(t, s, length, x, U, u, p, scale, k, xt, xn)
                     at = length
             quadrature(t, s, at, x, xn, k, U, u, p, xd, work)
-            x[:] = xn
+            copy(x, xn)
             if happened:
                 stalled = stalled + 1 if at <= 2.0 * resolution else 0
                 s += at
@@ -271,10 +284,10 @@ def make_hybrid_advance(component: Component) -> Any:
             else:
                 s = h if last else s + length
                 micro = length * min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
-                g0[:] = samples[points - 1]
-                k[0:n] = k[6 * n : 7 * n]
+                copy(g0, samples[points - 1])
+                copy(k[0:n], k[6 * n : 7 * n])
         if status != OK:
-            x[:] = start
+            copy(x, start)
         return status
 
     return advance

@@ -44,6 +44,14 @@ def work_size(state: Layout, inputs: Layout) -> int:
 
 
 @kernel
+def copy(target: Any, source: Any) -> None:
+    """target = source, for vectors of one length. numba makes of `target[:] = source` a check of shapes
+    whose message takes seconds to compile, and that is linked into every kernel that calls this one."""
+    for i in range(target.shape[0]):
+        target[i] = source[i]
+
+
+@kernel
 def taylor(U: Any, s: float, u: Any) -> None:
     """u = U[0] + U[1] s + U[2] s^2/2 + U[3] s^3/6."""
     for i in range(u.shape[0]):
@@ -145,7 +153,7 @@ def make_advance(
         k, xt, xn = work[0 : 7 * n], work[7 * n : 8 * n], work[8 * n : 9 * n]
         u = work[9 * n : 9 * n + m]
         start = work[9 * n + m : 10 * n + m]
-        start[:] = x
+        copy(start, x)
         s, micro = 0.0, h
         derivative_along(t, 0.0, x, U, u, p, k[0:n])
         while s < h:
@@ -161,7 +169,7 @@ def make_advance(
                     k[i] = k[6 * n + i]
                 micro *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
             elif micro <= 1e-14 * h + 4e-16 * abs(t):
-                x[:] = start
+                copy(x, start)
                 return NOT_FINITE if not error < 1e300 else STEP_TOO_SMALL
             else:
                 micro *= max(0.2, 0.9 * error**-0.2) if error < 1e300 else 0.2

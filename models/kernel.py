@@ -41,7 +41,11 @@ def kernel(function: F) -> F:
         return function
     if function.__closure__:
         _name_by_content(function)
-    dispatcher: Any = numba.njit(error_model="numpy", nogil=True)(function)
+    dispatcher: Any = numba.njit(
+        error_model="numpy",
+        nogil=True,
+        no_cfunc_wrapper=True,  # only kernels that are passed as values would need one
+    )(function)
     # Where numba changed inside, or there is no place to write (nor a home), starting is only slower.
     with contextlib.suppress(AttributeError, TypeError, OSError, RuntimeError):
         dispatcher._cache = _DigestCache(function)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..integrator import taylor
+from ..integrator import copy, taylor
 from ..kernel import kernel
 from .flight.bouncing import CELL, FRACTION, FREE, RATE_OF_Y, Walls, Y
 from .forms import offset_slope, wall_angle, wall_rate
@@ -67,7 +67,7 @@ def make_follow(component: Component, next_event: Any, cells: int) -> Any:
         place = position[CELL] + position[FRACTION]
         panels = int((end - start) * speed / PANEL) + 1
         half = 0.5 * (end - start) / panels
-        xd[:] = x
+        copy(xd, x)
         for panel in range(panels):
             for node in range(len(NODES)):
                 s = start + half * (2.0 * panel + 1.0 + NODES[node])

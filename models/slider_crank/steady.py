@@ -11,7 +11,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ..hybrid import MOST_EVENTS, hybrid_work_size, make_hybrid_advance
-from ..integrator import OK, TOO_MANY_EVENTS, taylor
+from ..integrator import OK, TOO_MANY_EVENTS, copy, taylor
 from ..kernel import kernel
 from .equations import Mechanism
 from .flight import histories
@@ -144,7 +144,7 @@ def make_fly(component: Component, next_event: Any) -> Any:
             whole = left >= CELLS
             k = CELLS - 1 if whole else int(left)
             started = elapsed
-            before[:] = position
+            copy(before, position)
             code = next_event(flow, walls, position, k, 1.0 if whole else left - k, scratch)
             elapsed = (position[CELL] + position[FRACTION] + turned * CELLS - first) * width / speed
             if code == END and not whole:
@@ -245,14 +245,14 @@ def make_advance(component: Component) -> Any:
         walls = Walls(gap, gap, parameters.restitution, 0.0)
         enter(x, U, p, gap, position)
         start = work[:n]
-        start[:] = x
+        copy(start, x)
         if parameters.form == NONLINEAR:
             swinging = PendulumFlow(m.xi, m, flow.pressing)
             status = fly_nonlinear(t, h, x, U, p, swinging, walls, position, scratch, work)
         else:
             status = fly_linear(t, h, x, U, p, flow, walls, position, scratch, work)
         if status != OK:
-            x[:] = start
+            copy(x, start)
         return status
 
     return advance
