@@ -55,6 +55,7 @@ def run(
             with StudyProgress(reporter, plan.study.name, len(plan.points)) as progress:
                 _evaluate(execution, store, progress)
         except KeyboardInterrupt:
+            store.flush()  # of a batch that it broke into
             left = store.count(PENDING)
             raise KeyboardInterrupt(
                 f"interrupted; {len(plan.points) - left} points are kept in {out}, {left} are left: "

@@ -30,7 +30,10 @@ def _picky(values: Mapping[str, Any]) -> dict[str, float | str]:
 
 
 def _slow(values: Mapping[str, Any]) -> dict[str, float | str]:
+    """Late; from x = 6 on not before the file $STUDIED_WAITS_FOR is there."""
     time.sleep(0.1)
+    while values["x"] >= 6.0 and not Path(os.environ.get("STUDIED_WAITS_FOR", "/")).exists():
+        time.sleep(0.02)
     return _traced(values)
 
 

@@ -5,6 +5,7 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,11 @@ import pytest
 import xarray
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rich.console import Console
 
 from orchestrator.errors import MistakeError
+from orchestrator.report import Reporter
+from orchestrator.study import run as study
 from orchestrator.study import store as module
 from orchestrator.study.files import Plan
 from orchestrator.study.source import fingerprint
@@ -47,6 +51,32 @@ def begun(path: Path, of: Plan | None = None, **options: Any) -> Iterator[Store]
         patch.setattr(module, "CHUNK", 4)
         with opened(path, of or plan(), VERSIONS, options.get("overwrite", False)) as store:
             yield store
+
+
+class _Interrupted(Store):
+    """Ctrl-C comes as the first batch is about to be written."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path)
+        self._asked = False
+
+    def flush(self) -> None:
+        if not self._asked:
+            self._asked = True
+            raise KeyboardInterrupt
+        super().flush()
+
+
+def test_what_is_said_to_be_kept_at_ctrl_c_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    of, path = plan(), tmp_path / "store.zarr"
+    came = SimpleNamespace(outcomes=lambda pending: iter([[(0, outcome(of, 0)), (5, outcome(of, 5))]]))
+    workers = SimpleNamespace(nthreads=lambda: {"one": 1})
+    monkeypatch.setattr(study, "connected", lambda *where: contextlib.nullcontext(workers))
+    monkeypatch.setattr(study, "Execution", lambda *arguments: came)
+    monkeypatch.setattr(module, "Store", _Interrupted)
+    with pytest.raises(KeyboardInterrupt, match="2 points are kept"):
+        study.run(of, path, study.Where(), Reporter(Console(quiet=True)))
+    assert np.flatnonzero(Store(path).status != PENDING).tolist() == [0, 5]
 
 
 class Killed(BaseException):
