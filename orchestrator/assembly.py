@@ -56,6 +56,11 @@ def check_master(scenario: Scenario) -> None:
             f"master.order = {', '.join(order)}: must name each of {', '.join(scenario.components)} once"
         )
     iterate = getattr(master, "iterate", ())
+    if len(iterate) == 1:
+        raise ScenarioError(
+            f"master.iterate = {iterate[0]}: there is nothing to iterate one component with; name "
+            "all that belong together, or leave it out (then every loop of connections is iterated)"
+        )
     for name in iterate:
         if name not in scenario.components:
             raise ScenarioError(

@@ -15,7 +15,7 @@ from .output_folder import CSV, SCENARIO, SUMMARY, OutputFolderError, files
 from .report import Reporter
 from .run import Job, begun, carry_out, written_result
 from .scenario_files import load
-from .summary import Summary
+from .summary import FAILED, Summary
 from .unfinished import clear, locked, unfinished
 
 
@@ -48,6 +48,12 @@ def resume(out: Path, build: assembly.Builder, reporter: Reporter, figures: bool
 def _ended(out: Path, reporter: Reporter) -> Summary:
     """The summary of a run that came to its end."""
     found = _summary(out)
+    if found.get("exit_status") == FAILED:
+        why = found["message"].removeprefix("incomplete: ")
+        raise OutputFolderError(
+            f"{out}: the run failed, and would fail again: {why}; change the scenario and run it anew, with "
+            f"--out {out} --overwrite"
+        )
     if not found.get("complete"):
         raise OutputFolderError(
             f"{out}: the run left nothing to go on from; repeat it with tribocosim run {out / SCENARIO} "

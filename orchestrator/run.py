@@ -22,6 +22,7 @@ from .energy import Ledger, Trimmed, counted
 from .errors import CheckpointError, RunError
 from .interruption import Interruption
 from .journal import Recorded, journals
+from .notices import notices
 from .output_folder import CSV, FIGURES, RESULT, SCENARIO, SUMMARY, files, prepared
 from .plain_data import Plain
 from .recording import CsvRecorder, ResultRecorder
@@ -60,6 +61,8 @@ def run(
     system = assembly.system_of(scenario)
     with prepared(out, overwrite) as folder:
         replace(out / SCENARIO, written(scenario).encode())
+        for line in notices(scenario):
+            reporter.line(line)
         return carry_out(Job(scenario, system, out, folder, build, reporter, figures))
 
 

@@ -1,8 +1,8 @@
 """Scenario files: found, extended, overridden, read and written.
 
 A file may extend another (`extends = "valve-train"`, a shipped scenario or a path beside the file): its
-tables are merged into the other's, its connections are added, and options of a master that is replaced
-are dropped.
+tables are merged into the other's, its connections are added, and what has no meaning any more is dropped:
+options of a master that is replaced, and with [step_control] the other's `output_step`.
 """
 
 from __future__ import annotations
@@ -69,10 +69,19 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
     try:
         return scenario_of(content)
     except ScenarioError as error:
-        changed = tuple(text.partition("=")[0].strip() for text in overrides)
+        own = faults(contents(path))  # without what was set
         lines = str(error).split("\n")
-        marked = (f"{'--set' if line.startswith(changed) else f'{path.name}:'} {line}" for line in lines)
+        marked = (f"{f'{path.name}:' if line in own else '--set'} {line}" for line in lines)
         raise ScenarioError("\n".join(marked)) from None
+
+
+def faults(content: dict[str, Any]) -> list[str]:
+    """A line for each fault of a file's content."""
+    try:
+        scenario_of(content)
+    except ScenarioError as error:
+        return str(error).split("\n")
+    return []
 
 
 def contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
@@ -88,7 +97,10 @@ def contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
         return content
     if not isinstance(base, str):
         raise ScenarioError(f"{path.name}: extends = {base!r}: must be the name or path of a scenario")
-    return merged(contents(find(base, path.parent), (*chain, path)), content)
+    below = contents(find(base, path.parent), (*chain, path))
+    if "step_control" in content:
+        below.pop("output_step", None)
+    return merged(below, content)
 
 
 def _read(path: Path) -> dict[str, Any]:

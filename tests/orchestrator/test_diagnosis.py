@@ -215,6 +215,11 @@ def test_the_remedy_is_one_that_the_master_does_not_have_yet(changes: list[str],
     assert remedy in said(facts(steps, *changes))["convergence"]
 
 
+def test_a_few_steps_that_grow_are_not_worth_a_word() -> None:
+    growing = ["growth"] * 5 + ["error"] * 5
+    assert "short_start" not in said(facts(made(2.0 ** np.arange(10), growing)))
+
+
 def test_every_reason_has_its_words_and_its_colour(tmp_path: Path) -> None:
     """Also as the only one, where nothing else could stand for it."""
     for number, reason in enumerate(REASONS):

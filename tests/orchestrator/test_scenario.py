@@ -10,6 +10,7 @@ from models.system import ModelError
 from orchestrator import schema
 from orchestrator.assembly import at_start, system_of
 from orchestrator.errors import ParticipantError
+from orchestrator.notices import notices
 from orchestrator.participants import in_process
 from orchestrator.scenario import Scenario, ScenarioError, scenario_of
 from orchestrator.scenario_files import load, shipped, written
@@ -104,6 +105,17 @@ BAD = {
     "components.valve_spring.structure.coil_masses=2.5": ("coil_masses", "2.5", "integer"),
     "components.camshaft.structure.cams=2": ("cams", "no structural sizes"),
     "macro_step": ("macro_step", "path=value"),
+    "master.order=[1]": ("--set master.order[0] = 1: must be a string",),
+    "tolerance.contact.load=nan": ("--set tolerance.contact.load = nan: must be a finite number > 0",),
+    "tolerance.contact.load=inf": ("--set tolerance.contact.load = inf: must be a finite number > 0",),
+    "step_control.relative=nan": ("--set step_control.relative = nan: must be a finite number > 0",),
+    "step_control.relative=1": ("--set step_control.relative = 1: must be < 1",),
+    "step_control={minimum_step='1 us', maximum_step='1 ns'}": (
+        "--set step_control.minimum_step = 1e-06 s: must not be longer than maximum_step = 1e-09 s",
+    ),
+    "components.camshaft.retries=-1": ("--set components.camshaft.retries = -1: must be >= 0",),
+    "components.camshaft.retries=21": ("--set components.camshaft.retries = 21: must be <= 20",),
+    "energy=true": ("--set energy = true: must be a table",),
 }
 
 
@@ -122,6 +134,7 @@ BAD_SYSTEMS = {
     "components.camshaft.parameters.base_radius=2 mm": ("curvature", "undercut"),
     "tolerance.contact.lod=1e-3": ("contact.lod", "contact.load"),
     "components.contact.inputs.approach=1": ("contact.approach", "constant value", "keep one"),
+    "master={name='iterated', iterate=['contact']}": ("master.iterate = contact", "nothing to iterate one"),
     "master.order=['camshaft']": ("master.order = camshaft", "each of flywheel"),
     "components.contact.participant=nowhere.fmu": ("contact", "nowhere.fmu", "no such file"),
 }
@@ -186,6 +199,44 @@ def test_a_bad_connection_is_one_message(line: str, tmp_path: Path) -> None:
     with pytest.raises(ModelError) as error:
         system_of(load(file))
     assert all(word in str(error.value) for word in BAD_CONNECTIONS[line]), error.value
+
+
+def test_a_mistake_is_marked_by_where_it_was_made(tmp_path: Path) -> None:
+    """A file's own fault stays the file's; what --set does to other keys is --set's."""
+    file = tmp_path / "mine.toml"
+    file.write_text('extends = "valve-train"\nstart = "rest"\n')
+    with pytest.raises(ScenarioError) as error:
+        load(file, ["stop_time=1 us", "master.extrapolation=cubic"])
+    lines = str(error.value).split("\n")
+    assert [line.split(" = ")[0] for line in lines] == [
+        "--set macro_step",
+        "mine.toml: start",
+        "--set master.extrapolation",
+    ]
+
+
+def test_what_has_no_effect_is_noticed() -> None:
+    assert notices(load("valve-train")) == []
+    assert notices(load("valve-train-controlled")) == []
+    (said,) = notices(load("valve-train-controlled", ["output_step=1 ms"]))
+    assert said.startswith(
+        "output_step = 0.001 s: is not used, for with [step_control] every step is recorded"
+    )
+    corrected = ["master={name='jacobi'}", "energy.correction=true"]
+    (said,) = notices(load("two-masses", corrected))
+    assert said.startswith(
+        "energy.correction = true: nothing counts what it gives back; energy.ledger = true"
+    )
+    assert notices(load("two-masses", [*corrected, "energy.ledger=true"])) == []
+
+
+def test_step_control_does_not_inherit_the_records_of_equal_steps(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text('extends = "valve-train"\n[step_control]\n')
+    assert load("valve-train").output_step is not None
+    assert load(file).output_step is None
+    file.write_text('extends = "valve-train"\noutput_step = "1 ms"\n[step_control]\n')
+    assert load(file).output_step == 1e-3
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:

@@ -9,13 +9,14 @@ from ..facts import Facts
 from .marks import MOST, OFTEN, percent
 
 SHORT = 0.1  # of the time
+FEW = 10  # steps, in which a length grows a thousandfold
 
 
 def short_start(facts: Facts) -> str | None:
     """The first step is so short that many steps only grow from it."""
     growing = facts.steps.reason == REASONS.index("growth")
     first = int(np.argmin(growing)) if not growing.all() else len(growing)
-    if facts.scenario.step_control is None or first < OFTEN * len(growing):
+    if facts.scenario.step_control is None or first < max(FEW, OFTEN * len(growing)):
         return None
     reached = float(facts.steps.length[:first].max())
     return (

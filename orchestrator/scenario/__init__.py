@@ -1,0 +1,23 @@
+"""The scenario: everything that a run depends on. `scenario_files` reads it, `assembly` builds it."""
+
+from __future__ import annotations
+
+from .component_table import ComponentTable
+from .fields import Written
+from .master_table import MasterTable
+from .messages import messages
+from .scenario import EnergyTable, Scenario, ScenarioError, ends, scenario_of
+from .step_control_table import CONVERGED
+
+__all__ = [
+    "CONVERGED",
+    "ComponentTable",
+    "EnergyTable",
+    "MasterTable",
+    "Scenario",
+    "ScenarioError",
+    "Written",
+    "ends",
+    "messages",
+    "scenario_of",
+]

@@ -1,0 +1,50 @@
+"""Types of a scenario's fields: times with units, tolerances, values, tables."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+from ..units import to_unit
+from ..values import Faults, Value
+
+
+def _time(value: Any) -> float:
+    """A time in seconds; a text may have another unit."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        raise ValueError("must be a time: a number of seconds, or a text such as '2 us'")
+    return to_unit(value, "s") if isinstance(value, str) else float(value)
+
+
+def _seconds(value: Any) -> Any:
+    """A time in seconds; ValueError unless it is positive and finite."""
+    number = _time(value)
+    if not (math.isfinite(number) and number > 0.0):
+        raise Faults(("", f" = {value}: must be > 0 s"))
+    return number
+
+
+def _seconds_or_0(value: Any) -> Any:
+    """A time in seconds; ValueError unless it is finite and not negative."""
+    number = _time(value)
+    if not (math.isfinite(number) and number >= 0.0):
+        raise Faults(("", f" = {value}: must be >= 0 s"))
+    return number
+
+
+def _scalar(value: Any) -> Any:
+    if not isinstance(value, (bool, int, float, str)):
+        raise ValueError("must be a number, a text with a unit, a choice's name, true or false")
+    return value
+
+
+Seconds = Annotated[float, BeforeValidator(_seconds, json_schema_input_type=float | str)]
+SecondsOr0 = Annotated[float, BeforeValidator(_seconds_or_0, json_schema_input_type=float | str)]
+Written = Annotated[Value, BeforeValidator(_scalar)]
+Tolerance = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
+
+
+class Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)

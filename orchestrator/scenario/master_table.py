@@ -1,0 +1,38 @@
+"""The table [master]."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, field_validator
+
+from models.system import suggestion
+
+from ..masters import MASTERS
+from ..values import Faults
+
+
+class MasterTable(BaseModel):
+    """The co-simulation master; other keys are options of that master."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+
+    name: str = Field("gauss_seidel", description="Name of the master")
+
+    @field_validator("name")
+    @classmethod
+    def _known(cls, name: str) -> str:
+        if name not in MASTERS:
+            raise ValueError(f"no master {name!r}; {suggestion(name, MASTERS)}")
+        return name
+
+    def made(self) -> Any:
+        """The master with its options; ValidationError or ValueError if they do not fit."""
+        kind = MASTERS[self.name]
+        options = dict(self.model_extra or {})
+        known = [field.name for field in fields(kind)]
+        for key in options:
+            if key not in known:
+                raise Faults((key, f": {self.name} has no such option; {suggestion(key, known)}"))
+        return TypeAdapter(kind).validate_python(options)

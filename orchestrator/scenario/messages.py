@@ -1,0 +1,87 @@
+"""What pydantic finds wrong, in the words of a scenario file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+from pydantic import ValidationError
+
+from models.system import suggestion
+
+from ..errors import one_of
+from ..values import Faults
+
+Location = tuple[int | str, ...]
+
+# What to write where one of these is missing.
+REMEDIES = {
+    "tolerance": "; state the largest relative RMS error of at least one output: [tolerance] "
+    '"contact.load" = 1e-3',
+    "stop_time": '; e.g. stop_time = "120 ms"',
+    "macro_step": '; e.g. macro_step = "5 us"',
+    "components": '; e.g. [components.camshaft] component = "camshaft"',
+}
+
+BOUNDS = {
+    "greater_than": (">", "gt"),
+    "greater_than_equal": (">=", "ge"),
+    "less_than": ("<", "lt"),
+    "less_than_equal": ("<=", "le"),
+}
+FIXED = {
+    "bool_parsing": "must be true or false",
+    "bool_type": "must be true or false",
+    "too_short": "must have at least one entry",
+    "finite_number": "must be a finite number > 0, e.g. 1e-3",  # only tolerances are refused so
+}
+
+
+def no_keys(place: Location) -> list[str]:
+    """Where nothing is known of a table's keys."""
+    return []
+
+
+def messages(error: ValidationError, known: Callable[[Location], list[str]] = no_keys) -> list[str]:
+    """What pydantic found, in the words of the file; `known` gives the keys known at a place."""
+    lines: list[str] = []
+    for fault in error.errors():
+        path, reason = _path(fault["loc"]), fault.get("ctx", {}).get("error")
+        if fault["type"] == "extra_forbidden":
+            lines.append(f"{path}: unknown key; {suggestion(str(fault['loc'][-1]), known(fault['loc']))}")
+        elif fault["type"] == "missing":
+            lines.append(f"{path}: missing{REMEDIES.get(path, '')}")
+        elif isinstance(reason, Faults):
+            lines += [f"{path}.{key}{text}" if key else path + text for key, text in reason.faults]
+        elif reason is not None:
+            lines.append(f"{path}: {reason}" if path else str(reason))
+        else:
+            lines.append(f"{path}{_shown(fault['input'])}: {_allowed(fault)}")
+    return lines
+
+
+def _path(place: Location) -> str:
+    """master.order[0]: keys with dots, places in a list in brackets."""
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
+
+
+def _shown(value: object) -> str:
+    """As it would stand in the file; not a whole table."""
+    if isinstance(value, dict):
+        return ""
+    return f" = {str(value).lower() if isinstance(value, bool) else repr(value)}"
+
+
+def _allowed(fault: Any) -> str:
+    """What may stand there."""
+    kind, bound = fault["type"], fault.get("ctx", {})
+    if kind == "literal_error":
+        return one_of(re.findall("'(.*?)'", bound["expected"]), fault["input"])
+    if kind in BOUNDS:
+        return f"must be {BOUNDS[kind][0]} {bound[BOUNDS[kind][1]]:g}"
+    if kind in FIXED:
+        return FIXED[kind]
+    text = fault["msg"].replace("Input should be", "must be").replace(" valid", "")
+    text = re.sub(r"a dictionary( or instance of \w+)?", "a table", text)
+    return text.replace("a tuple", 'a list: ["...", "..."]').replace("a integer", "an integer")

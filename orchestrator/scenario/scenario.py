@@ -1,0 +1,190 @@
+"""The scenario: its tables together, and what runs of it are made of."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError, ValidationInfo, field_validator
+
+from ..errors import MistakeError
+from ..stepping import ControlledSteps, FixedSteps
+from ..stepping.estimators import ESTIMATORS
+from ..values import Faults
+from .component_table import ComponentTable
+from .fields import Seconds, SecondsOr0, Table, Tolerance
+from .master_table import MasterTable
+from .messages import Location, messages
+from .step_control_table import CONVERGED, EVENT_TOLERANCE, StepControlTable
+
+
+class ScenarioError(MistakeError):
+    """A scenario that cannot be run; a line for each fault, which names the key and the remedy."""
+
+
+class ReferenceTable(Table):
+    """The monolithic reference."""
+
+    enabled: bool = Field(True, description="Solve it and compare the coupled run with it")
+    tolerance: Annotated[Tolerance, Field(lt=1.0)] = Field(
+        1e-10, description="Relative tolerance of the reference's solvers"
+    )
+
+
+class EnergyTable(Table):
+    """The energy ledger."""
+
+    ledger: bool = Field(
+        False, description="Count the energy over every power bond, and what the coupling creates"
+    )
+    correction: bool = Field(
+        False,
+        description="Give back in the next step what efforts and flows missed in the last one (Benedikt et "
+        "al. 2013); for the master jacobi",
+    )
+
+
+class Scenario(Table):
+    """A coupled run and what it is compared with."""
+
+    name: str = Field(description="Name of the scenario; default: that of the file", pattern=r"^[\w .-]+$")
+    description: str = Field("", description="What the scenario shows, in a line")
+    stop_time: Seconds = Field(description="End of the run (s, or a text with a unit)")
+    macro_step: Seconds = Field(
+        description="Communication step (s, or a text with a unit); with step control the first one"
+    )
+    output_step: Seconds | None = Field(
+        None, description="Time between records, rounded to macro steps; default: every macro step"
+    )
+    checkpoint_every: SecondsOr0 = Field(
+        30.0, description="Wall time from one checkpoint to the next (tribocosim resume); 0: none"
+    )
+    start: Literal["equilibrium", "given"] = Field(
+        "equilibrium", description="Start at rest in balance, or from the start values as given"
+    )
+    call_time_limit: Seconds | None = Field(
+        None, description="Longest wall time of a participant's call; default: no limit"
+    )
+    tolerance: dict[str, Tolerance] = Field(
+        description="Largest relative RMS error allowed, by variable: contact.load = 1e-3", min_length=1
+    )
+    master: MasterTable = MasterTable()
+    step_control: StepControlTable | None = Field(None, description="Absent: steps of equal length")
+    event_tolerance: Seconds | None = Field(
+        None,
+        description="Locate events inside macro steps, by rollback, to this time (s, or a text with a unit); "
+        "default: not with equal steps, to 1 ns with step control",
+    )
+    reference: ReferenceTable = ReferenceTable()
+    energy: EnergyTable = EnergyTable()
+    components: dict[str, ComponentTable] = Field(description="The components by instance name", min_length=1)
+    connections: list[str] = Field([], description="Lines 'instance.output -> instance.input'")
+
+    @field_validator("components")
+    @classmethod
+    def _names(cls, components: dict[str, ComponentTable]) -> dict[str, ComponentTable]:
+        for name in components:
+            if not name.isidentifier():
+                raise ValueError(f"{name!r}: an instance is named with letters, digits and _")
+        return components
+
+    @field_validator("connections")
+    @classmethod
+    def _arrows(cls, connections: list[str]) -> list[str]:
+        return [" -> ".join(ends(line)) for line in connections]
+
+    @field_validator("macro_step")
+    @classmethod
+    def _step(cls, step: float, info: ValidationInfo) -> float:
+        if step > info.data.get("stop_time", math.inf):
+            stop = info.data["stop_time"]
+            raise Faults(("", f" = {step:g} s: must not be longer than stop_time = {stop:g} s"))
+        return step
+
+    @field_validator("master")
+    @classmethod
+    def _options(cls, master: MasterTable) -> MasterTable:
+        try:
+            master.made()
+        except ValidationError as error:
+            raise Faults(*map(_of_option, messages(error))) from None
+        return master
+
+    @field_validator("step_control")
+    @classmethod
+    def _judges(cls, control: StepControlTable | None, info: ValidationInfo) -> StepControlTable | None:
+        longest = info.data.get("macro_step", math.inf)
+        if control is not None and control.minimum_step > longest:
+            raise Faults(
+                (
+                    "minimum_step",
+                    f" = {control.minimum_step:g} s: must not be longer than macro_step = {longest:g} s, the "
+                    "first step",
+                )
+            )
+        if control is not None and "master" in info.data:
+            master = info.data["master"].made()
+            try:
+                made = control.made(master.implicit, EVENT_TOLERANCE)
+                ESTIMATORS[made.estimator]().check(master)
+            except ValueError as error:
+                raise Faults(("", f".{error}")) from None
+        return control
+
+    def made_master(self) -> Any:
+        """The master. With step control an iterated one converges to 0.3 of the step's tolerance,
+        unless its own is given."""
+        master = self.master.made()
+        if self.step_control and master.implicit and "tolerance" not in (self.master.model_extra or {}):
+            return replace(master, tolerance=CONVERGED * self.step_control.relative)
+        return master
+
+    def made_steps(self) -> FixedSteps | ControlledSteps:
+        """What chooses the macro steps."""
+        if self.step_control is None:
+            return FixedSteps(self.macro_step, self.event_tolerance)
+        tolerance = self.event_tolerance or EVENT_TOLERANCE
+        return ControlledSteps(
+            self.macro_step, self.step_control.made(self.master.made().implicit, tolerance)
+        )
+
+    @property
+    def record_every(self) -> int:
+        """Macro steps from one record to the next."""
+        if self.step_control is not None:
+            return 1
+        return max(1, round((self.output_step or self.macro_step) / self.macro_step))
+
+
+def _of_option(line: str) -> tuple[str, str]:
+    """Key and rest of a message about a master's option."""
+    option, equals, rest = line.partition(" = ")
+    named = equals and option.partition("[")[0].isidentifier()
+    return (option, equals + rest) if named else ("", f": {line}")
+
+
+def ends(line: str) -> tuple[str, str]:
+    """Source and target of a connection's line; ValueError if it is not one."""
+    source, arrow, target = (part.strip() for part in line.partition("->"))
+    if not arrow or "." not in source or "." not in target:
+        raise ValueError(f"{line!r}: a connection is written 'instance.output -> instance.input'")
+    return source, target
+
+
+def scenario_of(content: dict[str, Any]) -> Scenario:
+    """A Scenario of a file's content; ScenarioError with a line for each fault."""
+    try:
+        return Scenario.model_validate(content)
+    except ValidationError as error:
+        raise ScenarioError("\n".join(messages(error, _keys))) from None
+
+
+def _keys(location: Location) -> list[str]:
+    """The keys known where an unknown one was found."""
+    if len(location) == 1:
+        return [*Scenario.model_fields, "extends"]
+    if location[0] == "components":
+        return list(ComponentTable.model_fields)
+    tables = {"step_control": StepControlTable, "reference": ReferenceTable, "energy": EnergyTable}
+    return list(tables[str(location[0])].model_fields)

@@ -1,0 +1,52 @@
+"""The table [step_control]."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from pydantic import Field, field_validator
+
+from ..errors import one_of
+from ..stepping import StepControl
+from ..stepping.estimators import ESTIMATORS
+from .fields import Seconds, Table, Tolerance
+
+# How long after an event a step may end, by default (s).
+EVENT_TOLERANCE = 1e-9
+# Tolerance of an iterated master over that of the step control.
+CONVERGED = 0.3
+
+
+class StepControlTable(Table):
+    """Macro steps as long as an error estimate allows."""
+
+    estimator: str | None = Field(
+        None,
+        description="predictor_corrector, step_doubling, schierz or energy; default: predictor_corrector for "
+        "iterated masters, step_doubling for others",
+    )
+    relative: Annotated[Tolerance, Field(lt=1.0)] = Field(1e-4, description="Local error allowed, of a value")
+    absolute: Tolerance | None = Field(
+        None, description="Local error allowed, of a variable's nominal size; default: as relative"
+    )
+    minimum_step: Seconds = Field(1e-12, description="Shortest macro step (s, or a text with a unit)")
+    maximum_step: Seconds | None = Field(None, description="Longest macro step (s, or a text with a unit)")
+
+    @field_validator("estimator")
+    @classmethod
+    def _known(cls, name: str | None) -> str | None:
+        if name is not None and name not in ESTIMATORS:
+            raise ValueError(f"{name!r}: {one_of(ESTIMATORS, name)}")
+        return name
+
+    def made(self, implicit: bool, event_tolerance: float) -> StepControl:
+        """For a master that iterates (`implicit`), or one that doesn't."""
+        return StepControl(
+            estimator=self.estimator or ("predictor_corrector" if implicit else "step_doubling"),
+            relative=self.relative,
+            absolute=self.absolute or self.relative,
+            minimum_step=self.minimum_step,
+            maximum_step=self.maximum_step or math.inf,
+            event_tolerance=event_tolerance,
+        )
