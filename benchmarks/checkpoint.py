@@ -11,9 +11,10 @@ import numpy as np
 from rich.console import Console
 
 from fmus.build import build
-from orchestrator import run as running
+from orchestrator import coupled_run
 from orchestrator.checkpoint import Checkpoints
 from orchestrator.report import Reporter
+from orchestrator.run import run
 from orchestrator.scenario_files import load
 
 EVERY = 10.0  # s
@@ -38,8 +39,8 @@ def rows() -> list[tuple[str, str]]:
     overrides = ["macro_step=1e-7", "output_step=1e-7", f"stop_time={LENGTH}", "reference.enabled=false"]
     loaded = load("valve-train", [*overrides, f"checkpoint_every={EVERY}"])
     Timed.seconds = []
-    with tempfile.TemporaryDirectory() as folder, mock.patch.object(running, "Checkpoints", Timed):
-        summary = running.run(
+    with tempfile.TemporaryDirectory() as folder, mock.patch.object(coupled_run, "Checkpoints", Timed):
+        summary = run(
             loaded, Path(folder), lambda name, structure: build(name, structure=structure),
             Reporter(Console(quiet=True)), figures=False,
         )  # fmt: skip

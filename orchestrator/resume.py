@@ -10,10 +10,11 @@ from typing import Any
 from . import assembly
 from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import read
+from .job import Job
 from .journal import Recorded, journals
 from .output_folder import CSV, SCENARIO, SUMMARY, OutputFolderError, files
 from .report import Reporter
-from .run import Job, begun, carry_out, written_result
+from .run import begun, carry_out, written_result
 from .scenario_files import load
 from .summary import FAILED, Summary
 from .unfinished import clear, locked, unfinished

@@ -20,7 +20,7 @@ from typing import Any
 from rich.console import Console
 
 from orchestrator import checkpoint, journal, recording, replacement, results
-from orchestrator.command_line import _fmu
+from orchestrator.command_line.fmu import built
 from orchestrator.report import Reporter
 from orchestrator.resume import resume
 from orchestrator.run import run
@@ -35,7 +35,7 @@ def left(out: Path, calls: int, scenario: str, overrides: list[str]) -> None:
     """Run in this process, which is killed at that call."""
     checkpoint.SHARE = 1.0
     _die_at_call(calls)
-    run(load(scenario, [*overrides, EVERY]), out, _fmu, Reporter(Console(quiet=True)), figures=False)
+    run(load(scenario, [*overrides, EVERY]), out, built, Reporter(Console(quiet=True)), figures=False)
 
 
 def main(out: Path, seed: int, kills: int, scenario: str, overrides: list[str]) -> None:
@@ -45,9 +45,9 @@ def main(out: Path, seed: int, kills: int, scenario: str, overrides: list[str]) 
     quiet = Reporter(Console(quiet=True))
     for n in range(10 * kills):
         if not (out / "scenario.toml").exists():
-            work: Callable[[], Any] = lambda: run(loaded, out, _fmu, quiet, overwrite=True, figures=False)  # noqa: E731
+            work: Callable[[], Any] = lambda: run(loaded, out, built, quiet, overwrite=True, figures=False)  # noqa: E731
         else:
-            work = lambda: resume(out, _fmu, quiet, figures=False)  # noqa: E731
+            work = lambda: resume(out, built, quiet, figures=False)  # noqa: E731
         child = os.fork()
         if child == 0:
             if n < kills and n % 3 == 1:

@@ -16,7 +16,8 @@ import typer
 from typer.testing import CliRunner
 
 from orchestrator.assembly import system_of
-from orchestrator.command_line import app, reported
+from orchestrator.command_line import app
+from orchestrator.command_line.reported import reported
 from orchestrator.results import open_result
 from orchestrator.scenario import scenario_of
 from orchestrator.scenario_files import load, shipped

@@ -16,7 +16,7 @@ import xarray
 from rich.console import Console
 
 from models.system import ModelError
-from orchestrator.command_line import _fmu
+from orchestrator.command_line.fmu import built
 from orchestrator.errors import CheckpointError, MistakeError
 from orchestrator.output_folder import OutputFolderError
 from orchestrator.report import Reporter
@@ -57,7 +57,7 @@ def _quiet() -> Reporter:
 
 def _whole(out: Path, overrides: list[str], scenario: str = "valve-train") -> Path:
     """A run without interruption."""
-    run(load(scenario, [*overrides, EVERY]), out, _fmu, _quiet(), figures=False)
+    run(load(scenario, [*overrides, EVERY]), out, built, _quiet(), figures=False)
     return out
 
 
@@ -103,10 +103,10 @@ def test_a_run_killed_again_and_again_ends_as_one_that_was_not(
 def test_a_run_that_failed_at_its_start_is_not_resumed_and_says_why(tmp_path: Path) -> None:
     out = tmp_path / "out"
     tilted = ["components.slider_crank.start.psi=0.02", "components.flywheel.start.angle=90 deg"]
-    summary = run(load("slider-crank", ["start=equilibrium", *tilted]), out, _fmu, _quiet(), figures=False)
+    summary = run(load("slider-crank", ["start=equilibrium", *tilted]), out, built, _quiet(), figures=False)
     assert summary.message.startswith("incomplete: slider_crank.psi = 0.02 rad")
     with pytest.raises(OutputFolderError) as error:
-        resume(out, _fmu, _quiet())
+        resume(out, built, _quiet())
     assert str(error.value).startswith(
         f"{out}: the run failed, and would fail again: slider_crank.psi = 0.02 "
     )
@@ -149,7 +149,7 @@ def _refused(out: Path, words: str) -> None:
     """`resume` says so, with the remedy, and changes nothing."""
     before = _content(out)
     with pytest.raises(CheckpointError, match=words) as refused:
-        resume(out, _fmu, _quiet(), figures=False)
+        resume(out, built, _quiet(), figures=False)
     assert "--overwrite" in str(refused.value)
     assert _content(out) == before
 
@@ -161,7 +161,7 @@ def test_what_came_after_the_checkpoint_is_forgotten(killed: Path, whole: Path) 
             file.write(b"1.5,torn" * 77)
     (killed / "unfinished" / "checkpoint.partial").write_bytes(b"torn")
     (killed / "result.nc.partial").write_bytes(b"torn")
-    assert resume(killed, _fmu, _quiet(), figures=False).complete
+    assert resume(killed, built, _quiet(), figures=False).complete
     _same(killed, whole)
 
 
@@ -187,9 +187,9 @@ def test_lost_records_are_noticed_and_may_be_put_back(killed: Path, whole: Path)
     lines = csv.read_bytes()
     csv.write_bytes(b"")
     with pytest.raises(CheckpointError, match=r"coupled.csv: has 0 bytes.*--overwrite"):
-        resume(killed, _fmu, _quiet(), figures=False)
+        resume(killed, built, _quiet(), figures=False)
     csv.write_bytes(lines)
-    assert resume(killed, _fmu, _quiet(), figures=False).complete
+    assert resume(killed, built, _quiet(), figures=False).complete
     _same(killed, whole)
 
 
@@ -202,11 +202,11 @@ def test_a_changed_scenario_is_refused(killed: Path) -> None:
 def test_a_run_in_a_folder_with_an_unfinished_one_says_how_to_go_on(killed: Path, whole: Path) -> None:
     before = _content(killed)
     with pytest.raises(OutputFolderError, match=f"tribocosim resume {killed}"):
-        run(load("valve-train", [*SHORT, EVERY]), killed, _fmu, _quiet())
+        run(load("valve-train", [*SHORT, EVERY]), killed, built, _quiet())
     assert _content(killed) == before
     with pytest.raises(FileNotFoundError, match="tribocosim resume"):
         open_result(killed)
-    run(load("valve-train", [*SHORT, EVERY]), killed, _fmu, _quiet(), overwrite=True, figures=False)
+    run(load("valve-train", [*SHORT, EVERY]), killed, built, _quiet(), overwrite=True, figures=False)
     _same(killed, whole)
 
 
@@ -225,9 +225,9 @@ def test_two_processes_do_not_work_on_one_run(killed: Path) -> None:
         before = _content(killed)
         for overwrite in (False, True):
             with pytest.raises(MistakeError):
-                run(load("valve-train", SHORT), killed, _fmu, _quiet(), overwrite=overwrite)
+                run(load("valve-train", SHORT), killed, built, _quiet(), overwrite=overwrite)
         with pytest.raises(MistakeError, match="another process is running it"):
-            resume(killed, _fmu, _quiet(), figures=False)
+            resume(killed, built, _quiet(), figures=False)
         assert _content(killed) == before
     finally:
         other.communicate("")
@@ -236,7 +236,7 @@ def test_two_processes_do_not_work_on_one_run(killed: Path) -> None:
 def test_a_rebuilt_fmu_is_refused(tmp_path: Path) -> None:
     """The checksum, not what is in it: nobody knows that it computes the same."""
     file, out = tmp_path / "contact.fmu", tmp_path / "out"
-    shutil.copy(_fmu("ehl_contact", {}), file)
+    shutil.copy(built("ehl_contact", {}), file)
     _left(out, [*SHORT, f"components.contact.participant={file}"])
     with zipfile.ZipFile(file, "a") as archive:
         archive.comment = b"built again"
@@ -245,14 +245,14 @@ def test_a_rebuilt_fmu_is_refused(tmp_path: Path) -> None:
 
 def test_what_is_no_unfinished_run_is_told(whole: Path, tmp_path: Path) -> None:
     before = _content(whole)
-    done = resume(whole, _fmu, _quiet())
+    done = resume(whole, built, _quiet())
     assert (done.complete, done.exit_status) == (True, 4)
     assert _content(whole) == before
     with pytest.raises(OutputFolderError, match="holds no run"):
-        resume(tmp_path, _fmu, _quiet())
+        resume(tmp_path, built, _quiet())
     shutil.copy(whole / "scenario.toml", tmp_path)
     with pytest.raises(OutputFolderError, match="left nothing to go on from; repeat it"):
-        resume(tmp_path, _fmu, _quiet())
+        resume(tmp_path, built, _quiet())
 
 
 def test_killed_while_it_tidied_up_it_is_complete(killed: Path, whole: Path) -> None:
@@ -260,7 +260,7 @@ def test_killed_while_it_tidied_up_it_is_complete(killed: Path, whole: Path) -> 
     shutil.copy(whole / "coupled.csv", killed)
     shutil.copy(whole / "summary.json", killed)
     (killed / "unfinished" / "checkpoint").unlink()
-    assert resume(killed, _fmu, _quiet()).complete
+    assert resume(killed, built, _quiet()).complete
     _same(killed, whole)
 
 
@@ -268,7 +268,7 @@ def test_without_a_checkpoint_what_was_recorded_is_kept_and_marked(killed: Path)
     (killed / "unfinished" / "checkpoint").unlink()
     with (killed / "coupled.csv").open("ab") as file:
         file.write(b"1.5,torn")
-    done = resume(killed, _fmu, _quiet(), figures=False)
+    done = resume(killed, built, _quiet(), figures=False)
     assert (done.complete, done.exit_status, done.resumable) == (False, 3, False)
     assert "no checkpoint" in done.message
     assert not (killed / "unfinished").exists()
@@ -285,6 +285,6 @@ def test_a_run_that_fails_leaves_nothing_to_resume(tmp_path: Path) -> None:
     out = tmp_path / "out"
     overrides = ["master.name=jacobi", "macro_step=100 us", "stop_time=50 ms", *IN_PROCESS, *NO_REFERENCE]
     with contextlib.suppress(ModelError):
-        summary = run(load("valve-train", [*overrides, EVERY]), out, _fmu, _quiet(), figures=False)
+        summary = run(load("valve-train", [*overrides, EVERY]), out, built, _quiet(), figures=False)
     assert (summary.exit_status, summary.resumable) == (3, False)
     assert not (out / "unfinished").exists()

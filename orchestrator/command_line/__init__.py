@@ -1,0 +1,65 @@
+"""The command `tribocosim`. Imports what is slow only where it is used: --help must answer at once.
+
+A file for each command.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from .analyse import run_analysis
+from .benchmark import benchmark_coupling
+from .diagnose import diagnose_run
+from .fmu import fmu_build, fmu_info, fmu_validate
+from .reproduce import reproduce_source
+from .run import resume_run, run_scenario
+from .scenarios import scenarios
+from .study import run_study
+
+app = typer.Typer(
+    help="Co-simulation of valve train and slider-crank tribodynamics, compared with a monolithic reference.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+app.command("run")(run_scenario)
+app.command("resume")(resume_run)
+app.command("scenarios")(scenarios)
+app.command("diagnose")(diagnose_run)
+app.command("analyse")(run_analysis)
+app.command("study")(run_study)
+app.command("reproduce")(reproduce_source)
+
+fmus = typer.Typer(help="Build and inspect the FMUs.", no_args_is_help=True)
+fmus.command("build")(fmu_build)
+fmus.command("validate")(fmu_validate)
+fmus.command("info")(fmu_info)
+app.add_typer(fmus, name="fmu")
+
+benchmarks = typer.Typer(help="Measure masters, ours and other tools'.", no_args_is_help=True)
+benchmarks.command("coupling")(benchmark_coupling)
+app.add_typer(benchmarks, name="benchmark")
+
+
+def main() -> None:
+    """Run the command line."""
+    app()
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib import metadata
+
+        print(f"tribocosim {metadata.version('tribocosim')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    pass

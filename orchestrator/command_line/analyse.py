@@ -1,0 +1,61 @@
+"""tribocosim analyse."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .reported import reported
+
+
+@reported
+def run_analysis(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            help="An analysis, your own as module:object, or a scenario: how each master will do. "
+            "[default: list the analyses]"
+        ),
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="PARAMETER=VALUE",
+            help="Set a parameter, e.g. damping=0.1 (of a scenario: PATH=VALUE).",
+        ),
+    ] = None,
+    show_parameters: Annotated[
+        bool, typer.Option("--parameters", help="List the parameters and compute nothing.")
+    ] = False,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(metavar="TIME", help="Linearise a scenario at this instant too, e.g. '30 ms'."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Output folder. [default: results/NAME, or results/SCENARIO-stability]"),
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+) -> None:
+    """Analyse one motion or machine, or a scenario's coupling: results, table (netCDF, CSV) and figure."""
+    from ..analyse import analyse, listed, parameters
+    from ..errors import MistakeError
+    from ..report import Reporter
+    from ..stability.command import analyse_scenario, is_scenario
+
+    reporter = Reporter()
+    if name is None:
+        reporter.console.print(listed())
+    elif is_scenario(name) and show_parameters:
+        raise MistakeError(f"--parameters: {name} is a scenario; --set changes any of its keys, as for run")
+    elif is_scenario(name):
+        analyse_scenario(name, set_ or [], at or [], out, overwrite, reporter)
+    elif at:
+        raise MistakeError(f"--at: belongs to a scenario, which {name} is not; leave it out")
+    elif show_parameters:
+        reporter.console.print(parameters(name))
+    else:
+        analyse(name, set_ or [], out, overwrite, reporter)

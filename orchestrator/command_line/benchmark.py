@@ -1,0 +1,27 @@
+"""tribocosim benchmark."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .fmu import built
+from .reported import reported
+
+
+@reported
+def benchmark_coupling(
+    problem: Annotated[str, typer.Option(help="quarter-car, two-masses or valve-train.")] = "quarter-car",
+    out: Annotated[
+        Path | None, typer.Option(help="Output folder. [default: results/benchmark-PROBLEM]")
+    ] = None,
+    duration: Annotated[float | None, typer.Option(help="Simulated time in seconds.")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+) -> None:
+    """Error against doStep calls and wall time: all masters, and other tools that are installed, on the same
+    FMUs."""
+    from ..work_precision.benchmark import benchmark
+
+    benchmark(problem, built, out or Path("results") / f"benchmark-{problem}", duration, overwrite)

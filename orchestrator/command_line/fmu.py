@@ -1,0 +1,87 @@
+"""tribocosim fmu, and the FMUs that other commands need."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .reported import reported
+
+
+def built(name: str, structure: Mapping[str, int]) -> Path:
+    """The packaged component, built if it isn't in the cache."""
+    from fmus.build import build
+    from models.kernel import user_cache_directory
+
+    from ..errors import RunError
+
+    try:
+        return build(name, structure=structure)
+    except OSError as error:
+        raise RunError(
+            f"building the FMU {name}: {user_cache_directory()} cannot be written ({error.strerror}); set "
+            "TRIBOCOSIM_CACHE to a folder that can"
+        ) from None
+    except (KeyError, ValueError) as error:
+        raise RunError(f"building the FMU {name}: {error.args[-1] if error.args else error}") from None
+
+
+@reported
+def fmu_build(
+    names: Annotated[list[str] | None, typer.Argument(help="Components. [default: all]")] = None,
+    out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("."),
+) -> None:
+    """Build FMUs."""
+    from fmus.build import NAMES, build
+    from models.system import suggestion
+
+    from ..errors import MistakeError
+
+    for name in names or NAMES:
+        if name not in NAMES:
+            raise MistakeError(f"no FMU {name!r}; {suggestion(name, NAMES)}")
+        try:
+            print(build(name, out))
+        except OSError as error:
+            raise MistakeError(f"{out}: cannot be written ({error.strerror}); choose another --out") from None
+
+
+@reported
+def fmu_validate(files: Annotated[list[Path], typer.Argument(help="The .fmu files.")]) -> int:
+    """Check FMU files; exit status 1 if something is found."""
+    from fmus.validate import validate
+
+    found = 0
+    for file in files:
+        problems = validate(_existing(file))
+        found += len(problems)
+        print(f"{file}: {'nothing found' if not problems else ''}")
+        for problem in problems:
+            print(f"  {problem}")
+    return 1 if found else 0
+
+
+@reported
+def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")]) -> None:
+    """Show what an FMU is and its variables."""
+    from fmus.validate import FmuFileError, info
+
+    from ..errors import MistakeError
+
+    try:
+        print(info(_existing(file)))
+    except FmuFileError as error:
+        raise MistakeError(str(error)) from None
+
+
+def _existing(file: Path) -> Path:
+    from ..errors import MistakeError
+
+    if file.is_dir():
+        raise MistakeError(f"{file}: is a folder; give its files: {file / '*.fmu'}")
+    if not file.is_file():
+        raise MistakeError(f"{file}: no such file; tribocosim fmu build makes the FMUs")
+    return file

@@ -1,0 +1,59 @@
+"""How every command ends: with an exit status, and an error as one message."""
+
+from __future__ import annotations
+
+import functools
+import os
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import typer
+
+from ..interruption import Noticed
+
+MISTAKE, FAILED, INTERRUPTED = 2, 3, 130
+
+
+def reported(command: Callable[..., int | None]) -> Callable[..., None]:
+    """Exit with the status that `command` returns. An error is one message on standard error, without a
+    traceback (TRIBOCOSIM_DEBUG=1 shows it)."""
+
+    @functools.wraps(command)
+    def report(*arguments: Any, **options: Any) -> None:
+        noticed = Noticed()
+        try:
+            with noticed:
+                status = command(*arguments, **options)
+        except KeyboardInterrupt as interruption:
+            say(str(interruption) or "interrupted")
+            raise typer.Exit(INTERRUPTED) from None
+        except Exception as error:
+            if noticed.asked:
+                say("interrupted")
+                raise typer.Exit(INTERRUPTED) from None
+            if os.environ.get("TRIBOCOSIM_DEBUG", "0").strip("0"):
+                raise
+            text, status = _judged(error)
+            say(text)
+        raise typer.Exit(status or 0)
+
+    return report
+
+
+def _judged(error: Exception) -> tuple[str, int]:
+    """The message for the user, and the exit status."""
+    from models.system import ModelError
+
+    from ..errors import MistakeError, RunError
+
+    if isinstance(error, (MistakeError, ModelError)):
+        return str(error), MISTAKE
+    if isinstance(error, RunError):
+        return str(error), FAILED
+    return f"unexpected {type(error).__name__}: {error} (TRIBOCOSIM_DEBUG=1 shows where)", FAILED
+
+
+def say(text: str) -> None:
+    for line in text.split("\n"):
+        print(f"tribocosim: {line}", file=sys.stderr)

@@ -1,0 +1,66 @@
+"""tribocosim run, tribocosim resume."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .fmu import built
+from .reported import reported, say
+
+
+@reported
+def run_scenario(
+    scenario: Annotated[str, typer.Argument(help="A shipped scenario, or the path of a .toml file.")],
+    out: Annotated[Path | None, typer.Option(help="Output folder. [default: results/SCENARIO]")] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="PATH=VALUE",
+            help="Change the scenario, e.g. components.camshaft.parameters.lift='9 mm'.",
+        ),
+    ] = None,
+    master: Annotated[str | None, typer.Option(help="Use another master.")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+    no_figures: Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")] = False,
+) -> int:
+    """Run a scenario; exit status 0 if it is within its tolerance of the reference.
+
+    1: outside the tolerance, 2: a mistake in the scenario or the command, 3: the run failed,
+    4: not compared (reference.enabled=false), 130: interrupted.
+    """
+    from ..output_folder import spare
+    from ..report import Reporter
+    from ..run import run
+    from ..scenario_files import find, load
+
+    overrides = [f"master.name={master}"] if master else []
+    loaded = load(scenario, overrides + (set_ or []))
+    folder = out or Path("results") / loaded.name
+    spare(find(scenario), loaded, folder)
+    summary = run(loaded, folder, built, Reporter(), overwrite, figures=not no_figures)
+    if not summary.complete:
+        say(summary.message)
+    return summary.exit_status
+
+
+@reported
+def resume_run(
+    folder: Annotated[Path, typer.Argument(help="The output folder of the run.")],
+    no_figures: Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")] = False,
+) -> int:
+    """Continue a run that was killed or interrupted from its last checkpoint, with the same results.
+
+    Exit status as of `run`; 2 also if the run cannot go on (another FMU, version or scenario, or a damaged
+    checkpoint).
+    """
+    from ..report import Reporter
+    from ..resume import resume
+
+    summary = resume(folder, built, Reporter(), figures=not no_figures)
+    if not summary.complete:
+        say(summary.message)
+    return summary.exit_status

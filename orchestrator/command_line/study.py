@@ -1,0 +1,45 @@
+"""tribocosim study."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .fmu import built
+from .reported import reported
+
+
+@reported
+def run_study(
+    study: Annotated[str, typer.Argument(help="A shipped study, or the path of a .toml file.")],
+    out: Annotated[Path | None, typer.Option(help="The zarr store. [default: results/STUDY.zarr]")] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Use a dask scheduler that runs, e.g. tcp://host:8786."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes on this machine. [default: one a core]")
+    ] = None,
+    timeout: Annotated[
+        float, typer.Option(min=0.1, help="Seconds to wait for the scheduler's answer.")
+    ] = 10.0,
+    retry_failed: Annotated[bool, typer.Option("--retry-failed", help="Try failed points again.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Start over, replacing the store.")] = False,
+) -> int:
+    """Run a parameter study; stopped at any moment, the same command continues it.
+
+    Exit status 0: all points done, 1: some failed (their messages are in the store), 2: a mistake in the
+    study or the command, 3: the workers cannot go on, 130: interrupted.
+    """
+    from ..errors import MistakeError
+    from ..report import Reporter
+    from ..study.files import load
+    from ..study.run import Where, run
+
+    if scheduler and workers:
+        raise MistakeError("--workers: are processes on this machine; leave it out with --scheduler")
+    plan = load(study, built)
+    store = out or Path("results") / f"{plan.study.name}.zarr"
+    return run(plan, store, Where(scheduler, workers, timeout), Reporter(), overwrite, retry_failed)

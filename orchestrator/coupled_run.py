@@ -1,0 +1,100 @@
+"""The coupled run of a job: its participants, and those who watch it."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+
+from models.quantities import Vector
+from models.system import System
+
+from . import assembly
+from .checkpoint import NAME as CHECKPOINT
+from .checkpoint import Checkpoints, Identity
+from .energy import Ledger, Trimmed, counted
+from .interruption import Interruption
+from .job import Job
+from .output_folder import CSV, SUMMARY
+from .plain_data import Plain
+from .recording import CsvRecorder, ResultRecorder
+from .simulation import Observer, simulate
+from .stepping import Step
+from .summary import Summary
+from .watchdog import watching
+
+
+def run_coupled(
+    job: Job, system: System, fmus: dict[str, assembly.FmuFile], identity: Identity, summary: Summary
+) -> None:
+    """Make it, and put what it came to into the summary, also where it fails."""
+    scenario, every = job.scenario, job.scenario.record_every
+    quantities = assembly.output_quantities(system)
+    recorders: list[Observer] = [
+        ResultRecorder(job.folder, quantities, every),
+        CsvRecorder(job.out / CSV, every),
+    ]
+    ledger = None
+    if scenario.energy.ledger:
+        system = counted(system, assembly.counting_instances(scenario, system))
+        ledger = Ledger(system, every, job.folder)
+        recorders = [*(Trimmed(recorder, system) for recorder in recorders), ledger]
+    counter = _Counter()
+    stage = job.reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)
+    with watching(scenario, job.out / SUMMARY, summary) as watchdog:
+        participants = assembly.participants_of(scenario, system, fmus, watchdog.made)
+        try:
+            with stage as bar, Interruption() as interruption:
+                keeper = [_checkpoints(job, identity, interruption)] if scenario.checkpoint_every else []
+                statistics = simulate(
+                    system,
+                    participants,
+                    scenario.made_master(),
+                    scenario.made_steps(),
+                    scenario.stop_time,
+                    [*watchdog.observers, *recorders, counter, *keeper, bar, interruption],
+                    resumed=job.resumed[1] if job.resumed else None,
+                )
+        finally:
+            summary.macro_steps, summary.iterations = max(0, counter.steps), counter.iterations
+            summary.coupled_time_s = counter.time_s
+            summary.energy = ledger.account() if ledger else None
+            for participant in participants.values():
+                participant.close()
+    summary.do_steps = statistics.do_steps
+    summary.iterations = statistics.iterations
+    summary.coupled_time_s = statistics.coupled_time_s
+
+
+def _checkpoints(job: Job, identity: Identity, interruption: Interruption) -> Checkpoints:
+    every, stop = job.scenario.checkpoint_every, job.scenario.stop_time
+    path = job.folder / CHECKPOINT
+    return Checkpoints(path, identity, every, stop, lambda: interruption.asked, job.reporter.line)
+
+
+class _Counter:
+    """What a run came to that did not live to return its statistics."""
+
+    steps = -1
+    iterations = 0
+    time_s = 0.0
+
+    def begin(self, names: Sequence[str]) -> None:
+        self._began = clock.perf_counter()
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        self.steps += 1
+        self.iterations += step.iterations
+
+    def state(self) -> dict[str, Plain]:
+        return {
+            "steps": self.steps,
+            "iterations": self.iterations,
+            "time_s": clock.perf_counter() - self._began,
+        }
+
+    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
+        self.steps, self.iterations = state["steps"], state["iterations"]
+        self._began = clock.perf_counter() - state["time_s"]
+
+    def end(self, complete: bool, message: str) -> None:
+        self.time_s = clock.perf_counter() - self._began

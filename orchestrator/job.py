@@ -1,0 +1,28 @@
+"""What is to be run, and where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from models.system import System
+
+from . import assembly
+from .checkpoint import Identity
+from .plain_data import Plain
+from .report import Reporter
+from .scenario import Scenario
+
+
+@dataclass(frozen=True)
+class Job:
+    """A run to be carried out. `folder` is that of what is unfinished in `out`; `resumed` is a checkpoint."""
+
+    scenario: Scenario
+    system: System
+    out: Path
+    folder: Path
+    build: assembly.Builder
+    reporter: Reporter
+    figures: bool
+    resumed: tuple[Identity, Plain] | None = None
