@@ -1,4 +1,7 @@
-"""`python -m benchmarks [NAME...]` measures and prints; `--write` also fills docs/benchmarks.md."""
+"""`python -m benchmarks [NAME...]` measures and prints; `--write` also fills docs/benchmarks.md.
+
+With names, the page's other figures stay as they are.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,25 @@ PAGE = Path(__file__).parent.parent / "docs" / "benchmarks.md"
 
 def main() -> None:
     """Run the named benchmarks, or all."""
-    wanted = [name for name in sys.argv[1:] if not name.startswith("-")] or list(NAMES)
+    named = [name for name in sys.argv[1:] if not name.startswith("-")]
+    found = {}
+    for name in named or NAMES:
+        for figure, value in importlib.import_module(f"benchmarks.{name}").rows():
+            found[figure] = value
+            print(f"| {figure} | {value} |", flush=True)
+    if "--write" in sys.argv[1:]:
+        kept = written(PAGE.read_text("utf-8")) if named and PAGE.exists() else {}
+        PAGE.write_text(page(kept | found), encoding="utf-8")
+
+
+def written(text: str) -> dict[str, str]:
+    """The figures that a page has."""
+    rows = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| ")]
+    return {cells[0]: cells[1] for cells in rows[1:]}
+
+
+def page(figures: dict[str, str]) -> str:
+    """The page with these figures."""
     lines = [
         "# Benchmarks",
         "",
@@ -24,13 +45,9 @@ def main() -> None:
         "",
         "| figure | value |",
         "|---|---|",
+        *(f"| {figure} | {value} |" for figure, value in figures.items()),
     ]
-    for name in wanted:
-        for figure, value in importlib.import_module(f"benchmarks.{name}").rows():
-            lines.append(f"| {figure} | {value} |")
-            print(lines[-1], flush=True)
-    if "--write" in sys.argv[1:]:
-        PAGE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return "\n".join(lines) + "\n"
 
 
 if __name__ == "__main__":

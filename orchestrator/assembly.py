@@ -16,7 +16,8 @@ from models.system import Instance, System, suggestion
 from .bonds import exchanged_bonds
 from .energy.correction import Compensated, bond_inputs
 from .energy.counting import counting_structure
-from .participants import Participant, fmu, in_process, missing, substepped
+from .energy.estimate import EstimatedComponent, Estimating, without_estimates
+from .participants import Participant, fmu, in_process, missing, signal_degrees, substepped
 from .scenario import ComponentTable, Scenario, ScenarioError, ends
 from .values import numbers
 
@@ -192,10 +193,13 @@ def participants_of(
     try:
         for name, instance in system.instances.items():
             if name in files:
-                make = partial(fmu, name, files[name].path, instance)
+                make = partial(fmu, name, files[name].path, without_estimates(instance))
             else:
                 make = partial(in_process, name, instance)
             participants[name] = made(name, make)
+            if isinstance(instance.component, EstimatedComponent):
+                degrees = signal_degrees(files[name].path, instance.component.inputs)
+                participants[name] = Estimating(participants[name], instance.component, degrees)
             table = scenario.components[name]
             if table.substeps > 1 or table.retries:
                 participants[name] = substepped(participants[name], table.substeps, table.retries)

@@ -11,7 +11,7 @@ from models.system import System
 from . import assembly
 from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import Checkpoints, Identity
-from .energy import Ledger, Trimmed, counted
+from .energy import Ledger, Trimmed, counted, estimated
 from .interruption import Interruption
 from .job import Job
 from .output_folder import CSV, SUMMARY
@@ -35,7 +35,7 @@ def run_coupled(
     ]
     ledger = None
     if scenario.energy.ledger:
-        system = counted(system, assembly.counting_instances(scenario, system))
+        system = estimated(counted(system, assembly.counting_instances(scenario, system)))
         ledger = Ledger(system, every, job.folder)
         recorders = [*(Trimmed(recorder, system) for recorder in recorders), ledger]
     counter = _Counter()

@@ -6,6 +6,7 @@ What arrives and was not sent has been created by the coupling.
 
 from .account import Account, lines
 from .counting import Trimmed, counted, counting_structure
+from .estimate import estimated
 from .ledger import Ledger
 
-__all__ = ["Account", "Ledger", "Trimmed", "counted", "counting_structure", "lines"]
+__all__ = ["Account", "Ledger", "Trimmed", "counted", "counting_structure", "estimated", "lines"]

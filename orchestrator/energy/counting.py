@@ -14,6 +14,7 @@ from models.system import System
 
 from ..simulation import Observer
 from ..stepping import Step
+from .estimate import EstimatedComponent
 
 
 def counted(system: System, names: Collection[str]) -> System:
@@ -32,11 +33,11 @@ def counting_structure(structure: Mapping[str, int]) -> dict[str, int]:
 
 
 def added(system: System) -> tuple[str, ...]:
-    """The outputs that counting adds, as "instance.variable"."""
+    """The outputs that counting and estimates add, as "instance.variable"."""
     return tuple(
         f"{name}.{variable}"
         for name, instance in system.instances.items()
-        if isinstance(instance.component, CountingComponent)
+        if isinstance(instance.component, CountingComponent | EstimatedComponent)
         for variable in instance.component.outputs.names[instance.component.plain.outputs.size :]
     )
 

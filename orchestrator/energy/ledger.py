@@ -19,6 +19,7 @@ from .account import Account, BondAccount, ComponentAccount
 from .sides import received_by, sides_of
 
 GROUP = "energy"
+ESTIMATED = " (estimated from exchanged values)"
 
 
 class Ledger:
@@ -40,10 +41,14 @@ class Ledger:
             assert sides.effort
             assert sides.flow
             bond = sides.bond
-            self._row(f"given {bond}", {sides.effort: -1.0}, f"energy from {bond.effort.instance}")
-            self._row(f"taken {bond}", {sides.flow: 1.0}, f"energy into {bond.flow.instance}")
+            giver, taker = bond.effort.instance, bond.flow.instance
+            given, taken = ESTIMATED * (giver in sides.estimated), ESTIMATED * (taker in sides.estimated)
+            self._row(f"given {bond}", {sides.effort: -1.0}, f"energy from {giver}{given}")
+            self._row(f"taken {bond}", {sides.flow: 1.0}, f"energy into {taker}{taken}")
             self._row(
-                f"created {bond}", {sides.effort: 1.0, sides.flow: 1.0}, "energy created by the coupling"
+                f"created {bond}",
+                {sides.effort: 1.0, sides.flow: 1.0},
+                f"energy created by the coupling{given or taken}",
             )
         for name in self.instances:
             self._component_rows(system, name)
@@ -156,6 +161,7 @@ class Ledger:
                 largest,
                 exchanged,
                 largest / exchanged if exchanged else 0.0,
+                list(sides.estimated),
             )
         columns = [column.name for column in fields(ComponentAccount)]
         components = {

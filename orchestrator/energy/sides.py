@@ -5,20 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from models.bonds import CountingComponent, energy_through
-from models.component import PowerBond
 from models.system import System
 
 from ..bonds import Bond, bonds_of
+from .estimate import EstimatedComponent
 
 
 @dataclass(frozen=True)
 class Sides:
     """A bond between two instances, with the outputs that count what came in on the side that gives the
-    effort and on the side that gives the flow; None where a side does not count it."""
+    effort and on the side that gives the flow; None where a side does not count it. Of the instances in
+    `estimated` it is an estimate."""
 
     bond: Bond
     effort: str | None
     flow: str | None
+    estimated: tuple[str, ...] = ()
 
     @property
     def both(self) -> bool:
@@ -32,18 +34,23 @@ def sides_of(system: System) -> list[Sides]:
     def counts(instance: str, bond: Bond) -> str | None:
         own = bond.declared.get(instance)
         component = system.instances[instance].component
-        return _variable(instance, own) if own and isinstance(component, CountingComponent) else None
+        counted = isinstance(component, CountingComponent | EstimatedComponent)
+        found = energy_through(own) if own and counted else ""
+        return f"{instance}.{found}" if found in component.outputs else None
 
-    return [
-        Sides(bond, counts(bond.effort.instance, bond), counts(bond.flow.instance, bond))
-        for bond in bonds_of(system)
-    ]
+    def sides(bond: Bond) -> Sides:
+        ends = (bond.effort.instance, bond.flow.instance)
+        found = {name: counts(name, bond) for name in ends}
+        guessed = [
+            name
+            for name in ends
+            if found[name] and isinstance(system.instances[name].component, EstimatedComponent)
+        ]
+        return Sides(bond, found[ends[0]], found[ends[1]], tuple(guessed))
+
+    return [sides(bond) for bond in bonds_of(system)]
 
 
 def received_by(system: System, instance: str) -> list[str]:
     """The outputs that count what came into an instance that counts, over all its bonds."""
-    return [_variable(instance, own) for own in system.instances[instance].component.bonds]
-
-
-def _variable(instance: str, bond: PowerBond) -> str:
-    return f"{instance}.{energy_through(bond)}"
+    return [f"{instance}.{energy_through(own)}" for own in system.instances[instance].component.bonds]

@@ -15,7 +15,7 @@ import numpy as np
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
-from models.quantities import Quantity, Vector
+from models.quantities import Layout, Quantity, Vector
 from models.system import Instance, suggestion
 
 from ..errors import (
@@ -46,6 +46,17 @@ def missing(path: Path, names: Iterable[str]) -> list[str]:
     absent = [name for name in names if name not in known]
     model = f"the FMU of {description.modelName} has no variable"
     return [f"{model} {name!r}{_nearest(name, known)}" for name in absent]
+
+
+def signal_degrees(path: Path, inputs: Layout) -> dict[str, int]:
+    """The degree of the polynomial that the FMU at `path` follows, by input; 0: it holds the value."""
+    known = {variable.name for variable in read_model_description(str(path)).modelVariables}
+
+    def degree(name: str) -> int:
+        absent = (k for k in range(1, 4) if inputs.field(name).suffixed(f"_der{k}") not in known)
+        return next(absent, 4) - 1
+
+    return {name: degree(name) for name in inputs.names}
 
 
 def _nearest(name: str, known: Sequence[str]) -> str:
