@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from models.flywheel import FlywheelParameters
 from models.oscillators import exact as solutions
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
+from models.system import System
 from orchestrator import assembly
 from orchestrator.energy import Ledger, Trimmed, counted, lines
 from orchestrator.energy.correction import Compensated, bond_inputs
@@ -190,6 +192,33 @@ def test_a_compensated_participant_goes_back_to_the_same_bits():
         step(5)
         unit.read()
         np.testing.assert_array_equal(outputs, wanted)
+
+
+def impulses(step=1e-5, stop=0.03):
+    """A slider-crank on a free flywheel: what came to the flywheel besides its bonds, what the impacts'
+    impulses gave it, and by how much that may be off (J).
+
+    An impulse dJ takes dJ w - dJ^2 / 2 I from a shaft with the speed w before it, which is that at the start
+    of the macro step; by the impact the shaft's torque has changed it, at most as far as in a whole step.
+    """
+    base = assembly.system_of(load("slider-crank", ["components.flywheel.parameters.motion='free'"]))
+    connections = [(str(c.source), str(c.target)) for c in base.connections]
+    taken = ("slider_crank.crank_impact_impulse", "flywheel.load_impulse[1]")
+    system = counted(System(base.instances, [*connections, taken]), list(base.instances))
+    ledger, recorder = Ledger(system), Recorder()
+    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    simulate(system, units, GaussSeidel("quadratic"), step, stop, [ledger, recorder])
+    speed, impulse = recorder["flywheel.speed"][:-1], np.diff(recorder[taken[0]])
+    inertia = FlywheelParameters(**base.instances["flywheel"].parameters).inertia
+    given = float((0.5 * impulse**2 / inertia - impulse * speed).sum())
+    change = step * np.abs(recorder["flywheel.acceleration"]).max()
+    return ledger["besides flywheel"], given, float(np.abs(impulse).sum() * change)
+
+
+def test_what_impacts_take_as_impulses_comes_besides_the_bonds():
+    besides, given, bound = impulses()
+    assert abs(given) > 100.0 * bound > 0.0
+    assert besides == pytest.approx(given, abs=bound)
 
 
 def test_scenarios_refuse_a_correction_of_masters_that_interpolate():

@@ -7,11 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from orchestrator.masters import Iterated, Jacobi
-from tests.orchestrator.test_energy import BOND, MASTERS, ORDERS, booked
+from tests.orchestrator.test_energy import BOND, MASTERS, ORDERS, booked, impulses
+from tests.orchestrator.test_energy_estimates import misestimated
 
 from .table import Row, largest
 
 TESTS = "orchestrator/test_energy.py::"
+ESTIMATES = "orchestrator/test_energy_estimates.py::"
 
 
 def rows() -> Iterator[Row]:
@@ -26,12 +28,44 @@ def rows() -> Iterator[Row]:
             TESTS + "test_a_converged_coupling_exchanges_the_energies_of_the_exact_solution",
             TESTS + "test_every_record_books_all_energies_since_the_last_one",
             TESTS + "test_nobody_sees_that_energies_are_counted",
-            TESTS + "test_a_bond_that_only_one_side_counts_is_named_and_not_booked",
         ),
         command="tribocosim run valve-train --set energy.ledger=true",
-        short="bonds to an FMU that does not count its energies are named, not booked; impulses of impacts "
-        "are"
-        " not counted.",
+    )
+    yield _estimates()
+    yield _impulses()
+
+
+def _estimates() -> Row:
+    """An FMU that does not count: estimates beside the counts of one that does."""
+    parts, orders = [], []
+    for kind, rated, wanted in (("with rates", True, 4.0), ("without", False, 2.0)):
+        coarse, fine = (abs(misestimated(Jacobi("quadratic"), step, rated)) for step in (1e-2, 5e-3))
+        orders.append(np.log2(coarse / fine) > wanted - 0.25)
+        parts.append(f"{kind} {fine:.1e} J, order {np.log2(coarse / fine):.2f}")
+    return Row(
+        "the same for an FMU that does not count its energies: an estimate from what it was given and gave, "
+        "named as one in channels, summary and text",
+        f"two masses, 5 ms, off the counted energy by: {'; '.join(parts)}",
+        (
+            ESTIMATES + "test_an_estimate_comes_to_what_is_counted_with_its_order",
+            ESTIMATES + "test_a_foreign_fmu_has_its_bond_booked",
+            ESTIMATES + "test_estimates_are_named_in_channels_account_and_words",
+            ESTIMATES + "test_nobody_sees_the_estimates",
+        ),
+        command="tribocosim run two-masses --set components.second.participant=FILE.fmu "
+        "--set energy.ledger=true",
+        short="" if all(orders) else "not met.",
+    )
+
+
+def _impulses() -> Row:
+    besides, given, bound = impulses()
+    return Row(
+        "what impacts take from a shaft as impulses is in the ledger",
+        f"slider-crank on a free flywheel, 30 ms: `besides` of the flywheel {besides:.5f} J, by its speed "
+        f"and the impulses {given:.5f} J (to {bound:.0e} J)",
+        (TESTS + "test_what_impacts_take_as_impulses_comes_besides_the_bonds",),
+        short="" if abs(besides - given) <= bound else "not met.",
     )
 
 
