@@ -3,103 +3,35 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import itertools
-import json
 import math
 import re
-import tempfile
 
 import numpy as np
 import pytest
-from fmpy.fmi2 import FMU2Slave
 from scipy.linalg import expm
 
-from fmus.build import build
-from models.catalogue import CATALOGUE
 from models.oscillators import exact as solutions
 from models.oscillators.bouncing_mass import falling_mass, spring_stop
 from models.oscillators.two_masses import CoupledMassParameters
 from models.system import Instance, System
-from orchestrator.assembly import FmuFile, participants_of
 from orchestrator.errors import (
     DiscardedStepError,
     LostParticipantError,
     NotFiniteError,
-    ParticipantError,
     RecoverableError,
-    RunError,
 )
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import fmu, in_process
-from orchestrator.scenario import EnergyTable
+from orchestrator.participants import in_process
 from orchestrator.simulation import simulate
 from orchestrator.stepping import ControlledSteps, StepControl
 from orchestrator.stepping.protocol import DISCARD, EVENT, SHORTEST
 
 from .faulty import Faulty, after, at_random, every, longer_than
+from .faulty_runs import CONTROLLED, STOP, TOLERANCE, controlled, faulty, missed, simulated, sound
 from .recorder import Recorder
-from .small_fmus import small_fmu
-from .test_command_line import SHORT, _tampered, tribocosim
-from .two_masses import exact, two_masses
 
-STOP = 1.0
 JUMP, OFFSET = 0.5, 0.1
-
-# Step control over explicit and implicit masters, by every estimator that suits two masses.
-CONTROLLED = {
-    "jacobi, schierz": (Jacobi("quadratic"), "schierz"),
-    "gauss_seidel, step_doubling": (GaussSeidel("quadratic"), "step_doubling"),
-    "iterated, predictor_corrector": (Iterated("hermite"), "predictor_corrector"),
-}
-TOLERANCE = 1e-5
-
-
-def controlled(second, kind, minimum_step=1e-7):
-    """The recorder of a run with step control, and the error that ended it."""
-    master, estimator = CONTROLLED[kind]
-    control = StepControl(
-        estimator, relative=TOLERANCE, absolute=TOLERANCE, minimum_step=minimum_step, maximum_step=0.05
-    )
-    return simulated(second, master, ControlledSteps(1e-3, control))
-
-
-@functools.cache
-def sound(kind):
-    """The recorder of a run without faults."""
-    recorder, ended = controlled(faulty(), kind)
-    assert ended is None
-    return recorder
-
-
-def simulated(second, master, steps):
-    system, recorder = two_masses(), Recorder()
-    units = {"first": Faulty(in_process("first", system.instances["first"])), "second": second}
-    ended = None
-    try:
-        simulate(system, units, master, steps, STOP, [recorder])
-    except RunError as error:
-        ended = error
-    finally:
-        for unit in units.values():
-            unit.close()
-    assert recorder.ended == (ended is None, "" if ended is None else str(ended))
-    for unit in units.values():
-        if isinstance(unit, Faulty):
-            assert unit.saved == unit.released
-    return recorder, ended
-
-
-def faulty(**faults):
-    return Faulty(in_process("second", two_masses().instances["second"]), **faults)
-
-
-def missed(recorder):
-    truth = exact(recorder.times)
-    return max(
-        np.abs(recorder["first.position"] - truth[:, 0]).max(),
-        np.abs(recorder["second.position"] - truth[:, 1]).max(),
-    )
 
 
 def nan_every(number):
@@ -304,101 +236,3 @@ def test_with_fixed_steps_the_culprit_and_the_time_are_named(fault, master):
     assert re.search(said, str(ended))
     assert len(recorder.times) == 51
     assert unit.closed
-
-
-VICES = {
-    "refusing": (DiscardedStepError, r"^second: step .* returned Discard: no way on; .*second\.retries"),
-    "raising": (LostParticipantError, r"^second: step .* returned Fatal: RuntimeError\('broken gear'\)"),
-    "infinite": (NotFiniteError, r"^second\.velocity: not a finite number in the step from t = 0\.5"),
-    "unready": (LostParticipantError, r"^second: initialise: RuntimeError\('no table found'\)"),
-}
-
-
-@pytest.fixture
-def temporary(tmp_path, monkeypatch):
-    """The folder of temporary files."""
-    folder = tmp_path / "temporary"
-    folder.mkdir()
-    monkeypatch.setattr(tempfile, "tempdir", str(folder))
-    return folder
-
-
-@pytest.mark.parametrize("vice", VICES)
-def test_an_fmu_that_fails_is_named_and_freed(vice, tmp_path, temporary, monkeypatch):
-    error, said = VICES[vice]
-    freed = []
-    free = FMU2Slave.freeInstance
-    monkeypatch.setattr(FMU2Slave, "freeInstance", lambda slave: freed.append(free(slave)))
-    file = small_fmu(vice, tmp_path)
-    recorder, ended = simulated(
-        fmu("second", file, two_masses().instances["second"]), GaussSeidel("linear"), FIXED
-    )
-    assert type(ended) is error
-    assert re.search(said, str(ended))
-    assert len(recorder.times) == (0 if vice == "unready" else 52)
-    # After fmi2Fatal no call is allowed, so that the instance has to be given up.
-    assert len(freed) == (0 if error is LostParticipantError else 1)
-    assert list(temporary.iterdir()) == []
-
-
-def test_an_fmu_that_cannot_be_instantiated_is_named_and_the_others_are_closed(tmp_path, temporary):
-    system, made = two_masses(), []
-
-    def watched(name, make):
-        made.append(Faulty(make()))
-        return made[-1]
-
-    class Tables:
-        substeps, retries = 1, 0
-
-    class Told:
-        components = dict.fromkeys(system.instances, Tables)
-        energy = EnergyTable()
-
-    files = {"second": FmuFile(small_fmu("unborn", tmp_path), "")}
-    with pytest.raises(ParticipantError, match=r"^second: instantiate: RuntimeError\('no licence'\)"):
-        participants_of(Told, system, files, watched)
-    assert [(unit.name, unit.closed) for unit in made] == [("first", True)]
-    assert list(temporary.iterdir()) == []
-
-
-def test_a_clock_that_drifts_is_refused_by_our_fmus(tmp_path):
-    """A step has to begin where the last one ended, to 1e-9 of the time and 1e-6 of the step."""
-    component = CATALOGUE["flywheel"]()
-    system = System({"flywheel": Instance(component)}, [])
-    unit = Faulty(fmu("flywheel", build("flywheel", tmp_path), system.instances["flywheel"]), drift=1e-4)
-    unit._inner.advance, true = lambda time, step: true(time / (1.0 + 1e-4), step), unit._inner.advance
-    recorder = Recorder()
-    try:
-        with pytest.raises(DiscardedStepError, match=r"must begin at 0\.01\d* s, where the state is"):
-            simulate(system, {"flywheel": unit}, Jacobi("hold"), 1e-2, 1.0, [recorder])
-    finally:
-        unit.close()
-
-
-# The whole command.
-
-LIMITED = """
-def do_step(self, t, h, _real=camshaft.do_step):
-    return h < 0.3 * {step} and _real(self, t, h)
-camshaft.do_step = do_step
-"""
-
-
-@pytest.mark.parametrize("retries", [1, 2])
-def test_a_camshaft_that_needs_a_quarter_of_the_step_gets_it_with_two_retries(retries, tmp_path):
-    file = _tampered(build("camshaft", tmp_path), tmp_path / "limited.fmu", LIMITED.format(step=5e-6))
-    others = [text for text in SHORT if "camshaft" not in text]
-    out = tmp_path / "out"
-    done = tribocosim(
-        "run", "valve-train", "--out", str(out), *others, "--no-figures", "--set=reference.enabled=false",
-        "--set=macro_step=5 us", f"--set=components.camshaft.participant={file}",
-        f"--set=components.camshaft.retries={retries}",
-    )  # fmt: skip
-    summary = json.loads((out / "summary.json").read_text())
-    assert done.returncode == (4 if retries == 2 else 3), summary["message"]
-    if retries == 1:
-        assert summary["message"].startswith(
-            "incomplete: camshaft: step from t = 0 s by 2.5e-06 s returned Discard"
-        )
-        assert "raise components.camshaft.retries" in summary["message"]

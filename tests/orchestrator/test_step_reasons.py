@@ -9,8 +9,8 @@ import pytest
 
 from orchestrator.stepping import REASONS, ControlledSteps, StepControl
 
+from .faulty_runs import CONTROLLED, TOLERANCE, faulty, simulated
 from .test_events import bouncing, controlled, hermite
-from .test_faults import CONTROLLED, TOLERANCE, faulty, simulated
 
 ERROR, GROWTH = REASONS.index("error"), REASONS.index("growth")
 

@@ -19,6 +19,7 @@ from tests.orchestrator.recorder import Recorder
 from .table import Row
 
 TESTS = "orchestrator/test_faults.py::"
+FMUS = "orchestrator/test_faults_of_fmus.py::"
 WATCHDOG = "orchestrator/test_watchdog.py::"
 CONTROLLED = "iterated, predictor_corrector"
 LIMIT = 0.5  # s
@@ -40,7 +41,7 @@ def rows() -> Iterator[Row]:
         "`retries` of a component: the step that failed is cut in two, so often at most",
         (
             "orchestrator/test_substeps.py::test_failed_steps_are_retried_and_the_result_is_the_same",
-            TESTS + "test_a_camshaft_that_needs_a_quarter_of_the_step_gets_it_with_two_retries",
+            FMUS + "test_a_camshaft_that_needs_a_quarter_of_the_step_gets_it_with_two_retries",
         ),
         command="tribocosim run valve-train --set components.camshaft.retries=2",
     )
@@ -92,7 +93,7 @@ def _dying() -> Row:
         recorder,
         ended,
         TESTS + "test_a_dead_participant_is_not_called_again",
-        TESTS + "test_an_fmu_that_fails_is_named_and_freed",
+        FMUS + "test_an_fmu_that_fails_is_named_and_freed",
         value=f"{calls} call from then on; ",
     )
 
