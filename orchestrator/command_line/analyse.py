@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from .fmu import built
 from .reported import reported
 
 
@@ -34,6 +35,13 @@ def run_analysis(
         list[str] | None,
         typer.Option(metavar="TIME", help="Linearise a scenario at this instant too, e.g. '30 ms'."),
     ] = None,
+    responses: Annotated[
+        bool,
+        typer.Option(
+            "--responses",
+            help="Linearise all of a scenario's participants by their responses, as .fmu files always are.",
+        ),
+    ] = False,
     out: Annotated[
         Path | None,
         typer.Option(help="Output folder. [default: results/NAME, or results/SCENARIO-stability]"),
@@ -52,9 +60,10 @@ def run_analysis(
     elif is_scenario(name) and show_parameters:
         raise MistakeError(f"--parameters: {name} is a scenario; --set changes any of its keys, as for run")
     elif is_scenario(name):
-        analyse_scenario(name, set_ or [], at or [], out, overwrite, reporter)
-    elif at:
-        raise MistakeError(f"--at: belongs to a scenario, which {name} is not; leave it out")
+        analyse_scenario(name, set_ or [], at or [], out, overwrite, reporter, built, responses)
+    elif at or responses:
+        option = "--at" if at else "--responses"
+        raise MistakeError(f"{option}: belongs to a scenario, which {name} is not; leave it out")
     elif show_parameters:
         reporter.console.print(parameters(name))
     else:

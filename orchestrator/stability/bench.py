@@ -16,7 +16,7 @@ from ..masters import Master
 from ..signals import NEEDED, POINTS
 from .copies import Copies, LinearParticipant, numbered
 from .linear import Linear
-from .missed import HERMITE, missing, powers
+from .missed import HERMITE, ends, shapes
 
 
 class Bench:
@@ -108,23 +108,23 @@ class Bench:
     def follow(self, amounts: Vector, step: float) -> None:
         """Let the true solution, from rest at the point, miss the signals by `amounts` in the next step.
 
-        In nominal units, (exchanged values x copies). To be called after `put`.
+        In nominal units, (shapes after shapes of exchanged values, x copies). To be called after `put`.
         """
-        e, shape = self.exchange, missing(step, self.degree)
-        taylor, given = powers(step), amounts.shape[1]
-        ends = np.array([taylor @ shape, taylor[:-1] @ shape[1:]])
-        for source in np.flatnonzero(np.any(amounts, axis=1)):
+        e, given = self.exchange, amounts.shape[1]
+        missing, at_end = shapes(step, self.degree), ends(step, self.degree)
+        for number in np.flatnonzero(np.any(amounts, axis=1)):
+            kind, source = divmod(int(number), self.sources)
             port = e.sources[source * self.count]
             variable = port.variable.partition("#")[0]
-            missed = self.nominal[source] * amounts[source]
+            missed = self.nominal[source] * amounts[number]
             unit = self.units[port.instance]
             column = self.system.instances[port.instance].component.outputs.index(variable)
-            unit.course_end[:, column, :given] = ends[:, None] * missed
+            unit.course_end[:, column, :given] += at_end[:, kind, None] * missed
             for c in self.system.connections:
                 if c.source.instance == port.instance and c.source.variable == variable:
                     into = self.system.instances[c.target.instance].component.inputs.index(c.target.variable)
                     course = self.units[c.target.instance].course
-                    course[:, into, :given] = shape[:, None] * missed
+                    course[:, into, :given] += missing[kind][:, None] * missed
 
 
 def _nothing(component: Component) -> Linear:

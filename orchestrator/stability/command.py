@@ -12,6 +12,7 @@ from ..report import Reporter
 from ..scenario_files import load, shipped
 from ..units import UnitError, to_unit
 from .findings import Survey
+from .sources import linearisations
 from .survey import survey
 
 FILE = "stability"
@@ -29,11 +30,15 @@ def analyse_scenario(
     out: Path | None = None,
     overwrite: bool = False,
     reporter: Reporter | None = None,
+    build: assembly.Builder | None = None,
+    responses: bool = False,
 ) -> Survey:
     """Survey, print and write into `out` (default: results/NAME-stability).
 
     `settings` change the scenario ("path=value"); `at` are further instants to linearise at, with a unit
-    or in seconds. Raises ScenarioError, ModelError, MistakeError or OutputFolderError.
+    or in seconds. FMU files are linearised by their responses, with `responses` all participants, as they
+    would take part in a run (own FMUs made by `build`).
+    Raises ScenarioError, ModelError, MistakeError or OutputFolderError.
     """
     from .files import write
     from .words import sentences, table
@@ -46,7 +51,8 @@ def analyse_scenario(
     with made(folder):
         with reporter.stage("linearisation, stability and errors of every method") as bar:
             system = assembly.at_start(scenario, assembly.system_of(scenario))
-            found = survey(scenario, system, instants, bar.show)
+            with linearisations(scenario, system, build, responses) as sources:
+                found = survey(scenario, system, instants, bar.show, sources)
         for file in held:
             file.unlink()
         files = write(found, folder)

@@ -13,9 +13,7 @@ from models.system import Port, System
 
 from .missed import missed_by
 from .operator import MacroStep
-
-# Twelve times the derivatives at the first two of five points.
-ENDS = np.array([[-25.0, 48.0, -36.0, 16.0, -3.0], [-3.0, -10.0, 18.0, -6.0, 1.0]])
+from .slopes import rates_along
 
 
 @dataclass(frozen=True)
@@ -26,34 +24,29 @@ class Sampled:
     values: Vector
     rates: Vector
 
-    def every(self, count: int) -> tuple[Vector, Vector]:
-        """Values and rates at every `count`-th instant."""
-        return self.values[::count], self.rates[::count]
+    def missed(self, count: int, degree: int) -> Vector:
+        """What steps of `count` instants miss, (steps x shapes x sources)."""
+        middles = self.values[count // 2 :: count] if count % 2 == 0 else None
+        step = count * self.interval
+        return missed_by(self.values[::count], self.rates[::count], step, degree, middles)
 
 
 def sampled(course: Course, system: System, sources: list[Port]) -> Sampled:
-    """The sources along the course; rates by differences of fourth order."""
-    values = course.outputs[:, [system.outputs.index(port) for port in sources]]
+    """The sources along the course, with the rates that participants give."""
+    columns = [system.outputs.index(port) for port in sources]
     interval = float(course.times[1] - course.times[0])
-    return Sampled(interval, values, slopes(values) / interval)
+    return Sampled(interval, course.outputs[:, columns], rates_along(course, system)[:, columns])
 
 
-def slopes(values: Vector) -> Vector:
-    """Derivatives along the rows (at least five), a unit apart: differences of fourth order, to the ends."""
-    found = np.empty_like(values)
-    found[2:-2] = 8.0 * (values[3:-1] - values[1:-3]) - (values[4:] - values[:-4])
-    found[:2] = ENDS @ values[:5]
-    found[-2:] = -(ENDS @ values[:-6:-1])[::-1]
-    return found / 12.0
-
-
-def predicted(step: MacroStep, values: Vector, rates: Vector, nominal: Vector) -> Vector:
+def predicted(step: MacroStep, track: Sampled, count: int, nominal: Vector) -> Vector:
     """Relative RMS error of each source, as the comparison with the reference states it.
 
-    `values` and `rates` are the true solution's, a macro step apart. The errors obey e(n+1) = matrix e(n) +
-    defect missed(n): linear about one point, so an estimate. Infinite where they leave all bounds.
+    A macro step is `count` instants of the track. The errors obey e(n+1) = matrix e(n) + defect missed(n):
+    linear about one point, so an estimate. Infinite where they leave all bounds.
     """
-    driven = (missed_by(values, rates, step.step, step.degree) / nominal) @ step.defect.T
+    values = track.values[::count]
+    missed = (track.missed(count, step.degree) / nominal).reshape(len(values), -1)
+    driven = missed @ step.defect.T
     error = np.zeros_like(values)
     data, newest = np.zeros(step.matrix.shape[0]), step.newest
     matrix = np.ascontiguousarray(step.matrix)

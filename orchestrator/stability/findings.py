@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from models.system import Port, System
@@ -12,6 +13,7 @@ from ..scenario import Scenario
 from .behaviour import At
 from .partition import Partition
 from .points import Point
+from .responses import Responses
 
 
 @dataclass
@@ -54,7 +56,9 @@ class Surveyed:
 class Survey:
     """A scenario's methods, cheapest first; `own` is the scenario's, `best` the recommended one, if any.
 
-    Errors are those along the course up to `until`, about the instant `typical` (s)."""
+    Errors are those along the course up to `until`, about the instant `typical` (s). `responses` were
+    measured of participants, the others are components; `left_out` says why instants were.
+    """
 
     scenario: Scenario
     system: System
@@ -65,6 +69,8 @@ class Survey:
     best: Surveyed | None
     until: float
     typical: float
+    responses: Mapping[str, Responses]
+    left_out: list[str]
 
     @property
     def kinks(self) -> list[str]:

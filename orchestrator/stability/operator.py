@@ -17,7 +17,7 @@ from models.quantities import Vector
 from ..masters import Master
 from .bench import Bench
 from .converged import Converged
-from .missed import missing, powers
+from .missed import ends
 
 
 @dataclass(frozen=True)
@@ -25,8 +25,8 @@ class MacroStep:
     """data(t + H) = matrix data(t) + defect missed, all in nominal units.
 
     The data are the participants' states, then `rows` rows of exchanged values, newest first, and, with
-    rates, as many rows of those times H. `missed`, for each exchanged value of the true solution, is by
-    how much it misses the signal's own extrapolation over the step (`missed_by`).
+    rates, as many rows of those times H. `missed` is by how much the exchanged values of the true solution
+    miss the signal's own extrapolation over the step, shape after shape (`missed_by`).
     """
 
     step: float
@@ -49,20 +49,23 @@ def macro_step(bench: Bench, master: Master, step: float) -> MacroStep:
     """
     stepping: Master = Converged(master, bench, step) if master.implicit else master
     size, sources = bench.size, bench.sources
-    columns, defect = np.empty((size, size)), np.empty((size, sources))
+    at_end = ends(step, bench.degree)
+    kinds = at_end.shape[1]
+    columns, defect = np.empty((size, size)), np.empty((size, kinds * sources))
     for part, data in _units(size, bench.count):
         bench.put(data, step)
         columns[:, part] = bench.after(stepping, step)[:, : data.shape[1]]
-    for part, missed in _units(sources, bench.count):
+    for part, missed in _units(kinds * sources, bench.count):
         bench.put(np.zeros((size, missed.shape[1])), step)
         bench.follow(missed, step)
         defect[:, part] = bench.after(stepping, step)[:, : missed.shape[1]]
     # The true solution has moved by what was missed; the rest is error.
-    newest = bench.states + np.arange(sources)
-    defect[newest, np.arange(sources)] -= 1.0
-    if bench.rated:
-        end_rate = (missing(step, bench.degree)[1:] * powers(step)[:-1]).sum() * step
-        defect[newest + bench.rows * sources, np.arange(sources)] -= end_rate
+    for kind in range(kinds):
+        own = np.arange(sources)
+        defect[bench.states + own, kind * sources + own] -= at_end[0, kind]
+        if bench.rated:
+            rates = bench.states + bench.rows * sources
+            defect[rates + own, kind * sources + own] -= at_end[1, kind] * step
     return MacroStep(step, bench.degree, bench.states, sources, columns, defect)
 
 

@@ -12,8 +12,9 @@ from models.monolithic.course import Course
 from models.quantities import Vector
 from models.system import Port, System
 
-from .equations import linearised
 from .linear import Linear
+from .linearisation import Equations, Linearisation
+from .responses import NotLinearError
 from .spectra import eigenvalues
 
 
@@ -61,12 +62,40 @@ def _blocks(parts: Sequence[Vector]) -> Vector:
     return whole
 
 
-def point_at(system: System, course: Course, row: int, watched: Sequence[Port]) -> Point:
-    """The system about an instant of its course."""
+def point_at(
+    system: System,
+    course: Course,
+    row: int,
+    watched: Sequence[Port],
+    made: Mapping[str, Linearisation] | None = None,
+) -> Point:
+    """The system about an instant of its course; `made` linearises its participants (by their equations)."""
     wanted = {c.source for c in system.connections} | set(watched)
-    t, x, u = float(course.times[row]), course.state[row], course.inputs[row]
+    made = made or {name: Equations(system, name) for name in system.instances}
     linears = {}
-    for name, instance in system.instances.items():
+    for name in system.instances:
         outputs = {port.variable for port in wanted if port.instance == name}
-        linears[name] = linearised(instance, t, x[system.state.of(name)], u[system.inputs.of(name)], outputs)
-    return Point(t, system, linears)
+        linears[name] = made[name].about(course, row, outputs)
+    return Point(float(course.times[row]), system, linears)
+
+
+def points_at(
+    system: System,
+    course: Course,
+    rows: Sequence[int],
+    watched: Sequence[Port],
+    made: Mapping[str, Linearisation] | None = None,
+) -> tuple[list[Point], list[str]]:
+    """The system about several instants, in ascending order; and of those left out, why.
+
+    NotLinearError where all would be left out.
+    """
+    points, left = [], []
+    for row in rows:
+        try:
+            points.append(point_at(system, course, row, watched, made))
+        except NotLinearError as error:
+            left.append(error)
+    if not points:
+        raise left[0]
+    return points, [str(error) for error in left]

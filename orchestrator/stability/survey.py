@@ -18,9 +18,11 @@ from ..signals import DEGREES
 from .behaviour import RATIO, Behaviour, Benches, bisected, hardest, largest_stable
 from .error import Sampled, predicted, sampled
 from .findings import Survey, Surveyed
-from .missed import HERMITE, missed_by
+from .linearisation import Linearisation
+from .missed import HERMITE
 from .partition import Partition
-from .points import Point, point_at
+from .points import Point, points_at
+from .sources import by_responses
 from .steps import reached, rounded_down
 
 # Of the course: instants for each macro step, most instants, and the integrator's tolerance. The highest
@@ -44,10 +46,12 @@ def survey(
     system: System,
     at: Sequence[float] = (),
     progress: Callable[[float], None] = lambda share: None,
+    made: Mapping[str, Linearisation] | None = None,
 ) -> Survey:
     """Survey the methods on the scenario's system, which has its start values; ModelError if it fails.
 
-    `at` are further instants of the course (s) at which to linearise.
+    `at` are further instants of the course (s) at which to linearise; `made` linearises the participants (by
+    their equations).
     """
     step, watched = (
         scenario.macro_step,
@@ -60,9 +64,8 @@ def survey(
     )
     rows = np.linspace(0, count, POINTS, endpoint=False).astype(int)
     rows = np.unique([*rows, *(round(min(max(t / interval, 0.0), count)) for t in at)])
-    surveyor = _Surveyor(
-        scenario, system, where, watched, [point_at(system, where, r, watched) for r in rows]
-    )
+    points, left = points_at(system, where, rows.tolist(), watched, made)
+    surveyor = _Surveyor(scenario, system, where, watched, points)
     methods = []
     kinds = _methods(scenario, system, surveyor)
     for i, master in enumerate(kinds):
@@ -74,6 +77,7 @@ def survey(
     return Survey(
         scenario, system, surveyor.partition, surveyor.points, methods, own,
         min(usable, key=lambda m: m.cost, default=None), float(where.times[-1]), surveyor.typical.time,
+        by_responses(made or {}), left,
     )  # fmt: skip
 
 
@@ -189,7 +193,7 @@ class _Surveyor:
         operator = behaviour.operator(factor * self._sampled.interval)
         if operator is None:
             return dict.fromkeys(self._names, math.inf)
-        found = predicted(operator, *self._sampled.every(factor), behaviour.nominal)
+        found = predicted(operator, self._sampled, factor, behaviour.nominal)
         return {name: float(found[i]) for name, i in self._names.items()}
 
     def _measure(self, found: Surveyed) -> None:
@@ -222,9 +226,9 @@ class _Surveyor:
             return
         interval = self._sampled.interval
         factor = max(1, round(found.recommended / interval))
-        missed = missed_by(*self._sampled.every(factor), factor * interval, found.master.degree)
+        missed = self._sampled.missed(factor, found.master.degree)
         behaviour = Behaviour(self.typical, found.master, self._benches)
-        amounts = np.sqrt(np.mean(missed**2, axis=0)) / behaviour.nominal
+        amounts = (np.sqrt(np.mean(missed**2, axis=0)) / behaviour.nominal).ravel()
         found.cost = behaviour.effort(found.recommended, amounts) / found.recommended
         if not math.isfinite(found.cost):
             found.recommended = 0.0

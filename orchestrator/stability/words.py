@@ -86,12 +86,29 @@ def sentences(found: Survey) -> Iterator[str]:
         yield f"Advised: {setting(best)}"
     yield (
         f"Linearised at {len(found.points)} instants; limits are those of the hardest. Errors are carried "
-        f"up to t = {found.until:g} s, about t = {found.typical:.4g} s. Components stand for their FMUs."
+        f"up to t = {found.until:g} s, about t = {found.typical:.4g} s."
     )
+    yield from _linearised(found)
     if any(instance.component.events for instance in found.system.instances.values()):
         yield "Impacts and changes of mode are no part of this; errors are those about the worst instant."
     if found.kinks:
         yield f"Kinks at an instant, taken on their steeper side: {', '.join(found.kinks)}."
+
+
+def _linearised(found: Survey) -> Iterator[str]:
+    """How participants were, and what is doubtful about it."""
+    components = [name for name in found.system.instances if name not in found.responses]
+    said = [f"By their equations: {', '.join(components)} (components stand for their own FMUs)"] * bool(
+        components
+    )
+    if found.responses:
+        each = ", ".join(f"{name} (residual {r.residual:.1g})" for name, r in found.responses.items())
+        said.append(f"By responses to pulses, from saved and restored states: {each}")
+    yield f"{'. '.join(said)}."
+    for response in found.responses.values():
+        yield from response.doubts()
+    for reason in found.left_out:
+        yield f"Instant left out: {reason}."
 
 
 def _loops(found: Survey) -> str:

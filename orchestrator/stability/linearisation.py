@@ -1,0 +1,35 @@
+"""Linearisation of a participant about an instant of a course: what every way of it offers."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Protocol
+
+from models.monolithic.course import Course
+from models.system import System
+
+from .equations import linearised
+from .linear import Linear
+
+
+class Linearisation(Protocol):
+    """One participant's."""
+
+    def about(self, course: Course, row: int, outputs: Collection[str]) -> Linear:
+        """The participant about an instant of the course, with zero rows for outputs other than `outputs`.
+
+        Instants are asked for in ascending order.
+        """
+        ...
+
+
+class Equations:
+    """Implements `Linearisation` for a component, by differences of its equations."""
+
+    def __init__(self, system: System, name: str) -> None:
+        self._instance = system.instances[name]
+        self._state, self._inputs = system.state.of(name), system.inputs.of(name)
+
+    def about(self, course: Course, row: int, outputs: Collection[str]) -> Linear:
+        x, u = course.state[row][self._state], course.inputs[row][self._inputs]
+        return linearised(self._instance, float(course.times[row]), x, u, outputs)

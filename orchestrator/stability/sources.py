@@ -1,0 +1,56 @@
+"""Which participants are linearised how: components by their equations, others by their responses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+from models.system import System
+
+from ..assembly import Builder
+from ..participants import Participant, fmu, in_process
+from ..scenario import Scenario, ScenarioError
+from .linearisation import Equations, Linearisation
+from .responses import Responses
+
+
+@contextmanager
+def linearisations(
+    scenario: Scenario, system: System, build: Builder | None, every: bool = False
+) -> Iterator[dict[str, Linearisation]]:
+    """Of every instance: FMU files by their responses, components by their equations.
+
+    `every`: all as they would take part in a run, by their responses. Participants live as long as the
+    block. ScenarioError for one that cannot save its state.
+    """
+    with ExitStack() as stack:
+        made: dict[str, Linearisation] = {}
+        for name, table in scenario.components.items():
+            if not (every or table.participant.endswith(".fmu")):
+                made[name] = Equations(system, name)
+                continue
+            unit = _participant(scenario, system, name, build)
+            stack.callback(unit.close)
+            if not unit.restorable:
+                raise ScenarioError(
+                    f"components.{name}.participant: {table.participant} cannot save and restore its state "
+                    "(canGetAndSetFMUstate = false), by which it is linearised; take an FMU that can, or set "
+                    f"components.{name}.participant='in-process' to analyse the component in its place"
+                )
+            made[name] = Responses(name, unit, system, scenario.macro_step)
+        yield made
+
+
+def _participant(scenario: Scenario, system: System, name: str, build: Builder | None) -> Participant:
+    table, instance = scenario.components[name], system.instances[name]
+    if table.participant.endswith(".fmu"):
+        return fmu(name, Path(table.participant), instance)
+    if table.participant == "in-process" or build is None:
+        return in_process(name, instance)
+    return fmu(name, build(table.component, table.structure), instance)
+
+
+def by_responses(made: Mapping[str, Linearisation]) -> dict[str, Responses]:
+    """Those that are participants."""
+    return {name: source for name, source in made.items() if isinstance(source, Responses)}
