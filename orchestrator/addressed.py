@@ -6,6 +6,7 @@ handed one record with the addresses of all arrays that it works on, made once: 
 
 from __future__ import annotations
 
+import ctypes
 from functools import cache
 from typing import Any
 
@@ -15,13 +16,14 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-ARRAY = np.dtype([("address", np.int64), ("rows", np.int64), ("columns", np.int64)])
+# Records with attributes, which compiled code and plain Python read in the same way.
+ARRAY = np.dtype((np.record, [("address", np.int64), ("rows", np.int64), ("columns", np.int64)]))
 
 
 @cache
 def _named(names: tuple[str, ...]) -> Any:
     """An ARRAY for each name. One object for all of these names: numba compares others field by field."""
-    return np.dtype([(name, ARRAY) for name in names])
+    return np.dtype((np.record, [(name, ARRAY) for name in names]))
 
 
 class Addressed:
@@ -32,6 +34,7 @@ class Addressed:
         self.record = np.zeros(1, dtype=_named(tuple(arrays)))
         for name, array in arrays.items():
             assert array.flags.c_contiguous
+            assert not hasattr(np.record, name)  # which plain Python would read instead
             self.record[name] = (array.ctypes.data, *((1, *array.shape)[-2:]))
 
 
@@ -41,6 +44,12 @@ def _pointer(typing: Any, address: Any) -> Any:
         return builder.inttoptr(arguments[0], cgutils.voidptr_t)
 
     return types.voidptr(types.int64), generate
+
+
+if numba.config.DISABLE_JIT:
+
+    def _pointer(address: Any) -> Any:  # as `carray` takes it in plain Python
+        return ctypes.c_void_p(int(address))
 
 
 @numba.njit(cache=True)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cached_property
 from typing import Any
 
 import numba
@@ -19,6 +20,7 @@ import numpy as np
 
 from models.quantities import Vector
 
+from .addressed import Addressed, mark_table, marks, numbers, table
 from .errors import one_of
 
 DEGREES = {"hold": 0, "linear": 1, "quadratic": 2, "hermite": 3}
@@ -56,6 +58,15 @@ class History:
         self.end_smooth = np.ones(len(values), dtype=np.bool_)
         self.count = 1
 
+    @cached_property
+    def memory(self) -> Any:
+        """The addresses of its arrays, for compiled code."""
+        self._addressed = Addressed(
+            times=self.times, values=self.values, rates=self.rates, rated=self.rated, smooth=self.smooth,
+            end_smooth=self.end_smooth,
+        )  # fmt: skip
+        return self._addressed.record
+
     def begin(self, time: float, values: Vector, rates: Vector) -> None:
         """Only this point is known."""
         self.times[:], self.values[:], self.rates[:] = time, values, rates
@@ -64,7 +75,7 @@ class History:
 
     def append(self, time: float, values: Vector, rates: Vector) -> None:
         """The values at a later communication point; the oldest are forgotten."""
-        push(self.times, self.values, self.rates, self.smooth, time, values, rates)
+        _push(self.memory, time, values, rates)
         if self.count < POINTS:
             self.count += 1
 
@@ -85,7 +96,7 @@ class History:
 
     def lacks(self, degree: int) -> bool:
         """Too few points are known for signals of that degree to extrapolate at their full order."""
-        return self.count < NEEDED[degree] or (degree == 3 and not self.smooth[:2].all())
+        return self.count < NEEDED[degree] or (degree == 3 and not _smooth(self.memory))
 
     def copy(self) -> History:
         """An independent copy."""
@@ -103,14 +114,26 @@ class History:
 
 
 @numba.njit(cache=True)
-def push(times: Any, values: Any, rates: Any, smooth: Any, time: float, new: Any, new_rates: Any) -> None:
+def _smooth(memory: Any) -> bool:
+    """The rates of all sources are used at the last two points."""
+    smooth = mark_table(memory[0].smooth)
+    known = True
+    for i in range(smooth.shape[1]):
+        known &= smooth[0, i] and smooth[1, i]
+    return known
+
+
+@numba.njit(cache=True)
+def _push(memory: Any, time: float, new: Any, new_rates: Any) -> None:
+    m = memory[0]
+    times, values, rates, smooth = numbers(m.times), table(m.values), table(m.rates), mark_table(m.smooth)
     for k in range(values.shape[0] - 1, 0, -1):
-        times[k], smooth[k] = times[k - 1], smooth[k - 1]
-        values[k] = values[k - 1]
-        rates[k] = rates[k - 1]
-    times[0], smooth[0] = time, True
-    values[0] = new
-    rates[0] = new_rates
+        times[k] = times[k - 1]
+        for i in range(values.shape[1]):
+            values[k, i], rates[k, i], smooth[k, i] = values[k - 1, i], rates[k - 1, i], smooth[k - 1, i]
+    times[0] = time
+    for i in range(values.shape[1]):
+        values[0, i], rates[0, i], smooth[0, i] = new[i], new_rates[i], True
 
 
 @numba.njit(cache=True)
@@ -166,9 +189,10 @@ def _store(out: Any, i: int, value: float, slope: float, curvature: float, third
 
 
 @numba.njit(cache=True)
-def _extrapolate(
-    times: Any, values: Any, rates: Any, rated: Any, smooth: Any, count: int, degree: int, out: Any
-) -> None:
+def _extrapolate(memory: Any, count: int, degree: int, out: Any) -> None:
+    m = memory[0]
+    times, values, rates, rated = numbers(m.times), table(m.values), table(m.rates), marks(m.rated)
+    smooth = mark_table(m.smooth)
     t0, t1, t2 = times[0], times[1], times[2]
     for i in range(values.shape[1]):
         third = 0.0
@@ -224,8 +248,7 @@ def relay(
 
 def extrapolate(history: History, degree: int, out: Vector) -> None:
     """Derivatives (coefficients x n) at the newest point of the polynomials through the last points."""
-    h = history
-    _extrapolate(h.times, h.values, h.rates, h.rated, h.smooth, h.count, degree, out)
+    _extrapolate(history.memory, history.count, degree, out)
 
 
 def interpolate(
@@ -277,24 +300,15 @@ def finite(values: Any, rates: Any, first: int, last: int) -> bool:
 
 
 @numba.njit(cache=True)
-def judge(
-    times: Any,
-    values: Any,
-    count: int,
-    time: float,
-    new: Any,
-    nominal: Any,
-    keep: float,
-    bound: float,
-    share: float,
-    missed: Any,
-    size: Any,
-) -> int:
+def judge(memory: Any, count: int, time: float, keep: float, bound: float, share: float) -> int:
     """The source that most misses its own linear extrapolation, if it does by more than `share`; else -1.
 
     Updates the fading sums (kept by the factor `keep` per step) of what each source misses and of its
-    size. A value above `bound` nominal sizes counts as well.
+    size. A value above `bound` nominal sizes counts as well. `memory`: see `RunawayGuard`.
     """
+    m = memory[0]
+    times, values, new, nominal = numbers(m.times), table(m.values), numbers(m.new), numbers(m.nominal)
+    missed, size = numbers(m.missed), numbers(m.sizes)
     worst, most = -1, share
     for i in range(new.shape[0]):
         v, d, _ = parabola(times[0], values[0, i], times[1], values[1, i], 0.0, 0.0, min(count, 2), times[0])

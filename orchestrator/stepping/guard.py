@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..addressed import Addressed
 from ..errors import UnstableCouplingError
 from ..exchange import Exchange
 from ..masters import Master, name_of
@@ -38,27 +39,22 @@ class RunawayGuard:
         self._nominal[exchange.connected] = exchange.nominal[exchange.connected]
         self._patience = math.inf if master.implicit else float(self.FIRST)
         self._keep = 1.0 - 1.0 / self.WINDOW
+        past = exchange.history
+        self._memory = Addressed(
+            times=past.times, values=past.values, new=exchange.values, nominal=self._nominal,
+            missed=self._missed, sizes=self._size,
+        )  # fmt: skip
 
     def judge(self, time: float, step: float) -> None:
         """UnstableCouplingError if the values after `step` at `time` run away."""
-        e, past = self._exchange, self._exchange.history
         self._patience -= 1
-        worst = judge(
-            past.times,
-            past.values,
-            past.count,
-            time,
-            e.values,
-            self._nominal,
-            self._keep,
-            self.BOUND,
-            self.SHARE if self._patience < 0 else math.inf,
-            self._missed,
-            self._size,
-        )
+        share = self.SHARE if self._patience < 0 else math.inf
+        known = self._exchange.history.count
+        worst = judge(self._memory.record, known, time, self._keep, self.BOUND, share)
         if worst >= 0:
+            source = self._exchange.sources[worst]
             raise UnstableCouplingError(
-                f"{e.sources[worst]}: unstable coupling at t = {time:.6g} s: its values do not follow their "
+                f"{source}: unstable coupling at t = {time:.6g} s: its values do not follow their "
                 f"own prediction any more; {name_of(self._master)} cannot couple this system with steps "
                 f"of {step:g} s: reduce macro_step, use [step_control], or use the iterated master"
             )

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -118,3 +123,20 @@ def test_the_interpreter_is_let_go_for_an_fmu_that_is_not_in_python(monkeypatch,
     found = run(GaussSeidel("hermite"), None, lambda unit: unit)
     assert compiled.made >= 30
     np.testing.assert_array_equal(found[0], expected[0])
+
+
+def test_without_compilation_passes_are_in_python(tmp_path):
+    """To what integration of both masses to 1e-10 m leaves of a force through 40 N/m in 30 steps."""
+    script = (
+        "from tests.orchestrator import test_fmu_passes as tests\n"
+        "values, steps, error = tests.run(tests.GaussSeidel('hermite'), None, lambda unit: unit)\n"
+        f"tests.np.save({str(tmp_path / 'plain.npy')!r}, values)\n"
+    )
+    subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=Path(__file__).parents[2],
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        check=True,
+    )
+    compiled = run(GaussSeidel("hermite"), None, lambda unit: unit)[0]
+    np.testing.assert_allclose(np.load(tmp_path / "plain.npy"), compiled, rtol=0.0, atol=30 * 40.0 * 1e-10)
