@@ -55,6 +55,7 @@ class FmuPass:
             **memory, signals=e.signals, arrived=e.arrived, calls=e.calls, times=h.times, past=h.values,
             past_rates=h.rates, rated=h.rated, smooth=h.smooth, end_smooth=h.end_smooth,
         )  # fmt: skip
+        self._references = [(fmu.given, fmu.taken) for fmu in fmus]  # kept, as the memory: addresses do not
         self._turns = np.zeros(len(order), dtype=TURN)
         given = taken = 0
         for turn, i, fmu in zip(self._turns, order, fmus, strict=True):
