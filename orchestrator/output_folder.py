@@ -64,6 +64,12 @@ def files(out: Path) -> list[Path]:
     return [path for path in [*found, *_figures(out)] if path.exists()]
 
 
+def meant(path: Path) -> str | None:
+    """The run's output folder that was probably meant by `path`, a file in it or the scenario's name."""
+    folders = (path.parent, Path("results") / path.name)
+    return next((str(folder) for folder in folders if (folder / SCENARIO).is_file()), None)
+
+
 def _check_empty(out: Path) -> None:
     if unfinished(out).exists() and (out / SCENARIO).exists():
         raise OutputFolderError(

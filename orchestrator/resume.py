@@ -12,7 +12,7 @@ from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import read
 from .job import Job
 from .journal import Recorded, journals
-from .output_folder import CSV, SCENARIO, SUMMARY, OutputFolderError, files
+from .output_folder import CSV, SCENARIO, SUMMARY, OutputFolderError, files, meant
 from .report import Reporter
 from .run import begun, carry_out, written_result
 from .scenario_files import load
@@ -28,7 +28,12 @@ def resume(out: Path, build: assembly.Builder, reporter: Reporter, figures: bool
     run cannot go on; nothing that it needs is changed then.
     """
     if not (out / SCENARIO).is_file():
-        raise OutputFolderError(f"{out}: holds no run (there is no {SCENARIO}); tribocosim run makes one")
+        remedy = "tribocosim run makes one"
+        if (out / SUMMARY).exists() or unfinished(out).exists():
+            remedy = "put back the file that the run had written"
+        elif folder := meant(out):
+            remedy = f"did you mean {folder}?"
+        raise OutputFolderError(f"{out}: holds no run (there is no {SCENARIO}); {remedy}")
     if not unfinished(out).exists():
         return _ended(out, reporter)
     with locked(out) as folder:

@@ -17,7 +17,7 @@ from typing import Any
 from models.system import suggestion
 
 from .masters import MASTERS
-from .scenario import Scenario, ScenarioError, scenario_of
+from .scenario import Scenario, ScenarioError, elsewhere, scenario_of
 from .values import value_of
 
 SHIPPED = Path(__file__).parent / "scenarios"
@@ -164,7 +164,9 @@ def put(content: dict[str, Any], path: str, value: Any, said: str = "") -> None:
     keys = keys_of(path)
     known = list(Scenario.model_fields)
     if keys[0] not in known:
-        raise ScenarioError(f"{said}{path}: unknown key {keys[0]!r}; {suggestion(keys[0], known)}")
+        tables = " or ".join(elsewhere(keys[0]))
+        remedy = f"did you mean {tables}?" if tables else suggestion(keys[0], known)
+        raise ScenarioError(f"{said}{path}: unknown key {keys[0]!r}; {remedy}")
     if path == "master.name":
         content["master"] = without_foreign_options(content.get("master", {}), str(value))
         return

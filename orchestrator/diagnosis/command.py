@@ -19,10 +19,14 @@ from .text import full
 
 def diagnose(out: Path, figure: Path | None, say: Callable[[str], None]) -> None:
     """Say everything about the steps of the run in `out`, and draw them; MistakeError if there is no run."""
+    if figure and figure.suffix != ".png":
+        raise MistakeError(f"--figure {figure}: must end in .png")
     steps, message = recorded(out)
     diagnosis = diagnosed(steps, _do_steps(out / SUMMARY))
     if diagnosis is None:
         raise MistakeError(f"{out}: the run made no step ({message})")
+    if not (out / SCENARIO).is_file():
+        raise MistakeError(f"{out}: there is no {SCENARIO}, with which the steps are judged; put it back")
     try:
         scenario = load(out / SCENARIO)
     except ScenarioError as error:
@@ -31,12 +35,15 @@ def diagnose(out: Path, figure: Path | None, say: Callable[[str], None]) -> None
     for line in full(facts, suggestions(facts), message):
         say(line)
     if figure:
-        if figure.suffix != ".png":
-            raise MistakeError(f"--figure {figure}: must end in .png")
         from ..plots.steps import drawn
         from ..plots.style import saved
 
-        say(f"figure in {saved(lambda: drawn(steps, scenario.name), figure)}")
+        try:
+            say(f"figure in {saved(lambda: drawn(steps, scenario.name), figure)}")
+        except OSError as error:
+            raise MistakeError(
+                f"--figure {figure}: cannot be written ({error.strerror}); choose another"
+            ) from None
 
 
 def _do_steps(summary: Path) -> int | None:

@@ -13,6 +13,7 @@ from models.quantities import Vector
 
 from ..errors import MistakeError
 from ..journal import Recorded, journals
+from ..output_folder import meant
 from ..results import ResultFile
 from ..unfinished import unfinished
 
@@ -85,7 +86,8 @@ def recorded(out: Path) -> tuple[Steps, str]:
         return _of_file(out / "result.nc")
     found = journals(unfinished(out)) if unfinished(out).is_dir() else {}
     if "steps" not in found:
-        raise MistakeError(f"{out}: holds no result and no unfinished run; give a run's output folder")
+        remedy = f"did you mean {folder}?" if (folder := meant(out)) else "give a run's output folder"
+        raise MistakeError(f"{out}: holds no result and no unfinished run; {remedy}")
     return _of_journal(found["steps"]), "incomplete: the run goes on, or was killed"
 
 

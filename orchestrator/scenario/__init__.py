@@ -6,7 +6,7 @@ from .component_table import ComponentTable
 from .fields import Written
 from .master_table import MasterTable
 from .messages import messages
-from .scenario import EnergyTable, Scenario, ScenarioError, ends, scenario_of
+from .scenario import EnergyTable, Scenario, ScenarioError, elsewhere, ends, scenario_of
 from .step_control_table import CONVERGED
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "Scenario",
     "ScenarioError",
     "Written",
+    "elsewhere",
     "ends",
     "messages",
     "scenario_of",

@@ -14,7 +14,8 @@ from ..values import Faults, Value
 def _time(value: Any) -> float:
     """A time in seconds; a text may have another unit."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        raise ValueError("must be a time: a number of seconds, or a text such as '2 us'")
+        shown = str(value).lower() if isinstance(value, bool) else repr(value)
+        raise Faults(("", f" = {shown}: must be a time: a number of seconds, or a text such as '2 us'"))
     return to_unit(value, "s") if isinstance(value, str) else float(value)
 
 

@@ -33,6 +33,7 @@ BOUNDS = {
 FIXED = {
     "bool_parsing": "must be true or false",
     "bool_type": "must be true or false",
+    "float_type": "must be a number, without a unit",
     "too_short": "must have at least one entry",
     "finite_number": "must be a finite number > 0, e.g. 1e-3",  # only tolerances are refused so
 }

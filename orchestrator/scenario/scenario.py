@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, ValidationInfo, field_validator
 
 from ..errors import MistakeError
+from ..masters import MASTERS
 from ..stepping import ControlledSteps, FixedSteps
 from ..stepping.estimators import ESTIMATORS
 from ..values import Faults
@@ -102,6 +103,16 @@ class Scenario(Table):
             raise Faults(("", f" = {step:g} s: must not be longer than stop_time = {stop:g} s"))
         return step
 
+    @field_validator("event_tolerance")
+    @classmethod
+    def _finer(cls, tolerance: float | None, info: ValidationInfo) -> float | None:
+        longest = info.data.get("macro_step", math.inf)
+        if tolerance is not None and tolerance >= longest:
+            raise Faults(
+                ("", f" = {tolerance:g} s: must be shorter than macro_step = {longest:g} s; e.g. '1 ns'")
+            )
+        return tolerance
+
     @field_validator("master")
     @classmethod
     def _options(cls, master: MasterTable) -> MasterTable:
@@ -180,11 +191,20 @@ def scenario_of(content: dict[str, Any]) -> Scenario:
         raise ScenarioError("\n".join(messages(error, _keys))) from None
 
 
+TABLES = {"step_control": StepControlTable, "reference": ReferenceTable, "energy": EnergyTable}
+
+
 def _keys(location: Location) -> list[str]:
     """The keys known where an unknown one was found."""
     if len(location) == 1:
         return [*Scenario.model_fields, "extends"]
     if location[0] == "components":
         return list(ComponentTable.model_fields)
-    tables = {"step_control": StepControlTable, "reference": ReferenceTable, "energy": EnergyTable}
-    return list(tables[str(location[0])].model_fields)
+    return list(TABLES[str(location[0])].model_fields)
+
+
+def elsewhere(key: str) -> list[str]:
+    """The tables' keys that end in `key`: what was probably meant by it alone."""
+    known = {name: list(table.model_fields) for name, table in TABLES.items()}
+    known["master"] = [option.name for master in MASTERS.values() for option in fields(master)]
+    return [f"{name}.{key}" for name, keys in known.items() if key in keys]

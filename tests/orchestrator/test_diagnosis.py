@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from itertools import pairwise
 from pathlib import Path
 
@@ -279,8 +280,6 @@ def test_the_command_says_it_again_and_draws(finished: Path, tmp_path: Path) -> 
     assert lines[0].startswith("valve-train-controlled (complete): ")
     assert any(line.startswith("what set the step") for line in lines)
     assert (tmp_path / "steps.png").stat().st_size > 10_000
-    with pytest.raises(MistakeError, match=r"must end in \.png"):
-        diagnose(finished, tmp_path / "steps.txt", lines.append)
 
 
 def test_a_killed_run_is_diagnosed_from_its_journals(finished: Path, tmp_path: Path) -> None:
@@ -337,6 +336,27 @@ def test_what_is_no_run_is_a_mistake(tmp_path: Path) -> None:
     (tmp_path / RESULT).write_bytes(b"not HDF5")
     with pytest.raises(MistakeError, match="is no result of this version"):
         recorded(tmp_path)
+
+
+def test_a_wrong_folder_or_figure_is_told_before_anything_else(
+    finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lines: list[str] = []
+    with pytest.raises(MistakeError, match=r"did you mean .*/out\?$"):
+        diagnose(finished / "summary.json", None, lines.append)
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(finished, tmp_path / "results" / "valve-train-controlled")
+    with pytest.raises(MistakeError, match=r"did you mean results/valve-train-controlled\?$"):
+        diagnose(Path("valve-train-controlled"), None, lines.append)
+    with pytest.raises(MistakeError, match=r"must end in \.png"):
+        diagnose(finished, tmp_path / "steps.txt", lines.append)
+    assert lines == []
+    (tmp_path / "file").touch()
+    with pytest.raises(MistakeError, match=r"^--figure .*file/x\.png: cannot be written"):
+        diagnose(finished, tmp_path / "file" / "x.png", lines.append)
+    (tmp_path / "results" / "valve-train-controlled" / SCENARIO).unlink()
+    with pytest.raises(MistakeError, match=r"there is no scenario\.toml, with which the steps are judged"):
+        diagnose(tmp_path / "results" / "valve-train-controlled", None, lines.append)
 
 
 def test_suggestions_are_sentences_of_the_rules() -> None:

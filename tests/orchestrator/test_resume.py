@@ -111,6 +111,11 @@ def test_a_run_that_failed_at_its_start_is_not_resumed_and_says_why(tmp_path: Pa
         f"{out}: the run failed, and would fail again: slider_crank.psi = 0.02 "
     )
     assert str(error.value).endswith(f"change the scenario and run it anew, with --out {out} --overwrite")
+    with pytest.raises(OutputFolderError, match=f"did you mean {out}\\?$"):
+        resume(out / "summary.json", built, _quiet())
+    (out / "scenario.toml").unlink()
+    with pytest.raises(OutputFolderError, match="put back the file that the run had written"):
+        resume(out, built, _quiet())
 
 
 SHORT = ["stop_time=4 ms", *IN_PROCESS, *NO_REFERENCE]

@@ -115,6 +115,12 @@ BAD = {
     ),
     "components.camshaft.retries=-1": ("--set components.camshaft.retries = -1: must be >= 0",),
     "components.camshaft.retries=21": ("--set components.camshaft.retries = 21: must be <= 20",),
+    "event_tolerance=1 s": ("--set event_tolerance = 1 s: must be shorter than macro_step = 5e-06 s",),
+    "event_tolerance=true": ("--set event_tolerance = true: must be a time", "'2 us'"),
+    "step_control.relative=1 %": ("--set step_control.relative = '1 %': must be a number, without a unit",),
+    "ledger=true": ("--set ledger: unknown key 'ledger'; did you mean energy.ledger?",),
+    "relative=1e-6": ("--set relative: unknown key 'relative'; did you mean step_control.relative?",),
+    "order=['contact']": ("--set order: unknown key 'order'; did you mean master.order?",),
     "energy=true": ("--set energy = true: must be a table",),
 }
 
