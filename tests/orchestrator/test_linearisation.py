@@ -18,6 +18,7 @@ from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import fmu, in_process
 from orchestrator.scenario_files import load
 from orchestrator.stability.behaviour import Behaviour, largest_stable
+from orchestrator.stability.linear import Linear
 from orchestrator.stability.linearisation import Equations
 from orchestrator.stability.points import point_at, points_at
 from orchestrator.stability.realisation import continuous, realised
@@ -77,11 +78,12 @@ def answers(linear, system, name, step):
 
 
 def assert_alike(found, expected, system, name, step, tolerance):
+    """To `tolerance` of the largest answer of each output, or of all where an output does not answer."""
     one, other = (answers(linear, system, name, step) for linear in (found, expected))
-    scale = np.abs(other).max(axis=(0, 2))
-    np.testing.assert_allclose(
-        one / np.maximum(scale, 1e-12), other / np.maximum(scale, 1e-12), atol=tolerance
-    )
+    largest = np.abs(other).max(axis=(0, 2))
+    for row, size in enumerate(largest):
+        scale = size if size > 1e-12 * largest.max() else largest.max()
+        np.testing.assert_allclose(one[:, row] / scale, other[:, row] / scale, atol=tolerance)
 
 
 @pytest.mark.parametrize(
@@ -116,12 +118,12 @@ def flexible():
 @pytest.mark.parametrize("name", ["camshaft", "valve_spring"])
 def test_responses_of_the_valve_train_have_the_poles_of_its_equations(flexible, name):
     """The flexible camshaft and the spring with its coils, six states each: what their integrators leave
-    (1e-13) is 1e-6 of the answers to pulses of 5 us, and the slowest motion 1/50 of its period long."""
+    (1e-13 of nominal) is 1e-7 of the answers to pulses of 5 us; 60 samples are 1/50 of the slowest period."""
     system, where = flexible
     found, expected, measured = both(system, name, where, 3000, 5e-6)
     poles, truth = (np.sort_complex(np.linalg.eigvals(linear.A)) for linear in (found, expected))
     np.testing.assert_allclose(poles, truth, atol=1e-4 * np.abs(truth).max())
-    assert_alike(found, expected, system, name, 5e-6, 1e-8)
+    assert_alike(found, expected, system, name, 5e-6, 1e-7)
     assert_alike(found, expected, system, name, 40e-6, 1e-6)
     assert measured.residual < 1e-6
 
@@ -174,7 +176,7 @@ def test_a_run_of_a_foreign_fmu_grows_beyond_the_limit_predicted_by_its_response
     """Observed 4 % to both sides, over steps enough for a factor of exp(10). The FMU holds its input, which
     its responses tell: the limit of the component in its place is another."""
     system = two_masses(coupling_stiffness=400.0)
-    parameters = {n: v for n, v in (("mass", 1.0), ("stiffness", 10.0), ("damping", 0.5))}
+    parameters = {"mass": 1.0, "stiffness": 10.0, "damping": 0.5}
     instances = dict(system.instances)
     instances["second"] = replace(instances["second"], parameters=parameters)
     system = system.with_instances(instances)
@@ -218,9 +220,7 @@ def test_a_participant_that_is_no_linear_system_is_named():
     where = along(system, 0.2, SPACING)
     unit = Noisy(in_process("second", system.instances["second"]))
     made = {"first": Equations(system, "first"), "second": Responses("second", unit, system, SPACING)}
-    with pytest.raises(
-        NotLinearError, match=r"second: its responses .* residual .* participant = 'in-process'"
-    ):
+    with pytest.raises(NotLinearError, match=r"second: its responses .*residual .*'in-process'"):
         points_at(system, where, [0, 20], [], made)
 
 
@@ -233,8 +233,6 @@ def test_a_linear_system_is_found_again_from_its_responses(states):
     A = decay + 5.0 * (turn - turn.T)
     B, C = lot.standard_normal((states, 2)), lot.standard_normal((3, states))
     D = lot.standard_normal((3, 2))
-    from orchestrator.stability.linear import Linear
-
     phi, gamma, _ = Linear(A, B, C, D, np.ones(states)).step(0.02)
     state, pulses = gamma[:, :2], []
     for _ in range(60):
