@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -198,14 +198,14 @@ class ControlledSteps:
         exchange.accept(end)
         if discontinuous:
             reason = SHORTEST
-        factor = self._controller.after(min(error, 1.0), attempt.exponent)
+        factor = self._controller.after(min(error, 1.0), attempt.exponent, length)
         if rejected:
             factor = min(factor, 1.0)
         grown = length * factor
         # A step cut short by an event or the stop says nothing against the length proposed before it.
         if length >= self._next or grown > self._next:
             # Where the error would allow as much as the largest growth, it sets nothing.
-            growing = self._controller.allowed(error, attempt.exponent) >= GROW
+            growing = self._controller.allowed(self._controller.error, attempt.exponent) >= GROW
             self._next, self._set_by = grown, GROWTH if growing else ERROR
         if smooth is not False or discontinuous or self._locator.due(end):
             exchange.history.restart(smooth)
@@ -221,12 +221,12 @@ class ControlledSteps:
             "next": self._next,
             "set_by": self._set_by,
             "over": self._over,
-            "previous": self._controller.previous,
+            "controller": asdict(self._controller),
             "last": self._locator.last,
         }
 
     def resume(self, state: dict[str, Any]) -> None:
         self._next, self._over = float(state["next"]), int(state["over"])
         self._set_by = int(state["set_by"])
-        self._controller.previous = float(state["previous"])
+        self._controller = PI(**state["controller"])
         self._locator.last = float(state["last"])

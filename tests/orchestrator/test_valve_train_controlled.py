@@ -1,8 +1,8 @@
 """Step control on the valve train with flexible camshaft, against the monolithic reference.
 
 What it takes is counted in steps of single participants (doStep calls), for a relative RMS error of the
-contact load of 1e-6, weighed by time. At 1000 r/min nearly nine times fewer than the best explicit master
-with equal steps, at 3000 r/min, where the follower leaves the cam, more than ten times.
+contact load of 1e-6, weighed by time: ten times fewer than with the best explicit master and equal steps,
+at 1000 r/min and at 3000 r/min, where the follower leaves the cam.
 """
 
 from __future__ import annotations
@@ -51,9 +51,13 @@ def run(system, master, steps, stop):
     return found.relative_rms, statistics.do_steps
 
 
-def controlled(tolerance, acceleration):
+def controlled(tolerance):
+    """What is iterated reaches the states by its integral over a step: it need not be as sharp as they."""
     master = Iterated(
-        "hermite", 3.0 * tolerance, acceleration=acceleration, iterate=("camshaft", "valve_spring", "contact")
+        "hermite",
+        100.0 * tolerance,
+        acceleration="quasi_newton",
+        iterate=("camshaft", "valve_spring", "contact"),
     )
     return master, ControlledSteps(1e-6, StepControl("predictor_corrector", tolerance, tolerance))
 
@@ -62,20 +66,17 @@ def test_a_hundred_thousandth_in_a_fifth_of_the_steps_of_the_explicit_master():
     """Eight milliseconds at 1000 r/min with the beginning of the lift inside."""
     system = valve_train(1000.0)
     explicit, many = run(system, GaussSeidel("quadratic"), 2e-6, 8e-3)
-    error, few = run(system, *controlled(1e-8, "quasi_newton"), 8e-3)
+    error, few = run(system, *controlled(5e-9), 8e-3)
     assert error <= 1e-5 < explicit
     assert 5 * few <= many
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("rpm", "tolerance", "acceleration", "step", "times"),
-    [(1000.0, 1.5e-9, "quasi_newton", 1.25e-6, 8), (3000.0, 1e-11, "anderson", 2e-7, 10)],
-)
-def test_a_millionth_over_a_whole_turn(rpm, tolerance, acceleration, step, times):
+@pytest.mark.parametrize(("rpm", "tolerance", "step"), [(1000.0, 2.2e-9, 1.25e-6), (3000.0, 1.5e-11, 2e-7)])
+def test_a_millionth_over_a_whole_turn_in_a_tenth_of_the_steps(rpm, tolerance, step):
     """The explicit master's step is one with which it does not reach a millionth yet."""
     system, turn = valve_train(rpm), 60.0 / rpm
     explicit, many = run(system, GaussSeidel("quadratic"), step, turn)
-    error, few = run(system, *controlled(tolerance, acceleration), turn)
+    error, few = run(system, *controlled(tolerance), turn)
     assert error <= 1e-6 < explicit
-    assert times * few <= many
+    assert 10 * few <= many

@@ -18,7 +18,8 @@ class StepDoubling:
     Error = (halves - whole) / (1 - p), with p the error of the whole over that of the halves: 2^(k+1) where
     signals of degree k are interpolated. Where they are extrapolated p follows from the points that they go
     through, 2, 14/5, 32/9 for k = 0, 1, 2 and equal steps (Schierz, Arnold, Clauss 2012), and another
-    value for outputs that depend on an input at the same instant, which 2^(k+1) gets wrong.
+    value for outputs that depend on an input at the same instant, which 2^(k+1) gets wrong. Towards the end
+    of a step where a source bends polynomials have no order: p is 2, and the difference itself the error.
     """
 
     def check(self, master: Master) -> None:
@@ -40,9 +41,13 @@ class StepDoubling:
         if shares is None:
             # The first step after a restart of a signal of degree 1 or 2 interpolates linearly.
             known = degree if master.implicit or degree in (0, 3) else 1
-            error = (exchange.values - whole) / (1.0 - 2.0 ** (known + 1))
-            return Attempt(iterations, error, known + 2.0)
-        return Attempt(iterations, (exchange.values - whole) / (1.0 - shares), exponent(exchange, degree))
+            shares, order = np.full(len(whole), 2.0 ** (known + 1)), known + 2.0
+        else:
+            order = exponent(exchange, degree)
+        if not exchange.history.end_smooth.all():
+            shares = np.where(exchange.history.end_smooth, shares, 2.0)
+            order = 2.0
+        return Attempt(iterations, (exchange.values - whole) / (1.0 - shares), order)
 
 
 def ratios(exchange: Exchange, degree: int, half: float) -> Vector:
