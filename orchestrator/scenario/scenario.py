@@ -188,7 +188,19 @@ def scenario_of(content: dict[str, Any]) -> Scenario:
     try:
         return Scenario.model_validate(content)
     except ValidationError as error:
-        raise ScenarioError("\n".join(messages(error, _keys))) from None
+        raise ScenarioError("\n".join(map(_placed, messages(error, _keys)))) from None
+
+
+def _placed(line: str) -> str:
+    """The message about an unknown key, with the place where it would be known instead of all other keys."""
+    path, _, text = line.partition(": ")
+    table, _, key = path.rpartition(".")
+    fault, unknown, _ = text.partition("; known: ")
+    if unknown and not table and (meant := elsewhere(key)):
+        return f"{path}: {fault}; did you mean {' or '.join(meant)}?"
+    if unknown and table and key in Scenario.model_fields:
+        return f"{path}: {fault}; {key} has to stand above the file's first [table]"
+    return line
 
 
 TABLES = {"step_control": StepControlTable, "reference": ReferenceTable, "energy": EnergyTable}

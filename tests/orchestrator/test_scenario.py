@@ -221,6 +221,33 @@ def test_a_mistake_is_marked_by_where_it_was_made(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (
+            "[components.contact]\nmacro_step = 1",
+            "contact.macro_step: unknown key; macro_step has to",
+        ),
+        (
+            "[components.contact.parameters]\nstop_time = 1",
+            "no such parameter; stop_time has to",
+        ),
+        (
+            "[master]\nname = 'iterated'\nstop_time = 1",
+            "no such option; stop_time has to stand",
+        ),
+        ("ledger = true", "ledger: unknown key; did you mean energy.ledger?"),
+    ],
+)
+def test_a_key_in_a_wrong_table_is_sent_to_its_own(content: str, message: str, tmp_path: Path) -> None:
+    """In TOML a key belongs to the table above it, also where it was meant for the whole file."""
+    file = tmp_path / "mine.toml"
+    file.write_text(f'extends = "valve-train"\n{content}\n')
+    with pytest.raises(ScenarioError) as error:
+        load(file)
+    assert message in str(error.value)
+
+
 def test_what_has_no_effect_is_noticed() -> None:
     assert notices(load("valve-train")) == []
     assert notices(load("valve-train-controlled")) == []
