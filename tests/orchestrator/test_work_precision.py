@@ -34,6 +34,25 @@ def files(quarter_car):
     return fmu_files(quarter_car, lambda name, structure: build(name, structure=structure))
 
 
+def test_errors_at_the_samples_ask_for_the_truth_beside_them_only(quarter_car):
+    """An error that is linear in time is met exactly, whatever the run's own times, which are many."""
+    asked = []
+
+    def truth(times):
+        asked.append(len(times))
+        return np.column_stack([np.sin(times), np.ones_like(times)])
+
+    samples = np.linspace(0.0, 2.0 * np.pi, 65)[1:]
+    problem = replace(quarter_car, times=samples, outputs=("a", "b"), truth=truth)
+    times = 2.0 * np.pi * np.linspace(0.0, 1.0, 5001)[1:] ** 2
+    values = truth(times) + 0.1 * times[:, None]
+    asked.clear()
+    found = errors_of(problem, times, values)
+    assert sum(asked) <= 3 * len(samples)
+    spread = np.sqrt(0.5)
+    assert found["errors"]["a"] == pytest.approx(0.1 * np.sqrt(np.mean(samples**2)) / spread, rel=1e-9)
+
+
 def test_errors_are_relative_to_the_spread_of_the_true_output(quarter_car):
     """A sine of amplitude 1 (RMS 1/sqrt 2) that is 0.1 too large everywhere, and an output without error."""
     t = np.linspace(0.0, 2.0 * np.pi, 65)[1:]

@@ -9,7 +9,7 @@ from benchmarks import memory, overhead, scaling
 from . import whole_engine
 from .table import Row
 
-ROUNDS, OVERHEAD_STEPS, ROLLBACK_STEPS = 2, 3000, 1_000_000
+ROUNDS, OVERHEAD_STEPS, ROLLBACK_STEPS = 4, 3000, 1_000_000
 # Every time within this of a straight line over the number of instances, which parts of unequal cost make up.
 STRAIGHT = 0.25
 # A page of the heap more or less is none that grows.

@@ -29,8 +29,9 @@ class Said:
         return f"“{self.message}”, exit status {self.status}"
 
 
-def tribocosim(*arguments: str, interrupt_after: str = "") -> Said:
-    """Run the command in a process of its own; with `interrupt_after`, Ctrl-C once a line begins so."""
+def tribocosim(*arguments: str, interrupt_after: str = "", patience: float = 300.0) -> Said:
+    """Run the command in a process of its own, for `patience` (s) at most; with `interrupt_after`, Ctrl-C
+    once a line begins so."""
     process = subprocess.Popen(
         [*COMMAND, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT
     )
@@ -41,7 +42,7 @@ def tribocosim(*arguments: str, interrupt_after: str = "") -> Said:
                 break
         time.sleep(2.0)
         process.send_signal(signal.SIGINT)
-    output, errors = process.communicate(timeout=300)
+    output, errors = process.communicate(timeout=patience)
     assert "Traceback" not in output + errors, errors
     text = " / ".join(line.removeprefix("tribocosim: ") for line in errors.splitlines() if line)
     return Said(process.returncode, output, re.sub(r"(/[^/\s]+)+/", "", text))
