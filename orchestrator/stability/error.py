@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
+import numba
 import numpy as np
+from scipy.sparse import csr_array
 
 from models.monolithic.course import Course
 from models.monolithic.difference import difference
@@ -48,12 +51,9 @@ def predicted(step: MacroStep, track: Sampled, count: int, nominal: Vector) -> V
     missed = (track.missed(count, step.degree) / nominal).reshape(len(values), -1)
     driven = missed @ step.defect.T
     error = np.zeros_like(values)
-    data, newest = np.zeros(step.matrix.shape[0]), step.newest
-    matrix = np.ascontiguousarray(step.matrix)
+    sparse = csr_array(step.matrix)
     with np.errstate(over="ignore", invalid="ignore"):
-        for n in range(1, len(values)):
-            data = matrix @ data + driven[n]
-            error[n] = data[newest]
+        carry(sparse.data, sparse.indices, sparse.indptr, driven, step.newest.start, error)
         error = np.nan_to_num(error * nominal, nan=np.inf)
         found = [
             difference(error[:, i] + values[:, i], values[:, i], nominal[i]).relative_rms
@@ -62,3 +62,19 @@ def predicted(step: MacroStep, track: Sampled, count: int, nominal: Vector) -> V
             for i in range(len(nominal))
         ]
     return np.array(found)
+
+
+@numba.njit(cache=True)
+def carry(data: Any, columns: Any, rows: Any, driven: Any, first: int, found: Any) -> None:
+    """e(n) = matrix e(n - 1) + driven(n) from rest; `found` gets the elements from `first` on."""
+    size = driven.shape[1]
+    e, before = np.zeros(size), np.zeros(size)
+    for n in range(1, driven.shape[0]):
+        before[:] = e
+        for i in range(size):
+            total = driven[n, i]
+            for k in range(rows[i], rows[i + 1]):
+                total += data[k] * before[columns[k]]
+            e[i] = total
+        for i in range(found.shape[1]):
+            found[n, i] = e[first + i]
