@@ -122,7 +122,7 @@ def _responses() -> Row:
     tests = "orchestrator/test_linearisation.py::"
     return Row(
         "linearises the participants about the start, by perturbation through get/set state",
-        f"two masses: spectral radii from responses to pulses and from equations differ by {worst:.0e} at most; "
+        f"two masses: spectral radii from responses and from equations differ by {worst:.0e} at most; "
         f"residuals {max(m.residual for m in made.values()):.0e}",
         (
             tests + "test_both_ways_of_linearisation_give_one_spectral_radius",
