@@ -2,6 +2,8 @@
 
 Both make the same calls (set, step, get) of the `valve-train` FMUs in the same order (Gauss-Seidel). A third
 loop makes them without moving a value; what the others take longer is spent outside the FMUs. Processor time.
+Both loops call through ctypes, at some 0.3 us a call; our masters call from compiled code, so that they may
+take less than the loop of mere calls.
 """
 
 from __future__ import annotations
