@@ -15,7 +15,7 @@ import numpy as np
 
 from .hybrid import hybrid_work_size, make_hybrid_advance
 from .integrator import INPUT_COEFFICIENTS, TOLERANCE, make_advance, taylor, work_size
-from .kernel import kernel
+from .kernel import kernel, record_of
 from .quantities import Layout, Vector
 from .rates import input_rates, make_rates, rates_work_size
 
@@ -139,7 +139,7 @@ class Component:
 
         @kernel
         def flat_energy(t: float, x: Any, u: Any, p: Any, e: Any) -> None:
-            function(t, x.view(X)[0], u.view(U)[0], p.view(P)[0], e)
+            function(t, record_of(x, X), record_of(u, U), record_of(p, P), e)
 
         return flat_energy
 
@@ -153,7 +153,7 @@ class Component:
 
         @kernel
         def flat_guards(t: float, x: Any, u: Any, p: Any, g: Any) -> None:
-            function(t, x.view(X)[0], u.view(U)[0], p.view(P)[0], g)
+            function(t, record_of(x, X), record_of(u, U), record_of(p, P), g)
 
         return flat_guards
 
@@ -167,7 +167,7 @@ class Component:
 
         @kernel
         def flat_transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
-            function(k, t, x.view(X)[0], u.view(U)[0], p.view(P)[0])
+            function(k, t, record_of(x, X), record_of(u, U), record_of(p, P))
 
         return flat_transition
 
@@ -232,6 +232,6 @@ def _flatten(function: Any, state: Layout, inputs: Layout, parameters: Layout, r
 
     @kernel
     def flat(t: float, x: Any, u: Any, p: Any, out: Any) -> None:
-        function(t, x.view(X)[0], u.view(U)[0], p.view(P)[0], out.view(R)[0])
+        function(t, record_of(x, X), record_of(u, U), record_of(p, P), record_of(out, R))
 
     return flat

@@ -22,6 +22,7 @@ numba: Any
 caching: Any
 try:
     import numba
+    import numba.extending
     from numba.core import caching
 except ImportError:  # an FMU must run where only numpy is installed
     numba = None
@@ -100,6 +101,26 @@ def _describe(value: Any) -> str:
     cells = function.__closure__ or ()
     inner = ",".join(_describe(cell.cell_contents) for cell in cells)
     return f"{function.__module__}:{function.__qualname__}:{function.__code__.co_firstlineno}[{inner}]"
+
+
+def _record_of(context: Any, vector: Any, dtype: Any) -> Any:
+    """The record of that type which shares the vector's memory.
+
+    As `vector.view(dtype)[0]`, without its checks of what layouts make sure of, which numba compiles at
+    every call.
+    """
+
+    def address(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        array = context.make_array(signature.args[0])(context, builder, arguments[0])
+        return builder.bitcast(array.data, context.get_value_type(signature.return_type))
+
+    return dtype.dtype(vector, dtype), address
+
+
+# record_of(vector, dtype), in kernels only.
+record_of: Any = (
+    numba.extending.intrinsic(_record_of) if COMPILED else lambda vector, dtype: vector.view(dtype)[0]
+)
 
 
 if COMPILED:

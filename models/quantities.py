@@ -2,7 +2,7 @@
 
 A *record* is a dataclass whose fields are annotated with a `Quantity`. A `Layout` turns a record type
 into a flat vector of doubles and back; compiled kernels see the same memory as a structured record
-(`x.view(layout.dtype)[0].velocity`), integrators and FMI see the vector.
+(`record_of(x, layout.dtype).velocity`), integrators and FMI see the vector.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..integrator import copy, taylor
-from ..kernel import kernel
+from ..kernel import kernel, record_of
 from .flight.bouncing import CELL, FRACTION, FREE, RATE_OF_Y, Walls, Y
 from .forms import offset_slope, wall_angle, wall_rate
 from .records import mechanism
@@ -29,7 +29,7 @@ def make_leave(component: Component) -> Any:
 
     @kernel
     def leave(position: Any, x: Any, u: Any, p: Any) -> None:
-        parameters = p.view(P)[0]
+        parameters = record_of(p, P)
         theta, speed, m = u[angle_at], u[speed_at], mechanism(parameters)
         psi = wall_angle(parameters.form, theta, position[Y], m)
         slope = offset_slope(parameters.form, theta, psi, m)

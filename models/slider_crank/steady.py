@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..hybrid import MOST_EVENTS, hybrid_work_size, make_hybrid_advance
 from ..integrator import OK, TOO_MANY_EVENTS, copy, taylor
-from ..kernel import kernel
+from ..kernel import kernel, record_of
 from .equations import Mechanism
 from .flight import histories
 from .flight.bouncing import (
@@ -216,7 +216,7 @@ def make_advance(component: Component) -> Any:
     @kernel
     def enter(x: Any, U: Any, p: Any, gap: float, position: Any) -> None:
         """The position from the state and the inputs at the start."""
-        parameters = p.view(P)[0]
+        parameters = record_of(p, P)
         theta, speed, m = U[0, angle_at], U[0, speed_at], mechanism(parameters)
         place = (theta / (2.0 * math.pi) - math.floor(theta / (2.0 * math.pi))) * CELLS
         position[CELL] = min(int(place), CELLS - 1)
@@ -234,7 +234,7 @@ def make_advance(component: Component) -> Any:
     def advance(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any) -> int:
         if not uniform(h, x, U):
             return hybrid(t, h, x, U, p, scale, work)
-        parameters = p.view(P)[0]
+        parameters = record_of(p, P)
         m = mechanism(parameters)
         m = Mechanism(m.xi, m.alpha, m.beta, m.forcing_beta, m.damping / U[0, speed_at])
         gap = parameters.clearance / parameters.rod_length
