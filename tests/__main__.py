@@ -12,6 +12,10 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 SCRIPTS = Path(sys.executable).parent
 
+# A process for each processor, at most four for their memory (2 GB each). Each begins with a stretch of
+# neighbouring tests, which share compiled kernels, and takes from another's end when it has none left.
+PARALLEL = ["-n", "logical", "--maxprocesses", "4", "--dist", "worksteal"]
+
 
 def checks(everything: bool) -> dict[str, list[str]]:
     """The command of each check."""
@@ -21,7 +25,7 @@ def checks(everything: bool) -> dict[str, list[str]]:
         "format": [*python, "ruff", "format", "--check", "."],
         "types": [*python, "mypy"],
         "imports": [str(SCRIPTS / "lint-imports"), "--no-cache"],
-        "tests": [*python, "pytest", "-q", "--durations=10", *(["-m", ""] if everything else [])],
+        "tests": [*python, "pytest", "-q", "--durations=10", *PARALLEL, *(["-m", ""] if everything else [])],
     }
 
 
