@@ -134,8 +134,9 @@ def test_a_jump_is_closed_in_on_and_passed(kind, minimum_step):
     assert ended is None
     over = int(np.searchsorted(recorder.times, JUMP, side="right"))
     steps = recorder.steps
-    assert sum(step.rejected for step in steps[over - 1 : over + 1]) > 0
-    assert steps[over].length < steps[over - 2].length
+    # A jump after the middle of a step that is made in halves is seen in the step that begins with it.
+    assert sum(step.rejected for step in steps[over - 1 : over + 2]) > 0
+    assert min(step.length for step in steps[over : over + 2]) < steps[over - 2].length
     # Two signals are wrong: the one over the jump, and the one through the values on both sides of it.
     wrong = recorder.times[over + 1] - recorder.times[over - 1]
     slowest = math.sqrt(CoupledMassParameters().stiffness)  # rad/s, both masses together
@@ -169,11 +170,14 @@ def test_an_output_that_keeps_jumping_is_named(kind):
 
 
 def on_second_thoughts():
-    """The first shorter attempt at every step: among them those that locate an event."""
+    """The first shorter attempt at every step: among them those that locate an event.
+
+    Of attempts longer than a microsecond: what refuses all others can only end the run.
+    """
     tried, refused = {}, set()
 
     def when(time, step, n):
-        again = step < 0.999 * tried.setdefault(time, step) and time not in refused
+        again = 1e-6 < step < 0.999 * tried.setdefault(time, step) and time not in refused
         if again:
             refused.add(time)
         return again

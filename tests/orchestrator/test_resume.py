@@ -37,7 +37,7 @@ WALL_TIMES = ("wall_time_s", "coupled_time_s", "reference_time_s")
 # Runs to be killed: scenario and changes.
 RUNS = {
     "gauss_seidel in-process": ("valve-train", ["stop_time=60 ms", *IN_PROCESS, *NO_REFERENCE]),
-    "gauss_seidel with FMUs": ("valve-train", ["stop_time=10 ms", *NO_REFERENCE]),
+    "gauss_seidel with FMUs": ("valve-train", ["stop_time=100 ms", *NO_REFERENCE]),
     "iterated with step control and events": (
         "bouncing-mass",
         [

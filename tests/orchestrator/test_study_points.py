@@ -143,7 +143,7 @@ BAD_POINTS = {
     "kind = 'grid'\naxes.z = [1.0]": "plain has no parameter 'z'; known: x, y, n, mode, folder",
     "kind = 'grid'\naxes.x = [1.0, 11.0]": "x = 11 m (abscissa): must be >= -10 and <= 10",
     "kind = 'grid'\naxes.x = [1.0, 1.0]": "points.axes.x: has a value twice",
-    "kind = 'grid'\naxes.x = []": "points.axes.x.values: must have at least one entry",
+    "kind = 'grid'\naxes.x = []": "points.axes.x.values = []: must have at least one entry",
     "kind = 'grid'\naxes.x = 1.0": "must be a list of values, or a table with start, stop and count",
     "kind = 'grid'\naxes.x = { start = 0, stop = 1 }": "points.axes.x.count: missing",
     "kind = 'grid'\naxes.x = { start = 0, stpo = 1, stop = 1, count = 2 }": "stpo: unknown key; did you mean",
