@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from .component import Component
-from .kernel import kernel
+from .composition import Composition
 from .quantities import Layout, Vector
 
 
@@ -197,6 +197,14 @@ class _Slots:
         return np.concatenate(parts)
 
 
+def alike(instances: Mapping[str, Instance]) -> list[str]:
+    """The instances' names, those of one component together, in the order of the first of each."""
+    found: dict[int, list[str]] = {}
+    for name, instance in instances.items():
+        found.setdefault(id(instance.component), []).append(name)
+    return [name for names in found.values() for name in names]
+
+
 def evaluation_order(
     instances: Mapping[str, Instance], connections: Sequence[Connection]
 ) -> tuple[tuple[str, ...], tuple[Port, ...]]:
@@ -206,6 +214,7 @@ def evaluation_order(
     assumption makes most others valid is torn (of equals, the one that depends on fewest inputs).
     """
     driver = {connection.target: connection.source for connection in connections}
+    names = alike(instances)
     outputs = [Port(name, out) for name, i in instances.items() for out in i.component.outputs.names]
 
     def ready(port: Port, valid: set[Port]) -> bool:
@@ -222,7 +231,7 @@ def evaluation_order(
         progress = True
         while progress:
             progress = False
-            for name in instances:
+            for name in names:
                 valid = computed | assumed
                 new = {p for p in outputs if p.instance == name and p not in computed and ready(p, valid)}
                 if new:
@@ -240,42 +249,7 @@ def evaluation_order(
     return tuple(order), tuple(torn)
 
 
-@kernel
-def _nothing(t: float, x: Any, u: Any, p: Any, y: Any, source: Any, target: Any) -> None:
-    return
-
-
-def _then_output(before: Any, output: Any, at: tuple[int, ...]) -> Any:
-    """After `before`: copy along the connections, then compute one instance's outputs."""
-    x0, x1, u0, u1, p0, p1, y0, y1 = at
-
-    @kernel
-    def evaluate(t: float, x: Any, u: Any, p: Any, y: Any, source: Any, target: Any) -> None:
-        before(t, x, u, p, y, source, target)
-        for k in range(source.shape[0]):
-            u[target[k]] = y[source[k]]
-        output(t, x[x0:x1], u[u0:u1], p[p0:p1], y[y0:y1])
-
-    return evaluate
-
-
-@kernel
-def _no_derivative(t: float, x: Any, u: Any, p: Any, dx: Any) -> None:
-    return
-
-
-def _then_derivative(before: Any, derivative: Any, at: tuple[int, ...]) -> Any:
-    x0, x1, u0, u1, p0, p1 = at
-
-    @kernel
-    def evaluate(t: float, x: Any, u: Any, p: Any, dx: Any) -> None:
-        before(t, x, u, p, dx)
-        derivative(t, x[x0:x1], u[u0:u1], p[p0:p1], dx[x0:x1])
-
-    return evaluate
-
-
-def _bounds(instance: str, *vectors: _Slots) -> tuple[int, ...]:
+def bounds(instance: str, *vectors: _Slots) -> tuple[int, ...]:
     """Start and stop of the instance's part of each vector."""
     return tuple(bound for slots in vectors for bound in (slots.of(instance).start, slots.of(instance).stop))
 
@@ -301,16 +275,18 @@ class Evaluation:
 
     def _composed(self) -> tuple[Any, Any]:
         """Outputs and derivatives of all instances, each as one function."""
-        system = self.system
-        evaluate: Any = _nothing
-        for name in system.order:
-            component = system.instances[name].component
-            at = _bounds(name, system.state, system.inputs, system.parameters, system.outputs)
-            evaluate = _then_output(evaluate, component.flat_output, at)
-        differentiate: Any = _no_derivative
-        for name, instance in system.instances.items():
-            at = _bounds(name, system.state, system.inputs, system.parameters)
-            differentiate = _then_derivative(differentiate, instance.component.flat_derivative, at)
+        s = self.system
+        evaluate = Composition(
+            [s.instances[name].component.flat_output for name in s.order],
+            [bounds(name, s.state, s.inputs, s.parameters, s.outputs) for name in s.order],
+            s.source_index,
+            s.target_index,
+        )
+        names = alike(s.instances)
+        differentiate = Composition(
+            [s.instances[name].component.flat_derivative for name in names],
+            [bounds(name, s.state, s.inputs, s.parameters, s.state) for name in names],
+        )
         return evaluate, differentiate
 
     def outputs(self, t: float, x: Vector) -> Vector:
@@ -318,7 +294,7 @@ class Evaluation:
         s = self.system
         x = np.ascontiguousarray(x)
         guess = self.y[self._torn].copy()
-        self._evaluate(t, x, self.u, s.p, self.y, s.source_index, s.target_index)
+        self._evaluate(t, x, self.u, s.p, self.y)
         if self._torn.size:
             self._close_loops(t, x, guess)
         self.u[s.target_index] = self.y[s.source_index]
@@ -334,7 +310,7 @@ class Evaluation:
     def _residual(self, t: float, x: Vector, assumed: Vector) -> Vector:
         s = self.system
         self.y[self._torn] = assumed
-        self._evaluate(t, x, self.u, s.p, self.y, s.source_index, s.target_index)
+        self._evaluate(t, x, self.u, s.p, self.y)
         return np.asarray(self.y[self._torn] - assumed)
 
     def _close_loops(self, t: float, x: Vector, guess: Vector) -> None:
@@ -358,17 +334,14 @@ class Evaluation:
 
 
 class Interpreted(Evaluation):
-    """Evaluates instance after instance: for few instants, where compiling the whole would take longer.
-
-    It also has no limit of instances, of which some fifty can be nested in one compiled function.
-    """
+    """Evaluates instance after instance: for few instants, where compiling the whole would take longer."""
 
     def _composed(self) -> tuple[Any, Any]:
         s = self.system
 
-        def evaluate(t: float, x: Any, u: Any, p: Any, y: Any, source: Any, target: Any) -> None:
+        def evaluate(t: float, x: Any, u: Any, p: Any, y: Any) -> None:
             for name in s.order:
-                u[target] = y[source]
+                u[s.target_index] = y[s.source_index]
                 own = x[s.state.of(name)], u[s.inputs.of(name)], p[s.parameters.of(name)]
                 s.instances[name].component.flat_output(t, *own, y[s.outputs.of(name)])
 

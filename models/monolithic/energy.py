@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from ..component import DISSIPATED_POWER, SOURCE_POWER, STORED
+from ..composition import Composition
 from ..kernel import kernel
 from ..quantities import Vector
-from ..system import Port, System
+from ..system import Port, System, alike, bounds
 
 # Quadratures per instance, in the order of the integrated state.
 DISSIPATED, SOURCED, RECEIVED = 0, 1, 2
@@ -39,22 +40,6 @@ class EnergyBalance:
 
 
 @kernel
-def _nothing(t: float, x: Any, u: Any, p: Any, e: Any) -> None:
-    return
-
-
-def _then_energy(before: Any, energy: Any, at: tuple[int, ...], row: int) -> Any:
-    x0, x1, u0, u1, p0, p1 = at
-
-    @kernel
-    def evaluate(t: float, x: Any, u: Any, p: Any, e: Any) -> None:
-        before(t, x, u, p, e)
-        energy(t, x[x0:x1], u[u0:u1], p[p0:p1], e[row])
-
-    return evaluate
-
-
-@kernel
 def _received(bonds: Any, signs: Any, u: Any, y: Any, power: Any) -> None:
     """Sum the bonds' powers; variables are numbered through inputs, then outputs."""
     inputs = u.shape[0]
@@ -73,18 +58,18 @@ class Energies:
     def __init__(self, system: System, instances: tuple[str, ...] | None = None) -> None:
         self.system = system
         self.instances = tuple(system.instances) if instances is None else instances
-        evaluate: Any = _nothing
         bonds: list[tuple[int, int, int]] = []
         signs: list[float] = []
         for row, name in enumerate(self.instances):
-            component = system.instances[name].component
-            parts = (system.state.of(name), system.inputs.of(name), system.parameters.of(name))
-            at = tuple(bound for part in parts for bound in (part.start, part.stop))
-            evaluate = _then_energy(evaluate, component.flat_energy, at, row)
-            for bond in component.bonds:
+            for bond in system.instances[name].component.bonds:
                 bonds.append((row, self._variable(name, bond.effort), self._variable(name, bond.flow)))
                 signs.append(float(bond.sign))
-        self._evaluate = evaluate
+        rows = {name: (3 * row, 3 * row + 3) for row, name in enumerate(self.instances)}
+        names = [name for name in alike(system.instances) if name in rows]
+        self._evaluate = Composition(
+            [system.instances[name].component.flat_energy for name in names],
+            [(*bounds(name, system.state, system.inputs, system.parameters), *rows[name]) for name in names],
+        )
         self._bonds = np.array(bonds, dtype=np.int64).reshape(-1, 3)
         self._signs = np.array(signs, dtype=np.float64)
         self._energy = np.zeros((len(self.instances), 3))
@@ -97,12 +82,12 @@ class Energies:
 
     def stored(self, t: float, x: Vector, u: Vector) -> Vector:
         """Stored energy of every instance, (instances,)."""
-        self._evaluate(t, x, u, self.system.p, self._energy)
+        self._evaluate(t, x, u, self.system.p, self._energy.reshape(-1))
         return self._energy[:, STORED].copy()
 
     def powers(self, t: float, x: Vector, u: Vector, y: Vector, rates: Vector) -> None:
         """Write dissipated, source and received power, (instances * QUADRATURES,), into `rates`."""
-        self._evaluate(t, x, u, self.system.p, self._energy)
+        self._evaluate(t, x, u, self.system.p, self._energy.reshape(-1))
         _received(self._bonds, self._signs, u, y, self._power)
         rates[DISSIPATED::QUADRATURES] = self._energy[:, DISSIPATED_POWER]
         rates[SOURCED::QUADRATURES] = self._energy[:, SOURCE_POWER]

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
-
-from models.system import System
 
 from .. import assembly
 from ..analyse import made, results_in
 from ..errors import MistakeError
 from ..report import Reporter
-from ..scenario import Scenario
 from ..scenario_files import load, shipped
 from ..units import UnitError, to_unit
 from .findings import Survey
@@ -56,7 +52,7 @@ def analyse_scenario(
         with reporter.stage("linearisation, stability and errors of every method") as bar:
             system = assembly.at_start(scenario, assembly.system_of(scenario))
             with linearisations(scenario, system, build, responses) as sources:
-                found = _surveyed(scenario, system, instants, bar.show, sources)
+                found = survey(scenario, system, instants, bar.show, sources)
         for file in held:
             file.unlink()
         files = write(found, folder)
@@ -65,18 +61,6 @@ def analyse_scenario(
         reporter.line(line)
     reporter.line(f"results in {folder}: {', '.join(file.name for file in files)}")
     return found
-
-
-def _surveyed(scenario: Scenario, system: System, *rest: Any) -> Survey:
-    """The survey; MistakeError where the system is too large to be solved as one."""
-    try:
-        return survey(scenario, system, *rest)
-    except RecursionError:
-        raise MistakeError(
-            f"{scenario.name}: {len(system.instances)} components are too many to be solved as one system, "
-            "along whose course they would be linearised; analyse a scenario with a part of them, e.g. "
-            "valve-train for one valve of an engine"
-        ) from None
 
 
 def _instant(text: str, stop: float) -> float:

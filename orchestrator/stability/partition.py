@@ -92,11 +92,20 @@ class Partition:
         return tuple(circling[0]) if len(circling) == 1 and len(circling[0]) < len(self.names) else ()
 
     def orders(self) -> Iterator[tuple[str, ...]]:
-        """Orders worth a comparison: what drives first, and every sequence within a loop."""
+        """Orders worth a comparison: what drives first, and every sequence within a loop.
+
+        Loops of the same components in the same places are ordered alike: an engine has one for each valve.
+        """
+        kinds = [tuple(self.system.instances[n].component.name for n in group) for group in self.participants]
         choices = [self._sequences(group) for group in self.participants]
-        if math.prod(len(choice) for choice in choices) > math.factorial(PERMUTED):
-            choices = [choice[:2] for choice in choices]
-        for parts in itertools.product(*choices):
+        numbers: dict[tuple[str, ...], range] = {}
+        for kind, choice in zip(kinds, choices, strict=True):
+            numbers[kind] = range(min(len(choice), len(numbers.get(kind, choice))))
+        if math.prod(len(each) for each in numbers.values()) > math.factorial(PERMUTED):
+            numbers = {kind: each[:2] for kind, each in numbers.items()}
+        for chosen in itertools.product(*numbers.values()):
+            number = dict(zip(numbers, chosen, strict=True))
+            parts = (choice[number[kind]] for kind, choice in zip(kinds, choices, strict=True))
             yield tuple(itertools.chain.from_iterable(parts))
 
     def _sequences(self, group: list[str]) -> list[tuple[str, ...]]:

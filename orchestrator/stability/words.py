@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator
 
 from rich import box
@@ -98,9 +99,8 @@ def sentences(found: Survey) -> Iterator[str]:
 def _linearised(found: Survey) -> Iterator[str]:
     """How participants were, and what is doubtful about it."""
     components = [name for name in found.system.instances if name not in found.responses]
-    said = [f"By their equations: {', '.join(components)} (components stand for their own FMUs)"] * bool(
-        components
-    )
+    who = ", ".join(components) if found.responses else "all participants"
+    said = [f"By their equations: {who} (components stand for their own FMUs)"] * bool(components)
     if found.responses:
         each = ", ".join(f"{name} (residual {r.residual:.1g})" for name, r in found.responses.items())
         said.append(f"By responses to pulses, from saved and restored states: {each}")
@@ -115,12 +115,19 @@ def _loops(found: Survey) -> str:
     loops = found.partition.loops
     if not loops:
         return "No loop: no connection that has an effect leads back, so every step is stable."
-    parts = []
+    parts: dict[tuple[str, ...], str] = {}
+    again: Counter[tuple[str, ...]] = Counter()
     for loop in loops:
         names = list(dict.fromkeys(c.source.instance for c in loop))
-        parts.append(f"{', '.join(names)} through {', '.join(dict.fromkeys(str(c.source) for c in loop))}")
+        kind = tuple(sorted(found.system.instances[name].component.name for name in names))
+        said = f"{', '.join(names)} through {', '.join(dict.fromkeys(str(c.source) for c in loop))}"
+        again[kind] += kind in parts
+        parts.setdefault(kind, said)
+    each = [
+        f"{said}{f' and {again[kind]} like these' if again[kind] else ''}" for kind, said in parts.items()
+    ]
     rest = len(found.system.connections) - sum(len(loop) for loop in loops)
-    return f"Worth iterating: {'; '.join(parts)}. The other {rest} connections lead one way or nowhere."
+    return f"Worth iterating: {'; '.join(each)}. The other {rest} connections lead one way or nowhere."
 
 
 def _own(found: Survey) -> str:

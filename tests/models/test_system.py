@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.system import Evaluation, Instance, ModelError, Port, System
+from models.system import Evaluation, Instance, Interpreted, ModelError, Port, System
 from models.valve_train.cam_profile import cycloidal_lift
 
 from .systems import VALVE_TRAIN, valve_train
@@ -127,3 +128,28 @@ def test_outputs_do_not_depend_on_the_order_of_instances():
         x = np.concatenate([state[name] for name in one.instances])
         found.append(dict(zip(one.outputs.names, Evaluation(one).outputs(0.0, x).copy(), strict=True)))
     assert found[0] == found[1]
+
+
+def placed(port, k):
+    """A port of the k-th valve train of several on one flywheel."""
+    if port.instance == "flywheel":
+        return str(port).replace("[1]", f"[{k}]")
+    return f"{port.instance}_{k}.{port.variable}"
+
+
+def test_a_hundred_instances_are_one_function_with_the_same_bits():
+    """Fifty valve trains on one shaft, against instance after instance; functions nested one in another
+    reached the interpreter's limit near fifty instances."""
+    one, count = valve_train(1000), 50
+    own = [name for name in one.instances if name != "flywheel"]
+    many = System(
+        {
+            "flywheel": replace(one.instances["flywheel"], component=CATALOGUE["flywheel"](loads=count)),
+            **{f"{name}_{k}": one.instances[name] for k in range(1, count + 1) for name in own},
+        },
+        [(placed(c.source, k), placed(c.target, k)) for k in range(1, count + 1) for c in one.connections],
+    )
+    x = many.x0 * (1.0 + 1e-3 * np.random.default_rng(1).uniform(size=many.x0.size))
+    composed, interpreted = Evaluation(many), Interpreted(many)
+    assert np.array_equal(composed.derivative(0.01, x), interpreted.derivative(0.01, x))
+    assert np.array_equal(composed.y, interpreted.y)
