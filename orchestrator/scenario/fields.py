@@ -23,7 +23,7 @@ def _seconds(value: Any) -> Any:
     """A time in seconds; ValueError unless it is positive and finite."""
     number = _time(value)
     if not (math.isfinite(number) and number > 0.0):
-        raise Faults(("", f" = {value}: must be > 0 s"))
+        raise Faults(("", f" = {value}: must be a finite number > 0 s"))
     return number
 
 

@@ -34,9 +34,9 @@ def figure(found: Survey) -> Figure:
         for panel in (radius, error):
             panel.set_xscale("log")
             panel.axvline(found.scenario.macro_step, color="black", lw=0.8, ls=":")
+        radius.axhspan(0.0, 1.0, color="#eef3ee", zorder=0)
         error.set_xlabel("Macro step (s)")
     radius, error = axes[:, 0]
-    radius.axhspan(0.0, 1.0, color="#eef3ee", zorder=0)
     radius.set_ylim(0.8, 2.5)
     radius.set_ylabel("Spectral radius of a step")
     error.set_yscale("log")
@@ -61,11 +61,17 @@ def figure(found: Survey) -> Figure:
 
 
 def _radius(axes: Axes, method: Surveyed) -> None:
+    """Dashed beyond the limit: radii are those of few steps, between which unstable ones may lie."""
     signal = method.master.extrapolation
-    seen = [at for at in method.seen if math.isfinite(at.radius)]
-    axes.plot([at.step for at in seen], [at.radius for at in seen], color=COLOURS[signal], label=signal)
-    if math.isfinite(method.limit):
-        axes.plot([method.limit], [1.0], "o", ms=4.5, color=COLOURS[signal])
+    colour = COLOURS[signal]
+    seen = [(at.step, at.radius) for at in method.seen if math.isfinite(at.radius)]
+    limit = [(method.limit, 1.0)] if math.isfinite(method.limit) else []
+    stable = [point for point in seen if point[0] <= method.limit] + limit
+    beyond = limit + [point for point in seen if point[0] > method.limit]
+    axes.plot(*zip(*stable, strict=True), color=colour, label=signal)
+    if limit:
+        axes.plot(*zip(*beyond, strict=True), color=colour, lw=0.8, ls="--")
+        axes.plot(*limit[0], "o", ms=4.5, color=colour)
 
 
 def _error(axes: Axes, found: Survey, method: Surveyed) -> None:

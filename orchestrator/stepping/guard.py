@@ -53,10 +53,11 @@ class RunawayGuard:
         worst = judge(self._memory.record, known, time, self._keep, self.BOUND, share)
         if worst >= 0:
             source = self._exchange.sources[worst]
+            other = "another extrapolation" if self._master.implicit else "the iterated master"
             raise UnstableCouplingError(
                 f"{source}: unstable coupling at t = {time:.6g} s: its values do not follow their "
                 f"own prediction any more; {name_of(self._master)} cannot couple this system with steps "
-                f"of {step:g} s: reduce macro_step, use [step_control], or use the iterated master"
+                f"of {step:g} s: reduce macro_step, use [step_control], or {other}"
             )
 
     def state(self) -> dict[str, Any]:

@@ -104,7 +104,7 @@ def _bouncing() -> Iterator[Row]:
         "rollback",
         f"tolerance {TOLERANCE:g}, events {LOCATED:g} s, fall from 0.1 m, 1 s: " + "; ".join(parts),
         ("orchestrator/test_faults.py::test_a_step_discarded_while_an_event_is_located_is_made_shorter",),
-        command="tribocosim run bouncing-mass --set step_control.relative=1e-6",
+        command="python -m tests.verification coupling_events",
         short=""
         if met
         else f"not met: an instant is missed or further off than {LOCATED:g} s in its own motion.",

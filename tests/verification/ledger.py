@@ -138,6 +138,7 @@ def _correction() -> Row:
         "optionally as a correction",
         f"jacobi, 1 ms, created energy with it over without: {', '.join(parts)}",
         (TESTS + "test_the_correction_lowers_what_the_coupling_creates",),
-        command="tribocosim run two-masses --master jacobi --set energy.correction=true",
+        command="tribocosim run two-masses --master jacobi --set energy.ledger=true --set "
+        "energy.correction=true",
         short="Jacobi masters only; the order stays, and positions are not corrected.",
     )
