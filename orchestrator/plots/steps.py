@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -137,8 +138,10 @@ def _lengths(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
     ax.set_ylim(low / 1.6, high * 3.0)  # room for the marks of rejected attempts
     ax.set_ylabel("Step length (s)")
     _rejected(ax, steps)
-    edges = np.geomspace(low / 1.05, high * 1.05, 31)
-    _sums(sums, steps.length, edges, kinds)
+    # Bins of a tenth at least, the first about the shortest: lengths that are equal to rounding are one bar.
+    ratio = max(1.1, (high / low) ** (1.0 / 30.0))
+    count = 2 + math.ceil(math.log(high / low) / math.log(ratio))
+    _sums(sums, steps.length, low * ratio ** (np.arange(count) - 0.5), kinds)
 
 
 def _rejected(ax: Axes, steps: Steps) -> None:

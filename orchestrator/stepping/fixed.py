@@ -43,7 +43,10 @@ class FixedSteps:
         n = math.floor((time - self._start) / self.macro_step + 1e-9) + 1
         end = self._start + n * self.macro_step
         last = self._start + (n + 1e-9) * self.macro_step >= self._stop
-        return (self._stop, STOP) if last else (end, FIXED)
+        if not last:
+            return end, FIXED
+        # What ends as any other step does isn't cut short.
+        return self._stop, FIXED if abs(end - self._stop) <= 1e-6 * self.macro_step else STOP
 
     def _located(self, time: float, end: float, reason: int, locator: Locator) -> Step:
         exchange, gap = self._exchange, 0.0
