@@ -211,7 +211,7 @@ MISTAKES = {
     ("run", "valve_train.toml"): "did you mean valve-train?",
     ("run", "."): f"is a folder; give the path of a .toml file, or a shipped scenario: {SHIPPED}",
     ("run", "valve-train", "--set", "macro_stp=1"): "did you mean macro_step?",
-    ("run", "valve-train", "--set", "macro_step=0"): "must be > 0",
+    ("run", "valve-train", "--set", "macro_step=0"): "must be a finite number > 0 s",
     ("run", "valve-train", "--master", "jacob"): "did you mean jacobi?",
     ("run", "valve-train", "--set=components.camshaft.parameters.mass=-1"): "camshaft.mass = -1 kg",
     ("run", "valve-train", "--out", "pyproject.toml"): "is a file",
