@@ -12,7 +12,6 @@ that it misses at the end, times the step over k + 2.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from models.component import Component
 from models.quantities import Vector
 
 from ..participants import Participant
+from ..participants.remembering import Remembering
 
 
 def bond_inputs(component: Component) -> list[str]:
@@ -28,21 +28,16 @@ def bond_inputs(component: Component) -> list[str]:
     return [v for v in variables if v in component.inputs]
 
 
-class Compensated:
+class Compensated(Remembering):
     """Implements `Participant` by `participant`, with the inputs `corrected` made up for what they missed.
 
     For Jacobi masters, which extrapolate every input.
     """
 
     def __init__(self, participant: Participant, corrected: Sequence[str]) -> None:
-        self.name = participant.name
-        self.restorable = participant.restorable
-        self._participant = participant
+        super().__init__(participant)
         self._corrected = set(corrected)
-        self.initialise = participant.initialise
-        self.finish_initialisation = participant.finish_initialisation
         self.read_all = participant.read_all
-        self.close = participant.close
 
     def connect(
         self,
@@ -55,14 +50,14 @@ class Compensated:
         self._given, self._used = inputs, inputs.copy()
         self._columns = np.array([i for i, n in enumerate(input_names) if n in self._corrected], dtype=int)
         # Where the last step's polynomials ended; nan before the first step.
-        self._end: Vector = np.full(len(self._columns), np.nan)
+        self._own = np.full(len(self._columns), np.nan)
         rated = self._participant.connect(input_names, self._used, output_names, outputs, rates)
         self.read = self._participant.read
         return rated
 
     def write(self) -> None:
         self._used[:] = self._given
-        missed = self._given[0, self._columns] - self._end
+        missed = self._given[0, self._columns] - self._own
         degree = len(self._given) - 1
         self._used[0, self._columns] += np.nan_to_num(missed, nan=0.0) / (degree + 2)
         self._participant.write()
@@ -70,21 +65,4 @@ class Compensated:
     def advance(self, time: float, step: float) -> None:
         self._participant.advance(time, step)
         powers = np.cumprod([1.0, *(step / k for k in range(1, len(self._given)))])
-        self._end[:] = powers @ self._given[:, self._columns]
-
-    def save(self) -> tuple[Any, Vector]:
-        return self._participant.save(), self._end.copy()
-
-    def restore(self, saved: tuple[Any, Vector]) -> None:
-        self._participant.restore(saved[0])
-        self._end[:] = saved[1]
-
-    def release(self, saved: tuple[Any, Vector]) -> None:
-        self._participant.release(saved[0])
-
-    def to_bytes(self, saved: tuple[Any, Vector]) -> bytes:
-        return saved[1].tobytes() + self._participant.to_bytes(saved[0])
-
-    def from_bytes(self, data: bytes) -> tuple[Any, Vector]:
-        own = self._end.nbytes
-        return self._participant.from_bytes(data[own:]), np.frombuffer(data[:own]).copy()
+        self._own[:] = powers @ self._given[:, self._columns]

@@ -21,6 +21,7 @@ from models.system import Instance, System
 
 from ..bonds import exchanged_bonds
 from ..participants import Participant
+from ..participants.remembering import Remembering
 
 
 def _rule() -> tuple[Vector, Vector, Vector]:
@@ -75,7 +76,7 @@ def without_estimates(instance: Instance) -> Instance:
     )
 
 
-class Estimating:
+class Estimating(Remembering):
     """Implements `Participant` by `participant`; after its outputs come those of `component.estimates`.
 
     `degrees`: of the polynomial that it follows, by input; 0, where none is given, for a held one.
@@ -84,15 +85,10 @@ class Estimating:
     def __init__(
         self, participant: Participant, component: EstimatedComponent, degrees: Mapping[str, int]
     ) -> None:
-        self.name = participant.name
-        self.restorable = participant.restorable
-        self._participant = participant
+        super().__init__(participant)
         self._bonds, self._degrees = component.estimates, degrees
-        self._energies: Vector = np.zeros(len(self._bonds))
+        self._own = np.zeros(len(self._bonds))  # the energies
         self._fresh = False
-        self.initialise = participant.initialise
-        self.finish_initialisation = participant.finish_initialisation
-        self.close = participant.close
 
     def connect(
         self,
@@ -127,9 +123,9 @@ class Estimating:
             self._rates[self._rated] = self._slopes[self._rated]
 
     def read_all(self, values: Vector) -> None:
-        plain = len(values) - len(self._energies)
+        plain = len(values) - len(self._own)
         self._participant.read_all(values[:plain])
-        values[plain:] = self._energies
+        values[plain:] = self._own
 
     def advance(self, time: float, step: float) -> None:
         # At its start outputs already see the step's inputs.
@@ -144,22 +140,8 @@ class Estimating:
         cubic = CUBICS @ np.array([value, step * slope, self._values, step * self._slopes])
         course = np.hstack([powers.T @ signals, np.where(self._rated, cubic, straight)])
         power = course[:, self._efforts] * course[:, self._flows] * self._signs
-        self._energies += step * (WEIGHTS @ power)
-
-    def save(self) -> tuple[Any, Vector]:
-        return self._participant.save(), self._energies.copy()
+        self._own += step * (WEIGHTS @ power)
 
     def restore(self, saved: tuple[Any, Vector]) -> None:
         self._fresh = False
-        self._participant.restore(saved[0])
-        self._energies[:] = saved[1]
-
-    def release(self, saved: tuple[Any, Vector]) -> None:
-        self._participant.release(saved[0])
-
-    def to_bytes(self, saved: tuple[Any, Vector]) -> bytes:
-        return saved[1].tobytes() + self._participant.to_bytes(saved[0])
-
-    def from_bytes(self, data: bytes) -> tuple[Any, Vector]:
-        own = self._energies.nbytes
-        return self._participant.from_bytes(data[own:]), np.frombuffer(data[:own]).copy()
+        super().restore(saved)

@@ -13,7 +13,6 @@ from models.oscillators.quarter_car import quarter_car_chassis, quarter_car_whee
 from models.system import Instance, System
 from orchestrator import assembly
 from orchestrator.command_line import app
-from orchestrator.exchange import Exchange
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import fmu, in_process
 from orchestrator.scenario_files import load
@@ -24,6 +23,7 @@ from orchestrator.stability.points import point_at, points_at
 from orchestrator.stability.realisation import continuous, realised
 from orchestrator.stability.responses import NotLinearError, Responses
 
+from .coupled import grown
 from .small_fmus import small_fmu
 from .two_masses import two_masses
 
@@ -151,18 +151,6 @@ class HeldInputs:
 
     def connect(self, names, inputs, *rest):
         return self._unit.connect(names, inputs[:1], *rest)
-
-
-def grown(system, units, master, step, steps):
-    exchange = Exchange(system, units, master.degree)
-    exchange.initialise(0.0, 1.0)
-    seen = []
-    for n in range(steps):
-        master.step(exchange, n * step, step)
-        exchange.accept((n + 1) * step)
-        seen.append(np.abs(exchange.values / exchange.nominal).max())
-    tenth = max(10, steps // 10)
-    return max(seen[-tenth:]) / max(seen[:tenth])
 
 
 def foreign(system, tmp_path_factory):

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray
 from scipy.optimize import brentq
-from typer.testing import CliRunner
 
 from models.monolithic.course import course
 from models.monolithic.difference import difference
@@ -17,14 +14,10 @@ from models.oscillators.two_masses import CoupledMassParameters
 from models.system import Evaluation, Instance, Port
 from models.valve_train.valve_spring import valve_spring
 from orchestrator import assembly
-from orchestrator.command_line import app
 from orchestrator.errors import UnstableCouplingError
-from orchestrator.exchange import Exchange
-from orchestrator.masters import MASTERS, GaussSeidel, Iterated, Jacobi
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.scenario import MasterTable
 from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
 from orchestrator.stability.behaviour import Behaviour, Benches, hardest, largest_stable
 from orchestrator.stability.copies import LinearParticipant
 from orchestrator.stability.equations import linearised
@@ -34,9 +27,8 @@ from orchestrator.stability.missed import ends, missed_by, shapes
 from orchestrator.stability.partition import Partition
 from orchestrator.stability.points import Point, point_at
 from orchestrator.stability.spectra import spectral_radius
-from orchestrator.stability.steps import rounded_down
 
-from .recorder import Recorder
+from .coupled import grown, in_processes, recorded
 from .two_masses import two_masses
 
 SIGNALS = ("hold", "linear", "quadratic", "hermite")
@@ -109,27 +101,6 @@ def test_the_largest_stable_step_is_where_the_radius_derived_by_hand_crosses_one
     assert limit == pytest.approx(brentq(excess, 0.5 * limit, 2.0 * limit), rel=3e-3)
 
 
-def recorded(system, master, step, stop):
-    recorder = Recorder()
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-    simulate(system, units, master, step, stop, [recorder])
-    return recorder
-
-
-def grown(system, master, step, steps):
-    """By how much the velocities grow from the first tenth of a run to its last, without the run's guard."""
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-    exchange = Exchange(system, units, master.degree)
-    exchange.initialise(0.0, 1.0)
-    seen = []
-    for n in range(steps):
-        master.step(exchange, n * step, step)
-        exchange.accept((n + 1) * step)
-        seen.append(np.abs(exchange.values / exchange.nominal).max())
-    tenth = max(10, steps // 10)
-    return max(seen[-tenth:]) / max(seen[:tenth])
-
-
 @pytest.mark.parametrize(
     "master",
     [
@@ -146,7 +117,7 @@ def test_runs_of_the_masses_grow_beyond_the_predicted_limit_and_decay_below_it(m
     limit = largest_stable(behaviour.at, 1e-3, 0.5, [])
     for share in (0.96, 1.04):
         rate = np.log(behaviour.at(share * limit).radius)
-        factor = grown(system, master, share * limit, int(10.0 / abs(rate)))
+        factor = grown(system, in_processes(system), master, share * limit, int(10.0 / abs(rate)))
         assert (factor > 1.0) == (share > 1.0)
 
 
@@ -332,87 +303,3 @@ def test_growth_of_the_system_itself_is_not_blamed_on_its_coupling():
         np.exp(1e-2 * grows.growth), rel=1e-3
     )
     assert behaviour.at(1e-2).stable
-
-
-SCENARIO = """
-stop_time = "2 s"
-macro_step = "10 ms"
-start = "given"
-connections = [
-    "first.force -> second.force",
-    "second.position -> first.other_position",
-    "second.velocity -> first.other_velocity",
-]
-
-[tolerance]
-"first.force" = 1e-3
-
-[components.first]
-component = "coupled_mass"
-start = { position = 1.0 }
-
-[components.second]
-component = "sprung_mass"
-"""
-
-
-@pytest.fixture
-def masses(tmp_path):
-    path = tmp_path / "masses.toml"
-    path.write_text(SCENARIO, "utf-8")
-    return path
-
-
-def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_the_tolerance(
-    masses, tmp_path
-):
-    """What is written reads back. Observed: a run as advised is within the scenario's tolerance."""
-    out = tmp_path / "out"
-    arguments = ["analyse", str(masses), "--out", str(out), "--at", "0.5 s", "--set", "macro_step=0.02"]
-    shown = CliRunner().invoke(app, arguments)
-    assert shown.exit_code == 0, shown.output
-    assert "Advised: macro_step" in shown.output
-    assert "Worth iterating: first, second" in shown.output
-    with xarray.open_dataset(out / "stability.nc", engine="h5netcdf") as table:
-        # All masters with all signals in the best order, and the scenario's, in another.
-        assert table.sizes["method"] == len(MASTERS) * len(SIGNALS) + 1
-        assert table.of_scenario.sum() == 1
-        assert 0.5 in table.point_time
-        rows = list(csv.DictReader((out / "stability.csv").read_text().splitlines()))
-        limits = [float(row["largest_stable_step [s]"]) for row in rows]
-        assert limits == list(table.largest_stable_step.values)
-        best = table.isel(method=int(np.argmax(table.advised.values)))
-        options = {"name": best.master.item(), "extrapolation": best.extrapolation.item()}
-        step, order = best.advised_step.item(), best.order.item().split()
-    assert (out / "stability.png").read_bytes().startswith(b"\x89PNG")
-    assert "already holds a result" in CliRunner().invoke(app, arguments).output
-    scenario = load(masses)
-    system = assembly.system_of(scenario)
-    master = MasterTable(**options, **({"order": order} if order else {})).made()
-    found = recorded(system, master, step, scenario.stop_time)
-    truth = course(system, found.times, 1e-10).outputs[:, system.outputs.names.index("first.force")]
-    assert difference(found["first.force"], truth).relative_rms <= scenario.tolerance["first.force"]
-    assert step > 0.01
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["valve-train", "--parameters"], "--set changes any of its keys"),
-        (["trace", "--at", "1"], "belongs to a scenario"),
-        (["valve-train", "--at", "1 mm"], "unit"),
-        (["valve-train", "--at", "1 s"], "between 0 and stop_time"),
-        (["valve-train", "--set", "macro_stp=1"], "unknown key"),
-        (["nothing.toml"], "no such scenario file"),
-    ],
-)
-def test_mistakes_are_named_and_nothing_is_written(arguments, said, tmp_path):
-    shown = CliRunner().invoke(app, ["analyse", *arguments, "--out", str(tmp_path / "out")])
-    assert shown.exit_code == 2
-    assert said in shown.output
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize(("step", "written"), [(1.99e-5, 1.5e-5), (2e-5, 2e-5), (9.9e-4, 8e-4), (0.0, 0.0)])
-def test_advised_steps_are_round(step, written):
-    assert rounded_down(step) == written

@@ -15,8 +15,9 @@ from orchestrator.scenario_files import load
 from orchestrator.stability.behaviour import Behaviour, hardest, largest_stable
 from orchestrator.stability.points import point_at
 from orchestrator.stability.responses import Responses
+from tests.orchestrator.coupled import grown, in_processes, recorded
 from tests.orchestrator.test_linearisation import SPACING, along
-from tests.orchestrator.test_stability import LIFT, SIGNALS, difference, estimate, grown, point, recorded
+from tests.orchestrator.test_stability import LIFT, SIGNALS, difference, estimate, point
 from tests.orchestrator.two_masses import two_masses
 
 from .table import Row
@@ -42,8 +43,8 @@ def rows() -> Iterator[Row]:
         "in "
         "the test",
         (
-            TESTS
-            + "test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_the_tolerance",
+            "orchestrator/test_stability_command.py::"
+            "test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_the_tolerance",
             TESTS
             + "test_the_macro_step_read_out_of_a_master_has_the_spectral_radius_of_the_one_derived_by_hand",
         ),
@@ -66,7 +67,7 @@ def _two_masses() -> Row:
         factors = []
         for share in (1.0 - NEAR, 1.0 + NEAR):
             rate = np.log(behaviour.at(share * limit).radius)
-            factors.append(grown(system, master, share * limit, int(10.0 / abs(rate))))
+            factors.append(grown(system, in_processes(system), master, share * limit, int(10.0 / abs(rate))))
         parts.append(f"{_name(master)} {1e3 * limit:.1f} ms ({factors[0]:.1e}, {factors[1]:.1e})")
         if not factors[0] <= 1.0 < factors[1]:
             wrong.append(_name(master))

@@ -1,0 +1,36 @@
+"""Short coupled runs in process, as tests of what is predicted of them use them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from orchestrator.exchange import Exchange
+from orchestrator.participants import in_process
+from orchestrator.simulation import simulate
+
+from .recorder import Recorder
+
+
+def in_processes(system):
+    """All participants in this process."""
+    return {name: in_process(name, instance) for name, instance in system.instances.items()}
+
+
+def recorded(system, master, step, stop):
+    """The records of a run."""
+    recorder = Recorder()
+    simulate(system, in_processes(system), master, step, stop, [recorder])
+    return recorder
+
+
+def grown(system, units, master, step, steps):
+    """By how much a run's values grow from its first tenth to its last, without the runaway guard."""
+    exchange = Exchange(system, units, master.degree)
+    exchange.initialise(0.0, 1.0)
+    seen = []
+    for n in range(steps):
+        master.step(exchange, n * step, step)
+        exchange.accept((n + 1) * step)
+        seen.append(np.abs(exchange.values / exchange.nominal).max())
+    tenth = max(10, steps // 10)
+    return max(seen[-tenth:]) / max(seen[:tenth])
