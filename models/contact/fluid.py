@@ -1,0 +1,84 @@
+"""The lubricant under pressure: viscosity, density and shear thinning.
+
+Laws of viscosity: Roelands, ln(eta/eta0) = (alpha p_r/z) [(1 + p/p_r)^z - 1]; Barus, alpha p; constant.
+Laws of density: Dowson and Higginson, rho/rho0 = (0.59e9 + 1.34 p)/(0.59e9 + p); constant.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ..kernel import kernel
+
+# The order is the number of the law in FMUs: append only.
+VISCOSITY_LAWS = ("roelands", "barus", "constant")
+DENSITY_LAWS = ("dowson_higginson", "constant")
+ROELANDS, BARUS = 0.0, 1.0
+DOWSON_HIGGINSON = 0.0
+
+# Pressures of the Dowson-Higginson law (Pa) and its limit of density.
+_DENSITY_PRESSURE = 0.59e9
+_DENSEST = 1.34
+
+# ln(eta/eta0) is cut here, far beyond any film that flows: exp must not overflow in a trial of Newton's.
+_LARGEST_EXPONENT = 300.0
+
+
+class Lubricant(NamedTuple):
+    """Numbers of the laws; `viscosity_law` and `density_law` are positions in their lists.
+
+    viscosity eta0 in Pa s, pressure_viscosity alpha in 1/Pa, roelands_pressure p_r in Pa.
+    """
+
+    viscosity: float
+    pressure_viscosity: float
+    viscosity_law: float = ROELANDS
+    density_law: float = DOWSON_HIGGINSON
+    roelands_exponent: float = 0.68
+    roelands_pressure: float = 1.96e8
+
+
+@kernel
+def log_viscosity_ratio(p: float, fluid: Lubricant) -> float:
+    """ln(eta/eta0) at the pressure p >= 0 (Pa)."""
+    if fluid.viscosity_law == ROELANDS:
+        z, p_r = fluid.roelands_exponent, fluid.roelands_pressure
+        return min(fluid.pressure_viscosity * p_r / z * ((1.0 + p / p_r) ** z - 1.0), _LARGEST_EXPONENT)
+    if fluid.viscosity_law == BARUS:
+        return min(fluid.pressure_viscosity * p, _LARGEST_EXPONENT)
+    return 0.0
+
+
+@kernel
+def log_viscosity_slope(p: float, fluid: Lubricant) -> float:
+    """d ln(eta)/dp (1/Pa)."""
+    if fluid.viscosity_law == ROELANDS:
+        return fluid.pressure_viscosity * (1.0 + p / fluid.roelands_pressure) ** (
+            fluid.roelands_exponent - 1.0
+        )
+    if fluid.viscosity_law == BARUS:
+        return fluid.pressure_viscosity
+    return 0.0
+
+
+@kernel
+def viscosity_at(p: float, fluid: Lubricant) -> float:
+    """eta(p) in Pa s."""
+    return fluid.viscosity * math.exp(log_viscosity_ratio(p, fluid))
+
+
+@kernel
+def density_ratio(p: float, fluid: Lubricant) -> float:
+    """rho(p)/rho0."""
+    if fluid.density_law == DOWSON_HIGGINSON:
+        return (_DENSITY_PRESSURE + _DENSEST * p) / (_DENSITY_PRESSURE + p)
+    return 1.0
+
+
+@kernel
+def density_slope(p: float, fluid: Lubricant) -> float:
+    """d(rho/rho0)/dp (1/Pa)."""
+    if fluid.density_law == DOWSON_HIGGINSON:
+        return (_DENSEST - 1.0) * _DENSITY_PRESSURE / (_DENSITY_PRESSURE + p) ** 2
+    return 0.0

@@ -1,0 +1,1 @@
+"""The line contact solved numerically: Reynolds' equation with cavitation on elastic half-planes."""
