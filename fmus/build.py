@@ -114,7 +114,7 @@ def content_of(name: str, structure: Mapping[str, int] | None = None) -> dict[st
     factory = CATALOGUE[name]
     try:
         component = factory(**sizes)
-    except TypeError as error:
+    except (TypeError, ValueError) as error:
         raise ValueError(f"structure of {name}: {error}") from None
     package, code = shipped(factory)
     files = {f"resources/{path}": content for path, content in code.items()}

@@ -7,7 +7,7 @@ The vector holds, one after the other,
 
 of which the first three may be set and all up to the rates (of continuous outputs) are variables of the
 FMU; the rest is the evolving data: state, inputs in effect, time, and how far along their polynomials the
-inputs are. A copy of the vector is a copy of the slave.
+inputs are. A copy of the vector is a copy of the slave. Internal states have no start value to set.
 
 Shipped inside every FMU, so it knows components only by their attributes.
 """
@@ -55,9 +55,11 @@ class Memory:
     def __init__(self, component: Any) -> None:
         self.component = component
         parameters, states = component.parameters.size, component.state.size
+        # Which states have start values.
+        self.started = [i for i, f in enumerate(component.state.fields) if not f.quantity.internal]
         inputs, outputs = component.inputs.size, component.outputs.size
         self.starts = parameters
-        self.inputs = self.starts + states
+        self.inputs = self.starts + len(self.started)
         self.outputs = self.inputs + COEFFICIENTS * inputs
         self.energies = self.outputs + outputs
         self.rates = self.energies + len(ENERGIES)
@@ -77,7 +79,8 @@ class Memory:
             _variable(f.name, i, "parameter", f, "fixed" if f.quantity.discrete else "tunable")
             for i, f in enumerate(component.parameters.fields)
         ]
-        for i, f in enumerate(component.state.fields, self.starts):
+        for i, started in enumerate(self.started, self.starts):
+            f = component.state.fields[started]
             name = f.suffixed("_start")
             found.append(
                 _variable(name, i, "parameter", f, "fixed", f"start of {f.name}: ", state_start=True)

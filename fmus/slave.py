@@ -58,7 +58,9 @@ def slave_class(component: Any, model_name: str, digest: str, failures: dict[int
     memory = Memory(component)
     template = np.zeros(memory.size)
     template[: memory.starts] = component.parameters.start
-    template[memory.starts : memory.inputs] = component.state.start
+    started = np.array(memory.started, dtype=np.int64)
+    template[memory.starts : memory.inputs] = component.state.start[started]
+    template[memory.x : memory.u] = component.state.start
     template[memory.inputs : memory.inputs + component.inputs.size] = component.inputs.start
     identity = hashlib.sha256(f"{digest} {model_name} {sorted(component.structure.items())}".encode())
     fixed = frozenset(v.reference for v in memory.variables() if v.variability == "fixed")
@@ -71,6 +73,7 @@ def slave_class(component: Any, model_name: str, digest: str, failures: dict[int
         "fixed": fixed,
         "driven": frozenset(range(memory.inputs, memory.outputs)),
         "accounts": frozenset(range(memory.energies, memory.rates)),
+        "started": started,
         "rated": np.array(memory.rated, dtype=np.int64),
         "failures": failures,
         "header": _STATE_FORMAT + identity.hexdigest()[:16].encode() + b"\n",
@@ -91,6 +94,7 @@ class ComponentSlave(Fmi2Slave):
     fixed: frozenset[int]
     driven: frozenset[int]  # inputs and their derivatives
     accounts: frozenset[int]  # energies
+    started: Any  # which states have start values
     rated: Any  # which outputs have rates
     failures: dict[int, str]
     header: bytes
@@ -139,7 +143,8 @@ class ComponentSlave(Fmi2Slave):
         component = self.component
         faults = component.parameter_faults(self._p)
         if not faults:
-            starts = component.start_faults(self._p, self._x_start, self._U[0])
+            self._x[self.started] = self._x_start
+            starts = component.start_faults(self._p, self._x, self._U[0])
             faults = [fault.replace(" ", "_start ", 1) for fault in starts]
         if faults:
             self._fatal("; ".join(faults))
@@ -197,7 +202,7 @@ class ComponentSlave(Fmi2Slave):
     def _refresh(self) -> None:
         """Outputs of the values that are set, at the present time."""
         if self._phase != STEPPING:
-            self._x[:] = self._x_start
+            self._x[self.started] = self._x_start
         self._u[:] = self._U[0]
         self._cells[self.memory.s] = 0.0
         self.component.flat_output(self._cells[self.memory.t], self._x, self._u, self._p, self._y)

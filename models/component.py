@@ -26,6 +26,13 @@ STORED, DISSIPATED_POWER, SOURCE_POWER = 0, 1, 2
 NO_EVENT = 1e30
 
 
+def check_sizes(minimum: int = 1, **sizes: int) -> None:
+    """ValueError for a structural size below the minimum."""
+    for name, size in sizes.items():
+        if size < minimum:
+            raise ValueError(f"{name} = {size}: must be at least {minimum}")
+
+
 @dataclass(frozen=True)
 class PowerBond:
     """Power into the component is sign * (variable `effort`) * (variable `flow`).
@@ -101,6 +108,10 @@ class Component:
     next_event: str = ""
 
     def __post_init__(self) -> None:
+        for layout in (self.parameters, self.inputs, self.outputs):
+            if len(layout.variables) < layout.size:
+                name = next(name for name in layout.names if name not in layout.variables)
+                raise ValueError(f"{self.name}: {name} must not be internal: only states may be")
         told = (*self.event_indicators, self.event_counter, self.event_time, self.next_event)
         for name in told:
             if name and name not in self.outputs:

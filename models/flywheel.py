@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from .bonds import counts_energies
-from .component import NO_EVENT, Component, PowerBond
+from .component import NO_EVENT, Component, PowerBond, check_sizes
 from .integrator import TOLERANCE
 from .kernel import kernel
 from .quantities import Layout, Quantity, Vector, per_element
@@ -92,6 +92,7 @@ def flywheel(loads: int = 1, throws: int = 1) -> Component:
     mechanism with the crank's speed just before, as is right for J much larger than the mechanism's own.)
     Crank throws turn with the shaft, each its angle `throw` behind.
     """
+    check_sizes(loads=loads, throws=throws)
 
     @kernel
     def ramp_speed(t: float, p: FlywheelParameters) -> float:

@@ -24,7 +24,8 @@ class Quantity:
 
     `positive` excludes zero, which `minimum` alone cannot. `choices` makes the number an index into
     names, `boolean` a truth value, `count` a whole number. `size` names the structural size of a
-    vector-valued field.
+    vector-valued field. An `internal` state is evolving data as any other, saved and restored with it, but
+    no variable: it begins as its component lets it and is not set, shown or brought to rest from outside.
     """
 
     unit: str
@@ -38,6 +39,7 @@ class Quantity:
     boolean: bool = False
     count: bool = False
     size: str = ""
+    internal: bool = False
 
     @property
     def discrete(self) -> bool:
@@ -114,6 +116,8 @@ class Layout:
         self.size = len(scalars)
         self.start: Vector = np.array([scalar.start for scalar in scalars], dtype=np.float64)
         self.nominal: Vector = np.array([scalar.quantity.nominal for scalar in scalars], dtype=np.float64)
+        # The names of those that are variables: all but internal ones.
+        self.variables = tuple(scalar.name for scalar in scalars if not scalar.quantity.internal)
         self._index = {name: i for i, name in enumerate(self.names)}
 
     def __contains__(self, name: str) -> bool:
@@ -131,7 +135,7 @@ class Layout:
         try:
             return self._index[name]
         except KeyError:
-            raise KeyError(f"{name!r} is not one of {', '.join(self.names)}") from None
+            raise KeyError(f"{name!r} is not one of {', '.join(self.variables)}") from None
 
     def field(self, name: str) -> Field:
         """The field called `name`."""

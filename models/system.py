@@ -192,7 +192,7 @@ class _Slots:
         for name, layout in self.layouts.items():
             for key in values[name]:
                 if key not in layout:
-                    raise ModelError(f"{name}: no {kind} {key!r}; {suggestion(key, layout.names)}")
+                    raise ModelError(f"{name}: no {kind} {key!r}; {suggestion(key, layout.variables)}")
             parts.append(layout.vector(values[name]))
         return np.concatenate(parts)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from models.bonds import counting
 from models.fmu_archive import FmuFileError, archive_faults, opened
-from models.quantities import Quantity
+from models.quantities import Layout, Quantity, Vector
 from models.system import Instance, System, suggestion
 
 from .bonds import exchanged_bonds
@@ -100,12 +100,18 @@ def at_start(scenario: Scenario, system: System) -> System:
 
     state = equilibrium(system)
     instances = {
-        name: replace(instance, start=instance.component.state.named(state[system.state.of(name)]))
+        name: replace(instance, start=_starts(instance.component.state, state[system.state.of(name)]))
         for name, instance in system.instances.items()
     }
     resting = system.with_instances(instances)
     resting.check_start(0.0, resting.x0)
     return resting
+
+
+def _starts(layout: Layout, state: Vector) -> dict[str, float]:
+    """By name, of the states that can be given one."""
+    named = layout.named(state)
+    return {name: named[name] for name in layout.variables}
 
 
 def compared(scenario: Scenario, system: System) -> list[str]:
@@ -174,7 +180,7 @@ def variables_used(name: str, system: System, start: str) -> list[str]:
     states = instance.component.state
     sources = {c.source.variable for c in system.connections if c.source.instance == name}
     targets = {c.target.variable for c in system.connections if c.target.instance == name}
-    started = states.names if start == "equilibrium" else instance.start
+    started = states.variables if start == "equilibrium" else instance.start
     starts = (states.field(state).suffixed("_start") for state in started)
     return [*sorted(sources), *sorted(targets), *instance.parameters, *starts, *instance.inputs]
 

@@ -49,17 +49,29 @@ def _of(name: str) -> dict[str, Any]:
         "properties": {key: _variables(layout) for key, layout in layouts.items()}
         | {
             "structure": {
-                "properties": {size: {"type": "integer", "minimum": 1} for size in component.structure}
+                "properties": {
+                    size: {"type": "integer", "minimum": _smallest(name, size)}
+                    for size in component.structure
+                }
             }
         }
     }
+
+
+def _smallest(name: str, size: str) -> int:
+    """The least number that the component takes."""
+    try:
+        component_of(name, ((size, 0),))
+    except ValueError:
+        return 1
+    return 0
 
 
 def _variables(layout: Layout) -> dict[str, Any]:
     """Vectors have as many elements as the structure says: their names are patterns."""
     plain: dict[str, Any] = {}
     patterns: dict[str, Any] = {}
-    for field in layout.fields:
+    for field in map(layout.field, layout.variables):
         quantity = field.quantity
         unit = "" if quantity.unit == "1" else f" ({quantity.unit})"
         entry: dict[str, Any] = {"description": f"{quantity.description}{unit}; {quantity.allowed()}"}

@@ -41,8 +41,8 @@ def component_of(name: str, structure: tuple[tuple[str, int], ...] = ()) -> Comp
         if key not in known:
             sizes = suggestion(key, known) if known else "it has no structural sizes"
             raise ValueError(f"{name} has no size {key!r}; {sizes}")
-        if size < 1:
-            raise ValueError(f"{key} = {size}: must be at least 1")
+        if size < 0:
+            raise ValueError(f"{key} = {size}: must not be negative")
     return CATALOGUE[name](**dict(structure))
 
 
@@ -87,9 +87,14 @@ def meanings(layout: Layout, values: Mapping[str, Any], kind: str) -> dict[str, 
     faults: list[tuple[str, str]] = []
     for name, value in values.items():
         if name not in layout:
-            faults.append((name, f": no such {kind}; {suggestion(name, layout.names)}"))
+            faults.append((name, f": no such {kind}; {suggestion(name, layout.variables)}"))
             continue
         quantity = layout.field(name).quantity
+        if quantity.internal:
+            faults.append(
+                (name, f": the {kind} is the component's own; it starts as that lets it, leave it out")
+            )
+            continue
         try:
             found[name] = meaning(quantity, value)
         except ValueError as error:

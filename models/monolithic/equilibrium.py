@@ -18,8 +18,9 @@ def equilibrium(system: System, t: float = 0.0) -> Vector:
     which only the states in `settles` rest.
 
     A state whose rate vanishes whatever the others are (a film without entrainment, the twist of a rigid
-    shaft) is not determined and keeps its start. Positive states stay positive. The cam should stand on
-    its base circle at `t`, where a follower at rest is consistent. ModelError if there is no equilibrium.
+    shaft) is not determined and keeps its start, as do internal states. Positive states stay positive. The
+    cam should stand on its base circle at `t`, where a follower at rest is consistent. ModelError if there
+    is no equilibrium.
     """
     rest = _Rest(system, t)
     if rest.index.size == 0:
@@ -49,7 +50,7 @@ class _Rest:
         resting = np.zeros(system.state.size, dtype=bool)
         for name, instance in system.instances.items():
             component, part = instance.component, system.state.of(name)
-            settles = set(component.settles if component.runs_on else component.state.names)
+            settles = set(component.settles if component.runs_on else component.state.variables)
             resting[part] = [item in settles for item in component.state.names]
             self.positive[part] = [item.quantity.positive for item in component.state.fields]
         self.index = np.flatnonzero(resting)

@@ -13,7 +13,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..bonds import counts_energies
-from ..component import Component, PowerBond
+from ..component import Component, PowerBond, check_sizes
 from ..integrator import FINE_TOLERANCE
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector, per_element
@@ -140,6 +140,7 @@ def valve_spring(coil_masses: int = 2) -> Component:
     m y'' = (force of the segment above) - (force of the segment below); the last segment ends on the
     fixed head. W is the input `load`.
     """
+    check_sizes(coil_masses=coil_masses)
     n = coil_masses
     end_share, inner_share, mass_share = lumping(n)
 

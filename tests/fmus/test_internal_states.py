@@ -1,0 +1,94 @@
+"""States that are evolving data but no variables: not in the FMU's description, and yet saved with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmus.documentation import variables_table
+from fmus.memory import Memory
+from fmus.validate import info, validate
+from models.integrator import OK
+from tests.fmus.instance import Instance
+from tests.fmus.packed import packed
+from tests.models.fluid_layer import fluid_layer
+
+SHEETS = 40
+LAYER = fluid_layer(sheets=SHEETS)
+STEP = 1e-6
+
+
+@pytest.fixture(scope="module")
+def layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return packed(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SHEETS)
+
+
+@pytest.fixture
+def slave(layer_file: Path):
+    made = Instance(layer_file)
+    yield made
+    made.free()
+
+
+def test_internal_states_are_no_variables(layer_file: Path) -> None:
+    """The other states keep their start values, also behind internal ones."""
+    assert validate(layer_file) == []
+    names = [variable.name for variable in info(layer_file).variables]
+    assert "impulse_start" in names
+    assert not [name for name in names if "sheet_velocity" in name]
+    assert "sheet_velocity" not in variables_table(LAYER)
+
+
+def test_references_number_the_variables_without_a_gap() -> None:
+    """A dependency in the description is a place in its list, which is the value reference more one."""
+    variables = Memory(LAYER).variables()
+    assert [variable.reference for variable in variables] == list(range(len(variables)))
+
+
+def test_a_start_value_behind_internal_states_is_that_of_its_state(slave: Instance) -> None:
+    slave.initialize(impulse_start=0.25, velocity=1.0)
+    assert slave.get(["impulse"]) == [0.25]
+    slave.step(0.0, STEP)
+    assert slave.get(["impulse"])[0] == pytest.approx(0.25, abs=1e-3)
+    assert slave.get(["impulse"])[0] != 0.25
+
+
+def test_the_fmu_moves_as_the_component_to_the_last_bit(slave: Instance) -> None:
+    slave.initialize(velocity=0.3)
+    x, U, p = LAYER.state.vector(), LAYER.input_polynomial(), LAYER.parameters.vector()
+    U[0] = 0.3
+    work, u, y = np.zeros(LAYER.work_size), np.zeros(1), np.zeros(LAYER.outputs.size)
+    for k in range(20):
+        slave.step(k * STEP, STEP)
+        assert LAYER.step(k * STEP, STEP, x, U, p, LAYER.state.nominal, work, u, y) == OK
+        assert slave.get(list(LAYER.outputs.names)) == y.tolist()
+
+
+def test_internal_states_are_saved_and_restored_to_the_last_bit(slave: Instance) -> None:
+    """The same steps after a rollback, in memory and through bytes, give the same bits."""
+
+    def onwards() -> list[list[float]]:
+        found = []
+        for k in range(10, 20):
+            slave.step(k * STEP, STEP)
+            found.append(slave.outputs())
+        return found
+
+    slave.initialize(velocity=0.3)
+    for k in range(10):
+        slave.step(k * STEP, STEP)
+    data, state = slave.saved_bytes(), slave.save()
+    first = onwards()
+    slave.restore(state)
+    assert onwards() == first
+    slave.restore_bytes(data)
+    assert onwards() == first
+    slave.fmu.freeFMUstate(state)
+
+
+def test_start_values_of_other_states_are_still_checked(slave: Instance) -> None:
+    with pytest.raises(Exception, match="fatal"):
+        slave.initialize(impulse_start=float("nan"))
+    assert any("impulse_start = nan" in text for _, _, text in slave.messages)

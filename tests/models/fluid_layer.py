@@ -1,0 +1,205 @@
+"""A layer of fluid between a moving plate and a wall, in many sheets: a component with an own advance.
+
+Stokes' second problem with a wall, thinned after Eyring: m v_i' = F_i - F_(i+1) for sheets of mass m, with
+the force F = A tau_0 asinh(eta (v_(i-1) - v_i) / (d tau_0)) over a distance d between neighbours, half of it
+to plate and wall. The sheets' velocities are internal states. The advance is the implicit midpoint rule, of
+second order and exact for the balance of a quadratic energy; Newton's method solves it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+
+from models.bonds import counts_energies
+from models.component import Component, PowerBond
+from models.integrator import INPUT_COEFFICIENTS, OK, taylor, work_size
+from models.kernel import kernel, record_of
+from models.quantities import Layout, Quantity, Vector, per_element
+
+NOT_CONVERGED = 4
+
+# Newton's last change over the velocities' nominal size, at which rounding is all that is left.
+CONVERGED = 1e-13
+
+
+@dataclass
+class Parameters:
+    """A film of oil of 0.1 mm over 10 cm2."""
+
+    area: Annotated[float, Quantity("m2", "area A", nominal=1e-3, positive=True)] = 1e-3
+    thickness: Annotated[float, Quantity("m", "thickness of the layer", nominal=1e-4, positive=True)] = 1e-4
+    density: Annotated[float, Quantity("kg/m3", "density", nominal=1e3, positive=True)] = 870.0
+    viscosity: Annotated[float, Quantity("Pa.s", "viscosity eta", nominal=1e-2, positive=True)] = 0.036
+    eyring_stress: Annotated[float, Quantity("Pa", "Eyring stress tau_0", nominal=1e6, positive=True)] = 100.0
+    iterations: Annotated[float, Quantity("1", "Newton iterations allowed", count=True, minimum=1)] = 30.0
+
+
+@dataclass
+class State:
+    sheet_velocity: Annotated[Vector, Quantity("m/s", "velocity", size="sheets", internal=True)] = (
+        per_element()
+    )
+    impulse: Annotated[float, Quantity("N.s", "integral of the force on the plate", nominal=1e-3)] = 0.0
+
+
+@dataclass
+class Inputs:
+    velocity: Annotated[float, Quantity("m/s", "velocity of the plate")] = 0.0
+
+
+@dataclass
+class Outputs:
+    force: Annotated[float, Quantity("N", "force on the plate")] = 0.0
+    wall_force: Annotated[float, Quantity("N", "force on the wall")] = 0.0
+    impulse: Annotated[float, Quantity("N.s", "integral of the force on the plate", nominal=1e-3)] = 0.0
+
+
+@kernel
+def gap(p: Any, sheets: int, wide: bool) -> float:
+    """Distance of neighbours, or of plate or wall from the next sheet, or of these two (m)."""
+    if sheets == 0:
+        return p.thickness
+    return p.thickness / sheets * (1.0 if wide else 0.5)
+
+
+@kernel
+def drag(p: Any, sheets: int, wide: bool, slip: float) -> float:
+    """Force between neighbours (`wide`), or between plate or wall and the next sheet (N)."""
+    distance = gap(p, sheets, wide)
+    return p.area * p.eyring_stress * math.asinh(p.viscosity * slip / (distance * p.eyring_stress))
+
+
+@kernel
+def slope(p: Any, sheets: int, wide: bool, slip: float) -> float:
+    """d drag/d slip."""
+    rate = p.viscosity / gap(p, sheets, wide)
+    return p.area * rate / math.sqrt(1.0 + (rate * slip / p.eyring_stress) ** 2)
+
+
+@counts_energies
+def fluid_layer(sheets: int = 3) -> Component:
+    """With so many sheets; without any, the layer has no inertia. See the module."""
+    n = sheets
+
+    @kernel
+    def difference(x: Any, u: Any, i: int) -> float:
+        """The velocity of what lies above surface i (0: the plate's) less that of what lies below."""
+        above = u.velocity if i == 0 else x.sheet_velocity[i - 1]
+        return above - (x.sheet_velocity[i] if i < n else 0.0)
+
+    @kernel
+    def force(x: Any, u: Any, p: Any, i: int) -> float:
+        return drag(p, n, 0 < i < n, difference(x, u, i))
+
+    @kernel
+    def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
+        mass = p.density * p.area * p.thickness / max(n, 1)
+        for i in range(n):
+            dx.sheet_velocity[i] = (force(x, u, p, i) - force(x, u, p, i + 1)) / mass
+        dx.impulse = -force(x, u, p, 0)
+
+    @kernel
+    def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
+        y.force = -force(x, u, p, 0)
+        y.wall_force = force(x, u, p, n)
+        y.impulse = x.impulse
+
+    @kernel
+    def energy(t: float, x: State, u: Inputs, p: Parameters, e: Any) -> None:
+        mass = p.density * p.area * p.thickness / max(n, 1)
+        e[0] = e[1] = e[2] = 0.0
+        for i in range(n):
+            e[0] += 0.5 * mass * x.sheet_velocity[i] ** 2
+        for i in range(n + 1):
+            slip = difference(x, u, i)
+            e[1] += slip * drag(p, n, 0 < i < n, slip)
+
+    sizes = {"sheets": n}
+    return Component(
+        name="fluid_layer",
+        description="Layer of fluid between a plate and a wall",
+        parameters=Layout(Parameters),
+        state=Layout(State, sizes),
+        inputs=Layout(Inputs),
+        outputs=Layout(Outputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={"force": ("velocity",)},
+        bonds=(PowerBond("force", "velocity", -1),),
+        structure=sizes,
+        advance_maker=make_midpoint,
+        extra_work=4 * n + 2,
+    )
+
+
+def make_midpoint(component: Component) -> Any:
+    """advance(t, h, x, U, p, scale, work) -> status by the implicit midpoint rule.
+
+    With the midpoint v, the sheets' equation is 2 m (v - v0)/h = F_i(v) - F_(i+1)(v).
+    """
+    n, base = component.structure["sheets"], work_size(component.state, component.inputs)
+    derivative, P = component.flat_derivative, component.parameters.dtype
+    sample = component.sample
+
+    @kernel
+    def nothing(w: float, t: float, s: float, x: Any, U: Any, u: Any, p: Any, work: Any) -> None:
+        return
+
+    sampled = nothing if sample is None else sample
+
+    @kernel
+    def advance(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any) -> int:
+        record = record_of(p, P)
+        middle, f, u = work[: n + 1], work[n + 1 : 2 * n + 2], work[2 * n + 2 : 2 * n + 3]
+        above, diagonal, change = (
+            work[base : base + n],
+            work[base + n : base + 2 * n],
+            work[base + 2 * n : base + 3 * n],
+        )
+        mass = record.density * record.area * record.thickness / max(n, 1)
+        taylor(U, 0.5 * h, u)
+        middle[:] = x
+        for _ in range(int(record.iterations)):
+            derivative(t + 0.5 * h, middle, u, p, f)
+            largest = 0.0
+            # Thomas's algorithm on (m - h/2 dF/dv) change = h/2 F - m (v - v0).
+            for i in range(n):
+                upper = 0.5 * h * slope(record, n, i > 0, (u[0] if i == 0 else middle[i - 1]) - middle[i])
+                lower = (
+                    0.5 * h * slope(record, n, i < n - 1, middle[i] - (middle[i + 1] if i < n - 1 else 0.0))
+                )
+                diagonal[i] = mass + upper + lower
+                above[i] = -lower
+                change[i] = 0.5 * h * mass * f[i] - mass * (middle[i] - x[i])
+                if i > 0:
+                    share = -upper / diagonal[i - 1]
+                    diagonal[i] -= share * above[i - 1]
+                    change[i] -= share * change[i - 1]
+            for i in range(n - 1, -1, -1):
+                if i < n - 1:
+                    change[i] -= above[i] * change[i + 1]
+                change[i] /= diagonal[i]
+                middle[i] += change[i]
+                largest = max(largest, abs(change[i]) / scale[i])
+            if largest <= CONVERGED:
+                derivative(t + 0.5 * h, middle, u, p, f)
+                sampled(h, t, 0.5 * h, middle, U, u, p, work)
+                for i in range(n):
+                    x[i] = 2.0 * middle[i] - x[i]
+                x[n] += h * f[n]
+                return OK
+        return NOT_CONVERGED
+
+    return advance
+
+
+def held(component: Component, **inputs: float) -> Vector:
+    """Polynomials of inputs that are held."""
+    U = np.zeros((INPUT_COEFFICIENTS, component.inputs.size))
+    U[0] = component.inputs.vector(inputs)
+    return U
