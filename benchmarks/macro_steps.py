@@ -54,7 +54,7 @@ def units(system: System) -> dict[str, Unit]:
     """The system's FMUs as a script would set them up."""
     made = {}
     for name, instance in system.instances.items():
-        path = str(build(instance.component.name))
+        path = str(build(instance.component.name, structure=instance.component.structure))
         description = read_model_description(path)
         reference = {v.name: v.valueReference for v in description.modelVariables}
         kinds = {v.name: v.type for v in description.modelVariables}
@@ -186,7 +186,7 @@ class Sparse:
 def coupled(system: System, master: Any, observers: Sequence[Observer] = ()) -> float:
     """Macro steps per second of our master."""
     participants = {
-        name: fmu(name, build(instance.component.name), instance)
+        name: fmu(name, build(instance.component.name, structure=instance.component.structure), instance)
         for name, instance in system.instances.items()
     }
     statistics = simulate(system, participants, master, STEP, STEPS * STEP, observers)

@@ -36,7 +36,10 @@ from orchestrator.scenario_files import load
 STEPS, STEP = int(sys.argv[1]), 1e-6
 scenario = load("quarter-car")
 system = assembly.at_start(scenario, assembly.system_of(scenario))
-participants = {n: fmu(n, build(i.component.name), i) for n, i in system.instances.items()}
+participants = {
+    n: fmu(n, build(i.component.name, structure=i.component.structure), i)
+    for n, i in system.instances.items()
+}
 master = GaussSeidel("quadratic")
 exchange = Exchange(system, participants, master.degree)
 exchange.initialise(0.0, STEPS * STEP)

@@ -67,8 +67,9 @@ def build(name: str, destination: Path | None = None, structure: Mapping[str, in
 
     `destination` is a file (*.fmu) or a folder; without it the file goes to the user's cache folder under
     its digest, and is made only if it isn't there. `structure` gives structural sizes, such as
-    {"coil_masses": 8}. Existing files are replaced whole: a reader sees the old or the new one. KeyError
-    with the known names for an unknown one; ValueError for sizes that the component refuses.
+    {"coil_masses": 8}; without it they are those of `default_structure`. Existing files are replaced whole:
+    a reader sees the old or the new one. KeyError with the known names for an unknown one; ValueError for
+    sizes that the component refuses.
     """
     content = archive(name, structure)
     if destination is None:
@@ -92,6 +93,11 @@ def build(name: str, destination: Path | None = None, structure: Mapping[str, in
     return target
 
 
+def default_structure(name: str) -> dict[str, int]:
+    """Sizes of the FMU that is built without any: `STRUCTURE` of its folder, the rest the component's own."""
+    return dict(getattr(importlib.import_module(f"fmus.{name}"), "STRUCTURE", {}))
+
+
 def archive(name: str, structure: Mapping[str, int] | None = None) -> bytes:
     """The bytes of the FMU."""
     files = content_of(name, structure)
@@ -110,7 +116,8 @@ def content_of(name: str, structure: Mapping[str, int] | None = None) -> dict[st
     """The FMU's files by path."""
     if name not in NAMES:
         raise KeyError(f"FMU {name!r}: must be one of {', '.join(NAMES)}")
-    sizes = {key: int(value) for key, value in sorted((structure or {}).items())}
+    given = default_structure(name) if structure is None else structure
+    sizes = {key: int(value) for key, value in sorted(given.items())}
     factory = CATALOGUE[name]
     try:
         component = factory(**sizes)

@@ -33,20 +33,41 @@ def built(name: str, structure: Mapping[str, int]) -> Path:
 def fmu_build(
     names: Annotated[list[str] | None, typer.Argument(help="Components. [default: all]")] = None,
     out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("."),
+    structure: Annotated[
+        list[str] | None, typer.Option(help="A structural size, e.g. coil_masses=8; may be repeated.")
+    ] = None,
 ) -> None:
     """Build FMUs."""
     from fmus.build import NAMES, build
     from models.system import suggestion
 
     from ..errors import MistakeError
+    from ..values import component_of
 
+    sizes = dict(map(_size, structure)) if structure else None
+    if sizes and len(names or NAMES) > 1:
+        raise MistakeError("--structure: name the one component that has these sizes")
     for name in names or NAMES:
         if name not in NAMES:
             raise MistakeError(f"no FMU {name!r}; {suggestion(name, NAMES)}")
         try:
-            print(build(name, out))
+            component_of(name, tuple((sizes or {}).items()))
+        except ValueError as error:
+            raise MistakeError(f"--structure: {error}") from None
+        try:
+            print(build(name, out, sizes))
         except OSError as error:
             raise MistakeError(f"{out}: cannot be written ({error.strerror}); choose another --out") from None
+
+
+def _size(text: str) -> tuple[str, int]:
+    """A structural size and its number."""
+    from ..errors import MistakeError
+
+    name, _, number = text.partition("=")
+    if not number.strip().isdecimal():
+        raise MistakeError(f"--structure {text}: must be NAME=NUMBER, e.g. coil_masses=8")
+    return name.strip(), int(number)
 
 
 @reported

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.build import NAMES
+from fmus.build import NAMES, default_structure
 from models.catalogue import CATALOGUE
 from models.component import Component
 from models.quantities import Vector
@@ -64,7 +64,7 @@ class Bound:
 
 
 def both(name: str, path: Path, rows: int) -> tuple[Bound, Bound]:
-    instance = Instance(CATALOGUE[name]())
+    instance = Instance(CATALOGUE[name](**default_structure(name)))
     packaged, direct = fmu(name, path, instance), in_process(name, instance)
     return Bound(packaged, instance.component, rows), Bound(direct, instance.component, rows)
 
@@ -146,7 +146,7 @@ def test_only_declared_rates_are_given(foreign: Path, fmu_files: dict[str, Path]
 
 
 def test_discrete_outputs_have_rate_zero(fmu_files: dict[str, Path]) -> None:
-    instance = Instance(CATALOGUE["ehl_contact"]())
+    instance = Instance(CATALOGUE["ehl_contact"](**default_structure("ehl_contact")))
     names = ["load", "separated"]
     for unit in (fmu("contact", fmu_files["ehl_contact"], instance), in_process("contact", instance)):
         rates: Vector = np.full(2, 7.0)

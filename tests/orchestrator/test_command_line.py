@@ -222,6 +222,9 @@ MISTAKES = {
     ("fmu", "info", "none.fmu"): "no such file",
     ("fmu", "info", "pyproject.toml"): "not an FMU",
     ("fmu", "build", "camsaft"): "did you mean camshaft?",
+    ("fmu", "build", "--structure", "coil_masses=3"): "name the one component",
+    ("fmu", "build", "valve_spring", "--structure", "coil_masses"): "must be NAME=NUMBER",
+    ("fmu", "build", "valve_spring", "--structure", "coils=3"): "did you mean coil_masses?",
 }
 
 
