@@ -28,7 +28,8 @@ _LARGEST_EXPONENT = 300.0
 class Lubricant(NamedTuple):
     """Numbers of the laws; `viscosity_law` and `density_law` are positions in their lists.
 
-    viscosity eta0 in Pa s, pressure_viscosity alpha in 1/Pa, roelands_pressure p_r in Pa.
+    viscosity eta0 in Pa s, pressure_viscosity alpha in 1/Pa, roelands_pressure p_r in Pa, eyring_stress in Pa
+    (0: Newtonian).
     """
 
     viscosity: float
@@ -37,6 +38,7 @@ class Lubricant(NamedTuple):
     density_law: float = DOWSON_HIGGINSON
     roelands_exponent: float = 0.68
     roelands_pressure: float = 1.96e8
+    eyring_stress: float = 0.0
 
 
 @kernel
@@ -82,3 +84,23 @@ def density_slope(p: float, fluid: Lubricant) -> float:
     if fluid.density_law == DOWSON_HIGGINSON:
         return (_DENSEST - 1.0) * _DENSITY_PRESSURE / (_DENSITY_PRESSURE + p) ** 2
     return 0.0
+
+
+# Arguments beyond which sinh and cosh are exp/2, and exp does not overflow.
+_LARGEST_SHEAR = 50.0
+
+
+@kernel
+def thinning(viscosity: float, film: float, gradient: float, sliding: float, eyring_stress: float) -> float:
+    """How much more an Eyring fluid flows under a pressure gradient than a Newtonian one; 1 or more.
+
+    Conry, Wang and Cusano (1987): S = 3 (s cosh s - sinh s)/s^3 sqrt(1 + (t s/sinh s)^2), s = h p'/(2 tau_0),
+    t = eta u_s/(tau_0 h), for viscosity eta (Pa s), film h (m), gradient p' (Pa/m), sliding velocity u_s
+    (m/s).
+    """
+    s = min(abs(0.5 * film * gradient / eyring_stress), _LARGEST_SHEAR)
+    t = viscosity * sliding / (eyring_stress * film)
+    if s < 1e-3:
+        return (1.0 + 0.1 * s * s) * math.sqrt(1.0 + t * t * (1.0 - s * s / 3.0))
+    sinh, cosh = math.sinh(s), math.cosh(s)
+    return 3.0 * (s * cosh - sinh) / s**3 * math.sqrt(1.0 + (t * s / sinh) ** 2)

@@ -1,0 +1,94 @@
+"""The grid of the line contact, in half widths of its core, and what pressure on it does to the surfaces.
+
+Nodes X[i], i = 0..n-1, reach from -REACH to REACH: films much thicker than the flattening, and entrainment
+that reverses, need the room on both sides. They stand closest about |X| = 1, where the pressure of a loaded
+contact rises and ends steeply. x = scale X, with a scale that follows the contact.
+
+Pressure is linear between nodes. The deflection that a distribution p causes on two half-planes is
+(2 compliance / pi) integral of p(s) ln(L/|x - s|) ds; L, the length of the contact, makes it zero far enough
+away and agrees with the approach of the finite line contact (Kushwaha et al. 2000, K 9).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ...kernel import kernel
+
+REACH = 10.0
+# Node density over |X|: level up to CORE, then falling so that steps grow by GROWTH of the distance, and
+# EDGE times more nodes about |X| = 1, within EDGE_WIDTH. By measurement: 301 nodes have then the error of
+# some 900 evenly spaced in the core.
+CORE = 1.5
+GROWTH = 5.0
+EDGE = 2.0
+EDGE_WIDTH = 0.2
+# Points of the quadrature that sums up the density.
+SAMPLES = 4000
+
+
+@kernel
+def density(X: float) -> float:
+    """Nodes per unit of X, but for a factor."""
+    outside = 0.5 * (X - CORE + math.sqrt((X - CORE) ** 2 + 0.25))
+    edge = math.exp(-(((X - 1.0) / EDGE_WIDTH) ** 2))
+    return (1.0 + EDGE * edge) / (1.0 + GROWTH * outside)
+
+
+@kernel
+def place_nodes(X: Any) -> None:
+    """Fill X, ascending and symmetric about 0."""
+    n = X.shape[0]
+    step = REACH / SAMPLES
+    total = 0.0
+    for k in range(SAMPLES):
+        total += density((k + 0.5) * step) * step
+    wanted, passed, k = 0.0, 0.0, 0
+    for i in range(n):
+        # From the middle outwards: node i of the upper half, in units of the density's sum.
+        upper = 2 * i - (n - 1)
+        if upper < 0:
+            continue
+        wanted = total * upper / (n - 1)
+        while k < SAMPLES - 1:
+            slice_sum = density((k + 0.5) * step) * step
+            if passed + slice_sum >= wanted:
+                break
+            passed += slice_sum
+            k += 1
+        X[i] = step * (k + (wanted - passed) / (density((k + 0.5) * step) * step))
+        X[n - 1 - i] = -X[i]
+    X[0], X[n - 1] = -REACH, REACH
+
+
+@kernel
+def log_moment_0(z: float) -> float:
+    """Integral of ln|z|."""
+    return z * math.log(abs(z)) - z if z != 0.0 else 0.0
+
+
+@kernel
+def log_moment_1(z: float) -> float:
+    """Integral of z ln|z|."""
+    return 0.5 * z * z * (math.log(abs(z)) - 0.5) if z != 0.0 else 0.0
+
+
+@kernel
+def fill_kernel_matrix(X: Any, weight: Any, D: Any) -> None:
+    """weight[j] = integral of node j's hat function, D[i, j] = -integral of it times ln|X[i] - S|."""
+    n = X.shape[0]
+    for i in range(n):
+        weight[i] = 0.0
+        for j in range(n):
+            D[i, j] = 0.0
+    for j in range(n - 1):
+        length = X[j + 1] - X[j]
+        weight[j] += 0.5 * length
+        weight[j + 1] += 0.5 * length
+        for i in range(n):
+            left, right = X[j] - X[i], X[j + 1] - X[i]
+            whole = log_moment_0(right) - log_moment_0(left)
+            rising = (log_moment_1(right) - log_moment_1(left) - left * whole) / length
+            D[i, j + 1] -= rising
+            D[i, j] -= whole - rising

@@ -1,0 +1,163 @@
+"""Reynolds' equation of the line contact on finite volumes that move with the grid.
+
+    d(rho h c)/dt + Q[i+1/2] - Q[i-1/2] = 0,    Q = (u - w) rho h - rho h^3/(12 eta) dp/dx
+
+over the volume c of a node, with w the velocity of its faces; h = -approach + x^2/(2R) + deflection. Where
+the film cavitates, p = 0 and the left side is positive (the gap opens faster than oil flows in).
+
+rho h comes to a face by linear extrapolation from upstream (second order). The fluidity 1/eta of a face is
+the logarithmic mean of its nodes', for which the flow of a fluid with eta ~ exp(alpha p) is exact: where
+viscosity rises a thousandfold within a few nodes, any other mean sets a wrong film.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from ...kernel import kernel
+from ..fluid import (
+    Lubricant,
+    density_ratio,
+    density_slope,
+    log_viscosity_ratio,
+    log_viscosity_slope,
+    thinning,
+)
+
+# Relative to which the difference of logarithms of fluidity is small: its mean is then a series.
+_SMALL = 1e-3
+# exp() of larger differences would overflow; trials of Newton's method may have them.
+_STEEP = 300.0
+
+
+class Flow(NamedTuple):
+    """What drives the film at an instant: SI units, `sliding` for shear thinning only."""
+
+    velocity: float
+    sliding: float
+    radius: float
+
+
+class Nodes(NamedTuple):
+    """Fields over the nodes and their derivatives, filled by `properties`: mass = rho h and its derivative
+    by p; flow = rho h^3/12 with derivatives by p and h; ln(eta/eta0) and its derivative."""
+
+    mass: Any
+    mass_p: Any
+    rho: Any
+    flow: Any
+    flow_p: Any
+    flow_h: Any
+    log_eta: Any
+    log_eta_p: Any
+
+
+@kernel
+def properties(p: Any, h: Any, fluid: Lubricant, f: Nodes) -> None:
+    """Fill f from pressure and film."""
+    for i in range(p.shape[0]):
+        rho, slope = density_ratio(p[i], fluid), density_slope(p[i], fluid)
+        cube = h[i] ** 3 / 12.0
+        f.rho[i] = rho
+        f.mass[i] = rho * h[i]
+        f.mass_p[i] = slope * h[i]
+        f.flow[i] = rho * cube
+        f.flow_p[i] = slope * cube
+        f.flow_h[i] = rho * h[i] ** 2 / 4.0
+        f.log_eta[i] = log_viscosity_ratio(p[i], fluid)
+        f.log_eta_p[i] = log_viscosity_slope(p[i], fluid)
+
+
+@kernel
+def mean_fluidity(first: float, second: float) -> tuple[float, float, float]:
+    """Logarithmic mean of exp(-first) and exp(-second), and its derivatives by both."""
+    d = min(second - first, _STEEP)
+    base = math.exp(-first)
+    if abs(d) < _SMALL:
+        mean = base * (1.0 - d / 2.0 + d * d / 6.0)
+        by_second = base * (-0.5 + d / 3.0 - d * d / 8.0)
+    else:
+        decayed = math.exp(-max(d, -_STEEP))
+        mean = base * (1.0 - decayed) / d
+        by_second = base * (d * decayed - (1.0 - decayed)) / (d * d)
+    return mean, -mean - by_second, by_second
+
+
+@kernel
+def cell(X: Any, i: int) -> float:
+    """Width of node i's volume, in X."""
+    return 0.5 * (X[i + 1] - X[i - 1])
+
+
+@kernel
+def balance(
+    X: Any, scale: float, scale_rate: float, p: Any, h: Any, f: Nodes, drive: Flow, fluid: Lubricant,
+    old: Any, time_step: float, residual: Any, A: Any, B: Any,
+) -> None:  # fmt: skip
+    """The left side (m^2/s) with rate of mass (rho h c - old)/time_step, and its derivatives.
+
+    A and B (n, 5): by pressure and by film, element k of row i for node i + k - 2. time_step may be inf. The
+    thinning of the fluid counts as given in the derivatives. Boundary rows stay zero.
+    """
+    n = X.shape[0]
+    per_time = 1.0 / time_step
+    for i in range(n):
+        residual[i] = 0.0
+        for k in range(5):
+            A[i, k] = 0.0
+            B[i, k] = 0.0
+    for i in range(1, n - 1):
+        c = scale * cell(X, i)
+        residual[i] = (f.mass[i] * c - old[i]) * per_time
+        A[i, 2] = f.mass_p[i] * c * per_time
+        B[i, 2] = f.rho[i] * c * per_time
+    for i in range(n - 1):
+        face = 0.5 * (X[i] + X[i + 1])
+        velocity = drive.velocity - scale_rate * face
+        # Upstream nodes: the near one and the one behind it.
+        step = 1 if velocity < 0.0 else -1
+        near = i + 1 if velocity < 0.0 else i
+        far = near + step
+        reach = 0.0
+        if 0 <= far < n:
+            reach = (face - X[near]) / (X[near] - X[far])
+        else:
+            far = near
+        length = scale * (X[i + 1] - X[i])
+        gradient = (p[i + 1] - p[i]) / length
+        mean, by_first, by_second = mean_fluidity(f.log_eta[i], f.log_eta[i + 1])
+        if fluid.eyring_stress > 0.0:
+            eta = fluid.viscosity / mean
+            factor = thinning(eta, 0.5 * (h[i] + h[i + 1]), gradient, drive.sliding, fluid.eyring_stress)
+            mean, by_first, by_second = mean * factor, by_first * factor, by_second * factor
+        mean, by_first, by_second = (
+            mean / fluid.viscosity,
+            by_first / fluid.viscosity,
+            by_second / fluid.viscosity,
+        )
+        flow = 0.5 * (f.flow[i] + f.flow[i + 1])
+        q = velocity * ((1.0 + reach) * f.mass[near] - reach * f.mass[far]) - flow * mean * gradient
+        by_gradient = flow * mean / length
+        p_first = by_gradient - (0.5 * f.flow_p[i] * mean + flow * by_first * f.log_eta_p[i]) * gradient
+        p_second = -by_gradient - (
+            0.5 * f.flow_p[i + 1] * mean + flow * by_second * f.log_eta_p[i + 1]
+        ) * gradient  # fmt: skip
+        h_first = -0.5 * f.flow_h[i] * mean * gradient
+        h_second = -0.5 * f.flow_h[i + 1] * mean * gradient
+        for side in range(2):
+            row = i + side
+            if row == 0 or row == n - 1:
+                continue
+            sign = 1.0 if side == 0 else -1.0
+            residual[row] += sign * q
+            carried = sign * velocity * (1.0 + reach)
+            A[row, near - row + 2] += carried * f.mass_p[near]
+            B[row, near - row + 2] += carried * f.rho[near]
+            carried = -sign * velocity * reach
+            A[row, far - row + 2] += carried * f.mass_p[far]
+            B[row, far - row + 2] += carried * f.rho[far]
+            A[row, i - row + 2] += sign * p_first
+            A[row, i - row + 3] += sign * p_second
+            B[row, i - row + 2] += sign * h_first
+            B[row, i - row + 3] += sign * h_second

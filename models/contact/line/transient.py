@@ -1,0 +1,182 @@
+"""The film in time: a singly diagonally implicit Runge-Kutta method of order 2, with error control.
+
+SDIRK2 (Alexander 1977): gamma = 1 - 1/sqrt(2), stages at gamma and 1, L-stable; both solve the same kind of
+implicit step, and it needs nothing from before the step, so that a saved state is pressure, film and grid.
+Cavitated nodes need no rate of their own: the first stage's rate of mass is a difference of masses.
+
+The error is estimated with the rate at the start as third, quadrature of order 3, and filtered through the
+Jacobian (Shampine), as a change of load and film.
+
+The grid's scale follows the contact, a^2 = b^2 + 2 R h with Hertz's half width b, linearly within a step.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from ...kernel import kernel
+from ..fluid import Lubricant
+from ..hertz import half_width, maximum_pressure
+from .newton import Bodies, Task, deflection_factors, line_load_of, newton, solve
+from .reynolds import Flow, balance, cell, properties
+from .workspace import Workspace
+
+GAMMA = 1.0 - math.sqrt(0.5)
+# Weights of the rates at 0, gamma and 1 that integrate squares exactly, less those of the method.
+_MIDDLE = 1.0 / (6.0 * GAMMA * (1.0 - GAMMA))
+_ERROR_MIDDLE = _MIDDLE - (1.0 - GAMMA)
+_ERROR_END = 0.5 - _MIDDLE * GAMMA - GAMMA
+_ERROR_START = -_ERROR_MIDDLE - _ERROR_END
+# Time in which the grid's scale follows the contact's width (s): some periods of what happens in it.
+GRID_TIME = 1e-4
+# The grid's scale changes by no more than this factor in a step.
+GRID_FACTOR = 1.25
+# Loads below this count as this one in the relative error (N).
+LOAD_FLOOR = 1.0
+
+
+class Drives(NamedTuple):
+    """The drive at an instant: flow, approach (m) and load per length (N/m; negative: approach given)."""
+
+    flow: Flow
+    approach: float
+    line_load: float
+
+
+class Stepped(NamedTuple):
+    """approach (m) and grid scale (m) after the step; error over the tolerance (nan or inf: failed)."""
+
+    approach: float
+    scale: float
+    error: float
+
+
+@kernel
+def wanted_scale(line_load: float, film: float, radius: float, bodies: Bodies) -> float:
+    """sqrt(b^2 + 2 R h): the width of the flattening, or of the wedge where the film is thicker."""
+    b = half_width(max(line_load, 0.0) * bodies.length, radius, bodies.length, bodies.compliance)
+    return math.sqrt(b**2 + 2.0 * radius * max(film, 0.0))
+
+
+@kernel
+def central(h: Any) -> float:
+    """The film at x = 0 (the number of nodes is odd)."""
+    return h[h.shape[0] // 2]
+
+
+@kernel
+def least(h: Any) -> float:
+    """The smallest film, of the parabola through the smallest node and its neighbours in node number."""
+    n = h.shape[0]
+    i = 0
+    for j in range(n):
+        if h[j] < h[i]:
+            i = j
+    if i == 0 or i == n - 1:
+        return h[i]
+    bend = h[i - 1] - 2.0 * h[i] + h[i + 1]
+    slope = 0.5 * (h[i + 1] - h[i - 1])
+    return h[i] - 0.5 * slope**2 / bend if bend > 0.0 else h[i]
+
+
+@kernel
+def place_film(
+    load: float, film: float, radius: float, bodies: Bodies, X: Any, scale: float, p: Any, h: Any
+) -> None:
+    """Hertz's pressure under `load` (N) over a film of that thickness: a start that needs no solution."""
+    b = half_width(load, radius, bodies.length, bodies.compliance)
+    p0 = maximum_pressure(load, radius, bodies.length, bodies.compliance)
+    for i in range(p.shape[0]):
+        x = abs(scale * X[i])
+        if x < b:
+            p[i] = p0 * math.sqrt(1.0 - (x / b) ** 2)
+            h[i] = film
+        elif b > 0.0:
+            s = x / b
+            root = math.sqrt(s * s - 1.0)
+            p[i] = 0.0
+            h[i] = film + b * b / (2.0 * radius) * (s * root - math.log(s + root))
+        else:
+            p[i] = 0.0
+            h[i] = film + x * x / (2.0 * radius)
+
+
+@kernel
+def masses(p: Any, h: Any, scale: float, fluid: Lubricant, w: Workspace, out: Any) -> None:
+    """rho h times the volumes (m^2)."""
+    n = p.shape[0]
+    properties(p, h, fluid, w.nodes)
+    out[0] = 0.0
+    out[n - 1] = 0.0
+    for i in range(1, n - 1):
+        out[i] = w.nodes.mass[i] * scale * cell(w.X, i)
+
+
+@kernel
+def estimate(
+    p: Any, h: Any, scale: float, time_step: float, given: bool, bodies: Bodies, fluid: Lubricant,
+    w: Workspace,
+) -> float:  # fmt: skip
+    """Error of load (if the approach is given) or central film, relative, by the factors of the end."""
+    n = p.shape[0]
+    masses(p, h, scale, fluid, w, w.estimate)
+    for i in range(n):
+        first = (w.mass_middle[i] - w.mass_start[i]) / GAMMA
+        last = (w.estimate[i] - w.base[i]) / GAMMA
+        wet = w.fixed[i] == 0.0 and w.p_start[i] > 0.0
+        at_start = -w.rate_start[i] * time_step if wet else first
+        miss = _ERROR_START * at_start + _ERROR_MIDDLE * first + _ERROR_END * last
+        by_approach = 0.0
+        for k in range(5):
+            by_approach += w.B[i, k]
+        row = w.hierarchy.scale[i] if w.fixed[i] == 0.0 else 0.0
+        w.solution[i, 0] = row * miss / (GAMMA * time_step)
+        w.solution[i, 1] = row * by_approach
+    change = solve(w, scale, 0.0, given)
+    factor, offset = deflection_factors(scale, bodies)
+    load, film, i = 0.0, 0.0, n // 2
+    for j in range(n):
+        load += w.weight[j] * w.solution[j, 0]
+        film += factor * (w.D[i, j] + offset * w.weight[j]) * w.solution[j, 0]
+    floor = LOAD_FLOOR / bodies.length
+    of_load = abs(load * scale) / (line_load_of(p, w.weight, scale) + floor)
+    return max(of_load, abs(film - change) / h[i])
+
+
+@kernel
+def step(
+    p: Any, h: Any, scale: float, new_scale: float, time_step: float, start: Drives, middle: Drives,
+    end: Drives, tolerance: float, bodies: Bodies, fluid: Lubricant, w: Workspace,
+) -> Stepped:  # fmt: skip
+    """p and h at the step's start become those at its end.
+
+    Unless the error is at most 1 they must not be used (w.p_start and w.h_start hold those at the start).
+    `start`, `middle`, `end`: Drives at 0, GAMMA and 1 of the step; their approach is the guess where the
+    load is given.
+    """
+    n = p.shape[0]
+    rate = (new_scale - scale) / time_step
+    half_scale = scale + GAMMA * (new_scale - scale)
+    for i in range(n):
+        w.p_start[i], w.h_start[i] = p[i], h[i]
+    masses(p, h, scale, fluid, w, w.mass_start)
+    # The rate at the start is what flows in.
+    balance(
+        w.X, scale, rate, p, h, w.nodes, start.flow, fluid, w.mass_start, math.inf, w.rate_start, w.A, w.B
+    )
+    task = Task(half_scale, rate, middle.flow, middle.line_load, GAMMA * time_step)
+    found = newton(p, h, middle.approach, task, bodies, fluid, w.mass_start, w)
+    if found.error != 0.0:
+        return Stepped(found.approach, half_scale, math.inf)
+    masses(p, h, half_scale, fluid, w, w.mass_middle)
+    for i in range(n):
+        w.base[i] = w.mass_start[i] + (1.0 - GAMMA) / GAMMA * (w.mass_middle[i] - w.mass_start[i])
+    given = end.line_load < 0.0
+    guess = end.approach if given else found.approach
+    task = Task(new_scale, rate, end.flow, end.line_load, GAMMA * time_step)
+    found = newton(p, h, guess, task, bodies, fluid, w.base, w)
+    if found.error != 0.0:
+        return Stepped(found.approach, new_scale, math.inf)
+    error = estimate(p, h, new_scale, time_step, given, bodies, fluid, w)
+    return Stepped(found.approach, new_scale, error / tolerance)

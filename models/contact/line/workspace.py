@@ -1,0 +1,82 @@
+"""Scratch memory of the line contact's solver: one vector, seen as named arrays.
+
+Nothing in it outlives a step but the grid and the deflection matrix, which are the same for all contacts
+with as many nodes and are made at the first use.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ...kernel import kernel
+from .grid import fill_kernel_matrix, place_nodes
+from .hierarchical import BAND, Hierarchy, hierarchy_in, hierarchy_size
+from .reynolds import Nodes
+
+_FIELDS = 8
+# Vectors besides the grid's two and the properties: those listed in Workspace after `nodes`.
+_VECTORS = 15
+# Columns that are solved for at once.
+COLUMNS = 2
+# Says that grid and matrix are filled.
+_FILLED = 0.25
+
+
+class Workspace(NamedTuple):
+    """Views, each of n elements where nothing else is said; D, A, B and solution have more columns."""
+
+    X: Any
+    weight: Any
+    D: Any
+    nodes: Nodes
+    residual: Any
+    A: Any
+    B: Any
+    fixed: Any
+    solution: Any
+    p: Any
+    h: Any
+    p_middle: Any
+    h_middle: Any
+    p_start: Any
+    h_start: Any
+    mass_start: Any
+    mass_middle: Any
+    base: Any
+    rate_start: Any
+    estimate: Any
+    change: Any
+    newly: Any
+    hierarchy: Hierarchy
+
+
+def workspace_size(n: int) -> int:
+    """Elements of scratch that `workspace_in` needs."""
+    return 1 + 2 * n + n * n + (_FIELDS + _VECTORS) * n + (2 * BAND + COLUMNS) * n + hierarchy_size(n)
+
+
+@kernel
+def workspace_in(work: Any, n: int) -> Workspace:
+    """Views on the first `workspace_size(n)` elements of work; fills grid and matrix if need be."""
+    X, weight = work[1 : 1 + n], work[1 + n : 1 + 2 * n]
+    k = 1 + 2 * n
+    D = work[k : k + n * n].reshape((n, n))
+    k += n * n
+    if work[0] != n + _FILLED:
+        place_nodes(X)
+        fill_kernel_matrix(X, weight, D)
+        work[0] = n + _FILLED
+    fields = work[k : k + (_FIELDS + _VECTORS) * n].reshape((_FIELDS + _VECTORS, n))
+    k += (_FIELDS + _VECTORS) * n
+    A = work[k : k + BAND * n].reshape((n, BAND))
+    k += BAND * n
+    B = work[k : k + BAND * n].reshape((n, BAND))
+    k += BAND * n
+    solution = work[k : k + COLUMNS * n].reshape((n, COLUMNS))
+    k += COLUMNS * n
+    f = fields
+    nodes = Nodes(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7])
+    return Workspace(
+        X, weight, D, nodes, f[8], A, B, f[9], solution, f[10], f[11], f[12], f[13], f[14], f[15],
+        f[16], f[17], f[18], f[19], f[20], f[21], f[22], hierarchy_in(work[k:], n),
+    )  # fmt: skip
