@@ -24,42 +24,48 @@ CORE = 1.5
 GROWTH = 5.0
 EDGE = 2.0
 EDGE_WIDTH = 0.2
-# Points of the quadrature that sums up the density.
-SAMPLES = 4000
+# Share of nodes that crowd about |X| = 1 on a sharpened grid.
+CROWD = 0.3
+# Slices of the quadrature that sums up the density, to a unit of X.
+SLICES = 400
 
 
 @kernel
-def density(X: float) -> float:
+def density(X: float, sharpness: float) -> float:
     """Nodes per unit of X, but for a factor."""
     outside = 0.5 * (X - CORE + math.sqrt((X - CORE) ** 2 + 0.25))
-    edge = math.exp(-(((X - 1.0) / EDGE_WIDTH) ** 2))
-    return (1.0 + EDGE * edge) / (1.0 + GROWTH * outside)
+    edge = EDGE * math.exp(-(((X - 1.0) / EDGE_WIDTH) ** 2))
+    crowd = CROWD * sharpness / math.sqrt(1.0 + (sharpness * (X - 1.0)) ** 2)
+    return (1.0 + edge + crowd) / (1.0 + GROWTH * outside)
 
 
 @kernel
-def place_nodes(X: Any) -> None:
-    """Fill X, ascending and symmetric about 0."""
+def place_nodes(X: Any, reach: float = REACH, sharpness: float = 0.0) -> None:
+    """Fill X, ascending from -reach to reach and symmetric about 0.
+
+    `sharpness`: the inverse of the width about |X| = 1 in which heavily loaded films form.
+    """
     n = X.shape[0]
-    step = REACH / SAMPLES
+    slices = int(SLICES * reach)
+    step = reach / slices
     total = 0.0
-    for k in range(SAMPLES):
-        total += density((k + 0.5) * step) * step
-    wanted, passed, k = 0.0, 0.0, 0
+    for k in range(slices):
+        total += density((k + 0.5) * step, sharpness) * step
+    passed, k = 0.0, 0
+    here = density(0.5 * step, sharpness) * step
     for i in range(n):
         # From the middle outwards: node i of the upper half, in units of the density's sum.
         upper = 2 * i - (n - 1)
         if upper < 0:
             continue
         wanted = total * upper / (n - 1)
-        while k < SAMPLES - 1:
-            slice_sum = density((k + 0.5) * step) * step
-            if passed + slice_sum >= wanted:
-                break
-            passed += slice_sum
+        while k < slices - 1 and passed + here < wanted:
+            passed += here
             k += 1
-        X[i] = step * (k + (wanted - passed) / (density((k + 0.5) * step) * step))
+            here = density((k + 0.5) * step, sharpness) * step
+        X[i] = step * (k + (wanted - passed) / here)
         X[n - 1 - i] = -X[i]
-    X[0], X[n - 1] = -REACH, REACH
+    X[0], X[n - 1] = -reach, reach
 
 
 @kernel

@@ -24,8 +24,10 @@ PRESSURE_FLOOR = 1e4
 MOST_ITERATIONS = 40
 # New factors where an iteration leaves more of the correction than this.
 SLOW = 0.2
-# An iteration may shrink the film to this share.
+# An iteration may shrink the film to this share, and so the pressures above HIGH of the largest: steep flanks
+# of pressure that move would otherwise leave cavities in the middle of the film that never close.
 LEAST_SHARE = 0.2
+HIGH = 0.05
 
 
 class Bodies(NamedTuple):
@@ -216,7 +218,7 @@ def newton(
             w.solution[i, 1] = 0.0 if w.fixed[i] != 0.0 else scale * by_approach / factor
         missing = task.line_load - line_load_of(p, w.weight, task.scale)
         change = solve(w, task.scale, missing, given)
-        # Not so far that the film vanishes.
+        # Not so far that the film vanishes, or cavitates where it is pressed hard.
         for i in range(n):
             w.change[i] = w.solution[i, 0]
         fill_film(w.change, change, math.inf, task.scale, bodies, w, w.film_change)
@@ -226,6 +228,9 @@ def newton(
                 share = min(share, -(1.0 - LEAST_SHARE) * h[i] / w.film_change[i])
             largest = max(largest, abs(w.change[i]))
             highest = max(highest, p[i] + w.change[i])
+        for i in range(n):
+            if p[i] > HIGH * highest and w.change[i] < -(1.0 - LEAST_SHARE) * p[i]:
+                share = min(share, -(1.0 - LEAST_SHARE) * p[i] / w.change[i])
         approach += share * change
         for i in range(n):
             p[i] += share * w.change[i]
