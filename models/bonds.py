@@ -50,7 +50,9 @@ def counts_energies(factory: Callable[..., Component]) -> Callable[..., Componen
 
 
 def counting(plain: Component) -> CountingComponent:
-    """The component that moves as `plain` and counts its energies."""
+    """The component that moves as `plain` and counts its energies; ValueError if it takes no samples."""
+    if not plain.samples:
+        raise ValueError(f"{plain.name}: its own advance takes no samples, by which energies are counted")
     counted = {name: Quantity("J", text) for name, text in _COUNTED.items()}
     for bond in plain.bonds:
         power = f"{'-' if bond.sign < 0 else ''}{bond.effort} * {bond.flow}"

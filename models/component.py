@@ -69,9 +69,14 @@ class Component:
     `check(p)` and `check_start(p, x, u)` give messages for parameters that do not fit together, and for start
     states that do not fit parameters and inputs; a message on a start begins with the state's name.
     `advance_maker`, if given, replaces the standard integrator (with events: the hybrid one):
-    (component) -> advance kernel, with `extra_work` elements of scratch more. `runs_on`: it moves while the
-    mechanisms it drives are at rest, so that an equilibrium does not ask it to stand still, but for the
-    states in `settles`. `sample` is called along the motion (see `quadrature`).
+    (component) -> advance kernel, with `extra_work` elements of scratch after those of the integrator. Over
+    no time (h = 0) it must leave the state as it is. `samples` is false where it does not call `sample`, by
+    which energies are counted along the motion (see `quadrature`). `unrated` are the continuous outputs
+    whose rate the derivative does not tell (a stiff or quasi-static inside); they are given without. `ode` is
+    false where the motion is not that of dx/dt = derivative (a pressure field that only `advance` finds): the
+    derivative then serves rates of outputs and equilibria alone, and solvers of ODEs refuse the component.
+    `runs_on`: it moves while the mechanisms it drives are at rest, so that an equilibrium does not ask it to
+    stand still, but for the states in `settles`.
 
     For masters, names of outputs: `event_indicators` are continuous and change their sign where the mode
     changes (contact made or lost); `event_counter` counts the events that happened inside the component
@@ -97,6 +102,9 @@ class Component:
     check_start: Callable[[Any, Any, Any], Sequence[str]] | None = None
     advance_maker: Callable[[Component], Any] | None = None
     extra_work: int = 0
+    samples: bool = True
+    unrated: Sequence[str] = ()
+    ode: bool = True
     sample: Any = None
     structure: Mapping[str, int] = field(default_factory=dict)
     runs_on: bool = False
@@ -112,6 +120,11 @@ class Component:
             if len(layout.variables) < layout.size:
                 name = next(name for name in layout.names if name not in layout.variables)
                 raise ValueError(f"{self.name}: {name} must not be internal: only states may be")
+        for name in self.unrated:
+            if name not in self.outputs:
+                raise ValueError(
+                    f"{self.name}: unrated {name!r} must be one of {', '.join(self.outputs.names)}"
+                )
         told = (*self.event_indicators, self.event_counter, self.event_time, self.next_event)
         for name in told:
             if name and name not in self.outputs:

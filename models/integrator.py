@@ -16,11 +16,13 @@ OK = 0
 NOT_FINITE = 1
 STEP_TOO_SMALL = 2
 TOO_MANY_EVENTS = 3
+NOT_CONVERGED = 4
 
 FAILURES = {
     NOT_FINITE: "the state is no longer finite",
     STEP_TOO_SMALL: "the micro-step had to become smaller than the resolution of time",
     TOO_MANY_EVENTS: "more events than the limit in one step",
+    NOT_CONVERGED: "the implicit equations of the step did not converge",
 }
 
 # Tolerance per micro-step, relative to nominal + |value|: four orders below the 1e-6 that the tightest

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from models.bonds import counting
 from models.fmu_archive import FmuFileError, archive_faults, opened
+from models.integrator import INPUT_COEFFICIENTS
 from models.quantities import Layout, Quantity, Vector
 from models.system import Instance, System, suggestion
 
@@ -69,6 +70,14 @@ def check_master(scenario: Scenario) -> None:
             )
         if iterate.count(name) > 1:
             raise ScenarioError(f"master.iterate: {name!r} is named twice; name each component once")
+
+
+def check_reference(scenario: Scenario, system: System) -> None:
+    """ModelError where a reference is wanted that cannot be solved."""
+    if scenario.reference.enabled:
+        from models.monolithic import check_ode
+
+        check_ode(system)
 
 
 def check_energy_estimator(scenario: Scenario, system: System) -> None:
@@ -144,19 +153,23 @@ def fmu_files(scenario: Scenario, build: Builder) -> dict[str, FmuFile]:
         if table.participant == "in-process":
             continue
         own = table.participant == "fmu"
-        structure = counting_structure(table.structure) if scenario.energy.ledger else table.structure
+        counts = scenario.energy.ledger and table.made().samples
+        structure = counting_structure(table.structure) if counts else table.structure
         path = build(table.component, structure) if own else Path(table.participant)
         files[name] = FmuFile(path, hashlib.sha256(path.read_bytes()).hexdigest())
     return files
 
 
 def counting_instances(scenario: Scenario, system: System) -> list[str]:
-    """The instances that can count their energies: all but given FMUs without the variables for it."""
+    """The instances that can count their energies: all but those that take no samples, and given FMUs
+    without the variables for it."""
     names = []
     for name, table in scenario.components.items():
+        component = system.instances[name].component
+        if not component.samples:
+            continue
         given = table.participant.endswith(".fmu")
-        outputs = counting(system.instances[name].component).outputs.names
-        if not given or not missing(Path(table.participant), outputs):
+        if not given or not missing(Path(table.participant), counting(component).outputs.names):
             names.append(name)
     return names
 
@@ -201,10 +214,12 @@ def participants_of(
             if name in files:
                 make = partial(fmu, name, files[name].path, without_estimates(instance))
             else:
-                make = partial(in_process, name, instance)
+                make = partial(in_process, name, without_estimates(instance))
             participants[name] = made(name, make)
             if isinstance(instance.component, EstimatedComponent):
-                degrees = signal_degrees(files[name].path, instance.component.inputs)
+                inputs = instance.component.inputs
+                cubic = dict.fromkeys(inputs.names, INPUT_COEFFICIENTS - 1)
+                degrees = signal_degrees(files[name].path, inputs) if name in files else cubic
                 participants[name] = Estimating(participants[name], instance.component, degrees)
             table = scenario.components[name]
             if table.substeps > 1 or table.retries:

@@ -13,6 +13,11 @@ def one_of(names: Iterable[str], given: object = "") -> str:
     return f"must be one of {', '.join(known)}" + (f"; did you mean {close[0]}?" if close else "")
 
 
+def instead_of_discarded(name: str) -> str:
+    """The remedies for a step that participant `name` discarded."""
+    return f"reduce macro_step, use [step_control], or raise components.{name}.retries"
+
+
 class RunError(Exception):
     """A coupled run that cannot go on; what was computed before it is valid."""
 

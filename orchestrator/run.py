@@ -44,6 +44,7 @@ def run(
     summary. Raises ScenarioError, ModelError or OutputFolderError before anything is written.
     """
     system = assembly.system_of(scenario)
+    assembly.check_reference(scenario, system)
     with prepared(out, overwrite) as folder:
         replace(out / SCENARIO, written(scenario).encode())
         for line in notices(scenario):

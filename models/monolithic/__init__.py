@@ -4,7 +4,7 @@ from .adherence import solve_adherence
 from .difference import Difference, difference, time_weights
 from .energy import EnergyBalance
 from .equilibrium import equilibrium
-from .problem import Event
+from .problem import Event, check_ode
 from .reference import Reference, solve
 
 __all__ = [
@@ -12,6 +12,7 @@ __all__ = [
     "EnergyBalance",
     "Event",
     "Reference",
+    "check_ode",
     "difference",
     "equilibrium",
     "solve",

@@ -23,7 +23,7 @@ from ..system import Evaluation, ModelError, Port, System
 from ..valve_train.valve_spring import lumping
 from .energy import QUADRATURES, Energies
 from .equilibrium import equilibrium
-from .problem import Event
+from .problem import Event, check_ode
 from .reference import Reference, checked_times, observe, solve_twice, uncertainties
 
 # Two loads (N) between which the relative acceleration is known to be affine.
@@ -83,6 +83,7 @@ class AdherenceProblem:
         valve = _only(system, "valve_spring")
         contact = _only(system, "ehl_contact")
         self.system = s = _with_given_load(system, contact)
+        check_ode(s)
         self.massless = massless_spring
         self.evaluation = Evaluation(s)
         without = {contact, valve} if massless_spring else {contact}

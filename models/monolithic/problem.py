@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..component import Component
 from ..quantities import Vector
 from ..system import Evaluation, ModelError, System
 from .energy import QUADRATURES, Energies
@@ -53,10 +54,29 @@ class ObservableProblem(Problem, Protocol):
         ...
 
 
+def check_ode(system: System) -> None:
+    """ModelError if a component's motion is not that of its derivative (`Component.ode`)."""
+    for name, instance in system.instances.items():
+        if not instance.component.ode:
+            raise ModelError(
+                f"{name}: {instance.component.name} with {_sizes(instance.component)} has no form as "
+                "ordinary differential equations, which monolithic solvers need (its own steps move it); "
+                "leave the reference out (reference.enabled = false), or give it another structure"
+            )
+
+
+def _sizes(component: Component) -> str:
+    return ", ".join(f"{name} = {size}" for name, size in component.structure.items()) or "its own advance"
+
+
 class SystemProblem:
-    """A system's state, followed by the energies that its components dissipate, supply and receive."""
+    """A system's state, followed by the energies that its components dissipate, supply and receive.
+
+    ModelError if a component is no ODE.
+    """
 
     def __init__(self, system: System) -> None:
+        check_ode(system)
         self.system = system
         self.evaluation = Evaluation(system)
         self.energies = Energies(system)

@@ -24,6 +24,7 @@ from ..errors import (
     LostParticipantError,
     ParticipantError,
     RecoverableError,
+    instead_of_discarded,
 )
 from .compiled import SET, STEP
 from .fmi_calls import WARNING, Calls
@@ -157,7 +158,7 @@ class FmuParticipant:
         if reached is not None and not time <= reached < time + step:
             reached = None
         raise DiscardedStepError(
-            f"{what}: {said}; {REMEDY}, or raise components.{self.name}.retries", reached
+            f"{what}: {said}; look at its inputs and parameters, {instead_of_discarded(self.name)}", reached
         )
 
     def _reference(self, name: str) -> int:

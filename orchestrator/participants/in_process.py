@@ -10,7 +10,7 @@ from models.integrator import FAILURES, OK
 from models.quantities import Vector
 from models.system import Instance
 
-from ..errors import DiscardedStepError, ParticipantError
+from ..errors import DiscardedStepError, ParticipantError, instead_of_discarded
 from ..plain_data import from_text, to_text
 
 # Time, states, inputs in effect, their slopes, outputs, whether these are yet to be computed.
@@ -57,16 +57,19 @@ class InProcessParticipant:
         )
         self._inputs, self._outputs, self._rates = inputs, outputs, rates
         self._rated = rates.size > 0
-        return [self._rated] * len(output_names)
+        given = [self._rated and name not in self._component.unrated for name in output_names]
+        self._given = np.flatnonzero(given)
+        return given
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         self._t = start_time
         # A step of no length compiles everything before the first one that counts; the start stays as it is.
-        started = self._x.copy()
-        self.advance(start_time, 0.0)
+        # Inputs may make no sense yet: that it fails there is no fault.
+        c, x = self._component, self._x.copy()
+        c.step(start_time, 0.0, x, self._U, self._p, self._scale, self._work, self._u, self._y)
+        self._u[:] = self._U[0]
         if self._rated:
             self._fill_rates()
-        self._x[:] = started
         self._stale = True
 
     def finish_initialisation(self) -> None:
@@ -87,9 +90,10 @@ class InProcessParticipant:
             self._u[:] = self._U[0]
             self._du[:] = self._U[1]
             self._stale = True
+            reason = FAILURES.get(status, f"status {status}")
             raise DiscardedStepError(
-                f"{self.name}: step from t = {time:.9g} s by {step:g} s: {FAILURES[status]}; "
-                "reduce macro_step, or use [step_control]",
+                f"{self.name}: step from t = {time:.9g} s by {step:g} s: {reason}; "
+                f"{instead_of_discarded(self.name)}",
                 reached=time,
             )
         if self._rated:
@@ -110,7 +114,10 @@ class InProcessParticipant:
 
     def _fill_rates(self) -> None:
         self._component.flat_rates(self._t, self._x, self._u, self._du, self._p, self._rates_work, self._yd)
-        np.take(self._yd, self._output_index, out=self._rates)
+        if self._given.size == self._rates.size:
+            np.take(self._yd, self._output_index, out=self._rates)
+        else:
+            self._rates[self._given] = self._yd[self._output_index[self._given]]
 
     def read_all(self, values: Vector) -> None:
         self._refresh()

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from typing import Protocol
 
 from models.monolithic.course import Course
-from models.system import System
+from models.system import ModelError, System
 
 from .equations import linearised
 from .linear import Linear
@@ -24,10 +24,18 @@ class Linearisation(Protocol):
 
 
 class Equations:
-    """Implements `Linearisation` for a component, by differences of its equations."""
+    """Implements `Linearisation` for a component, by differences of its equations.
+
+    ModelError for one that has none of the form dx/dt = f (`Component.ode`).
+    """
 
     def __init__(self, system: System, name: str) -> None:
         self._instance = system.instances[name]
+        if not self._instance.component.ode:
+            raise ModelError(
+                f"{name}: {self._instance.component.name} has no form as ordinary differential equations to "
+                "linearise; linearise it by its responses (--responses)"
+            )
         self._state, self._inputs = system.state.of(name), system.inputs.of(name)
 
     def about(self, course: Course, row: int, outputs: Collection[str]) -> Linear:

@@ -43,5 +43,8 @@ def rates_along(course: Course, system: System) -> Vector:
         give = c.flat_rates
         for k, t in enumerate(course.times):
             give(t, x[k], u[k], du[k], p, work, rates[k])
+        for name in c.unrated:
+            place = c.outputs.index(name)
+            rates[:, place] = slopes(course.outputs[:, own][:, place]) / (course.times[1] - course.times[0])
         found[:, own] = np.nan_to_num(rates)
     return found

@@ -1,4 +1,5 @@
-"""Which participants are linearised how: components by their equations, others by their responses."""
+"""Which participants are linearised how: components by their equations where they have any, others by their
+responses."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ from .responses import Responses
 def linearisations(
     scenario: Scenario, system: System, build: Builder | None, every: bool = False
 ) -> Iterator[dict[str, Linearisation]]:
-    """Of every instance: FMU files by their responses, components by their equations.
+    """Of every instance: FMU files, and components that are no ODE, by their responses, others by their
+    equations.
 
     `every`: all as they would take part in a run, by their responses. Participants live as long as the
     block. ScenarioError for one that cannot save its state.
@@ -27,7 +29,8 @@ def linearisations(
     with ExitStack() as stack:
         made: dict[str, Linearisation] = {}
         for name, table in scenario.components.items():
-            if not (every or table.participant.endswith(".fmu")):
+            ode = system.instances[name].component.ode
+            if ode and not (every or table.participant.endswith(".fmu")):
                 made[name] = Equations(system, name)
                 continue
             unit = _participant(scenario, system, name, build)

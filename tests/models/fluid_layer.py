@@ -16,25 +16,25 @@ import numpy as np
 
 from models.bonds import counts_energies
 from models.component import Component, PowerBond
-from models.integrator import INPUT_COEFFICIENTS, OK, taylor, work_size
+from models.integrator import INPUT_COEFFICIENTS, NOT_CONVERGED, OK, taylor, work_size
 from models.kernel import kernel, record_of
 from models.quantities import Layout, Quantity, Vector, per_element
 
-NOT_CONVERGED = 4
-
-# Newton's last change over the velocities' nominal size, at which rounding is all that is left.
-CONVERGED = 1e-13
+# Newton's last change over the velocities' nominal size: ten thousand roundings; the next is its square.
+CONVERGED = 1e-12
 
 
 @dataclass
 class Parameters:
-    """A film of oil of 0.1 mm over 10 cm2."""
+    """A bath of oil, 10 cm deep below 1 dm2, whose thousandth is crossed by momentum in 0.2 ms."""
 
-    area: Annotated[float, Quantity("m2", "area A", nominal=1e-3, positive=True)] = 1e-3
-    thickness: Annotated[float, Quantity("m", "thickness of the layer", nominal=1e-4, positive=True)] = 1e-4
+    area: Annotated[float, Quantity("m2", "area A", nominal=1e-2, positive=True)] = 1e-2
+    thickness: Annotated[float, Quantity("m", "thickness of the layer", nominal=0.1, positive=True)] = 0.1
     density: Annotated[float, Quantity("kg/m3", "density", nominal=1e3, positive=True)] = 870.0
     viscosity: Annotated[float, Quantity("Pa.s", "viscosity eta", nominal=1e-2, positive=True)] = 0.036
-    eyring_stress: Annotated[float, Quantity("Pa", "Eyring stress tau_0", nominal=1e6, positive=True)] = 100.0
+    eyring_stress: Annotated[float, Quantity("Pa", "Eyring stress tau_0", nominal=100.0, positive=True)] = (
+        100.0
+    )
     iterations: Annotated[float, Quantity("1", "Newton iterations allowed", count=True, minimum=1)] = 30.0
 
 

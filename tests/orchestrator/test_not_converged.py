@@ -1,0 +1,131 @@
+"""A step whose implicit equations do not converge: discarded, nothing changed, and shortened by who can."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.errors import DiscardedStepError
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi
+from orchestrator.participants import Participant, fmu, in_process, substepped
+from orchestrator.simulation import simulate
+from orchestrator.stepping import ControlledSteps, StepControl
+from orchestrator.stepping.protocol import DISCARD
+from tests.fmus.packed import packed
+from tests.models.fluid_layer import fluid_layer
+
+from .coupled import in_processes
+from .dragged import dragged
+from .recorder import Recorder
+
+SHEETS = 20
+# Two Newton iterations converge over 0.2 ms, not over 1 ms as soon as the plate is fast.
+STUBBORN = {"iterations": 2.0}
+SHORT, LONG, STOP = 2e-4, 1e-3, 4e-3
+REASON = "the implicit equations of the step did not converge"
+REMEDY = r"reduce macro_step, use \[step_control\], or raise components\.layer\.retries"
+
+
+@pytest.fixture(scope="module")
+def layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return packed(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SHEETS)
+
+
+class Layer:
+    """The layer alone, with a plate whose speed is given."""
+
+    def __init__(self, unit: Participant) -> None:
+        self.unit = unit
+        self._inputs, self._outputs = np.zeros((2, 1)), np.zeros(3)
+        unit.connect(
+            ["velocity"], self._inputs, ["force", "wall_force", "impulse"], self._outputs, np.zeros(0)
+        )
+        unit.initialise(0.0, 1.0)
+        unit.finish_initialisation()
+
+    def saved(self) -> bytes:
+        kept = self.unit.save()
+        try:
+            return self.unit.to_bytes(kept)
+        finally:
+            self.unit.release(kept)
+
+    def advance(self, time: float, step: float, velocity: float) -> list[float]:
+        self._inputs[0] = velocity
+        self.unit.write()
+        self.unit.advance(time, step)
+        self.unit.read()
+        return self._outputs.tolist()
+
+
+@pytest.fixture(params=["in-process", "fmu"])
+def layers(request: pytest.FixtureRequest, layer_file: Path) -> Iterator[tuple[Layer, Layer]]:
+    """Two alike."""
+    instance = dragged(SHEETS, **STUBBORN).instances["layer"]
+    made = [
+        Layer(
+            in_process("layer", instance)
+            if request.param == "in-process"
+            else fmu("layer", layer_file, instance)
+        )
+        for _ in range(2)
+    ]
+    yield made[0], made[1]
+    for layer in made:
+        layer.unit.close()
+
+
+def test_a_step_that_does_not_converge_is_discarded_and_leaves_the_state_as_it_was(layers) -> None:
+    """What follows has the bits of a participant that was never asked for it."""
+    failing, sound = layers
+    for layer in layers:
+        layer.advance(0.0, SHORT, 0.1)
+    with pytest.raises(
+        DiscardedStepError, match=f"^layer: step from t = 0.0002 s by 0.1 s.*{REASON}; .*{REMEDY}"
+    ):
+        failing.advance(SHORT, 0.1, 1.0)
+    for k in range(1, 5):
+        assert failing.advance(k * SHORT, SHORT, 0.1) == sound.advance(k * SHORT, SHORT, 0.1)
+    assert failing.saved() == sound.saved()
+
+
+@pytest.mark.parametrize(
+    ("master", "estimator"),
+    [
+        (Jacobi("quadratic"), "step_doubling"),
+        (GaussSeidel("linear"), "step_doubling"),
+        (Iterated("hermite", 1e-11), "predictor_corrector"),
+    ],
+    ids=repr,
+)
+def test_step_control_shortens_steps_that_do_not_converge(master, estimator: str) -> None:
+    """To the result that a component without a limit gives, within what the tolerance allows."""
+    control = StepControl(estimator, relative=1e-2, absolute=1e-2, maximum_step=LONG)
+
+    def controlled(**parameters: float) -> Recorder:
+        recorder, system = Recorder(), dragged(SHEETS, **parameters)
+        simulate(system, in_processes(system), master, ControlledSteps(LONG, control), STOP, [recorder])
+        return recorder
+
+    stubborn, willing = controlled(**STUBBORN), controlled()
+    assert any(step.rejected and step.reason == DISCARD for step in stubborn.steps)
+    assert not any(step.reason == DISCARD for step in willing.steps)
+    assert stubborn["plate.position"][-1] == pytest.approx(willing["plate.position"][-1], abs=1e-2 * 1e-3)
+
+
+def test_retries_halve_steps_that_do_not_converge_under_steps_of_one_length() -> None:
+    system, recorder = dragged(SHEETS, **STUBBORN), Recorder()
+    units = in_processes(system)
+    units["layer"] = substepped(units["layer"], halvings=4)
+    simulate(system, units, Iterated("hermite", 1e-11), LONG, STOP, [recorder])
+    assert recorder.ended == (True, "")
+
+
+@pytest.mark.parametrize("master", [Jacobi("linear"), Iterated("hermite")], ids=repr)
+def test_steps_of_one_length_end_with_what_to_do(master) -> None:
+    system = dragged(SHEETS, **STUBBORN)
+    with pytest.raises(DiscardedStepError, match=f"layer: step .*{REASON}; {REMEDY}"):
+        simulate(system, in_processes(system), master, LONG, STOP, [])

@@ -1,0 +1,148 @@
+"""A component of a thousand states that its own implicit steps move, in every part of the orchestrator."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmus.memory import Memory
+from models.bonds import counting
+from models.monolithic import solve
+from models.system import ModelError, System
+from orchestrator.energy import Ledger, counted, estimated
+from orchestrator.energy.estimate import Estimating, without_estimates
+from orchestrator.exchange import Exchange
+from orchestrator.masters import GaussSeidel, Iterated, Newton
+from orchestrator.participants import Participant, fmu, in_process
+from orchestrator.plain_data import from_text
+from orchestrator.simulation import simulate
+from tests.fmus.packed import packed
+from tests.models.fluid_layer import fluid_layer
+
+from .coupled import in_processes, recorded
+from .dragged import dragged
+from .recorder import Recorder
+from .test_checkpoint import Kept
+
+SHEETS = 1000
+STEP, STOP = 1e-4, 4e-3
+ITERATED = Iterated("hermite", 1e-11)
+
+
+@pytest.fixture(scope="module")
+def layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return packed(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SHEETS)
+
+
+def packaged(system: System, path: Path) -> dict[str, Participant]:
+    """The layer as FMU."""
+    return in_processes(system) | {"layer": fmu("layer", path, system.instances["layer"])}
+
+
+def closed(units: dict[str, Participant]) -> None:
+    for unit in units.values():
+        unit.close()
+
+
+def test_a_coupled_run_comes_to_the_monolithic_one_with_the_order_of_the_components_steps() -> None:
+    """Two, of the midpoint rule: the reference integrates the same sheets by their derivative."""
+    system = dragged(sheets=5)
+    times = np.linspace(0.0, STOP, 3)
+    exact = solve(system, times)["layer.force"][-1]
+    coarse, fine = (
+        abs(recorded(system, ITERATED, step, STOP)["layer.force"][-1] - exact) for step in (2e-4, 1e-4)
+    )
+    assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
+
+
+@pytest.mark.parametrize("master", [GaussSeidel("linear"), ITERATED, Newton("linear")], ids=repr)
+def test_an_fmu_of_a_thousand_states_runs_as_the_component_to_the_last_bit(master, layer_file: Path) -> None:
+    """Also where it is rolled back many times in every macro step."""
+    system, packaged_run = dragged(SHEETS), Recorder()
+    own = recorded(system, master, STEP, STOP)
+    units = packaged(system, layer_file)
+    simulate(system, units, master, STEP, STOP, [packaged_run])
+    closed(units)
+    assert np.array_equal(np.array(packaged_run._rows), np.array(own._rows))
+
+
+@pytest.mark.parametrize("kind", ["in-process", "fmu"])
+def test_a_run_of_a_thousand_states_goes_on_from_a_checkpoint_to_the_last_bit(
+    kind: str, layer_file: Path
+) -> None:
+    system, kept, rest = dragged(SHEETS), Kept(), Recorder()
+
+    def made() -> dict[str, Participant]:
+        return packaged(system, layer_file) if kind == "fmu" else in_processes(system)
+
+    first, second = made(), made()
+    simulate(system, first, ITERATED, STEP, STOP, [kept])
+    middle = len(kept.states) // 2
+    simulate(system, second, ITERATED, STEP, STOP, [rest], resumed=from_text(kept.states[middle]))
+    closed(first | second)
+    assert np.array_equal(np.array(rest._rows), np.array(kept._rows)[middle + 1 :])
+
+
+def test_energies_that_a_component_counts_in_its_own_steps_close_to_rounding() -> None:
+    """The midpoint rule has the balance of a quadratic energy exactly, with powers taken at the middle."""
+    system = counted(dragged(SHEETS), ["layer", "plate"])
+    ledger = Ledger(system)
+    simulate(system, in_processes(system), ITERATED, STEP, STOP, [ledger])
+    layer = ledger.account().components["layer"]
+    assert layer.dissipated > 1e-4
+    # 40 steps of sums over 1000 sheets, to Newton's 1e-12 of velocities of 0.1 m/s.
+    assert abs(layer.unaccounted) < 40 * 1e-11 * layer.dissipated
+
+
+def test_a_component_that_takes_no_samples_does_not_count_and_is_estimated() -> None:
+    """Of what its plate and it exchange, to the order of the exchange."""
+    plain = dragged(changes={"samples": False})
+    with pytest.raises(ValueError, match="takes no samples"):
+        counting(plain.instances["layer"].component)
+    system = estimated(counted(plain, ["plate"]))
+    ledger = Ledger(system)
+    inner = in_process("layer", without_estimates(system.instances["layer"]))
+    units = {
+        "plate": in_process("plate", system.instances["plate"]),
+        "layer": Estimating(inner, system.instances["layer"].component, {"velocity": 3}),
+    }
+    simulate(system, units, ITERATED, 2e-5, STOP, [ledger])
+    counting_both = counted(dragged(), ["plate", "layer"])
+    own = Ledger(counting_both)
+    simulate(counting_both, in_processes(counting_both), ITERATED, 2e-5, STOP, [own])
+    bond = "taken layer.force * plate.velocity"
+    assert ledger[bond] == pytest.approx(own[bond], rel=1e-3)
+
+
+def test_an_ode_is_asked_for_only_where_the_component_has_that_form() -> None:
+    system = dragged(changes={"ode": False})
+    with pytest.raises(
+        ModelError, match=r"layer: fluid_layer with sheets = 20 has no form as ordinary.*enabled = false"
+    ):
+        solve(system, np.array([0.0, STOP]))
+
+
+def test_an_output_without_rate_is_given_without_in_process_and_as_fmu() -> None:
+    """A signal of it goes through its values alone; what is rated keeps its own rate."""
+    system = dragged(changes={"unrated": ("force",)})
+    names = [variable.name for variable in Memory(system.instances["layer"].component).variables()]
+    assert "der(force)" not in names
+    assert "der(wall_force)" in names
+    exchange = Exchange(system, in_processes(system), degree=3)
+    exchange.initialise(0.0, STOP)
+    rated = {str(port): bool(given) for port, given in zip(exchange.sources, exchange.rated, strict=True)}
+    assert rated == {"plate.velocity": True, "layer.force": False}
+
+
+def test_a_signal_without_rate_keeps_the_order_of_the_components_steps() -> None:
+    system = dragged(sheets=5, changes={"unrated": ("force",)})
+    exact = solve(system, np.linspace(0.0, STOP, 3))["layer.force"][-1]
+    errors = (abs(recorded(system, ITERATED, step, STOP)["layer.force"][-1] - exact) for step in (2e-4, 1e-4))
+    assert np.log2(np.divide(*errors)) == pytest.approx(2.0, abs=0.1)
+
+
+def test_an_unknown_unrated_output_is_refused() -> None:
+    with pytest.raises(ValueError, match="unrated 'force_' must be one of force, wall_force, impulse"):
+        dragged(changes={"unrated": ("force_",)})
