@@ -15,14 +15,16 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
-from ..bonds import counts_energies
+from ..bonds import counting
 from ..component import Component, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector
 from .films import FILMS, film_by_number
 from .films.groups import groups
+from .fluid import DENSITY_LAWS, VISCOSITY_LAWS
 from .friction import fluid_share, viscous_shear_stress
 from .hertz import deflection, elastic_compliance, elastic_energy, half_width, load_of, maximum_pressure
+from .line.field import with_field
 
 # Ranges of the groups in the regression behind K (10) (K Table 3), with E = pi / compliance.
 TABLE_3 = {
@@ -37,6 +39,7 @@ W_LOW, W_HIGH = TABLE_3["load"]
 U_LOW, U_HIGH = TABLE_3["speed"]
 
 FILM_IS_DRY = float(list(FILMS).index("dry"))
+FILM_IS_SOLVED = float(list(FILMS).index("line_transient"))
 
 
 @dataclass
@@ -79,6 +82,25 @@ class ContactParameters:
         float,
         Quantity("N", "load at which the damping is c; it grows with the load", nominal=500.0, positive=True),
     ] = 450.0
+    viscosity_law: Annotated[
+        float, Quantity("1", "viscosity under pressure (line_transient)", choices=VISCOSITY_LAWS)
+    ] = 0.0
+    density_law: Annotated[
+        float, Quantity("1", "density under pressure (line_transient)", choices=DENSITY_LAWS)
+    ] = 0.0
+    roelands_exponent: Annotated[
+        float, Quantity("1", "exponent z of Roelands' law", positive=True, maximum=1.0)
+    ] = 0.68
+    roelands_pressure: Annotated[
+        float, Quantity("Pa", "pressure p_r of Roelands' law", nominal=1e8, positive=True)
+    ] = 1.96e8
+    eyring_stress: Annotated[
+        float, Quantity("Pa", "Eyring stress of the film (line_transient); 0: Newtonian", minimum=0.0)
+    ] = 0.0
+    field_tolerance: Annotated[
+        float,
+        Quantity("1", "error of load and film per micro-step (line_transient)", positive=True, maximum=0.1),
+    ] = 1e-4
     roughness: Annotated[
         float, Quantity("m", "composite rms roughness", nominal=1e-7, positive=True, display_unit="um")
     ] = 0.2e-6
@@ -125,6 +147,10 @@ class ContactOutputs:
     load: Annotated[float, Quantity("N", "contact load W", nominal=500.0)] = 0.0
     film_thickness: Annotated[
         float, Quantity("m", "lubricant film thickness h", nominal=1e-6, display_unit="um")
+    ] = 0.0
+    minimum_film_thickness: Annotated[
+        float,
+        Quantity("m", "smallest film thickness (of a formula: its film)", nominal=1e-6, display_unit="um"),
     ] = 0.0
     squeeze_velocity: Annotated[float, Quantity("m/s", "dh/dt, positive when separating", nominal=1e-3)] = 0.0
     steady_film_thickness: Annotated[
@@ -226,6 +252,7 @@ def output(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, y:
     radius, speed = u.radius_of_curvature, abs(u.entraining_velocity)
     y.load = c.load
     y.film_thickness = c.film
+    y.minimum_film_thickness = c.film
     y.squeeze_velocity = c.film_rate
     y.steady_film_thickness = c.steady_film
     y.deflection = c.deflection
@@ -262,15 +289,39 @@ def energy(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, e:
     e[2] = c.load * c.film_rate if p.film_model != FILM_IS_DRY else 0.0
 
 
-@counts_energies
-def ehl_contact() -> Component:
-    """The lubricated line contact, compliant or in adherence form."""
+def check(p: ContactParameters) -> list[str]:
+    """The film that is solved for needs a field."""
+    if p.film_model == FILM_IS_SOLVED:
+        return ["film_model = line_transient: needs a pressure field; give the structural size nodes = 301"]
+    return []
+
+
+def ehl_contact(nodes: int = 0, energies: int = 0) -> Component:
+    """The lubricated line contact, compliant or in adherence form.
+
+    `nodes` of a pressure field, which the film model line_transient needs; 0: none. With `energies` it
+    counts them. ValueError for a number of nodes that cannot be, and for both.
+    """
+    if nodes and energies:
+        raise ValueError(
+            f"nodes = {nodes}: a contact with a pressure field does not count its energies; switch the "
+            "energy ledger off"
+        )
+    if nodes:
+        return with_field(_formula_contact(), nodes)
+    return counting(_formula_contact()) if energies else _formula_contact()
+
+
+def _formula_contact() -> Component:
+    """The contact without a field."""
     inputs = Layout(ContactInputs)
     surfaces = tuple(name for name in inputs.names if name != "sliding_velocity")
     statics = ("approach", "retreat", "applied_load", "radius_of_curvature")
     rated = ("entraining_velocity", "applied_load", "radius_of_curvature", "approach", "retreat")
     friction = inputs.names
     return Component(
+        check=check,
+        structure={"nodes": 0},
         name="ehl_contact",
         description="Elastohydrodynamic finite line contact: load and film thickness",
         parameters=Layout(ContactParameters),

@@ -60,6 +60,17 @@ def wanted_scale(line_load: float, film: float, radius: float, bodies: Bodies) -
 
 
 @kernel
+def grid_scale_after(
+    time_step: float, scale: float, p: Any, h: Any, drive: Drives, bodies: Bodies, w: Workspace
+) -> float:
+    """The scale after a step: it follows the wanted one within GRID_TIME, by GRID_FACTOR at most."""
+    load = line_load_of(p, w.weight, scale)
+    wanted = wanted_scale(load, central(h), drive.flow.radius, bodies)
+    wanted = min(max(wanted, scale / GRID_FACTOR), scale * GRID_FACTOR)
+    return wanted + (scale - wanted) * math.exp(-time_step / GRID_TIME)
+
+
+@kernel
 def central(h: Any) -> float:
     """The film at x = 0 (the number of nodes is odd)."""
     return h[h.shape[0] // 2]
