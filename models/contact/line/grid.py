@@ -25,7 +25,7 @@ GROWTH = 5.0
 EDGE = 2.0
 EDGE_WIDTH = 0.2
 # Share of nodes that crowd about |X| = 1 on a sharpened grid.
-CROWD = 0.3
+CROWD = 0.6
 # Slices of the quadrature that sums up the density, to a unit of X.
 SLICES = 400
 

@@ -1,0 +1,132 @@
+"""The steady film under a given load on one grid, whatever the start.
+
+Pseudo-time continuation: implicit steps, first shorter than oil needs through the contact, then longer and
+longer, until one of infinite length leaves the steady film. A step that fails is taken again at a quarter.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ...quantities import Vector
+from ..fluid import Lubricant
+from ..hertz import deflection
+from .grid import REACH, fill_kernel_matrix, place_nodes
+from .newton import Bodies, Task, fill_film, newton
+from .reynolds import Flow
+from .transient import masses, place_film
+from .workspace import Workspace, workspace_in, workspace_size
+
+# Steps in units of the time that oil needs through the grid's scale: the first, and one that is as good as
+# infinite. By how much a step grows, after an easy and after a hard one.
+FIRST_STEP, LAST_STEP = 0.05, 1e5
+EASY_GROWTH, HARD_GROWTH, EASY_ITERATIONS = 9.0, 3.0, 4
+SHRINK = 0.25
+MOST_FAILURES = 40
+# Start of the film, relative to the expected one: thicker is safer, as the film then only flows out.
+START_FILM = 1.3
+# Elements of the matrices that a thread keeps (8 bytes each).
+HELD = 16_000_000
+
+_memory = threading.local()
+
+
+@dataclass(frozen=True)
+class Fields:
+    """A film on a grid: X in units of scale (m), pressure p (Pa), film h and approach (m)."""
+
+    mesh: Mesh
+    X: Vector
+    scale: float
+    p: Vector
+    h: Vector
+    approach: float
+    iterations: int
+
+
+class Mesh(NamedTuple):
+    """Nodes and what `place_nodes` does with them."""
+
+    nodes: int
+    reach: float = REACH
+    sharpness: float = 0.0
+
+
+def workspace(mesh: Mesh) -> Workspace:
+    """Scratch with that grid. A thread keeps some: making the largest takes longer than solving on it."""
+    held: dict[Mesh, Workspace] = _memory.__dict__.setdefault("held", {})
+    if mesh in held:
+        held[mesh] = held.pop(mesh)
+        return held[mesh]
+    while held and sum(m.nodes**2 for m in held) + mesh.nodes**2 > HELD:
+        held.pop(next(iter(held)))
+    w = workspace_in(np.zeros(workspace_size(mesh.nodes)), mesh.nodes)
+    if mesh != Mesh(mesh.nodes):
+        place_nodes(w.X, mesh.reach, mesh.sharpness)
+        fill_kernel_matrix(w.X, w.weight, w.D)
+    held[mesh] = w
+    return w
+
+
+def cold_start(
+    load: float, expected_film: float, radius: float, bodies: Bodies, scale: float, mesh: Mesh
+) -> Fields:
+    """Hertz's pressure over a film of even thickness."""
+    w = workspace(mesh)
+    p, h = np.zeros(mesh.nodes), np.zeros(mesh.nodes)
+    film = START_FILM * expected_film
+    place_film(load, film, radius, bodies, w.X, scale, p, h)
+    approach = deflection(load, radius, bodies.length, bodies.compliance) - film
+    return Fields(mesh, w.X, scale, p, h, approach, 0)
+
+
+def interpolated(start: Fields, mesh: Mesh) -> Fields:
+    """A film brought to another grid."""
+    X = workspace(mesh).X
+    p = np.interp(X, start.X, start.p)
+    h = np.exp(np.interp(X, start.X, np.log(start.h)))
+    return Fields(mesh, X, start.scale, p, h, start.approach, 0)
+
+
+def steady_on_grid(
+    start: Fields, flow: Flow, load: float, bodies: Bodies, fluid: Lubricant, at_once: bool
+) -> Fields | None:
+    """The steady film; None where none is found. `at_once`: try the infinite step first."""
+    n = start.X.size
+    w = workspace(start.mesh)
+    scale, line_load = start.scale, load / bodies.length
+    transit = scale / abs(flow.velocity)
+    p, h = start.p.copy(), start.h.copy()
+    mass = np.zeros(n)
+    step = math.inf if at_once else FIRST_STEP * transit
+    failures, iterations = 0, 0
+    approach = math.nan
+    while True:
+        masses(p, h, scale, fluid, w, mass)
+        trial_p, trial_h = p.copy(), h.copy()
+        # The approach that leaves no film thinner than the start's, though its pressure be not smooth.
+        fill_film(np.maximum(p, 0.0), 0.0, flow.radius, scale, bodies, w, trial_h)
+        guess = float(np.min(trial_h - h)) if math.isnan(approach) else approach
+        found = newton(
+            trial_p, trial_h, guess, Task(scale, 0.0, flow, line_load, step), bodies, fluid, mass, w
+        )
+        iterations += found.iterations
+        if found.error != 0.0:
+            failures += 1
+            if failures > MOST_FAILURES:
+                return None
+            step = FIRST_STEP * transit if math.isinf(step) and math.isnan(approach) else SHRINK * step
+            if math.isinf(step):
+                return None
+            continue
+        p, h, approach = trial_p, trial_h, found.approach
+        if math.isinf(step):
+            return Fields(start.mesh, start.X, scale, p, h, approach, iterations)
+        step *= EASY_GROWTH if found.iterations <= EASY_ITERATIONS else HARD_GROWTH
+        if step > LAST_STEP * transit:
+            step = math.inf

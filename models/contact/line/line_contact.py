@@ -1,0 +1,143 @@
+"""A line contact in steady motion, by its dimensions or by Moes' groups M and L."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..films.groups import Groups, groups
+from ..fluid import DENSITY_LAWS, VISCOSITY_LAWS, Lubricant
+from ..hertz import half_width, maximum_pressure
+
+# Bodies and lubricant of `moes_contact`. M and L leave them open: in Moes' groups, films depend on them only
+# through alpha, and without a viscosity law that knows pressures in Pa not even on that.
+_MODULUS, _RADIUS, _LENGTH, _VISCOSITY, _SPEED_GROUP = 2.27e11, 0.02, 0.012, 0.036, 1e-11
+ALPHA = 2.2e-8
+
+
+@dataclass(frozen=True)
+class LineContact:
+    """A line contact in steady motion, SI units.
+
+    `load` (N) on `length` (m), entraining `velocity` (m/s; mean of the surfaces', its sign the direction),
+    reduced `radius` (m), `compliance` (1/Pa) as `hertz.elastic_compliance`; the surfaces' difference of
+    velocity `sliding` (m/s) counts for lubricants with an Eyring stress. ValueError for what is no contact.
+    """
+
+    load: float
+    velocity: float
+    radius: float
+    length: float
+    compliance: float
+    lubricant: Lubricant
+    sliding: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, unit, value, remedy in (
+            ("load", "N", self.load, "a contact without load has no steady film of its own"),
+            ("radius", "m", self.radius, "give the reduced radius, 1/(1/R1 + 1/R2)"),
+            ("length", "m", self.length, "give the length over which the bodies touch"),
+            ("compliance", "1/Pa", self.compliance, "give (1 - nu1^2)/E1 + (1 - nu2^2)/E2"),
+            ("viscosity", "Pa.s", self.lubricant.viscosity, "give eta0 at the contact's temperature"),
+        ):
+            if not (math.isfinite(value) and value > 0.0):
+                raise ValueError(f"{name} = {value:g} {unit}: must be finite and > 0; {remedy}")
+        if not (math.isfinite(self.velocity) and self.velocity != 0.0):
+            raise ValueError(
+                f"velocity = {self.velocity:g} m/s: must be finite and not 0; without entrainment no film is "
+                "steady, see the transient line contact"
+            )
+        for name, unit, value in (
+            ("pressure_viscosity", "1/Pa", self.lubricant.pressure_viscosity),
+            ("eyring_stress", "Pa", self.lubricant.eyring_stress),
+        ):
+            if not (math.isfinite(value) and value >= 0.0):
+                raise ValueError(
+                    f"{name} = {value:g} {unit}: must be finite and >= 0; 0 leaves its effect out"
+                )
+        for name, unit, value in (
+            ("roelands_exponent", "", self.lubricant.roelands_exponent),
+            ("roelands_pressure", " Pa", self.lubricant.roelands_pressure),
+        ):
+            if not (math.isfinite(value) and value > 0.0):
+                raise ValueError(f"{name} = {value:g}{unit}: must be finite and > 0; or choose Barus' law")
+        if not math.isfinite(self.sliding):
+            raise ValueError(f"sliding = {self.sliding:g} m/s: must be finite; 0 is pure rolling")
+        for name, law, laws in (
+            ("viscosity_law", self.lubricant.viscosity_law, VISCOSITY_LAWS),
+            ("density_law", self.lubricant.density_law, DENSITY_LAWS),
+        ):
+            if law not in range(len(laws)):
+                raise ValueError(f"{name} = {law:g}: must be 0 to {len(laws) - 1}, for {', '.join(laws)}")
+
+    @property
+    def film_scale(self) -> float:
+        """R U_S^1/2, the unit of Moes' film (m), with U_S = 2 eta0 |u|/(E' R) and E' = 2/compliance."""
+        return self.radius * math.sqrt(2.0 * self._groups.speed)
+
+    @property
+    def M(self) -> float:
+        """Moes' load, W U_S^-1/2."""
+        return self._groups.load / math.sqrt(2.0 * self._groups.speed)
+
+    @property
+    def L(self) -> float:
+        """Moes' viscosity under pressure, alpha E' U_S^1/4; 0 where viscosity is constant."""
+        return self._groups.material * (2.0 * self._groups.speed) ** 0.25
+
+    @property
+    def half_width(self) -> float:
+        """Hertz's b (m)."""
+        return half_width(self.load, self.radius, self.length, self.compliance)
+
+    @property
+    def hertz_pressure(self) -> float:
+        """The largest pressure of the dry contact (Pa)."""
+        return maximum_pressure(self.load, self.radius, self.length, self.compliance)
+
+    @property
+    def _groups(self) -> Groups:
+        constant = VISCOSITY_LAWS[int(self.lubricant.viscosity_law)] == "constant"
+        alpha = 0.0 if constant else self.lubricant.pressure_viscosity
+        return groups(
+            2.0 / self.compliance, self.load, abs(self.velocity), self.radius, self.length,
+            self.lubricant.viscosity, alpha,
+        )  # fmt: skip
+
+
+def moes_contact(
+    M: float, L: float, viscosity_law: str = "roelands", density_law: str = "dowson_higginson",
+    pressure_viscosity: float = ALPHA,
+) -> LineContact:  # fmt: skip
+    """Some line contact with these groups; L = 0: constant viscosity and density.
+
+    The laws of viscosity and density know pressures in Pa, so that alpha (1/Pa) counts beside M and L.
+    """
+    for name, value, allowed in (("M", M, M > 0.0), ("L", L, L >= 0.0)):
+        if not (math.isfinite(value) and allowed):
+            raise ValueError(f"{name} = {value:g}: must be finite and {'> 0' if name == 'M' else '>= 0'}")
+    for name, law, laws in (
+        ("viscosity_law", viscosity_law, VISCOSITY_LAWS),
+        ("density_law", density_law, DENSITY_LAWS),
+    ):
+        if law not in laws:
+            raise ValueError(f"{name} = {law!r}: must be one of {', '.join(laws)}")
+    if not (math.isfinite(pressure_viscosity) and pressure_viscosity > 0.0):
+        raise ValueError(f"pressure_viscosity = {pressure_viscosity:g} 1/Pa: must be finite and > 0")
+    if L == 0.0:
+        viscosity_law, density_law, speed_group = "constant", "constant", _SPEED_GROUP
+    else:
+        speed_group = (L / (pressure_viscosity * _MODULUS)) ** 4
+    return LineContact(
+        load=M * math.sqrt(speed_group) * _MODULUS * _RADIUS * _LENGTH,
+        velocity=0.5 * speed_group * _MODULUS * _RADIUS / _VISCOSITY,
+        radius=_RADIUS,
+        length=_LENGTH,
+        compliance=2.0 / _MODULUS,
+        lubricant=Lubricant(
+            _VISCOSITY,
+            pressure_viscosity,
+            float(VISCOSITY_LAWS.index(viscosity_law)),
+            float(DENSITY_LAWS.index(density_law)),
+        ),
+    )

@@ -1,0 +1,308 @@
+"""The steady line contact under a given load: any speed, load and viscosity, to an accuracy that is measured.
+
+The film is found on a series of grids, each with twice the nodes of the one before. The changes from grid to
+grid say how large the error is; a result whose error is larger than asked for is never returned in silence.
+Grids grow sharper about the edges of heavily loaded contacts, whose films form in a narrow inlet, and wider
+where films are thick against the flattening, since they draw their oil from far away.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...quantities import Vector
+from ..films.moes_venner import moes_film
+from .fixed_grid import Fields, Mesh, cold_start, interpolated, steady_on_grid, workspace
+from .grid import REACH
+from .line_contact import LineContact
+from .newton import Bodies, line_load_of
+from .reynolds import Flow
+from .transient import central, least, wanted_scale
+
+# Nodes of the series; with the most, a matrix takes 46 megabytes.
+COARSEST, FINEST = 151, 2401
+FEWEST_NODES, FEWEST_COMPARED = 51, 25
+# Relative error of the films that is allowed if nothing is said, and the share of it for the missing inlet.
+TOLERANCE = 2e-3
+STARVED_SHARE = 0.25
+MOST_REACH = 320.0
+# Inlets that are narrower than this, in half widths, get a sharper grid; it resolves half their width.
+NARROW_INLET = 0.25
+# Roache's factor (1998) of an error that is estimated from three grids or more.
+SAFETY = 1.25
+# First yield of a line contact is at a largest pressure of 1.67 times the yield stress in tension, by Tresca
+# (Johnson, Contact Mechanics, 1985, section 4.2), here of hardened bearing steel, some 1.2 GPa.
+ELASTIC_LIMIT = 1.67 * 1.2e9
+# The second peak rises by more than this share of the largest pressure above the valley before it.
+PEAK_SHARE = 1e-3
+
+
+class LineContactError(RuntimeError):
+    """No film to the accuracy asked for."""
+
+
+class LineContactWarning(UserWarning):
+    """A film outside the validity of its model, or less accurate than asked for."""
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A local maximum of the pressure (Pa) at x (m)."""
+
+    x: float
+    pressure: float
+
+
+@dataclass(frozen=True)
+class SteadyFilm:
+    """The film on the finest grid of the series, SI units; x points in the direction of positive velocity.
+
+    `mesh_error`: of central and minimum film, relative, by the changes along the series (of one grid: inf).
+    `starvation`: the share of the load that oil from beyond the grid would carry, at most. `load_error`:
+    relative. `series`: nodes, central and minimum film of each grid.
+    """
+
+    contact: LineContact
+    x: Vector
+    pressure: Vector
+    film: Vector
+    approach: float
+    central_film: float
+    minimum_film: float
+    load_error: float
+    mesh_error: float
+    starvation: float
+    nodes_on_half_width: float
+    iterations: int
+    series: tuple[tuple[int, float, float], ...]
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def nodes(self) -> int:
+        return self.x.size
+
+    @property
+    def maximum_pressure(self) -> float:
+        """Pa."""
+        return float(np.max(self.pressure))
+
+    @property
+    def second_peak(self) -> Peak | None:
+        """The pressure spike before the outlet; None where there is none."""
+        ahead = 1 if self.contact.velocity > 0.0 else -1
+        p, x = self.pressure[::ahead], self.x[::ahead]
+        # From the outlet upstream: the first maximum, and whether pressure falls before it rises further.
+        highest = float(np.max(p))
+        last = int(np.flatnonzero(p > 0.0)[-1])
+        while last > 0 and p[last - 1] >= p[last]:
+            last -= 1
+        valley = last
+        while valley > 0 and p[valley - 1] <= p[valley]:
+            valley -= 1
+        if p[last] - p[valley] <= PEAK_SHARE * highest or np.max(p[: valley + 1]) <= p[valley]:
+            return None
+        return Peak(float(x[last]), float(p[last]))
+
+    @property
+    def H_central(self) -> float:
+        """Central film in Moes' unit, R U_S^1/2."""
+        return self.central_film / self.contact.film_scale
+
+    @property
+    def H_minimum(self) -> float:
+        """Minimum film in Moes' unit."""
+        return self.minimum_film / self.contact.film_scale
+
+
+def solve_steady(
+    contact: LineContact,
+    tolerance: float = TOLERANCE,
+    nodes: int | None = None,
+    elastic_limit: float = ELASTIC_LIMIT,
+) -> SteadyFilm:
+    """The film under the contact's load, central and minimum film right to `tolerance` (relative).
+
+    LineContactError where no grid up to FINEST nodes gives that. With `nodes` (odd) the finest grid is given;
+    where it is too coarse, a LineContactWarning says so, as for a pressure above `elastic_limit` (Pa, beyond
+    which bodies of that material yield); they are in the result's `warnings` too.
+    """
+    _check(tolerance, nodes, elastic_limit)
+    reach, starvation = _reach(contact, tolerance)
+    sharpness = _sharpness(contact)
+    found: list[Fields] = []
+    error = math.inf
+    for n in _series(nodes):
+        fields = _on(Mesh(n, reach, sharpness), contact, found)
+        if fields is None:
+            found.clear()
+            continue
+        found.append(fields)
+        error = _mesh_error(found)
+        if nodes is None and len(found) > 2 and error + starvation <= tolerance:
+            break
+    if not found:
+        raise LineContactError(
+            f"M = {contact.M:.4g}, L = {contact.L:.4g}: no film found on {_series(nodes)[-1]} nodes; "
+            + (
+                "leave `nodes` out"
+                if nodes
+                else "the contact is outside the range of this solver, M <= 1000 and L <= 20"
+            )
+        )
+    film = _film(contact, found, error, starvation)
+    faults = _faults(film, tolerance)
+    if nodes is None and faults:
+        raise LineContactError(f"M = {contact.M:.4g}, L = {contact.L:.4g}: {'; '.join(faults)}")
+    return _warned(film, faults, elastic_limit)
+
+
+def _check(tolerance: float, nodes: int | None, elastic_limit: float) -> None:
+    if not 0.0 < tolerance < 1.0:
+        raise ValueError(f"tolerance = {tolerance:g}: must be > 0 and < 1; it is the films' relative error")
+    if nodes is not None and not (FEWEST_NODES <= nodes <= 2 * FINEST and nodes % 2 == 1):
+        raise ValueError(
+            f"nodes = {nodes}: must be odd and from {FEWEST_NODES} to {2 * FINEST}; leave it out to have as "
+            "many as the tolerance needs"
+        )
+    if not elastic_limit > 0.0:
+        raise ValueError(
+            f"elastic_limit = {elastic_limit:g} Pa: must be > 0; inf for bodies that never yield"
+        )
+
+
+def _series(nodes: int | None) -> Sequence[int]:
+    """Nodes of the grids, each about twice the one before."""
+    if nodes is None:
+        series = [COARSEST]
+        while series[-1] < FINEST:
+            series.append(2 * series[-1] - 1)
+        return series
+    series = [nodes]
+    while len(series) < 3 and series[0] // 4 * 2 + 1 >= FEWEST_COMPARED:
+        series.insert(0, series[0] // 4 * 2 + 1)
+    return series
+
+
+def _reach(contact: LineContact, tolerance: float) -> tuple[float, float]:
+    """How far the grid reaches, in its scale, and the share of the load that is missing with it at most.
+
+    Beyond |x| = X the gap is about x^2/(2R); oil from there would raise the pressure at -X by
+    16 eta0 u R^2/X^3, and with it the load by 24 eta0 u R^2/X^2.
+    """
+    scale = _scale(contact)
+    missing = 24.0 * contact.lubricant.viscosity * abs(contact.velocity) * (contact.radius / scale) ** 2
+    missing /= contact.load / contact.length
+    reach = REACH
+    while missing / reach**2 > STARVED_SHARE * tolerance and reach < MOST_REACH:
+        reach *= 2.0
+    return reach, missing / reach**2
+
+
+def _scale(contact: LineContact) -> float:
+    bodies = Bodies(contact.compliance, contact.length)
+    return wanted_scale(contact.load / contact.length, _expected(contact), contact.radius, bodies)
+
+
+def _expected(contact: LineContact) -> float:
+    return contact.film_scale * moes_film(contact.M, contact.L)
+
+
+def _inlet(contact: LineContact) -> float:
+    """Width of the zone in which the film forms, in half widths: where the gap of the dry contact, some
+    (b^2/2R) (s/b)^(3/2) at a distance s from the edge, is as the film."""
+    return (2.0 * contact.radius * _expected(contact) / contact.half_width**2) ** (2.0 / 3.0)
+
+
+def _sharpness(contact: LineContact) -> float:
+    """Sharpness of the grid, a power of two, so that contacts share grids."""
+    width = _inlet(contact)
+    return 2.0 ** round(math.log2(2.0 / width)) if width < NARROW_INLET else 0.0
+
+
+def _on(mesh: Mesh, contact: LineContact, found: Sequence[Fields]) -> Fields | None:
+    """The film on that grid, from the one before or from none."""
+    bodies = Bodies(contact.compliance, contact.length)
+    flow = Flow(contact.velocity, contact.sliding, contact.radius)
+    if found:
+        start = interpolated(found[-1], mesh)
+        fields = steady_on_grid(start, flow, contact.load, bodies, contact.lubricant, at_once=True)
+        if fields is not None:
+            return fields
+    start = cold_start(contact.load, _expected(contact), contact.radius, bodies, _scale(contact), mesh)
+    return steady_on_grid(start, flow, contact.load, bodies, contact.lubricant, at_once=False)
+
+
+def _mesh_error(found: Sequence[Fields]) -> float:
+    """Relative error of the last grid's films: what all further grids would change if the changes go on to
+    shrink as they did (to a half at most, to a quarter at least: order one to two), times SAFETY."""
+    if len(found) < 2:
+        return math.inf
+    worst = 0.0
+    for film in (central, least):
+        values = [film(fields.h) for fields in found[-3:]]
+        change = abs(values[-1] - values[-2])
+        shrunk = 2.0
+        if len(values) > 2 and change > 0.0:
+            shrunk = min(max(abs(values[-2] - values[-3]) / change, 2.0), 4.0)
+        worst = max(worst, SAFETY * change / (shrunk - 1.0) / values[-1])
+    return worst
+
+
+def _nodes_on_half_width(contact: LineContact, fields: Fields) -> float:
+    return float(np.count_nonzero(np.abs(fields.X * fields.scale) < contact.half_width)) / 2.0
+
+
+def _film(contact: LineContact, found: Sequence[Fields], error: float, starvation: float) -> SteadyFilm:
+    last = found[-1]
+    carried = line_load_of(last.p, workspace(last.mesh).weight, last.scale) * contact.length
+    return SteadyFilm(
+        contact=contact,
+        x=last.X * last.scale,
+        pressure=last.p,
+        film=last.h,
+        approach=last.approach,
+        central_film=float(central(last.h)),
+        minimum_film=float(least(last.h)),
+        load_error=abs(carried / contact.load - 1.0),
+        mesh_error=error,
+        starvation=starvation,
+        nodes_on_half_width=_nodes_on_half_width(contact, last),
+        iterations=sum(fields.iterations for fields in found),
+        series=tuple((f.mesh.nodes, float(central(f.h)), float(least(f.h))) for f in found),
+    )
+
+
+def _faults(film: SteadyFilm, tolerance: float) -> list[str]:
+    """Why the film is less accurate than asked for."""
+    faults = []
+    if film.mesh_error > tolerance:
+        size = f"{film.mesh_error:.2g}" if math.isfinite(film.mesh_error) else "not known"
+        faults.append(
+            f"{film.nodes} nodes ({film.nodes_on_half_width:.0f} on the half width) are too coarse: the "
+            f"film's error is {size}, more than {tolerance:g}; take more nodes, or allow a larger tolerance"
+        )
+    if film.starvation > tolerance:
+        faults.append(
+            f"the inlet is too short: oil from beyond it would carry {film.starvation:.2g} of the load, more "
+            f"than {tolerance:g}; allow a larger tolerance, or use Martin's film of rigid bodies, H = 2.45/M"
+        )
+    return faults
+
+
+def _warned(film: SteadyFilm, faults: list[str], elastic_limit: float) -> SteadyFilm:
+    """The film with its warnings, which are given."""
+    if film.maximum_pressure > elastic_limit:
+        faults = [
+            *faults,
+            f"the pressure reaches {film.maximum_pressure:.3g} Pa, above the elastic limit of "
+            f"{elastic_limit:.3g} Pa: bodies of that material yield; lower the load, or set elastic_limit to "
+            "the material's",
+        ]
+    for fault in faults:
+        warnings.warn(fault, LineContactWarning, stacklevel=3)
+    return replace(film, warnings=tuple(faults))
