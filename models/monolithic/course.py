@@ -5,7 +5,7 @@ Method A of the reference alone. It has no uncertainty of its own and is no refe
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,12 +20,16 @@ from .reference import checked_times, observe, stiffness
 
 @dataclass(frozen=True)
 class Course:
-    """States, inputs and outputs of all instances at `times`; the rows are instants."""
+    """Inputs and outputs of all instances at `times`; the rows are instants.
+
+    `states` of those that are ODEs, by name; `rates` of the outputs, where they are known.
+    """
 
     times: Vector
-    state: Vector
+    states: Mapping[str, Vector]
     inputs: Vector
     outputs: Vector
+    rates: Vector | None = None
 
 
 def course(
@@ -43,4 +47,5 @@ def course(
     stiff, longest = stiffness(problem, start, z0, times)
     states, _ = march(problem, Cvode(problem, tolerance, stiff, longest), z0, start, times, progress)
     inputs, outputs, _ = observe(problem, times, states)
-    return Course(times, np.asarray(states[:, : system.state.size]), inputs, outputs)
+    by_name = {name: np.asarray(states[:, system.state.of(name)]) for name in system.instances}
+    return Course(times, by_name, inputs, outputs)

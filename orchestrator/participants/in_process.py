@@ -112,8 +112,11 @@ class InProcessParticipant:
         if self._rated:
             self._fill_rates()
 
-    def _fill_rates(self) -> None:
+    def _rate(self) -> None:
         self._component.flat_rates(self._t, self._x, self._u, self._du, self._p, self._rates_work, self._yd)
+
+    def _fill_rates(self) -> None:
+        self._rate()
         if self._given.size == self._rates.size:
             np.take(self._yd, self._output_index, out=self._rates)
         else:
@@ -122,6 +125,12 @@ class InProcessParticipant:
     def read_all(self, values: Vector) -> None:
         self._refresh()
         values[:] = self._y
+
+    def state_and_rates(self) -> tuple[Vector, Vector]:
+        """The states, and the rates of all outputs with the inputs' slopes in effect; shared memory."""
+        self._refresh()
+        self._rate()
+        return self._x, self._yd
 
     def save(self) -> Saved:
         return self._t, self._x.copy(), self._u.copy(), self._du.copy(), self._y.copy(), self._stale

@@ -36,8 +36,8 @@ class Equations:
                 f"{name}: {self._instance.component.name} has no form as ordinary differential equations to "
                 "linearise; linearise it by its responses (--responses)"
             )
-        self._state, self._inputs = system.state.of(name), system.inputs.of(name)
+        self._name, self._inputs = name, system.inputs.of(name)
 
     def about(self, course: Course, row: int, outputs: Collection[str]) -> Linear:
-        x, u = course.state[row][self._state], course.inputs[row][self._inputs]
+        x, u = course.states[self._name][row], course.inputs[row][self._inputs]
         return linearised(self._instance, float(course.times[row]), x, u, outputs)

@@ -50,6 +50,9 @@ class Responses:
         component = system.instances[name].component
         self.name, self._participant, self._spacing = name, participant, spacing
         self._layouts = component.inputs, component.outputs
+        self._instead = ""
+        if component.ode:
+            self._instead = ", or analyse the component in its place (participant = 'in-process')"
         targets = {c.target.variable for c in system.connections if c.target.instance == name}
         self._fed = [n for n in component.inputs.names if n in targets]
         self._shown = [f.name for f in component.outputs.fields if not f.quantity.discrete]
@@ -78,8 +81,7 @@ class Responses:
         if found.residual > USELESS:
             raise NotLinearError(
                 f"{self.name}: its responses at t = {t:.6g} s are no linear system's (residual "
-                f"{found.residual:.0%}); shorten macro_step, by which they are sampled, or analyse the "
-                "component in its place (participant = 'in-process')"
+                f"{found.residual:.0%}); shorten macro_step, by which they are sampled{self._instead}"
             )
         self.residuals[t] = found.residual
         self.held = [n for n, rate in zip(self._fed, taken[1], strict=True) if not rate]
@@ -170,8 +172,8 @@ class Responses:
         if best is None:
             said = f": {failed}" if failed else ""
             raise ModelError(
-                f"{self.name}: no answer to small changes of {self._fed[j]} at t = {t:.6g} s{said}; analyse "
-                "the component in its place (participant = 'in-process')"
+                f"{self.name}: no answer to small changes of {self._fed[j]} at t = {t:.6g} s{said}; shorten "
+                f"macro_step, by which it is sampled{self._instead}"
             )
         return best[1], best[0], best[2]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from models.monolithic.course import Course
 from models.quantities import Vector
-from models.system import System
+from models.system import Port, System
 
 # Twelve times the derivatives at the first two of five points.
 ENDS = np.array([[-25.0, 48.0, -36.0, 16.0, -3.0], [-3.0, -10.0, 18.0, -6.0, 1.0]])
@@ -27,6 +27,17 @@ def rates_along(course: Course, system: System) -> Vector:
     A signal has the rates that participants give. Differences of the values would smooth what has a corner,
     as the film where its entrainment reverses, and a cubic misses a corner of itself by much less.
     """
+    found = _given(course, system) if course.rates is None else course.rates.copy()
+    for name, instance in system.instances.items():
+        for variable in instance.component.unrated:
+            column = system.outputs.index(Port(name, variable))
+            interval = float(course.times[1] - course.times[0])
+            found[:, column] = slopes(course.outputs[:, [column]])[:, 0] / interval
+    return np.asarray(np.nan_to_num(found))
+
+
+def _given(course: Course, system: System) -> Vector:
+    """By the components, from their states."""
     found = np.zeros_like(course.outputs)
     driven = np.zeros_like(course.inputs)
     # Loops through direct feedthrough are cut: once more gives what was assumed to be at rest.
@@ -36,15 +47,12 @@ def rates_along(course: Course, system: System) -> Vector:
         c, inputs = instance.component, system.inputs.of(name)
         x, u, du = (
             np.ascontiguousarray(part)
-            for part in (course.state[:, system.state.of(name)], course.inputs[:, inputs], driven[:, inputs])
+            for part in (course.states[name], course.inputs[:, inputs], driven[:, inputs])
         )
         p, work = c.parameters.vector(instance.parameters), np.zeros(c.rates_work_size)
         rates = np.zeros((len(course.times), c.outputs.size))
         give = c.flat_rates
         for k, t in enumerate(course.times):
             give(t, x[k], u[k], du[k], p, work, rates[k])
-        for name in c.unrated:
-            place = c.outputs.index(name)
-            rates[:, place] = slopes(course.outputs[:, own][:, place]) / (course.times[1] - course.times[0])
         found[:, own] = np.nan_to_num(rates)
     return found

@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from models.monolithic.course import Course, course
+from models.monolithic.course import Course
 from models.system import Port, System, parse_port
 
 from ..masters import MASTERS, Master
 from ..scenario import Scenario
 from ..signals import DEGREES
 from .behaviour import RATIO, Behaviour, Benches, bisected, hardest, largest_stable
+from .course import course_of
 from .error import Sampled, predicted, sampled
 from .findings import Survey, Surveyed
 from .linearisation import Linearisation
@@ -59,7 +60,7 @@ def survey(
     )
     interval = step / FINER
     count = min(INSTANTS, round(scenario.stop_time / interval))
-    where = course(
+    where = course_of(
         system, np.arange(count + 1) * np.float64(interval), COURSE_TOLERANCE, lambda s: progress(0.2 * s)
     )
     rows = np.linspace(0, count, POINTS, endpoint=False).astype(int)

@@ -1,0 +1,138 @@
+"""A component that only its own steps move: analysed by its responses, refused by solvers of ODEs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.catalogue import CATALOGUE
+from models.component import Component
+from models.system import ModelError
+from orchestrator.assembly import Builder, system_of
+from orchestrator.report import Reporter
+from orchestrator.run import run
+from orchestrator.scenario import Scenario, scenario_of
+from orchestrator.stability.course import course_of
+from orchestrator.stability.linearisation import Equations
+from orchestrator.stability.responses import Responses
+from orchestrator.stability.slopes import rates_along
+from orchestrator.stability.sources import linearisations
+from orchestrator.stability.survey import survey
+from tests.models.fluid_layer import fluid_layer
+
+from .dragged import LINES, SPRING, START, dragged
+
+SHEETS = 5
+
+
+def stepped_layer(sheets: int = SHEETS) -> Component:
+    """The layer, as if its sheets had no differential equations."""
+    return replace(fluid_layer(sheets), ode=False)
+
+
+@pytest.fixture(autouse=True)
+def catalogued(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(CATALOGUE, "fluid_layer", fluid_layer)  # type: ignore[arg-type]
+    monkeypatch.setitem(CATALOGUE, "stepped_layer", stepped_layer)  # type: ignore[arg-type]
+
+
+def scenario(layer: str, **changes: object) -> Scenario:
+    own = {"participant": "in-process"}
+    tables = {
+        "name": "dragged",
+        "stop_time": 10e-3,
+        "macro_step": 4e-4,
+        "tolerance": {"plate.position": 1e-3},
+        "start": "given",
+        "components": {
+            "plate": {"component": "sprung_mass", "parameters": SPRING, "start": START, **own},
+            "layer": {"component": layer, "structure": {"sheets": SHEETS}, **own},
+        },
+        "connections": [f"{source} -> {target}" for source, target in LINES],
+    }
+    return scenario_of(tables | changes)
+
+
+def never(name: str, structure: object) -> Path:
+    raise AssertionError(f"{name} is in process")
+
+
+BUILD: Builder = never
+
+
+def test_the_course_of_a_coupled_system_is_that_of_its_equations() -> None:
+    """Outputs and rates. The layer's steps of 10 us are of second order: 5e-10 of its force."""
+    times, quiet = np.arange(401) * 1e-5, lambda share: None
+    equations, steps = dragged(SHEETS), dragged(SHEETS, {"ode": False})
+    one, other = course_of(equations, times, 1e-13, quiet), course_of(steps, times, 1e-13, quiet)
+    assert list(other.states) == ["plate"]
+    names = ["plate.position", "plate.velocity", "layer.force"]
+    columns = [equations.outputs.names.index(name) for name in names]
+    for first, second in (
+        (one.outputs, other.outputs),
+        (rates_along(one, equations), rates_along(other, steps)),
+    ):
+        size = np.abs(first[:, columns]).max(axis=0)
+        assert np.all(np.abs(first - second)[:, columns].max(axis=0) <= 1e-9 * size)
+
+
+def test_rates_that_a_component_does_not_give_are_taken_from_its_course() -> None:
+    """By differences of fourth order."""
+    times, quiet = np.arange(401) * 1e-5, lambda share: None
+    rated, unrated = dragged(SHEETS), dragged(SHEETS, {"unrated": ("force",)})
+    column = rated.outputs.names.index("layer.force")
+    rates = [rates_along(course_of(s, times, 1e-11, quiet), s)[:, column] for s in (rated, unrated)]
+    # (w h)^4/30 of it, with w = 447/s and rounding of the solver's 1e-11 over the interval of 1e-5 s.
+    assert np.abs(rates[0] - rates[1]).max() < 1e-5 * np.abs(rates[0]).max()
+
+
+def test_a_survey_goes_by_the_responses_of_what_has_no_equations() -> None:
+    """And finds what one by the equations finds: the limit of stability, and the error at the step."""
+    found = []
+    for layer in ("fluid_layer", "stepped_layer"):
+        one = scenario(layer)
+        system = system_of(one)
+        with linearisations(one, system, None) as sources:
+            kinds = {name: type(source) for name, source in sources.items()}
+            found.append(survey(one, system, made=sources).own)
+        assert kinds == {"plate": Equations, "layer": Equations if layer == "fluid_layer" else Responses}
+    # Responses are a linear system's to 1e-2 at worst (DOUBTFUL).
+    assert found[1].limit == pytest.approx(found[0].limit, rel=1e-2)
+    error = [own.errors[4e-4]["plate.position"] for own in found]
+    assert error[1] == pytest.approx(error[0], rel=1e-2)
+
+
+def test_equations_of_a_component_that_has_none_are_refused() -> None:
+    with pytest.raises(ModelError, match=r"layer: fluid_layer has no form .* by its responses"):
+        Equations(dragged(changes={"ode": False}), "layer")
+
+
+def test_a_reference_that_cannot_be_solved_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with pytest.raises(
+        ModelError, match=r"layer: fluid_layer with sheets = 5 .* \(reference\.enabled = false\)"
+    ):
+        run(scenario("stepped_layer"), out, BUILD, Reporter(), figures=False)
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("samples", [True, False])
+def test_a_run_without_reference_ends_with_its_ledger(
+    tmp_path: Path, samples: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For which a component that takes no samples is estimated."""
+
+    def made(sheets: int = SHEETS) -> Component:
+        return replace(stepped_layer(sheets), samples=samples)
+
+    name = f"layer_{samples}"
+    monkeypatch.setitem(CATALOGUE, name, made)  # type: ignore[arg-type]
+    one = scenario(name, reference={"enabled": False}, energy={"ledger": True})
+    summary = run(one, tmp_path / "out", BUILD, Reporter(), figures=False)
+    assert summary.complete, summary.message
+    bond = summary.energy.bonds["layer.force * plate.velocity"]
+    assert bond.estimated == ([] if samples else ["layer"])
+    assert bond.taken != 0.0
