@@ -22,9 +22,9 @@ from ..quantities import Layout, Quantity, Vector
 from .films import FILMS, film_by_number
 from .films.groups import groups
 from .fluid import DENSITY_LAWS, VISCOSITY_LAWS
-from .friction import fluid_share, viscous_shear_stress
 from .hertz import deflection, elastic_compliance, elastic_energy, half_width, load_of, maximum_pressure
 from .line.field import with_field
+from .mixed_lubrication import mixed_lubrication
 
 # Ranges of the groups in the regression behind K (10) (K Table 3), with E = pi / compliance.
 TABLE_3 = {
@@ -83,7 +83,7 @@ class ContactParameters:
         Quantity("N", "load at which the damping is c; it grows with the load", nominal=500.0, positive=True),
     ] = 450.0
     viscosity_law: Annotated[
-        float, Quantity("1", "viscosity under pressure (line_transient)", choices=VISCOSITY_LAWS)
+        float, Quantity("1", "viscosity under pressure (friction, line_transient)", choices=VISCOSITY_LAWS)
     ] = 0.0
     density_law: Annotated[
         float, Quantity("1", "density under pressure (line_transient)", choices=DENSITY_LAWS)
@@ -95,7 +95,7 @@ class ContactParameters:
         float, Quantity("Pa", "pressure p_r of Roelands' law", nominal=1e8, positive=True)
     ] = 1.96e8
     eyring_stress: Annotated[
-        float, Quantity("Pa", "Eyring stress of the film (line_transient); 0: Newtonian", minimum=0.0)
+        float, Quantity("Pa", "Eyring stress tau_0 of the film; 0: Newtonian", nominal=1e6, minimum=0.0)
     ] = 0.0
     field_tolerance: Annotated[
         float,
@@ -104,11 +104,23 @@ class ContactParameters:
     roughness: Annotated[
         float, Quantity("m", "composite rms roughness", nominal=1e-7, positive=True, display_unit="um")
     ] = 0.2e-6
+    roughness_parameter: Annotated[
+        float, Quantity("1", "density x radius x rms of asperities", nominal=0.05, positive=True)
+    ] = 0.05
+    asperity_slope: Annotated[
+        float, Quantity("1", "rms over radius of asperities", nominal=1e-3, positive=True)
+    ] = 1e-3
     boundary_friction_coefficient: Annotated[
-        float, Quantity("1", "friction coefficient of asperities", nominal=0.1, minimum=0.0)
+        float, Quantity("1", "friction coefficient mu_b of asperities", nominal=0.1, minimum=0.0)
     ] = 0.1
+    boundary_shear_stress: Annotated[
+        float, Quantity("Pa", "shear stress tau_b of real contact besides", nominal=1e6, minimum=0.0)
+    ] = 0.0
+    limiting_shear_stress: Annotated[
+        float, Quantity("Pa", "limiting shear stress tau_L0 at no pressure", nominal=1e6, minimum=0.0)
+    ] = 2e6
     limiting_shear_coefficient: Annotated[
-        float, Quantity("1", "limiting shear stress over mean pressure", nominal=0.1, minimum=0.0)
+        float, Quantity("1", "growth gamma of the limit with pressure", nominal=0.1, minimum=0.0)
     ] = 0.07
 
 
@@ -166,10 +178,12 @@ class ContactOutputs:
         float, Quantity("Pa", "largest Hertz pressure p0", nominal=1e8, display_unit="MPa")
     ] = 0.0
     friction_force: Annotated[
-        float, Quantity("N", "friction of surface 2 on 1, against its sliding (estimate)", nominal=10.0)
+        float, Quantity("N", "friction of surface 2 on 1, against its sliding", nominal=10.0)
     ] = 0.0
     viscous_friction: Annotated[float, Quantity("N", "viscous share of the friction", nominal=10.0)] = 0.0
     boundary_friction: Annotated[float, Quantity("N", "boundary share of the friction", nominal=10.0)] = 0.0
+    asperity_load: Annotated[float, Quantity("N", "load W_a on asperities", nominal=10.0)] = 0.0
+    film_ratio: Annotated[float, Quantity("1", "film under the fluid's share over roughness")] = 0.0
     damping_margin: Annotated[
         float, Quantity("1", "1 + c delta'/W_ref: where it is negative the damping takes the whole load")
     ] = 0.0
@@ -259,16 +273,12 @@ def output(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, y:
     load = max(0.0, c.load)
     y.half_width = half_width(load, radius, p.length, c.compliance)
     y.maximum_pressure = maximum_pressure(load, radius, p.length, c.compliance)
-    mean_pressure = math.pi / 4.0 * y.maximum_pressure
-    share = fluid_share(c.film / p.roughness)
-    stress = viscous_shear_stress(
-        p.viscosity, p.pressure_viscosity, mean_pressure, u.sliding_velocity, c.film,
-        p.limiting_shear_coefficient,
-    )  # fmt: skip
-    direction = 1.0 if u.sliding_velocity > 0.0 else (-1.0 if u.sliding_velocity < 0.0 else 0.0)
-    y.viscous_friction = direction * share * stress * 2.0 * y.half_width * p.length
-    y.boundary_friction = direction * (1.0 - share) * p.boundary_friction_coefficient * load
-    y.friction_force = y.viscous_friction + y.boundary_friction
+    mixed = mixed_lubrication(load, c.film, y.half_width, c.compliance, u, p)
+    y.asperity_load = mixed.asperity_load
+    y.film_ratio = mixed.film / p.roughness
+    y.viscous_friction = mixed.viscous_friction
+    y.boundary_friction = mixed.boundary_friction
+    y.friction_force = mixed.viscous_friction + mixed.boundary_friction
     y.damping_margin = c.damping_margin
     y.separated = 1.0 if c.load <= 0.0 else 0.0
     g = groups(math.pi / c.compliance, load, speed, radius, p.length, p.viscosity, p.pressure_viscosity)
@@ -340,6 +350,8 @@ def _formula_contact() -> Component:
             "maximum_pressure": surfaces,
             "friction_force": friction,
             "viscous_friction": friction,
+            "asperity_load": surfaces,
+            "film_ratio": surfaces,
             "boundary_friction": friction,
             "damping_margin": surfaces,
             "separated": surfaces,

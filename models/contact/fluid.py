@@ -7,7 +7,7 @@ Laws of density: Dowson and Higginson, rho/rho0 = (0.59e9 + 1.34 p)/(0.59e9 + p)
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..kernel import kernel
 
@@ -39,6 +39,15 @@ class Lubricant(NamedTuple):
     roelands_exponent: float = 0.68
     roelands_pressure: float = 1.96e8
     eyring_stress: float = 0.0
+
+
+@kernel
+def lubricant_of(p: Any) -> Lubricant:
+    """The lubricant of a contact's parameters."""
+    return Lubricant(
+        p.viscosity, p.pressure_viscosity, p.viscosity_law, p.density_law, p.roelands_exponent,
+        p.roelands_pressure, p.eyring_stress,
+    )  # fmt: skip
 
 
 @kernel

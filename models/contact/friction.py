@@ -1,37 +1,126 @@
-"""Estimate of the friction in a mixed-lubricated line contact.
+"""Friction of a mixed-lubricated line contact: shear of the film, and boundary friction of asperities.
 
-An estimate: isothermal Newtonian shear of a film of uniform thickness under the mean Hertz pressure,
-limited by a share of that pressure, and boundary friction where the film is of the order of the
-roughness. The share of the load that the film carries is the fit of Zhu and Hu (2001) as Castro and
-Seabra (2007) use it, f = 1.21 L^0.64 / (1 + 0.37 L^1.26), L = h / roughness, 1 from L = 2 on.
+The film, sheared at u_s/h, resists by its viscosity eta(p), as Eyring's fluid if it has an Eyring stress
+tau_0 (Johnson and Tevaarwerk 1977), and at most by a limiting stress:
+
+    tau = eta u_s/h   or   tau = tau_0 asinh(eta u_s/(tau_0 h)),   |tau| <= tau_L0 + gamma p
+
+The asperities add mu_b W_a + tau_b A_c (real area A_c). Isothermal; only sliding resists, the pressure flow's
+rolling friction is left out.
 """
 
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from ..kernel import kernel
+from .asperities import Asperities, asperity_pressure, real_area_share, separation_of
+from .fluid import Lubricant, viscosity_at
+from .sharing import Sharing
+
+# Gauss-Legendre points for the angle in x = b sin(angle), where a Hertzian contact's integrand is smooth.
+_POINTS = 12
+_LEGENDRE, _WEIGHTS = np.polynomial.legendre.leggauss(_POINTS)
+_COSINES = np.cos(0.25 * math.pi * (_LEGENDRE + 1.0))
+_WEIGHTS = 0.25 * math.pi * _WEIGHTS * _COSINES
+
+
+class Traction(NamedTuple):
+    """Limiting stress tau_L0 + gamma p (Pa) and boundary friction mu_b W_a + tau_b A_c (tau_b in Pa)."""
+
+    limiting_stress: float = 2e6
+    limiting_coefficient: float = 0.07
+    boundary_coefficient: float = 0.1
+    boundary_stress: float = 0.0
+
+
+class Friction(NamedTuple):
+    """Forces on surface 2 along its sliding past by surface 1 (N): signs as the sliding velocity."""
+
+    viscous: float
+    boundary: float
 
 
 @kernel
-def fluid_share(film_ratio: float) -> float:
-    """Share of the load that the film carries, from 0 (dry) to 1 (film ratio 2 and more)."""
-    if film_ratio >= 2.0:
-        return 1.0
-    if film_ratio <= 0.0:
+def shear_stress(
+    pressure: float, velocity: float, film: float, fluid: Lubricant, traction: Traction
+) -> float:
+    """tau in Pa, with the sign of the sliding velocity u_s (m/s); 0 without film."""
+    if film <= 0.0 or velocity == 0.0:
         return 0.0
-    return min(1.0, 1.21 * film_ratio**0.64 / (1.0 + 0.37 * film_ratio**1.26))
+    limit = traction.limiting_stress + traction.limiting_coefficient * pressure
+    stress = viscosity_at(pressure, fluid) * abs(velocity) / film
+    if fluid.eyring_stress > 0.0:
+        stress = fluid.eyring_stress * math.asinh(stress / fluid.eyring_stress)
+    return math.copysign(min(stress, limit), velocity)
 
 
 @kernel
-def viscous_shear_stress(
-    viscosity: float, pressure_viscosity: float, mean_pressure: float, sliding_velocity: float,
-    film_thickness: float, limiting_coefficient: float,
+def viscous_friction(
+    half_width: float, length: float, maximum_pressure: float, velocity: float, film: float,
+    fluid: Lubricant, traction: Traction,
 ) -> float:  # fmt: skip
-    """min(eta exp(alpha p) |u_s| / h, limit p): Barus viscosity, limiting shear stress (Pa)."""
-    limit = limiting_coefficient * mean_pressure
-    if film_thickness <= 0.0:
-        return limit
-    # The exponent is capped where the limit has long taken over, so that exp cannot overflow.
-    viscous = viscosity * math.exp(min(pressure_viscosity * mean_pressure, 200.0))
-    return min(viscous * abs(sliding_velocity) / film_thickness, limit)
+    """Integral of tau over a Hertzian pressure and a film of one thickness (N)."""
+    total = 0.0
+    for i in range(_POINTS):
+        total += _WEIGHTS[i] * shear_stress(maximum_pressure * _COSINES[i], velocity, film, fluid, traction)
+    return 2.0 * half_width * length * total
+
+
+@kernel
+def boundary_friction(asperity_load: float, real_area: float, velocity: float, traction: Traction) -> float:
+    """mu_b W_a + tau_b A_c against the sliding (N); 0 at rest."""
+    if velocity == 0.0:
+        return 0.0
+    size = traction.boundary_coefficient * asperity_load + traction.boundary_stress * real_area
+    return math.copysign(size, velocity)
+
+
+@kernel
+def hertzian_friction(
+    load: float, half_width: float, length: float, velocity: float, carried: Sharing, fluid: Lubricant,
+    surfaces: Asperities, traction: Traction,
+) -> Friction:  # fmt: skip
+    """Friction of a Hertzian contact under the load W >= 0 (N); the film has its share of the pressure."""
+    if load <= 0.0:
+        return Friction(0.0, 0.0)
+    area = 2.0 * half_width * length
+    pressure = 4.0 / math.pi * (load - carried.asperity_load) / area
+    return Friction(
+        viscous_friction(half_width, length, pressure, velocity, carried.film, fluid, traction),
+        boundary_friction(
+            carried.asperity_load, area * real_area_share(carried.separation, surfaces), velocity, traction
+        ),
+    )
+
+
+class ProfileFriction(NamedTuple):
+    """Of given profiles: load of the asperities (N), their real area (m2), and friction as `Friction`."""
+
+    asperity_load: float
+    real_area: float
+    viscous: float
+    boundary: float
+
+
+@kernel
+def profile_friction(
+    x: Any, pressure: Any, film: Any, length: float, velocity: float, compliance: float,
+    fluid: Lubricant, surfaces: Asperities, traction: Traction,
+) -> ProfileFriction:  # fmt: skip
+    """Asperity load and friction of profiles p(x) of the fluid (Pa) and h(x) (m), by the trapezoidal rule.
+
+    Where the fluid has no pressure it has cavitated, or not yet filled the gap, and doesn't shear.
+    """
+    load = area = viscous = 0.0
+    for i in range(len(x)):
+        width = 0.5 * (x[min(i + 1, len(x) - 1)] - x[max(i - 1, 0)]) * length
+        separation = separation_of(film[i] / surfaces.roughness)
+        load += width * asperity_pressure(separation, surfaces, compliance)
+        area += width * real_area_share(separation, surfaces)
+        if pressure[i] > 0.0:
+            viscous += width * shear_stress(pressure[i], velocity, film[i], fluid, traction)
+    return ProfileFriction(load, area, viscous, boundary_friction(load, area, velocity, traction))

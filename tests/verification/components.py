@@ -129,9 +129,8 @@ SHORT = {
     "ehl_contact: approach in, load and film out; adherence form, load in, film "
     "out": "in the valve train the "
     "film comes back into the deflection inside this FMU; from FMU to FMU it goes only in `engine`.",
-    "ehl_contact: squeeze velocity, pressure, half width, validity flags of Table 3": "the friction (viscous "
-    "and boundary) is an estimate, as asked, that no test compares with a number; "
-    "no shipped scenario connects it to the camshaft's `friction_force`.",
+    "ehl_contact: squeeze velocity, pressure, half width, validity flags of Table 3": "no shipped scenario "
+    "connects the friction to the camshaft's `friction_force`.",
 }
 
 

@@ -19,7 +19,7 @@ from ...integrator import NOT_CONVERGED, OK, copy, taylor
 from ...kernel import kernel, record_of
 from ...quantities import Layout, Quantity, per_element
 from ..films import FILMS
-from ..fluid import Lubricant
+from ..fluid import lubricant_of
 from ..hertz import deflection, elastic_compliance, load_of
 from .newton import Bodies, line_load_of
 from .reynolds import Flow
@@ -68,15 +68,6 @@ def bodies_of(p: Any) -> Bodies:
         p.youngs_modulus_1, p.poissons_ratio_1, p.youngs_modulus_2, p.poissons_ratio_2
     )
     return Bodies(compliance, p.length)
-
-
-@kernel
-def lubricant_of(p: Any) -> Lubricant:
-    """The lubricant that the parameters describe."""
-    return Lubricant(
-        p.viscosity, p.pressure_viscosity, p.viscosity_law, p.density_law, p.roelands_exponent,
-        p.roelands_pressure, p.eyring_stress,
-    )  # fmt: skip
 
 
 @kernel

@@ -1,0 +1,53 @@
+"""Load sharing and friction of the contact's records: Hertzian pressure and a film of one thickness."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ..kernel import kernel
+from .asperities import Asperities
+from .fluid import lubricant_of
+from .friction import Traction, hertzian_friction
+from .sharing import FilmFormula, shared
+
+
+class MixedLubrication(NamedTuple):
+    """Film under the fluid's share of the load (m), load on asperities (N) and friction (N)."""
+
+    film: float
+    asperity_load: float
+    viscous_friction: float
+    boundary_friction: float
+
+
+@kernel
+def surfaces_of(p: Any) -> Asperities:
+    """The rough surfaces of a contact's parameters."""
+    return Asperities(p.roughness, p.roughness_parameter, p.asperity_slope)
+
+
+@kernel
+def traction_of(p: Any) -> Traction:
+    """The laws of friction of a contact's parameters."""
+    return Traction(
+        p.limiting_shear_stress, p.limiting_shear_coefficient, p.boundary_friction_coefficient,
+        p.boundary_shear_stress,
+    )  # fmt: skip
+
+
+@kernel
+def mixed_lubrication(
+    load: float, film: float, half_width: float, compliance: float, u: Any, p: Any
+) -> MixedLubrication:
+    """Sharing of the load W >= 0 (N) under a film (m) of smooth surfaces, and the friction."""
+    surfaces = surfaces_of(p)
+    formula = FilmFormula(
+        p.film_model, u.entraining_velocity, u.radius_of_curvature, p.length, compliance, p.viscosity,
+        p.pressure_viscosity,
+    )  # fmt: skip
+    carried = shared(load, film, 2.0 * half_width * p.length, surfaces, formula)
+    fluid = lubricant_of(p)
+    friction = hertzian_friction(
+        load, half_width, p.length, u.sliding_velocity, carried, fluid, surfaces, traction_of(p)
+    )
+    return MixedLubrication(carried.film, carried.asperity_load, friction.viscous, friction.boundary)
