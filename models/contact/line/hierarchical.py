@@ -47,11 +47,13 @@ class Jacobian(NamedTuple):
 class Hierarchy(NamedTuple):
     """Factors of a matrix of n rows: views into scratch memory.
 
+    `extent`: first and last + 1 of the rows that are divided; the others are those of the unit matrix.
     `leaf` (leaves, size, size) and `capacity` (pairs, 2 RANK, 2 RANK) hold LU factors, their rows
     exchanged as in `leaf_pivot` and `capacity_pivot`. Level l pairs 2^l parents' halves: `left` (l, n, RANK)
     is U, then the halves' inverses times U; `right` is V; `rank` (l, parents, 2) their columns in use.
     """
 
+    extent: Any
     scale: Any
     leaf: Any
     leaf_pivot: Any
@@ -73,7 +75,7 @@ def hierarchy_size(n: int) -> int:
     pairs = max(leaves, 1)
     per_pair = (2 * RANK) ** 2 + 2 * RANK + 2
     coupling = 2 * RANK * RANK
-    return n + leaves * size * (size + 1) + 2 * levels * n * RANK + pairs * per_pair + coupling + 2 * n
+    return 2 + n + leaves * size * (size + 1) + 2 * levels * n * RANK + pairs * per_pair + coupling + 2 * n
 
 
 @kernel
@@ -82,7 +84,8 @@ def hierarchy_in(work: Any, n: int) -> Hierarchy:
     levels = levels_of(n)
     leaves = 2**levels
     size = n // leaves + 1
-    k = 0
+    extent = work[0:2]
+    k = 2
     scale = work[k : k + n]
     k += n
     leaf = work[k : k + leaves * size * size].reshape((leaves, size, size))
@@ -105,7 +108,7 @@ def hierarchy_in(work: Any, n: int) -> Hierarchy:
     k += n
     column = work[k : k + n]
     return Hierarchy(
-        scale, leaf, leaf_pivot, left, right, rank, capacity, capacity_pivot, coupling, row, column
+        extent, scale, leaf, leaf_pivot, left, right, rank, capacity, capacity_pivot, coupling, row, column
     )
 
 
@@ -154,9 +157,10 @@ def lu_solve(a: Any, pivot: Any, size: int, x: Any, first: int, columns: int) ->
 
 
 @kernel
-def bound(k: int, parts: int, n: int) -> int:
+def bound(k: int, parts: int, h: Hierarchy) -> int:
     """Where part k of `parts` begins."""
-    return k * n // parts
+    low, high = int(h.extent[0]), int(h.extent[1])
+    return low + k * (high - low) // parts
 
 
 @kernel
@@ -206,6 +210,12 @@ def compress(low: int, high: int, first: int, last: int, J: Jacobian, h: Hierarc
         column[r] = 0.0
     while rank < RANK and tried < high - low:
         tried += 1
+        if h.scale[i] == 0.0:
+            # A cavitated node: the next one, away from the columns.
+            i = i + 1 if below else i - 1
+            if i >= high or i < low:
+                break
+            continue
         jacobian_row(i, first, last, J, h.scale[i], row)
         for q in range(rank):
             for j in range(first, last):
@@ -215,8 +225,6 @@ def compress(low: int, high: int, first: int, last: int, J: Jacobian, h: Hierarc
             if abs(row[c]) > largest:
                 j, largest = c, abs(row[c])
         if largest <= 1e-14:
-            # A row of zeros (a cavitated node): the next one, away from the columns.
-            U[i, rank] = 0.0
             i = i + 1 if below else i - 1
             if i >= high or i < low:
                 break
@@ -257,15 +265,15 @@ def solve_below(h: Hierarchy, level: int, x: Any, columns: int) -> None:
     levels = levels_of(n)
     leaves = 2**levels
     for part in range(leaves):
-        low, high = bound(part, leaves, n), bound(part + 1, leaves, n)
+        low, high = bound(part, leaves, h), bound(part + 1, leaves, h)
         lu_solve(h.leaf[part], h.leaf_pivot[part], high - low, x, low, columns)
     for above in range(levels - 1, level - 1, -1):
         parents = 2**above
         U, V = h.left[above], h.right[above]
         for parent in range(parents):
-            low = bound(parent, parents, n)
-            middle = bound(2 * parent + 1, 2 * parents, n)
-            high = bound(parent + 1, parents, n)
+            low = bound(parent, parents, h)
+            middle = bound(2 * parent + 1, 2 * parents, h)
+            high = bound(parent + 1, parents, h)
             pair = parents + parent - 1
             upper, lower = int(h.rank[pair, 0]), int(h.rank[pair, 1])
             z = h.coupling
@@ -293,12 +301,20 @@ def solve_below(h: Hierarchy, level: int, x: Any, columns: int) -> None:
 
 @kernel
 def factorise(J: Jacobian, fixed: Any, h: Hierarchy) -> None:
-    """Factors of J into the Hierarchy h; rows where `fixed` is not 0 are those of the unit matrix."""
+    """Factors of J into the Hierarchy h; rows where `fixed` is not 0 are those of the unit matrix.
+
+    Only the stretch from the first to the last node that is not fixed is divided.
+    """
     n = fixed.shape[0]
     levels = levels_of(n)
     leaves = 2**levels
+    low, high = n, 0
+    for i in range(n):
+        if fixed[i] == 0.0:
+            low, high = min(low, i), i + 1
+    h.extent[0], h.extent[1] = min(low, high), high
     for part in range(leaves):
-        low, high = bound(part, leaves, n), bound(part + 1, leaves, n)
+        low, high = bound(part, leaves, h), bound(part + 1, leaves, h)
         leaf = h.leaf[part]
         for i in range(low, high):
             if fixed[i] != 0.0:
@@ -318,24 +334,26 @@ def factorise(J: Jacobian, fixed: Any, h: Hierarchy) -> None:
     for level in range(levels - 1, -1, -1):
         parents = 2**level
         U, V = h.left[level], h.right[level]
+        columns = 0
         for parent in range(parents):
-            low = bound(parent, parents, n)
-            middle = bound(2 * parent + 1, 2 * parents, n)
-            high = bound(parent + 1, parents, n)
+            low = bound(parent, parents, h)
+            middle = bound(2 * parent + 1, 2 * parents, h)
+            high = bound(parent + 1, parents, h)
             rank = h.rank[parents + parent - 1]
             upper = compress(low, middle, middle, high, J, h, U, V)
             lower = compress(middle, high, low, middle, J, h, U, V)
             rank[0], rank[1] = upper, lower
+            columns = max(columns, max(upper, lower))
             for i in range(low, high):
                 for q in range(upper if i < middle else lower, RANK):
                     U[i, q] = 0.0
                 for q in range(lower if i < middle else upper, RANK):
                     V[i, q] = 0.0
-        solve_below(h, level + 1, U, RANK)
+        solve_below(h, level + 1, U, columns)
         for parent in range(parents):
-            low = bound(parent, parents, n)
-            middle = bound(2 * parent + 1, 2 * parents, n)
-            high = bound(parent + 1, parents, n)
+            low = bound(parent, parents, h)
+            middle = bound(2 * parent + 1, 2 * parents, h)
+            high = bound(parent + 1, parents, h)
             pair = parents + parent - 1
             upper, lower = int(h.rank[pair, 0]), int(h.rank[pair, 1])
             c = h.capacity[pair]

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from ...kernel import kernel
 from ..fluid import Lubricant
-from .hierarchical import Jacobian, factorise, solve_below
+from .hierarchical import BAND, Jacobian, factorise, solve_below
 from .reynolds import Flow, balance, properties
 from .workspace import Workspace
 
@@ -99,8 +99,13 @@ def fill_film(
     factor, offset = deflection_factors(scale, bodies)
     n = p.shape[0]
     level = factor * offset * line_load_of(p, w.weight, 1.0)
+    first, last = 0, n
+    while first < last and p[first] == 0.0:
+        first += 1
+    while last > first and p[last - 1] == 0.0:
+        last -= 1
     for i in range(n):
-        total = dot(w.D[i], p)
+        total = dot(w.D[i, first:last], p[first:last])
         h[i] = level + factor * total - approach + (scale * w.X[i]) ** 2 / (2.0 * radius)
 
 
@@ -167,73 +172,98 @@ def solve(w: Workspace, scale: float, missing: float, given: bool) -> float:
 
 
 @kernel
+def fill_right_side(p: Any, by_film: float, w: Workspace) -> None:
+    """Right sides for `solve`; `by_film`: elements of w.B over derivatives by the film."""
+    for i in range(p.shape[0]):
+        w.solution[i, 0], w.solution[i, 1] = 0.0, 0.0
+        if w.fixed[i] == 0.0:
+            total = 0.0
+            for k in range(BAND):
+                total += w.B[i, k]
+            scale = w.hierarchy.scale[i]
+            w.solution[i, 0] = -scale * w.residual[i]
+            w.solution[i, 1] = scale * total / by_film
+
+
+@kernel
+def allowed_share(p: Any, h: Any, highest: float, w: Workspace) -> float:
+    """How much of the change of pressure and film may be made: not so much that the film vanishes, or
+    cavitates where it is pressed hard."""
+    most = 1.0 - LEAST_SHARE
+    share = 1.0
+    for i in range(p.shape[0]):
+        if w.film_change[i] < -most * h[i]:
+            share = min(share, -most * h[i] / w.film_change[i])
+        if p[i] > HIGH * highest and w.change[i] < -most * p[i]:
+            share = min(share, -most * p[i] / w.change[i])
+    return share
+
+
+@kernel
 def newton(
     p: Any, h: Any, approach: float, task: Task, bodies: Bodies, fluid: Lubricant, old: Any, w: Workspace
 ) -> Found:
     """p and h are the guess and the result; a result whose error is not 0 must not be used.
 
-    `old` is rho h times the volumes at the step's start (m^2).
+    `old` is rho h times the volumes at the step's start (m^2). The factors in w serve if w.factored says
+    that they are of the same nodes; `forget_factors` before the first call.
     """
     n = p.shape[0]
     factor, offset = deflection_factors(task.scale, bodies)
     J = Jacobian(w.A, w.B, w.D, w.weight, offset)
     given = task.line_load < 0.0
-    fresh, slow, error, left = False, False, math.inf, math.inf
+    slow, error, left = False, math.inf, math.inf
     last, reach, most = 0, 0, n
     for i in range(n):
+        p[i] = max(p[i], 0.0)
         w.fixed[i] = 0.0 if 0 < i < n - 1 and p[i] > 0.0 else 1.0
         w.recent[i] = 0.0
+    fill_film(p, approach, task.drive.radius, task.scale, bodies, w, h)
     for iteration in range(MOST_ITERATIONS):
+        negative = False
         for i in range(n):
-            w.change[i] = max(p[i], 0.0)
-        fill_film(w.change, approach, task.drive.radius, task.scale, bodies, w, h)
+            w.change[i] = p[i]
+            if p[i] < 0.0:
+                p[i] = 0.0
+                negative = True
+        if negative:
+            fill_film(p, approach, task.drive.radius, task.scale, bodies, w, h)
         if not smallest(h) > 0.0:
             return Found(approach, math.inf, iteration)
-        properties(w.change, h, fluid, w.nodes)
+        properties(p, h, fluid, w.nodes)
         balance(
-            w.X, task.scale, task.scale_rate, w.change, h, w.nodes, task.drive, fluid, old,
-            task.time_step, w.residual, w.A, w.B,
+            w.X, task.scale, task.scale_rate, p, h, w.nodes, task.drive, fluid, old, task.time_step,
+            w.residual, w.A, w.B,
         )  # fmt: skip
-        changed, hasty = update_sides(p, w.fixed, w.residual, w.recent, reach)
+        changed, hasty = update_sides(w.change, w.fixed, w.residual, w.recent, reach)
         most = last // 2 if hasty else most + 1
         last, reach = reach, min(max(1, 2 * reach) if changed > 0 and not hasty else 0, most)
-        for i in range(n):
-            p[i] = w.change[i]
         if left <= 1.0 and changed == 0:
             return Found(approach, 0.0, iteration)
-        if changed > 0:
-            fresh = False
         for i in range(n):
-            for k in range(5):
+            for k in range(BAND):
                 w.B[i, k] *= factor
-        if not fresh or slow:
-            factorise(J, w.fixed, w.hierarchy)
-            fresh = True
+        usable = not slow
         for i in range(n):
-            by_approach = 0.0
-            for k in range(5):
-                by_approach += w.B[i, k]
-            scale = w.hierarchy.scale[i]
-            w.solution[i, 0] = -p[i] if w.fixed[i] != 0.0 else -scale * w.residual[i]
-            w.solution[i, 1] = 0.0 if w.fixed[i] != 0.0 else scale * by_approach / factor
+            usable = usable and w.factored[i] == w.fixed[i]
+        if not usable:
+            factorise(J, w.fixed, w.hierarchy)
+            for i in range(n):
+                w.factored[i] = w.fixed[i]
+        fill_right_side(p, factor, w)
         missing = task.line_load - line_load_of(p, w.weight, task.scale)
         change = solve(w, task.scale, missing, given)
-        # Not so far that the film vanishes, or cavitates where it is pressed hard.
+        largest, highest = 0.0, PRESSURE_FLOOR
         for i in range(n):
             w.change[i] = w.solution[i, 0]
-        fill_film(w.change, change, math.inf, task.scale, bodies, w, w.film_change)
-        share, largest, highest = 1.0, 0.0, PRESSURE_FLOOR
-        for i in range(n):
-            if w.film_change[i] < -(1.0 - LEAST_SHARE) * h[i]:
-                share = min(share, -(1.0 - LEAST_SHARE) * h[i] / w.film_change[i])
             largest = max(largest, abs(w.change[i]))
             highest = max(highest, p[i] + w.change[i])
-        for i in range(n):
-            if p[i] > HIGH * highest and w.change[i] < -(1.0 - LEAST_SHARE) * p[i]:
-                share = min(share, -(1.0 - LEAST_SHARE) * p[i] / w.change[i])
+        fill_film(w.change, change, math.inf, task.scale, bodies, w, w.film_change)
+        share = allowed_share(p, h, highest, w)
         approach += share * change
         for i in range(n):
             p[i] += share * w.change[i]
+            h[i] += share * w.film_change[i]
         before, error = error, largest / (TOLERANCE * highest)
         if not math.isfinite(error):
             return Found(approach, math.inf, iteration)
@@ -241,3 +271,9 @@ def newton(
         # What is left after a correction is that times the rate at which they shrink.
         left = math.inf if share < 1.0 else error * min(error / before, 1.0) if before < math.inf else error
     return Found(approach, math.inf, MOST_ITERATIONS)
+
+
+@kernel
+def forget_factors(w: Workspace) -> None:
+    """The factors in w are of no use any more."""
+    w.factored[0] = -1.0

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from ...kernel import kernel
 from ..fluid import Lubricant
 from ..hertz import half_width, maximum_pressure
-from .newton import Bodies, Task, deflection_factors, line_load_of, newton, solve
+from .newton import Bodies, Task, deflection_factors, forget_factors, line_load_of, newton, solve
 from .reynolds import Flow, balance, cell, properties
 from .workspace import Workspace
 
@@ -176,6 +176,7 @@ def step(
     balance(
         w.X, scale, rate, p, h, w.nodes, start.flow, fluid, w.mass_start, math.inf, w.rate_start, w.A, w.B
     )
+    forget_factors(w)
     task = Task(half_scale, rate, middle.flow, middle.line_load, GAMMA * time_step)
     found = newton(p, h, middle.approach, task, bodies, fluid, w.mass_start, w)
     if found.error != 0.0:
@@ -183,6 +184,10 @@ def step(
     masses(p, h, half_scale, fluid, w, w.mass_middle)
     for i in range(n):
         w.base[i] = w.mass_start[i] + (1.0 - GAMMA) / GAMMA * (w.mass_middle[i] - w.mass_start[i])
+    # The second stage begins where the first leads to.
+    for i in range(n):
+        if p[i] > 0.0 and w.p_start[i] > 0.0:
+            p[i] = max(w.p_start[i] + (p[i] - w.p_start[i]) / GAMMA, 0.0)
     given = end.line_load < 0.0
     guess = end.approach if given else found.approach
     task = Task(new_scale, rate, end.flow, end.line_load, GAMMA * time_step)
