@@ -57,6 +57,10 @@ def _extended(plain: Layout, nodes: int) -> Layout:
         film: Annotated[
             Any, Quantity("m", "film over the nodes", nominal=1e-6, internal=True, size="nodes")
         ] = per_element()
+        slope: Annotated[
+            Any,
+            Quantity("Pa/s", "rate of pressure in the last step", nominal=1e12, internal=True, size="nodes"),
+        ] = per_element()
 
     return Layout(FieldState, {**plain.sizes, "nodes": nodes})
 
@@ -156,8 +160,8 @@ def make_field_advance(component: FieldContact) -> Any:
             taylor(U, s + length, u)
             at_end = drives_of(given, parameters, state.rigid_approach)
             made = step(
-                state.pressure, state.film, state.grid_scale, new_scale, length, at_start, at_middle, at_end,
-                parameters.field_tolerance, bodies, fluid, w,
+                state.pressure, state.film, state.slope, state.grid_scale, new_scale, length,
+                at_start, at_middle, at_end, parameters.field_tolerance, bodies, fluid, w,
             )  # fmt: skip
             if made.error <= 1.0:
                 s = h if last else s + length
@@ -166,6 +170,7 @@ def make_field_advance(component: FieldContact) -> Any:
                 continue
             copy(state.pressure, w.p_start)
             copy(state.film, w.h_start)
+            copy(state.slope, w.slope_start)
             if length <= SMALLEST_SHARE * h:
                 copy(x, start)
                 return NOT_CONVERGED

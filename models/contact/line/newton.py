@@ -19,7 +19,7 @@ from .workspace import Workspace
 
 # Pressures are found to this share of the largest (at least of PRESSURE_FLOOR, Pa): far below what the
 # tightest comparison of coupled results asks for, far above rounding.
-TOLERANCE = 1e-7
+TOLERANCE = 1e-6
 PRESSURE_FLOOR = 1e4
 MOST_ITERATIONS = 40
 # New factors where an iteration leaves more of the correction than this.

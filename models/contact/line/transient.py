@@ -114,6 +114,12 @@ def place_film(
 
 
 @kernel
+def foretold(p: float, slope: float, time_step: float) -> float:
+    """A guess of a pressure after a time; a node that cavitates is taken to go on doing so."""
+    return max(p + slope * time_step, 0.0) if p > 0.0 else 0.0
+
+
+@kernel
 def masses(p: Any, h: Any, scale: float, fluid: Lubricant, w: Workspace, out: Any) -> None:
     """rho h times the volumes (m^2)."""
     n = p.shape[0]
@@ -157,12 +163,12 @@ def estimate(
 
 @kernel
 def step(
-    p: Any, h: Any, scale: float, new_scale: float, time_step: float, start: Drives, middle: Drives,
-    end: Drives, tolerance: float, bodies: Bodies, fluid: Lubricant, w: Workspace,
+    p: Any, h: Any, slope: Any, scale: float, new_scale: float, time_step: float, start: Drives,
+    middle: Drives, end: Drives, tolerance: float, bodies: Bodies, fluid: Lubricant, w: Workspace,
 ) -> Stepped:  # fmt: skip
-    """p and h at the step's start become those at its end.
+    """p and h at the step's start become those at its end; `slope` (Pa/s) foretells p and is renewed.
 
-    Unless the error is at most 1 they must not be used (w.p_start and w.h_start hold those at the start).
+    Unless the error is at most 1 they must not be used (the start is in w.p_start, w.h_start, w.slope_start).
     `start`, `middle`, `end`: Drives at 0, GAMMA and 1 of the step; their approach is the guess where the
     load is given.
     """
@@ -170,13 +176,15 @@ def step(
     rate = (new_scale - scale) / time_step
     half_scale = scale + GAMMA * (new_scale - scale)
     for i in range(n):
-        w.p_start[i], w.h_start[i] = p[i], h[i]
+        w.p_start[i], w.h_start[i], w.slope_start[i] = p[i], h[i], slope[i]
     masses(p, h, scale, fluid, w, w.mass_start)
     # The rate at the start is what flows in.
     balance(
         w.X, scale, rate, p, h, w.nodes, start.flow, fluid, w.mass_start, math.inf, w.rate_start, w.A, w.B
     )
     forget_factors(w)
+    for i in range(n):
+        p[i] = foretold(p[i], slope[i], GAMMA * time_step)
     task = Task(half_scale, rate, middle.flow, middle.line_load, GAMMA * time_step)
     found = newton(p, h, middle.approach, task, bodies, fluid, w.mass_start, w)
     if found.error != 0.0:
@@ -186,13 +194,14 @@ def step(
         w.base[i] = w.mass_start[i] + (1.0 - GAMMA) / GAMMA * (w.mass_middle[i] - w.mass_start[i])
     # The second stage begins where the first leads to.
     for i in range(n):
-        if p[i] > 0.0 and w.p_start[i] > 0.0:
-            p[i] = max(w.p_start[i] + (p[i] - w.p_start[i]) / GAMMA, 0.0)
+        p[i] = foretold(p[i], (p[i] - w.p_start[i]) / GAMMA, 1.0 - GAMMA)
     given = end.line_load < 0.0
     guess = end.approach if given else found.approach
     task = Task(new_scale, rate, end.flow, end.line_load, GAMMA * time_step)
     found = newton(p, h, guess, task, bodies, fluid, w.base, w)
     if found.error != 0.0:
         return Stepped(found.approach, new_scale, math.inf)
+    for i in range(n):
+        slope[i] = (p[i] - w.p_start[i]) / time_step
     error = estimate(p, h, new_scale, time_step, given, bodies, fluid, w)
     return Stepped(found.approach, new_scale, error / tolerance)

@@ -15,7 +15,7 @@ from .reynolds import Nodes
 
 _FIELDS = 8
 # Vectors besides the grid's two and the properties: those listed in Workspace after `nodes`.
-_VECTORS = 17
+_VECTORS = 18
 # Columns that are solved for at once.
 COLUMNS = 2
 # Says that grid and matrix are filled.
@@ -40,6 +40,7 @@ class Workspace(NamedTuple):
     h_middle: Any
     p_start: Any
     h_start: Any
+    slope_start: Any
     mass_start: Any
     mass_middle: Any
     base: Any
@@ -80,5 +81,5 @@ def workspace_in(work: Any, n: int) -> Workspace:
     nodes = Nodes(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7])
     return Workspace(
         X, weight, D, nodes, f[8], A, B, f[9], solution, f[10], f[11], f[12], f[13], f[14], f[15],
-        f[16], f[17], f[18], f[19], f[20], f[21], f[22], f[23], f[24], hierarchy_in(work[k:], n),
+        f[16], f[17], f[18], f[19], f[20], f[21], f[22], f[23], f[24], f[25], hierarchy_in(work[k:], n),
     )  # fmt: skip
