@@ -1,7 +1,8 @@
 """The steady film under a given load on one grid, whatever the start.
 
 Pseudo-time continuation: implicit steps, first shorter than oil needs through the contact, then longer and
-longer, until one of infinite length leaves the steady film. A step that fails is taken again at a quarter.
+longer, until one that is as good as infinite leaves the film as it is. A step that fails is taken again at a
+quarter.
 """
 
 from __future__ import annotations
@@ -22,12 +23,16 @@ from .reynolds import Flow
 from .transient import masses, place_film
 from .workspace import Workspace, workspace_in, workspace_size
 
-# Steps in units of the time that oil needs through the grid's scale: the first, and one that is as good as
-# infinite. By how much a step grows, after an easy and after a hard one.
+# Steps in units of the time that oil needs through the grid's scale: the first, and the last, in which oil
+# is stored in the film at 1e-5 of the rate at which it flows through, times the film's relative change. By
+# how much a step grows, after an easy and after a hard one.
 FIRST_STEP, LAST_STEP = 0.05, 1e5
 EASY_GROWTH, HARD_GROWTH, EASY_ITERATIONS = 9.0, 3.0, 4
 SHRINK = 0.25
 MOST_FAILURES = 40
+# The film is steady when the last step changes the pressure by less, relative to the largest: as Newton's
+# method may leave it, which then leaves 1e-10 of the film's mass.
+SETTLED = 1e-5
 # Start of the film, relative to the expected one: thicker is safer, as the film then only flows out.
 START_FILM = 1.3
 # Elements of the matrices that a thread keeps (8 bytes each).
@@ -94,20 +99,25 @@ def interpolated(start: Fields, mesh: Mesh) -> Fields:
 
 
 def steady_on_grid(
-    start: Fields, flow: Flow, load: float, bodies: Bodies, fluid: Lubricant, at_once: bool
+    start: Fields, flow: Flow, load: float, bodies: Bodies, fluid: Lubricant, squeeze: float, at_once: bool
 ) -> Fields | None:
-    """The steady film; None where none is found. `at_once`: try the infinite step first."""
+    """The steady film; None where none is found. `at_once`: try the last step first.
+
+    `squeeze`: a rate (m/s) at which the gap is taken to open all along the contact.
+    """
     n = start.X.size
     w = workspace(start.mesh)
     scale, line_load = start.scale, load / bodies.length
     transit = scale / abs(flow.velocity)
     p, h = start.p.copy(), start.h.copy()
     mass = np.zeros(n)
-    step = math.inf if at_once else FIRST_STEP * transit
+    last = LAST_STEP * transit
+    step = last if at_once else FIRST_STEP * transit
     failures, iterations = 0, 0
     approach = math.nan
     while True:
         masses(p, h, scale, fluid, w, mass)
+        mass[1:-1] -= squeeze * step * 0.5 * scale * w.nodes.rho[1:-1] * (w.X[2:] - w.X[:-2])
         trial_p, trial_h = p.copy(), h.copy()
         # The approach that leaves no film thinner than the start's, though its pressure be not smooth.
         fill_film(np.maximum(p, 0.0), 0.0, flow.radius, scale, bodies, w, trial_h)
@@ -120,13 +130,11 @@ def steady_on_grid(
             failures += 1
             if failures > MOST_FAILURES:
                 return None
-            step = FIRST_STEP * transit if math.isinf(step) and math.isnan(approach) else SHRINK * step
-            if math.isinf(step):
-                return None
+            step = SHRINK * step if step < last else FIRST_STEP * transit
             continue
+        changed = float(np.max(np.abs(trial_p - p))) / float(np.max(trial_p))
         p, h, approach = trial_p, trial_h, found.approach
-        if math.isinf(step):
+        if step == last and changed < SETTLED:
             return Fields(start.mesh, start.X, scale, p, h, approach, iterations)
         step *= EASY_GROWTH if found.iterations <= EASY_ITERATIONS else HARD_GROWTH
-        if step > LAST_STEP * transit:
-            step = math.inf
+        step = min(step, last)

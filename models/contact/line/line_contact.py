@@ -21,7 +21,9 @@ class LineContact:
 
     `load` (N) on `length` (m), entraining `velocity` (m/s; mean of the surfaces', its sign the direction),
     reduced `radius` (m), `compliance` (1/Pa) as `hertz.elastic_compliance`; the surfaces' difference of
-    velocity `sliding` (m/s) counts for lubricants with an Eyring stress. ValueError for what is no contact.
+    velocity `sliding` (m/s) counts for lubricants with an Eyring stress. `squeeze` (m/s, positive:
+    separating) is a rate at which the gap is taken to change all along the contact, as in quasi-static
+    solutions. ValueError for what is no contact.
     """
 
     load: float
@@ -31,6 +33,7 @@ class LineContact:
     compliance: float
     lubricant: Lubricant
     sliding: float = 0.0
+    squeeze: float = 0.0
 
     def __post_init__(self) -> None:
         for name, unit, value, remedy in (
@@ -61,8 +64,12 @@ class LineContact:
         ):
             if not (math.isfinite(value) and value > 0.0):
                 raise ValueError(f"{name} = {value:g}{unit}: must be finite and > 0; or choose Barus' law")
-        if not math.isfinite(self.sliding):
-            raise ValueError(f"sliding = {self.sliding:g} m/s: must be finite; 0 is pure rolling")
+        for name, value, words in (
+            ("sliding", self.sliding, "0 is pure rolling"),
+            ("squeeze", self.squeeze, "0 is a steady film"),
+        ):
+            if not math.isfinite(value):
+                raise ValueError(f"{name} = {value:g} m/s: must be finite; {words}")
         for name, law, laws in (
             ("viscosity_law", self.lubricant.viscosity_law, VISCOSITY_LAWS),
             ("density_law", self.lubricant.density_law, DENSITY_LAWS),

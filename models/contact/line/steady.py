@@ -230,11 +230,15 @@ def _on(mesh: Mesh, contact: LineContact, found: Sequence[Fields]) -> Fields | N
     flow = Flow(contact.velocity, contact.sliding, contact.radius)
     if found:
         start = interpolated(found[-1], mesh)
-        fields = steady_on_grid(start, flow, contact.load, bodies, contact.lubricant, at_once=True)
+        fields = steady_on_grid(
+            start, flow, contact.load, bodies, contact.lubricant, contact.squeeze, at_once=True
+        )
         if fields is not None:
             return fields
     start = cold_start(contact.load, _expected(contact), contact.radius, bodies, _scale(contact), mesh)
-    return steady_on_grid(start, flow, contact.load, bodies, contact.lubricant, at_once=False)
+    return steady_on_grid(
+        start, flow, contact.load, bodies, contact.lubricant, contact.squeeze, at_once=False
+    )
 
 
 def _mesh_error(found: Sequence[Fields]) -> float:
