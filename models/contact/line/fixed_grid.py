@@ -18,7 +18,7 @@ from ...quantities import Vector
 from ..fluid import Lubricant
 from ..hertz import deflection
 from .grid import REACH, fill_kernel_matrix, place_nodes
-from .newton import Bodies, Task, fill_film, newton
+from .newton import Bodies, Task, fill_film, forget_factors, newton
 from .reynolds import Flow
 from .transient import masses, place_film
 from .workspace import Workspace, workspace_in, workspace_size
@@ -122,6 +122,7 @@ def steady_on_grid(
         # The approach that leaves no film thinner than the start's, though its pressure be not smooth.
         fill_film(np.maximum(p, 0.0), 0.0, flow.radius, scale, bodies, w, trial_h)
         guess = float(np.min(trial_h - h)) if math.isnan(approach) else approach
+        forget_factors(w)
         found = newton(
             trial_p, trial_h, guess, Task(scale, 0.0, flow, line_load, step), bodies, fluid, mass, w
         )
