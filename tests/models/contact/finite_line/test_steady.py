@@ -1,0 +1,166 @@
+"""The film of a finite line contact: laws, symmetries, limits, the line contact in its middle, its ends."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from models.contact.finite_line.contact import FiniteLine, Running
+from models.contact.finite_line.grid import Resolution
+from models.contact.finite_line.profiles import Chamfered, Crowned, Logarithmic, johns_gohar
+from models.contact.finite_line.reynolds import Balance
+from models.contact.finite_line.steady import steady, steady_at
+from models.contact.fluid import Lubricant
+from models.contact.line.line_contact import LineContact
+from models.contact.line.steady import solve_steady
+from models.system import ModelError
+
+from .cases import AT, COARSE, LENGTH, OIL, STEEL, STRAIGHT, dry_of, film_of
+
+
+def in_the_middle(found):
+    """The line contact under the load per length that the middle carries."""
+    pair = slice(found.grid.shape[1] // 2 - 1, found.grid.shape[1] // 2 + 1)
+    load = float(np.mean(found.load_per_length[pair])) * LENGTH
+    line = LineContact(load, found.running.velocity, found.running.radius, LENGTH, STEEL, OIL)
+    return solve_steady(line)
+
+
+def test_the_film_carries_the_load_and_cavitates_or_is_full():
+    found = film_of(STRAIGHT, AT, COARSE)
+    assert found.warnings == ()
+    assert found.load == pytest.approx(AT.load, rel=1e-8)
+    assert np.all(found.pressure >= 0.0)
+    assert np.all(found.film > 0.0)
+    b, grid = found.half_width, found.grid
+    unit = b / (2.0 * AT.radius * STEEL)
+    wedge = 12.0 * OIL.viscosity * AT.velocity * AT.radius**2 / (b**3 * unit)
+    balance = Balance(grid.spacing / b, grid.y / b, grid.widths / b, unit, OIL)
+    g, _, _ = balance(found.pressure / unit, found.film * AT.radius / b**2, wedge)
+    inner = np.zeros(grid.shape, dtype=bool)
+    inner[2:-1] = True
+    full = found.pressure > 0.0
+    film = np.median(found.film[full]) * AT.radius / b**2
+    # The tolerance of Newton's method, for its root mean square, with a factor for the largest.
+    assert np.max(np.abs(g[full & inner])) < 1e-4 * film
+    assert np.min(g[~full & inner]) > -1e-9
+
+
+def test_it_is_symmetric_about_the_middle():
+    found = film_of(STRAIGHT, AT, COARSE)
+    # The linear solver's residual.
+    np.testing.assert_allclose(found.film, found.film[:, ::-1], rtol=1e-5)
+    assert abs(found.moment) < 1e-6 * AT.load * LENGTH
+
+
+def test_backwards_it_is_its_mirror_image():
+    forwards = film_of(STRAIGHT, AT, COARSE)
+    backwards = steady(STRAIGHT, dataclasses.replace(AT, velocity=-AT.velocity), COARSE)
+    np.testing.assert_array_equal(forwards.pressure, backwards.pressure[::-1])
+    np.testing.assert_allclose(forwards.grid.x, -backwards.grid.x[::-1])
+    again = steady(STRAIGHT, backwards.running, COARSE, backwards)
+    np.testing.assert_allclose(again.film, backwards.film, rtol=1e-5)
+
+
+def test_misalignment_mirrors_and_its_moment_turns_with_it():
+    one, other = (film_of(STRAIGHT, dataclasses.replace(AT, misalignment=m), COARSE) for m in (2e-4, -2e-4))
+    np.testing.assert_allclose(one.film, other.film[:, ::-1], rtol=1e-5)
+    assert one.moment == pytest.approx(-other.moment, rel=1e-5)
+    assert one.moment < 0.0
+    assert one.end_pressure > film_of(STRAIGHT, AT, COARSE).end_pressure
+
+
+def test_the_middle_is_the_line_contact():
+    """At that load per length; 12 and 24 nodes, extrapolated by their second order."""
+    coarse, fine = (film_of(STRAIGHT, AT, Resolution(nodes, 0.4, 0.5, 16)) for nodes in (12.0, 24.0))
+    line = in_the_middle(fine)
+    extrapolated = fine.central_film + (fine.central_film - coarse.central_film) / 3.0
+    # The line's own 0.2 %, what is left of the grid's 0.6 %, and ends 50 half widths away.
+    assert extrapolated == pytest.approx(line.central_film, rel=5e-3)
+    assert fine.middle_film == pytest.approx(line.minimum_film, rel=1e-2)
+    assert fine.middle_pressure == pytest.approx(line.maximum_pressure, rel=1e-2)
+
+
+@pytest.mark.long
+def test_the_grids_error_is_of_second_order_in_x():
+    """12, 24 and 48 nodes: 2 to 0.5, since the film's largest error lies where it cavitates."""
+    films = [
+        film_of(STRAIGHT, AT, Resolution(nodes, 0.4, 0.5, 16)).central_film for nodes in (12.0, 24.0, 48.0)
+    ]
+    order = np.log2((films[1] - films[0]) / (films[2] - films[1]))
+    assert order == pytest.approx(2.0, abs=0.5)
+
+
+@pytest.mark.long
+def test_ends_converge_with_a_film():
+    """Unlike the dry contact's, the end peak and film of a straight roller settle: changes shrink by half."""
+    found = [film_of(STRAIGHT, AT, Resolution(12.0, cell, 0.2, 24)) for cell in (0.2, 0.1, 0.05, 0.025)]
+    for values in ([f.end_pressure for f in found], [f.end_film for f in found]):
+        changes = np.abs(np.diff(values))
+        assert changes[2] < 0.7 * changes[1] < 0.5 * changes[0]
+
+
+def test_pressure_is_a_dog_bone_and_the_film_is_least_at_the_ends():
+    found = film_of(STRAIGHT, AT, COARSE)
+    assert found.end_pressure > 1.5 * found.middle_pressure
+    assert found.end_film < 0.6 * found.middle_film
+    assert found.end_film == found.smallest_film
+
+
+def test_profiles_relieve_the_ends():
+    """In the order of their sharpness; a crown unloads the ends wholly and pays in the middle."""
+    profiles = {
+        "logarithmic": johns_gohar(AT.load, AT.radius, LENGTH, STEEL),
+        "chamfered": Chamfered(0.5e-3, 0.005),
+        "crowned": Crowned(3.0),
+    }
+    found = {name: film_of(FiniteLine(LENGTH, STEEL, OIL, p), AT, COARSE) for name, p in profiles.items()}
+    straight = film_of(STRAIGHT, AT, COARSE)
+    assert found["logarithmic"].end_pressure < found["chamfered"].end_pressure < straight.largest_pressure
+    assert found["logarithmic"].smallest_film > found["chamfered"].smallest_film > straight.smallest_film
+    assert found["crowned"].end_pressure < 0.1 * found["crowned"].middle_pressure
+    assert found["crowned"].middle_pressure > found["logarithmic"].middle_pressure
+
+
+def test_without_speed_it_becomes_the_dry_contact():
+    """Films vanish with u^0.7: 1/50 of the velocity, a fifteenth of the film, nearly Hertz's pressure."""
+    slow = film_of(STRAIGHT, dataclasses.replace(AT, velocity=AT.velocity / 50.0), COARSE)
+    dry = dry_of(STRAIGHT, AT, COARSE)
+    assert slow.middle_pressure == pytest.approx(dry.middle_pressure, rel=1e-2)
+    assert slow.approach + slow.central_film == pytest.approx(dry.approach, rel=1e-2)
+    assert slow.central_film < 0.1 * film_of(STRAIGHT, AT, COARSE).central_film
+
+
+def test_approach_and_load_are_each_others_inverse():
+    """Within what the grid, which follows the load, makes of it."""
+    given = film_of(STRAIGHT, AT, COARSE)
+    found = steady_at(STRAIGHT, AT, given.approach, COARSE)
+    assert found.approach == pytest.approx(given.approach, rel=1e-9)
+    assert found.load == pytest.approx(AT.load, rel=5e-3)
+
+
+def test_it_says_what_is_not_to_be_trusted():
+    found = steady(STRAIGHT, AT, Resolution(8.0, 0.4, 0.5, 16))
+    assert any("8.0 nodes per half width" in warning for warning in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: FiniteLine(0.0, STEEL, OIL), "length = 0 m: must be positive"),
+        (lambda: FiniteLine(LENGTH, STEEL, Lubricant(0.0, 1e-8)), "viscosity = 0 Pa s: must be positive"),
+        (lambda: Running(-1.0, 1.0, 0.02), "load = -1 N: must be positive"),
+        (lambda: Running(1.0, 1.0, -0.02), "radius = -0.02 m: must be positive"),
+        (lambda: Running(1.0, 1.0, 0.02, 3.0), "misalignment = 3 rad: must be between"),
+        (lambda: steady(STRAIGHT, Running(500.0, 0.0, 0.02)), "entraining velocity = 0 m/s: must be other"),
+        (lambda: Crowned(0.0), "crown radius = 0 m"),
+        (lambda: Logarithmic(1e-6, straight_share=1.0), "straight share = 1 1: must be < 1"),
+        (lambda: Resolution(0.0), "nodes_per_half_width = 0 1: must be positive"),
+    ],
+)  # fmt: skip
+def test_mistakes_are_named_with_value_range_and_remedy(make, message):
+    with pytest.raises(ModelError, match=message) as caught:
+        make()
+    assert ";" in str(caught.value)
