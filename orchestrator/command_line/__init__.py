@@ -13,6 +13,7 @@ from .analyse import run_analysis
 from .benchmark import benchmark_coupling
 from .diagnose import diagnose_run
 from .fmu import fmu_build, fmu_info, fmu_validate
+from .friction import friction_of_run
 from .reproduce import reproduce_source
 from .run import resume_run, run_scenario
 from .scenarios import scenarios
@@ -28,6 +29,7 @@ app.command("run")(run_scenario)
 app.command("resume")(resume_run)
 app.command("scenarios")(scenarios)
 app.command("diagnose")(diagnose_run)
+app.command("friction")(friction_of_run)
 app.command("analyse")(run_analysis)
 app.command("study")(run_study)
 app.command("reproduce")(reproduce_source)

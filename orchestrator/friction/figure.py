@@ -1,0 +1,39 @@
+"""Friction, its torque, the film ratio and the wear over a cam revolution, and the wear of the follower."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, headed, plt
+from .cycle import TURN, Cycle, Wear
+
+
+def drawn(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure:
+    made, axes = plt.subplots(5, 1, figsize=(6.8, 8.6))
+    headed(made, f"{title}, {cycle.contact}: friction and wear over a cam revolution")
+    angle = np.degrees(cycle["cam_angle"] - TURN * np.floor(cycle["cam_angle"][0] / TURN + 1e-9))
+    force, torque, ratio, cam, follower = axes
+    force.plot(angle, cycle["friction_force"], color=COUPLED, label="all")
+    force.plot(angle, cycle["boundary_friction"], color=REFERENCE, label="boundary")
+    force.set_ylabel("Friction (N)")
+    force.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
+    torque.plot(angle, cycle.torque, color=COUPLED)
+    torque.set_ylabel("Torque (N m)")
+    ratio.plot(angle, cycle["film_ratio"], color=ACCENT)
+    ratio.axhline(3.0, color=MUTED, lw=0.7)
+    ratio.set_ylabel("Film ratio")
+    cam.plot(np.degrees(worn.cam_angle), 1e6 * cycles * worn.cam_depth, color=COUPLED)
+    cam.set_ylabel(f"Cam wear (µm)\nafter {cycles:g}")
+    cam.set_xlabel("Cam angle (°)")
+    for ax in (force, torque, ratio):
+        ax.sharex(cam)
+        ax.tick_params(labelbottom=False)
+    cam.set_xlim(0.0, 360.0)
+    follower.plot(1e3 * worn.follower_place, 1e6 * cycles * worn.follower_depth, color=COUPLED)
+    follower.set_ylabel(f"Follower wear (µm)\nafter {cycles:g}")
+    follower.set_xlabel("Place along the follower (mm)")
+    for ax in axes:
+        ax.set_ylim(bottom=0.0)
+    made.align_ylabels(axes)
+    return made
