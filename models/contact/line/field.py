@@ -29,6 +29,10 @@ from .workspace import Workspace, workspace_in, workspace_size
 LINE_TRANSIENT = float(list(FILMS).index("line_transient"))
 # Fewer do not resolve the contact, whatever its conditions.
 FEWEST_NODES = 51
+# Outputs that steps of the field give.
+_OF_THE_FIELD = (
+    "load", "film_thickness", "minimum_film_thickness", "squeeze_velocity", "maximum_pressure",
+)  # fmt: skip
 # A step may be cut into so many times smaller ones before it is given up.
 SMALLEST_SHARE = 2.0**-16
 # Micro-steps grow and shrink with the error to this power (local error of order 3), aiming below it.
@@ -265,5 +269,9 @@ def with_field(plain: Component, nodes: int) -> FieldContact:
         "state": _extended(plain.state, nodes),
         "structure": {"nodes": nodes},
         "check": lambda parameters: (),
+        # The field is no ODE, its steps take no samples of powers, and what they give has no rate.
+        "ode": False,
+        "samples": False,
+        "unrated": _OF_THE_FIELD,
     }
     return FieldContact(**attributes, plain=plain)

@@ -1,0 +1,94 @@
+"""The contact with a pressure field in the valve train: rolled back, continued, packaged, and refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmus.build import build
+from models.system import ModelError, System
+from orchestrator import assembly
+from orchestrator.masters import GaussSeidel, Iterated
+from orchestrator.participants import fmu
+from orchestrator.plain_data import from_text
+from orchestrator.scenario_files import load
+from orchestrator.simulation import simulate
+
+from .coupled import in_processes, recorded
+from .recorder import Recorder
+from .test_checkpoint import Kept
+
+STEP, STOP = 1e-5, 2e-4
+ITERATED = Iterated("hermite", 1e-9)
+
+
+@pytest.fixture(scope="module")
+def valve_train() -> System:
+    scenario = load("valve-train-ehl")
+    return assembly.at_start(scenario, assembly.system_of(scenario))
+
+
+@pytest.mark.long
+def test_a_run_with_the_field_goes_on_from_a_checkpoint_to_the_last_bit(valve_train: System) -> None:
+    """Under a master that rolls it back several times in each step."""
+    kept, rest = Kept(), Recorder()
+    simulate(valve_train, in_processes(valve_train), ITERATED, STEP, STOP, [kept])
+    middle = len(kept.states) // 2
+    state = from_text(kept.states[middle])
+    simulate(valve_train, in_processes(valve_train), ITERATED, STEP, STOP, [rest], resumed=state)
+    assert np.array_equal(np.array(rest._rows), np.array(kept._rows)[middle + 1 :])
+    assert sum(kept.iterations) > 2 * len(kept.steps)
+
+
+@pytest.mark.long
+def test_what_a_step_of_the_field_leaves_does_not_depend_on_how_often_it_was_tried(
+    valve_train: System,
+) -> None:
+    """A participant that went elsewhere and was restored gives the bits of one that never left."""
+    units = [in_processes(valve_train)["contact"] for _ in range(2)]
+    component = valve_train.instances["contact"].component
+    names, found = component.inputs.names, []
+    values = component.inputs.vector({"approach": 2e-6, "entraining_velocity": 1.0})
+    for strayed, unit in enumerate(units):
+        inputs, outputs = np.zeros((2, len(names))), np.zeros(component.outputs.size)
+        unit.connect(names, inputs, component.outputs.names, outputs, np.zeros(0))
+        unit.initialise(0.0, 1.0)
+        inputs[0] = values
+        unit.write()
+        for k in range(6):
+            if strayed:
+                saved = unit.save()
+                inputs[0, names.index("approach")] = 2.01e-6
+                unit.write()
+                unit.advance(k * STEP, 2.0 * STEP)
+                unit.restore(saved)
+                unit.release(saved)
+                inputs[0] = values
+                unit.write()
+            unit.advance(k * STEP, STEP)
+        unit.read()
+        found.append(outputs.tolist())
+    assert found[0] == found[1]
+
+
+def test_a_reference_by_equations_is_refused_for_the_field() -> None:
+    scenario = load("valve-train-ehl", ["reference.enabled=true"])
+    said = r"contact: ehl_contact with nodes = 301 has no form as ordinary differential equations"
+    with pytest.raises(ModelError, match=said):
+        assembly.check_reference(scenario, assembly.system_of(scenario))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("master", [GaussSeidel("linear"), ITERATED], ids=repr)
+def test_the_fmu_of_the_field_runs_as_the_component_to_the_last_bit(
+    master, valve_train: System, tmp_path: Path
+) -> None:
+    instance, found = valve_train.instances["contact"], Recorder()
+    file = build("ehl_contact", tmp_path, instance.component.structure)
+    units = in_processes(valve_train) | {"contact": fmu("contact", file, instance)}
+    simulate(valve_train, units, master, STEP, STOP, [found])
+    units["contact"].close()
+    own = recorded(valve_train, master, STEP, STOP)
+    assert np.array_equal(np.array(found._rows), np.array(own._rows))
