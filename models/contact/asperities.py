@@ -115,19 +115,25 @@ def mean_gap(separation: float) -> float:
 def separation_of(gap: float) -> float:
     """The lambda whose mean gap is `gap` = h/sigma; gaps of 1e-200 and less are taken as that.
 
-    Newton's method on the logarithm of the mean gap, which is increasing and concave: monotone from the left.
+    Newton's method on the logarithm of the mean gap, which is increasing and concave: monotone from the left,
+    and from the first iterate of lambda = h/sigma - G(-lambda) soon there.
     """
     if gap >= _APART:
         return gap
     target = max(gap, 1e-200)
-    below = target - _GAP_AT_ZERO
-    found = below if below >= 0.0 else -math.sqrt(-2.0 * math.log(target / _GAP_AT_ZERO))
+    if target > 1.0:
+        found = target - mean_gap(-target)
+    elif target > _GAP_AT_ZERO:
+        found = target - _GAP_AT_ZERO
+    else:
+        found = -math.sqrt(-2.0 * math.log(target / _GAP_AT_ZERO))
     for _ in range(40):
         here = mean_gap(found)
         slope = 0.5 * math.erfc(-found / math.sqrt(2.0)) / here
         change = math.log(target / here) / slope
         found += change
-        if abs(change) < 1e-12 * (1.0 + abs(found)):
+        # The next change would be of the order of the square of this one.
+        if abs(change) < 1e-7:
             break
     return found
 

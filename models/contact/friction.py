@@ -19,7 +19,7 @@ import numpy as np
 from ..kernel import kernel
 from .asperities import Asperities, asperity_pressure, real_area_share, separation_of
 from .fluid import Lubricant, viscosity_at
-from .sharing import Sharing
+from .sharing import THICK, Sharing
 
 # Gauss-Legendre points for the angle in x = b sin(angle), where a Hertzian contact's integrand is smooth.
 _POINTS = 12
@@ -118,9 +118,10 @@ def profile_friction(
     load = area = viscous = 0.0
     for i in range(len(x)):
         width = 0.5 * (x[min(i + 1, len(x) - 1)] - x[max(i - 1, 0)]) * length
-        separation = separation_of(film[i] / surfaces.roughness)
-        load += width * asperity_pressure(separation, surfaces, compliance)
-        area += width * real_area_share(separation, surfaces)
+        if film[i] < THICK * surfaces.roughness:
+            separation = separation_of(film[i] / surfaces.roughness)
+            load += width * asperity_pressure(separation, surfaces, compliance)
+            area += width * real_area_share(separation, surfaces)
         if pressure[i] > 0.0:
             viscous += width * shear_stress(pressure[i], velocity, film[i], fluid, traction)
     return ProfileFriction(load, area, viscous, boundary_friction(load, area, velocity, traction))

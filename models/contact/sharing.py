@@ -17,7 +17,7 @@ from .asperities import Asperities, asperity_pressure, dry_separation, mean_gap,
 from .films import film_by_number
 
 # Above this ratio of film to roughness asperities carry less than 1e-12 of the load of any contact.
-_THICK = 8.0
+THICK = 8.0
 # Formulas are not asked for less than this share of the load, nor for a speed of zero (m/s).
 _LEAST_SHARE = 1e-12
 _LEAST_SPEED = 1e-9
@@ -68,7 +68,7 @@ def shared(load: float, film: float, area: float, surfaces: Asperities, f: FilmF
     Without film the asperities carry all.
     """
     ratio = film / surfaces.roughness
-    if load <= 0.0 or ratio >= _THICK:
+    if load <= 0.0 or ratio >= THICK:
         return Sharing(film, ratio, 0.0)
     pressure = load / area
     if film <= 0.0:

@@ -68,7 +68,10 @@ def test_the_load_integral_underflows_to_zero_and_not_to_nothing():
 
 
 def test_the_usual_fits_of_the_load_integral_are_wrong():
-    """4.4086e-5 (4 - lambda)^6.804 by -11, -3.5 and -74 % at 0, 1 and 3."""
+    """4.4086e-5 (4 - lambda)^6.804 by -11, -3.5 and -74 % at 0, 1 and 3; the quintic is negative at 2.5."""
+    quintic = np.polynomial.Polynomial([0.6167, -1.0776, 0.7844, -0.2958, 0.0574, -0.0046])
+    assert quintic(2.0) / load_integral(2.0) - 1.0 == pytest.approx(-0.281, abs=0.001)
+    assert quintic(2.5) < 0.0
     wrong = [4.4086e-5 * (4.0 - s) ** 6.804 / load_integral(s) - 1.0 for s in (0.0, 1.0, 3.0)]
     assert wrong == pytest.approx([-0.107, -0.035, -0.742], abs=0.002)
 

@@ -20,7 +20,9 @@ from ...kernel import kernel, record_of
 from ...quantities import Layout, Quantity, per_element
 from ..films import FILMS
 from ..fluid import lubricant_of
+from ..friction import profile_friction
 from ..hertz import deflection, elastic_compliance, load_of
+from ..mixed_lubrication import surfaces_of, traction_of
 from .newton import Bodies, line_load_of
 from .reynolds import Flow
 from .transient import GAMMA, Drives, central, grid_scale_after, least, place_film, step, wanted_scale
@@ -53,6 +55,11 @@ def _extended(plain: Layout, nodes: int) -> Layout:
         film_power: Annotated[
             float, Quantity("W", "power of the film on the surfaces, mean of the last step", internal=True)
         ] = 0.0
+        field_asperity_load: Annotated[float, Quantity("N", "load on asperities", internal=True)] = 0.0
+        field_shear: Annotated[float, Quantity("N", "shear of the film", internal=True)] = 0.0
+        field_boundary_friction: Annotated[float, Quantity("N", "friction of asperities", internal=True)] = (
+            0.0
+        )
         rigid_approach: Annotated[float, Quantity("m", "approach of the bodies", internal=True)] = 0.0
         grid_scale: Annotated[float, Quantity("m", "scale of the grid; 0: not begun", internal=True)] = 0.0
         pressure: Annotated[
@@ -107,6 +114,18 @@ def observe(x: Any, radius: float, bodies: Bodies, w: Workspace) -> None:
     x.highest_pressure = 0.0
     for i in range(x.pressure.shape[0]):
         x.highest_pressure = max(x.highest_pressure, x.pressure[i])
+
+
+@kernel
+def rub(x: Any, u: Any, p: Any, bodies: Bodies, w: Workspace) -> None:
+    """Load and friction of the asperities under the film, and its shear."""
+    found = profile_friction(
+        w.X, x.pressure, x.film, x.grid_scale * bodies.length, u.sliding_velocity, bodies.compliance,
+        lubricant_of(p), surfaces_of(p), traction_of(p),
+    )  # fmt: skip
+    x.field_asperity_load = found.asperity_load
+    x.field_shear = found.viscous
+    x.field_boundary_friction = found.boundary
 
 
 @kernel
@@ -180,6 +199,7 @@ def make_field_advance(component: FieldContact) -> Any:
                 return NOT_CONVERGED
             micro = length * (max(0.2, _SAFETY * made.error**_POWER) if made.error < 1e300 else 0.5)
         observe(state, given.radius_of_curvature, bodies, w)
+        rub(state, given, parameters, bodies, w)
         if h > 0.0:
             state.film_rate = (state.film_thickness - film) / h
             work_in = 0.5 * (state.field_load + load) * (state.rigid_approach - approach)
@@ -224,6 +244,11 @@ class FieldContact(Component):
                 shown.minimum_film_thickness = state.least_film
                 shown.squeeze_velocity = state.film_rate
                 shown.maximum_pressure = state.highest_pressure
+                shown.asperity_load = state.field_asperity_load
+                shown.film_ratio = state.film_thickness / record_of(p, P).roughness
+                shown.viscous_friction = state.field_shear
+                shown.boundary_friction = state.field_boundary_friction
+                shown.friction_force = state.field_shear + state.field_boundary_friction
                 shown.damping_margin = 1.0
                 shown.separated = 1.0 if state.field_load <= 0.0 else 0.0
 
