@@ -6,12 +6,15 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from models.catalogue import CATALOGUE
 
 from .systems import outputs_of, rates_of
 
 STATES = ("twist", "bending", "slope")
+CAMSHAFT = CATALOGUE["camshaft"]()
 
 
 def system_matrix(**parameters):
@@ -75,3 +78,15 @@ def test_wind_up_adds_to_the_cams_angle_and_speed():
     assert y["cam_angle"] == pytest.approx(2.0 - 1e-3, rel=1e-15)
     assert y["cam_speed"] == 102.0
     assert y["surface_velocity"] == pytest.approx(y["contact_offset"] * 102.0, rel=1e-15)
+
+
+@given(st.floats(0.0, 6.28), st.floats(1.0, 400.0), st.floats(-200.0, 200.0), st.floats(0.0, 2000.0))
+def test_friction_takes_its_power_from_the_drive(angle, speed, friction, load):
+    """A rigid shaft at constant speed passes on all power: T omega = W s' omega + F u_s, lever R0 + s."""
+    u = {"drive_angle": angle, "drive_speed": speed, "contact_load": load}
+    rubbed, smooth = (outputs_of(CAMSHAFT, inputs={**u, "friction_force": f}) for f in (friction, 0.0))
+    spent = load * rubbed["surface_velocity"] + friction * rubbed["sliding_velocity"]
+    # Rounding, of terms that may cancel.
+    assert rubbed["drive_torque"] * speed == pytest.approx(spent, rel=1e-12, abs=1e-9)
+    lever = CAMSHAFT.parameters.field("base_radius").start + rubbed["cam_lift"]
+    assert rubbed["drive_torque"] - smooth["drive_torque"] == pytest.approx(friction * lever, abs=1e-11)
