@@ -184,6 +184,16 @@ def shaft_element(p: CamshaftParameters) -> Shaft:
 
 
 @kernel
+def static_slope(load: float, p: CamshaftParameters) -> float:
+    """Slope of the shaft at the cam under a steady load W (N): K (bending, slope) = (-W, 0), -W l^2/(2 E J).
+
+    A flat follower or a roller is misaligned by it: the gap opens towards the shaft's free end.
+    """
+    e = shaft_element(p)
+    return load * e.k12 / (e.k11 * e.k22 - e.k12 * e.k12)
+
+
+@kernel
 def cam_angle(x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters) -> float:
     """psi = ratio * drive angle + phase + twist (wind-up)."""
     return p.drive_ratio * u.drive_angle + p.phase + x.twist

@@ -29,6 +29,7 @@ PROMISED = (
     ("length of transient chaos", "transient", ()),
     ("wear measure (uniformity of impacts)", "wear", ("cycles=3000",)),
     ("full Lyapunov spectrum", "exponents", ()),
+    ("end peaks of the cam's contact by profile", "finite_line", ()),
 )
 
 

@@ -6,8 +6,8 @@ of the contact are half-spaces, also at the ends: a real roller, whose end is fr
 
 Cells are even in x and graded in y, so that the sum over x is a convolution (by fast transforms, with zeros
 so that it is not circular) and the sum over y a small matrix for each wave number. Against an even grid as
-fine as the ends need, with a two-dimensional transform, this is measured 4 times faster at 90 x 100 cells and
-needs a tenth of the unknowns.
+fine as the ends need (0.1 of a half width in 100), with a two-dimensional transform, that is measured to
+take a sixteenth of the unknowns and 0.4 instead of 28 ms.
 """
 
 from __future__ import annotations

@@ -95,7 +95,9 @@ def steady_at(
         """Of the line contact, in metres: elastic approach less film."""
         load = math.exp(log_load)
         return (
-            deflection(load, running.radius, length, compliance) - _formula(contact, running, load) - approach
+            deflection(load, running.radius, length, compliance)
+            - formula_film(contact, running, load)
+            - approach
         )
 
     # K (9) holds up to b = 2 L; a load of 1e-9 N/m floats metres high.
@@ -133,7 +135,7 @@ def _load_of(problem: Scaled, state: _State) -> float:
     return float((problem.grid.areas * state.p).sum()) * problem.pressure_unit * problem.half_width**2
 
 
-def _formula(contact: FiniteLine, running: Running, load: float, length: float | None = None) -> float:
+def formula_film(contact: FiniteLine, running: Running, load: float, length: float | None = None) -> float:
     """The minimum film of Moes and Venner (m)."""
     fluid = contact.fluid
     return float(
@@ -170,7 +172,7 @@ def _window(contact: FiniteLine, running: Running) -> _Window:
     """As wide as the inlet needs."""
     _needs_motion(running)
     b, largest, carrying = widths(contact, running)
-    film = _formula(contact, running, running.load, carrying)
+    film = formula_film(contact, running, running.load, carrying)
     mouth = math.sqrt(2.0 * running.radius * film)
     first = max(1.4 * largest, b + mouth)
     while inlet_share(contact, running, b, film, first) > _INLET_SHARE:
@@ -187,7 +189,7 @@ def _lifted(problem: Scaled) -> tuple[Vector, float]:
     """The dry contact, with the formula's film in between."""
     p, h0, _ = touching(problem)
     running = problem.running
-    return p, h0 + _formula(problem.contact, running, running.load) / problem.film_unit
+    return p, h0 + formula_film(problem.contact, running, running.load) / problem.film_unit
 
 
 def _carried_over(problem: Scaled, start: Solution) -> tuple[Vector, float]:

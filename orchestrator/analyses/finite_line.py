@@ -1,0 +1,207 @@
+"""Film and pressure of the cam's contact as a finite line: end peaks, profiles, misalignment."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray
+
+from models.contact.ehl_contact import ContactParameters
+from models.contact.finite_line.contact import FiniteLine, Running
+from models.contact.finite_line.grid import Resolution
+from models.contact.finite_line.profiles import (
+    Chamfered,
+    Crowned,
+    Logarithmic,
+    Profile,
+    Straight,
+    johns_gohar,
+)
+from models.contact.finite_line.solution import Solution
+from models.contact.finite_line.steady import steady
+from models.contact.fluid import Lubricant
+from models.contact.hertz import elastic_compliance, maximum_pressure
+from models.quantities import Layout, Vector
+from models.system import ModelError
+from models.valve_train.cam_profile import cycloidal_lift, entraining_velocity, radius_of_curvature
+from models.valve_train.camshaft import CamshaftParameters, static_slope
+from models.valve_train.valve_spring import ValveSpringParameters
+
+from ..errors import MistakeError
+from ._table import column
+from .protocol import Analysis, Parameter, Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PROFILES = ("straight", "chamfered", "crowned", "logarithmic")
+ALIGNMENTS = ("aligned", "misaligned")
+# What is shown: lines along the length, which is a hundred half widths, and nodes across.
+LINES, NODES = 401, 201
+CONTACT, CAM, SPRING = ContactParameters(), CamshaftParameters(), ValveSpringParameters()
+
+
+def _running(values: Mapping[str, Any], share: float) -> Running:
+    """Load, velocity, radius with a rigid shaft and a massless spring; its static slope times `share`."""
+    speed = values["speed"]
+    cam = cycloidal_lift(values["angle"], CAM.lift, CAM.rise_angle, CAM.dwell_half_width)
+    load = SPRING.preload + SPRING.spring_rate * cam.s + SPRING.valve_mass * cam.dds * speed**2
+    camshaft = Layout(CamshaftParameters)
+    shaft = camshaft.view(camshaft.vector({"shaft_length": values["shaft_length"]}))
+    return Running(
+        load,
+        entraining_velocity(CAM.base_radius, cam, speed),
+        radius_of_curvature(CAM.base_radius, cam),
+        share * abs(static_slope(load, shaft)),
+    )
+
+
+def _compliance() -> float:
+    c = CONTACT
+    return elastic_compliance(c.youngs_modulus_1, c.poissons_ratio_1, c.youngs_modulus_2, c.poissons_ratio_2)
+
+
+def _profile(name: str, values: Mapping[str, Any], at: Running) -> Profile:
+    if name == "chamfered":
+        return Chamfered(values["chamfer_width"], values["chamfer_slope"])
+    if name == "crowned":
+        return Crowned(values["crown_radius"])
+    if name == "logarithmic":
+        if values["dub_off"] <= 0.0:
+            return johns_gohar(at.load, at.radius, CONTACT.length, _compliance())
+        made = johns_gohar(at.load, at.radius, CONTACT.length, _compliance())
+        return Logarithmic(made.amplitude, values["dub_off"])
+    return Straight()
+
+
+def _solved(name: str, values: Mapping[str, Any], share: float) -> Solution:
+    try:
+        at = _running(values, share)
+        oil = Lubricant(CONTACT.viscosity, CONTACT.pressure_viscosity)
+        contact = FiniteLine(CONTACT.length, _compliance(), oil, _profile(name, values, at))
+        return steady(contact, at, Resolution(values["nodes_per_half_width"], values["end_cell"]))
+    except ModelError as error:
+        raise MistakeError(str(error)) from None
+
+
+def _numbers(found: Solution) -> dict[str, float | str]:
+    at = found.running
+    hertz = maximum_pressure(at.load, at.radius, CONTACT.length, _compliance())
+    return {
+        "load": at.load,
+        "velocity": at.velocity,
+        "radius": at.radius,
+        "slope": at.misalignment,
+        "hertz_pressure": hertz,
+        "largest_pressure": found.largest_pressure,
+        "end_pressure": found.end_pressure,
+        "middle_pressure": found.middle_pressure,
+        "smallest_film": found.smallest_film,
+        "end_film": found.end_film,
+        "middle_film": found.middle_film,
+        "central_film": found.central_film,
+        "moment": found.moment,
+        "warnings": "; ".join(found.warnings),
+    }
+
+
+def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
+    return _numbers(_solved(values["profile"], values, values["alignment"]))
+
+
+def _map(values: Vector, found: Solution, x: Vector, y: Vector) -> Vector:
+    """Values of a solution's nodes at x and y; lines at the ends keep their value up to the end."""
+    grid = found.grid
+    along = np.array([np.interp(x, grid.x, line) for line in values.T]).T
+    return np.array([np.interp(y, grid.y, row) for row in along])
+
+
+def table(values: Mapping[str, Any]) -> xarray.Dataset:
+    """Pressure and film of the chosen profile over x and y, and of all profiles what is largest and
+    smallest along y; each aligned and misaligned."""
+    y = np.linspace(-0.5, 0.5, LINES) * CONTACT.length
+    shares = dict(zip(ALIGNMENTS, (0.0, values["alignment"]), strict=True))
+    found = {
+        (kind, share): _solved(kind, values, share) for kind in PROFILES for share in set(shares.values())
+    }
+    peaks, films = (
+        [
+            [
+                np.interp(y, found[kind, share].grid.y, getattr(found[kind, share], name))
+                for share in shares.values()
+            ]
+            for kind in PROFILES
+        ]
+        for name in ("peak_along", "least_along")
+    )
+    chosen = [found[values["profile"], share] for share in shares.values()]
+    x = np.linspace(max(each.grid.x[0] for each in chosen), min(each.grid.x[-1] for each in chosen), NODES)
+    over, every = ("aligned", "x", "y"), ("kind", "aligned", "y")
+    pressure = [_map(each.pressure, each, x, y) for each in chosen]
+    film = [_map(each.film, each, x, y) for each in chosen]
+    return xarray.Dataset(
+        {
+            "pressure": column(over, pressure, "Pa", "pressure of the chosen profile"),
+            "film": column(over, film, "m", "film thickness of the chosen profile"),
+            "peak_along": column(every, peaks, "Pa", "largest pressure of every line along x"),
+            "least_along": column(every, films, "m", "smallest film of every line along x"),
+            **_numbers(chosen[-1]),
+        },
+        coords={
+            "x": column("x", x, "m", "along the motion of the surfaces"),
+            "y": column("y", y, "m", "along the length"),
+            "kind": column("kind", list(PROFILES), "1", "axial profile"),
+            "aligned": column("aligned", list(ALIGNMENTS), "1", "alignment of the shaft"),
+        },
+    )
+
+
+def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    from ..plots.finite_line import draw_finite_line
+
+    return draw_finite_line(data, values)
+
+
+ANALYSIS = Analysis(
+    name="finite_line",
+    description="The cam's contact as a finite line: end peaks, axial profiles, misalignment",
+    parameters={
+        "angle": Parameter(math.pi, "rad", "cam angle, nose at pi"),
+        "speed": Parameter(1000.0 * math.pi / 30.0, "rad/s", "speed of the cam", positive=True),
+        "profile": Parameter("straight", "1", "axial profile", choices=PROFILES),
+        "alignment": Parameter(
+            0.0, "1", "share of the shaft's static slope that misaligns the contact", minimum=0.0, maximum=1.0
+        ),
+        "shaft_length": Parameter(CAM.shaft_length, "m", "length of the shaft element", positive=True),
+        "crown_radius": Parameter(4.0, "m", "radius of the crowned profile", positive=True),
+        "chamfer_width": Parameter(0.5e-3, "m", "width of the chamfers", positive=True),
+        "chamfer_slope": Parameter(0.005, "1", "slope of the chamfers", positive=True),
+        "dub_off": Parameter(
+            0.0, "m", "drop of the logarithmic profile at the ends; 0: by Johns and Gohar", minimum=0.0
+        ),
+        "nodes_per_half_width": Parameter(16.0, "1", "nodes along x per half width", positive=True),
+        "end_cell": Parameter(0.1, "1", "cells along the length at the ends, in half widths", positive=True),
+    },
+    results={
+        "load": Result("N", "contact load"),
+        "velocity": Result("m/s", "entraining velocity"),
+        "radius": Result("m", "radius of curvature"),
+        "slope": Result("rad", "misalignment"),
+        "hertz_pressure": Result("Pa", "largest pressure of the line contact by Hertz"),
+        "largest_pressure": Result("Pa", "largest pressure"),
+        "end_pressure": Result("Pa", "largest pressure within a tenth of the length from the ends"),
+        "middle_pressure": Result("Pa", "largest pressure in the middle of the length"),
+        "smallest_film": Result("m", "smallest film"),
+        "end_film": Result("m", "smallest film within a tenth of the length from the ends"),
+        "middle_film": Result("m", "smallest film in the middle of the length"),
+        "central_film": Result("m", "film in the middle of the contact"),
+        "moment": Result("N.m", "moment of the pressure about the middle of the length"),
+        "warnings": Result("1", "what is not to be trusted", text=True),
+    },
+    evaluate=evaluate,
+    table=table,
+    draw=draw,
+)

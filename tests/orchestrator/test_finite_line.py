@@ -1,0 +1,49 @@
+"""The analysis `finite_line`: the cam's contact, its table and its figure."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+
+from orchestrator.analyse import analyse
+from orchestrator.analyses import load
+from orchestrator.errors import MistakeError
+
+ROUGH = {"nodes_per_half_width": 12.0, "end_cell": 0.3}
+ANALYSIS = load("finite_line")
+
+
+def test_the_nose_bears_spring_and_lift():
+    """610 N on 28.88 mm: Hertz pressure 252.4 MPa; the slope of the set's own shaft is W l^2/(2 E J)."""
+    values = ANALYSIS.complete({**ROUGH, "profile": "logarithmic", "alignment": 1.0, "shaft_length": 0.02})
+    found = ANALYSIS.evaluate(values)
+    # Half a unit of the last digit stated.
+    assert found["load"] == pytest.approx(610.0, abs=0.5)
+    assert found["hertz_pressure"] == pytest.approx(252.4e6, abs=0.05e6)
+    bending = 207e9 * math.pi * 0.02**4 / 64.0
+    assert found["slope"] == pytest.approx(610.0 * 0.02**2 / (2.0 * bending), rel=1e-3)
+    assert found["moment"] < 0.0
+
+
+def test_table_and_figure(tmp_path: Path):
+    """All profiles, aligned and not; the results are those of the chosen one."""
+    settings = [*(f"{key}={value}" for key, value in ROUGH.items()), "alignment=1", "shaft_length=20 mm"]
+    found = analyse("finite_line", settings, tmp_path)
+    assert (tmp_path / "finite_line.png").read_bytes().startswith(b"\x89PNG")
+    with xarray.open_dataset(tmp_path / "finite_line.nc", engine="h5netcdf") as table:
+        assert set(table["kind"].values) == {"straight", "chamfered", "crowned", "logarithmic"}
+        straight = table["peak_along"].sel(kind="straight", aligned="misaligned").values
+        # Interpolated from the lines of the grid to those of the table.
+        assert np.max(straight) == pytest.approx(found["largest_pressure"], rel=0.05)
+        aligned = table["peak_along"].sel(kind="straight", aligned="aligned").values
+        np.testing.assert_allclose(aligned, aligned[::-1], rtol=1e-4)
+        assert table["pressure"].sizes["x"] > 100
+
+
+def test_a_mistake_in_a_profile_is_the_users():
+    with pytest.raises(MistakeError, match="crown radius"):
+        ANALYSIS.evaluate(ANALYSIS.complete({**ROUGH, "profile": "crowned", "crown_radius": 1e-3}))
