@@ -62,6 +62,17 @@ FEATURES: tuple[tuple[str, tuple[str, ...]], ...] = (
         ),
     ),
     (
+        "ehl_contact: mixed lubrication, friction and wear",
+        (
+            "test_asperities.py::test_integrals_are_parabolic_cylinder_functions",
+            "test_asperities.py::test_pressure_and_area_are_those_of_all_pairs_of_summits",
+            "test_friction.py::test_film_and_asperities_carry_the_load",
+            "test_friction.py::test_friction_of_a_constant_viscosity_is_a_closed_form",
+            "test_field_friction.py::test_a_film_at_its_limiting_stress_rubs_by_the_pressure_it_carries",
+            "test_wear.py::test_a_steady_pass_wears_load_over_length_times_the_ratio_of_speeds",
+        ),
+    ),
+    (
         "ehl_contact: approach in, load and film out; adherence form, load in, film out",
         (
             "test_hertz.py::test_no_load_without_overlap",
@@ -129,8 +140,8 @@ SHORT = {
     "ehl_contact: approach in, load and film out; adherence form, load in, film "
     "out": "in the valve train the "
     "film comes back into the deflection inside this FMU; from FMU to FMU it goes only in `engine`.",
-    "ehl_contact: squeeze velocity, pressure, half width, validity flags of Table 3": "no shipped scenario "
-    "connects the friction to the camshaft's `friction_force`.",
+    "ehl_contact: mixed lubrication, friction and wear": "no shipped scenario connects the friction "
+    "to the camshaft's `friction_force`.",
 }
 
 
