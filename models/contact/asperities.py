@@ -36,6 +36,8 @@ _TERMS = 28
 _MIDDLE = 2.0
 # On the negative side F_5/2 ~ |lambda|^5/2 (1 + 15/(8 lambda^2)), as is (3/2 + lambda^2)^5/4.
 _SHIFT = 1.5
+# exp(-lambda^2/2) is zero here.
+_NOTHING = 40.0
 # Mean gap of mean planes that coincide, over sigma.
 _GAP_AT_ZERO = 1.0 / _ROOT_TWO_PI
 # From here on mean gap and separation are equal to rounding.
@@ -81,6 +83,8 @@ _ABOVE, _BELOW = _coefficients()
 @kernel
 def load_integral(separation: float) -> float:
     """F_5/2(lambda), to 1e-8 of itself for any lambda (from 38 on it underflows)."""
+    if separation > _NOTHING:
+        return 0.0
     size = abs(separation)
     y = (size - _MIDDLE) / (size + _MIDDLE)
     last = second = 0.0
