@@ -14,10 +14,12 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Annotated, Any
 
+import numpy as np
+
 from ...component import Component
 from ...integrator import NOT_CONVERGED, OK, copy, taylor
 from ...kernel import kernel, record_of
-from ...quantities import Layout, Quantity, per_element
+from ...quantities import Layout, Quantity, Vector, per_element
 from ..films import FILMS
 from ..fluid import lubricant_of
 from ..friction import profile_friction
@@ -87,10 +89,13 @@ def bodies_of(p: Any) -> Bodies:
 
 @kernel
 def drives_of(u: Any, p: Any, approach: float) -> Drives:
-    """What the inputs ask for; `approach` is the guess where the load is given."""
+    """What the inputs ask for; `approach` is the guess where the load is given.
+
+    A load is at least film_load_floor: without any, the bodies would part at once, however far.
+    """
     flow = Flow(u.entraining_velocity, u.sliding_velocity, u.radius_of_curvature)
     if p.load_is_given != 0.0:
-        return Drives(flow, approach, max(u.applied_load, 0.0) / p.length)
+        return Drives(flow, approach, max(u.applied_load, p.film_load_floor) / p.length)
     return Drives(flow, u.approach - u.retreat, -1.0)
 
 
@@ -133,7 +138,7 @@ def begin(x: Any, u: Any, p: Any, bodies: Bodies, X: Any) -> None:
     """Hertz's pressure over a film of film_thickness."""
     film, radius = x.film_thickness, u.radius_of_curvature
     if p.load_is_given != 0.0:
-        load = max(u.applied_load, 0.0)
+        load = max(u.applied_load, p.film_load_floor)
         x.rigid_approach = deflection(load, radius, bodies.length, bodies.compliance) - film
         gap = film
     else:
@@ -273,6 +278,11 @@ class FieldContact(Component):
     def advance(self) -> Any:
         """See `make_field_advance`."""
         return make_field_advance(self)
+
+    def nodes_of(self, work: Vector) -> Vector:
+        """Where the nodes stand, in scales of the grid; from scratch in which a step has been made."""
+        first = self.plain.work_size + self.state.size + self.inputs.size
+        return np.asarray(workspace_in(work[first:], self.structure["nodes"]).X)
 
     @property
     def work_size(self) -> int:

@@ -32,8 +32,8 @@ _ERROR_START = -_ERROR_MIDDLE - _ERROR_END
 GRID_TIME = 1e-4
 # The grid's scale changes by no more than this factor in a step.
 GRID_FACTOR = 1.25
-# Loads below this count as this one in the relative error (N).
-LOAD_FLOOR = 1.0
+# Loads below this count as this one in the relative error (N): a fiftieth of those that matter here.
+LOAD_FLOOR = 10.0
 
 
 class Drives(NamedTuple):

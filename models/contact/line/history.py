@@ -1,0 +1,99 @@
+"""The film along a given motion: load, entraining velocity and radius of curvature as functions of time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ...integrator import FAILURES, OK
+from ...quantities import Vector
+from ...system import ModelError
+from ..ehl_contact import ehl_contact
+from ..films import FILMS
+from .field import FieldContact
+
+
+@dataclass(frozen=True)
+class FilmHistory:
+    """Fields of n instants: central and minimum film (m), highest pressure (Pa), load of the pressure (N),
+    scale of the grid (m); `pressure` (Pa), `film` (m) and `x` (m), (n, nodes)."""
+
+    times: Vector
+    film_thickness: Vector
+    minimum_film_thickness: Vector
+    maximum_pressure: Vector
+    load: Vector
+    grid_scale: Vector
+    x: Vector
+    pressure: Vector
+    film: Vector
+
+
+def film_history(
+    times: Vector,
+    load: Vector,
+    entraining_velocity: Vector,
+    radius_of_curvature: Vector,
+    nodes: int = 301,
+    parameters: Mapping[str, float] | None = None,
+    film_thickness: float = 1e-6,
+) -> FilmHistory:
+    """The transient film under a load (N) with velocity (m/s) and radius (m) given at ascending `times` (s).
+
+    Between the instants they follow cubic splines. It begins with Hertz's pressure over `film_thickness`
+    (m), and forgets that within a few passages through the contact. `parameters` of `ehl_contact` by name.
+    ModelError for parameters out of range and where a step does not converge.
+    """
+    component = ehl_contact(nodes=nodes)
+    assert isinstance(component, FieldContact)
+    chosen = {"load_is_given": 1.0, "film_model": float(list(FILMS).index("line_transient"))}
+    p = component.parameters.vector({**chosen, **(parameters or {})})
+    if faults := component.parameter_faults(p):
+        raise ModelError("; ".join(faults))
+    x = component.state.vector({"film_thickness": film_thickness})
+    inputs = component.inputs
+    given = {
+        "applied_load": load,
+        "entraining_velocity": entraining_velocity,
+        "radius_of_curvature": radius_of_curvature,
+    }
+    splines = {inputs.index(name): CubicSpline(times, values) for name, values in given.items()}
+    U, work = component.input_polynomial(), np.zeros(component.work_size)
+    u, y = component.inputs.vector(), np.zeros(component.outputs.size)
+    states = np.empty((len(times) - 1, component.state.size))
+    for k, (t, h) in enumerate(zip(times[:-1], np.diff(times), strict=True)):
+        for i, spline in splines.items():
+            U[:, i] = [spline(t, order) for order in range(4)]
+        status = component.step(t, h, x, U, p, component.state.nominal, work, u, y)
+        if status != OK:
+            raise ModelError(f"film at t = {t:g} s: {FAILURES[status]}; give closer times")
+        states[k] = x
+    return _observed(np.asarray(times[1:]), states, component, work)
+
+
+def _observed(times: Vector, states: Vector, component: FieldContact, work: Vector) -> FilmHistory:
+    layout = component.state
+    nodes = component.structure["nodes"]
+
+    def column(name: str) -> Vector:
+        return np.asarray(states[:, layout.index(name)])
+
+    def field(name: str) -> Vector:
+        first = layout.index(f"{name}[1]")
+        return np.asarray(states[:, first : first + nodes])
+
+    scale = column("grid_scale")
+    return FilmHistory(
+        times=times,
+        film_thickness=column("film_thickness"),
+        minimum_film_thickness=column("least_film"),
+        maximum_pressure=column("highest_pressure"),
+        load=column("field_load"),
+        grid_scale=scale,
+        x=scale[:, None] * component.nodes_of(work)[None, :],
+        pressure=field("pressure"),
+        film=field("film"),
+    )
