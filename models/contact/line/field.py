@@ -10,6 +10,7 @@ It starts as the formula model does, from film_thickness: Hertz's pressure over 
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Annotated, Any
@@ -150,21 +151,16 @@ def begin(x: Any, u: Any, p: Any, bodies: Bodies, X: Any) -> None:
 
 
 def make_field_advance(component: FieldContact) -> Any:
-    """advance(t, h, x, U, p, scale, work) -> status, of the contact with a field."""
-    plain, nodes = component.plain, component.structure["nodes"]
-    plain_advance, plain_size, plain_work = plain.advance, plain.state.size, plain.work_size
-    n = component.state.size
+    """advance(t, h, x, U, p, scale, work) -> status, of a contact whose film is solved for."""
+    nodes, n = component.structure["nodes"], component.state.size
     X, P = component.state.dtype, component.parameters.dtype
     INPUTS, m = component.inputs.dtype, component.inputs.size
 
     @kernel
     def advance(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any) -> int:
         parameters = record_of(p, P)
-        if parameters.film_model != LINE_TRANSIENT:
-            return plain_advance(t, h, x[:plain_size], U, p, scale, work)
-        rest = work[plain_work:]
-        start, u = rest[0:n], rest[n : n + m]
-        w = workspace_in(rest[n + m :], nodes)
+        start, u = work[0:n], work[n : n + m]
+        w = workspace_in(work[n + m :], nodes)
         copy(start, x)
         state, given = record_of(x, X), record_of(u, INPUTS)
         bodies, fluid = bodies_of(parameters), lubricant_of(parameters)
@@ -276,12 +272,44 @@ class FieldContact(Component):
 
     @cached_property
     def advance(self) -> Any:
-        """See `make_field_advance`."""
-        return make_field_advance(self)
+        """As `Component.advance`, but not compiled: only the one that is asked for gets compiled."""
+        plain, n = self.plain, self.plain.state.size
+        film_model = self.parameters.index("film_model")
+        cached = functools.cache(make_field_advance)
+
+        def advance(t: float, h: float, x: Vector, U: Vector, p: Vector, scale: Vector, work: Vector) -> int:
+            if p[film_model] == LINE_TRANSIENT:
+                return int(cached(self)(t, h, x, U, p, scale, work))
+            return int(plain.advance(t, h, x[:n], U, p, scale[:n], work))
+
+        return advance
+
+    @cached_property
+    def step(self) -> Any:
+        """As `Component.step`, but not compiled."""
+        advance, output = self.advance, self.flat_output
+
+        def step(
+            t: float,
+            h: float,
+            x: Vector,
+            U: Vector,
+            p: Vector,
+            scale: Vector,
+            work: Vector,
+            u: Vector,
+            y: Vector,
+        ) -> int:
+            status = advance(t, h, x, U, p, scale, work)
+            taylor(U, h, u)
+            output(t + h, x, u, p, y)
+            return int(status)
+
+        return step
 
     def nodes_of(self, work: Vector) -> Vector:
         """Where the nodes stand, in scales of the grid; from scratch in which a step has been made."""
-        first = self.plain.work_size + self.state.size + self.inputs.size
+        first = self.state.size + self.inputs.size
         return np.asarray(workspace_in(work[first:], self.structure["nodes"]).X)
 
     @property

@@ -37,17 +37,8 @@ def motion(degrees: Vector, revolutions_per_minute: float) -> Motion:
     )
 
 
-def cycle(
-    step: float,
-    nodes: int,
-    first: float = 95.0,
-    last: float = 225.0,
-    speed: float = 1000.0,
-    tolerance: float = 1e-4,
-) -> tuple[Vector, FilmHistory]:
-    """Cam angles (degrees) and the film at them."""
-    degrees = np.linspace(first, last, round((last - first) / step) + 1)
+def cycle(step: float, nodes: int, speed: float = 1000.0) -> tuple[Vector, FilmHistory]:
+    """Cam angles (degrees) over the event and the film at them; speed in r/min."""
+    degrees = np.linspace(95.0, 225.0, round(130.0 / step) + 1)
     m = motion(degrees, speed)
-    return degrees[1:], film_history(
-        m.times, m.load, m.velocity, m.radius, nodes, {"field_tolerance": tolerance}
-    )
+    return degrees[1:], film_history(m.times, m.load, m.velocity, m.radius, nodes)
