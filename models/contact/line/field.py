@@ -11,6 +11,7 @@ It starts as the formula model does, from film_thickness: Hertz's pressure over 
 from __future__ import annotations
 
 import functools
+import math
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Annotated, Any
@@ -40,6 +41,8 @@ _OF_THE_FIELD = (
 )  # fmt: skip
 # A step may be cut into so many times smaller ones before it is given up.
 SMALLEST_SHARE = 2.0**-16
+# A step a fifth as long should have a hundredth of the error; if it keeps this share, that is of a jump.
+STAYS = 0.5
 # Micro-steps grow and shrink with the error to this power (local error of order 3), aiming below it.
 _POWER = -1.0 / 3.0
 _SAFETY = 0.8
@@ -168,7 +171,7 @@ def make_field_advance(component: FieldContact) -> Any:
         if state.grid_scale == 0.0:
             begin(state, given, parameters, bodies, w.X)
             observe(state, given.radius_of_curvature, bodies, w)
-        s, micro = 0.0, h
+        s, micro, before = 0.0, h, math.inf
         film, load, stored = state.film_thickness, state.field_load, state.elastic_energy
         approach = state.rigid_approach if parameters.load_is_given != 0.0 else given.approach - given.retreat
         while s < h:
@@ -187,11 +190,14 @@ def make_field_advance(component: FieldContact) -> Any:
                 state.pressure, state.film, state.slope, state.grid_scale, new_scale, length,
                 at_start, at_middle, at_end, parameters.field_tolerance, bodies, fluid, w,
             )  # fmt: skip
-            if made.error <= 1.0:
+            # An error that stays as steps get shorter is that of a jump, which no step resolves.
+            if made.error <= 1.0 or STAYS * before < made.error < math.inf:
+                before = math.inf
                 s = h if last else s + length
                 state.grid_scale, state.rigid_approach = made.scale, made.approach
                 micro = length * min(3.0, _SAFETY * max(made.error, 1e-3) ** _POWER)
                 continue
+            before = made.error
             copy(state.pressure, w.p_start)
             copy(state.film, w.h_start)
             copy(state.slope, w.slope_start)

@@ -15,10 +15,11 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from ...integrator import copy
 from ...kernel import kernel
 from ..fluid import Lubricant
-from ..hertz import half_width, maximum_pressure
-from .newton import Bodies, Task, deflection_factors, forget_factors, line_load_of, newton, solve
+from ..hertz import deflection, half_width, load_of, maximum_pressure
+from .newton import Bodies, Found, Task, deflection_factors, forget_factors, line_load_of, newton, solve
 from .reynolds import Flow, balance, cell, properties
 from .workspace import Workspace
 
@@ -162,6 +163,31 @@ def estimate(
 
 
 @kernel
+def solved(
+    p: Any, h: Any, approach: float, task: Task, bodies: Bodies, fluid: Lubricant, old: Any, w: Workspace
+) -> Found:
+    """Newton's method from the guess p; after a jump, where that fails, from the pressure at the step's
+    start, then from Hertz's of the bodies with the film between them."""
+    found = newton(p, h, approach, task, bodies, fluid, old, w)
+    for attempt in range(2):
+        if found.error == 0.0:
+            break
+        forget_factors(w)
+        if attempt == 0:
+            copy(p, w.p_start)
+        else:
+            film, radius = central(w.h_start), task.drive.radius
+            load = task.line_load * bodies.length
+            if load < 0.0:
+                load = load_of(approach + film, radius, bodies.length, bodies.compliance)
+            else:
+                approach = deflection(load, radius, bodies.length, bodies.compliance) - film
+            place_film(load, film, radius, bodies, w.X, task.scale, p, h)
+        found = newton(p, h, approach, task, bodies, fluid, old, w)
+    return found
+
+
+@kernel
 def step(
     p: Any, h: Any, slope: Any, scale: float, new_scale: float, time_step: float, start: Drives,
     middle: Drives, end: Drives, tolerance: float, bodies: Bodies, fluid: Lubricant, w: Workspace,
@@ -186,7 +212,7 @@ def step(
     for i in range(n):
         p[i] = foretold(p[i], slope[i], GAMMA * time_step)
     task = Task(half_scale, rate, middle.flow, middle.line_load, GAMMA * time_step)
-    found = newton(p, h, middle.approach, task, bodies, fluid, w.mass_start, w)
+    found = solved(p, h, middle.approach, task, bodies, fluid, w.mass_start, w)
     if found.error != 0.0:
         return Stepped(found.approach, half_scale, math.inf)
     masses(p, h, half_scale, fluid, w, w.mass_middle)
@@ -198,7 +224,7 @@ def step(
     given = end.line_load < 0.0
     guess = end.approach if given else found.approach
     task = Task(new_scale, rate, end.flow, end.line_load, GAMMA * time_step)
-    found = newton(p, h, guess, task, bodies, fluid, w.base, w)
+    found = solved(p, h, guess, task, bodies, fluid, w.base, w)
     if found.error != 0.0:
         return Stepped(found.approach, new_scale, math.inf)
     for i in range(n):

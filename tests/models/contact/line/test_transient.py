@@ -204,3 +204,12 @@ def test_the_solved_film_needs_a_field() -> None:
     faults = component.parameter_faults(component.parameters.vector({"film_model": SOLVED}))
     assert len(faults) == 1
     assert "nodes" in faults[0]
+
+
+@pytest.mark.parametrize("jump", [2e-6, -2e-6, 20e-6, -1e-3])
+def test_jumps_of_the_approach_are_survived(jump: float) -> None:
+    contact = settled()
+    for _ in range(3):
+        assert contact.step(1e-5, **{**RUNNING, "approach": 0.3e-6 + jump}) == OK
+    assert contact["minimum_film_thickness"] > 0.0
+    assert (contact["load"] > 437.0) == (jump > 0.0)
