@@ -10,7 +10,7 @@ from typing import Any
 
 from .publication import Publication
 
-SOURCES = ("farahanchi1991", "kushwaha2000")
+SOURCES = ("farahanchi1991", "films", "kushwaha2000")
 
 
 def publication(source: str) -> Publication[Any]:

@@ -35,6 +35,8 @@ MOST_REACH = 320.0
 NARROW_INLET = 0.25
 # Roache's factor (1998) of an error that is estimated from three grids or more.
 SAFETY = 1.25
+# Moes' load beyond which there are no films to any useful accuracy, as where entrainment all but ends.
+MOST_LOAD = 1e5
 # First yield of a line contact is at a largest pressure of 1.67 times the yield stress in tension, by Tresca
 # (Johnson, Contact Mechanics, 1985, section 4.2), here of hardened bearing steel, some 1.2 GPa.
 ELASTIC_LIMIT = 1.67 * 1.2e9
@@ -132,6 +134,11 @@ def solve_steady(
     which bodies of that material yield); they are in the result's `warnings` too.
     """
     _check(tolerance, nodes, elastic_limit)
+    if contact.M > MOST_LOAD:
+        raise LineContactError(
+            f"M = {contact.M:.4g}: must be at most {MOST_LOAD:g} for a steady film; where entrainment "
+            "all but ends use the transient line contact"
+        )
     reach, starvation = _reach(contact, tolerance)
     sharpness = _sharpness(contact)
     found: list[Fields] = []

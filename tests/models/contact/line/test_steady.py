@@ -246,6 +246,11 @@ def test_an_accuracy_that_no_grid_gives_is_refused():
         solve_steady(moes_contact(1000.0, 20.0), tolerance=1e-6, elastic_limit=math.inf)
 
 
+def test_a_contact_that_all_but_rests_is_refused():
+    with pytest.raises(LineContactError, match="transient"):
+        solve_steady(dataclasses.replace(CAM, velocity=1e-15))
+
+
 def test_a_short_inlet_is_seen():
     """The load that oil from beyond the grid would carry bounds what four times the reach changes."""
     from models.contact.line import steady

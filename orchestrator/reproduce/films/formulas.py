@@ -1,0 +1,108 @@
+"""The formulas that are judged, with their sources, and the conditions for which they were made."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from models.contact.ehl_contact import TABLE_3
+from models.contact.films import FILMS
+from models.contact.films.groups import groups
+from models.contact.line.line_contact import LineContact
+
+CENTRAL, MINIMUM = "central", "minimum"
+
+
+@dataclass(frozen=True)
+class Formula:
+    """`valid` says whether a contact is among those that the formula was made for, `conditions` which."""
+
+    name: str
+    words: str
+    source: str
+    text: str
+    film: str
+    conditions: str
+    valid: Callable[[LineContact], bool]
+
+    def of(self, contact: LineContact) -> float:
+        """The film (m)."""
+        fluid = contact.lubricant
+        return float(
+            FILMS[self.name](
+                contact.load, abs(contact.velocity), contact.radius, contact.length, contact.compliance,
+                fluid.viscosity, fluid.pressure_viscosity,
+            )
+        )  # fmt: skip
+
+
+def asymptotes(M: float, L: float) -> dict[str, float]:
+    """The films in Moes' unit where one effect rules: Martin's, Blok's 1.66 (alpha eta0 u/R)^(2/3), and the
+    elastic ones of Moes. The largest is near the film, and names its regime."""
+    return {
+        "rigid-isoviscous": 2.45 / M,
+        "rigid-piezoviscous": 1.05 * L ** (2.0 / 3.0),
+        "elastic-isoviscous": 2.05 * M**-0.2,
+        "elastic-piezoviscous": 0.99 * M**-0.125 * L**0.75,
+    }
+
+
+def regime(contact: LineContact) -> str:
+    """The effect that rules."""
+    found = asymptotes(contact.M, contact.L)
+    return max(found, key=lambda name: found[name])
+
+
+def elastic_piezoviscous(contact: LineContact) -> bool:
+    """What power laws of elastohydrodynamic films are made for."""
+    return regime(contact) == "elastic-piezoviscous"
+
+
+def in_table_3(contact: LineContact) -> bool:
+    """Whether G, W and U are inside Kushwaha's Table 3, without squeeze."""
+    fluid = contact.lubricant
+    g = groups(
+        math.pi / contact.compliance, contact.load, abs(contact.velocity), contact.radius,
+        contact.length, fluid.viscosity, fluid.pressure_viscosity,
+    )  # fmt: skip
+    values = {"material": g.material, "load": g.load, "speed": g.speed}
+    return all(TABLE_3[name][0] <= value <= TABLE_3[name][1] for name, value in values.items())
+
+
+def _anywhere(contact: LineContact) -> bool:
+    return True
+
+
+_TABLE_3 = "G, W, U in Table 3"
+_REGIME = "elastic-piezoviscous"
+FORMULAS = (
+    Formula(
+        "kushwaha", "Kushwaha (+)", "Kushwaha et al. 2000, (10), as printed", "1.67 W^0.059 U^0.541 G^0.421",
+        CENTRAL, _TABLE_3, in_table_3,
+    ),
+    Formula(
+        "kushwaha_negative", "Kushwaha (−)", "the same, sign of the load changed",
+        "1.67 W^−0.059 U^0.541 G^0.421", CENTRAL, _TABLE_3, in_table_3,
+    ),
+    Formula(
+        "dowson_toyoda", "Dowson-Toyoda", "Dowson and Toyoda 1979", "3.06 G^0.56 U^0.69 W^−0.10",
+        CENTRAL, _REGIME, elastic_piezoviscous,
+    ),
+    Formula(
+        "pan_hamrock_central", "Pan-Hamrock", "Pan and Hamrock 1989", "2.922 G^0.470 U^0.692 W^−0.166",
+        CENTRAL, _REGIME, elastic_piezoviscous,
+    ),
+    Formula(
+        "dowson_higginson", "Dowson-Higginson", "Dowson and Higginson 1966", "2.65 G^0.54 U^0.70 W^−0.13",
+        MINIMUM, _REGIME, elastic_piezoviscous,
+    ),
+    Formula(
+        "pan_hamrock_minimum", "Pan-Hamrock", "Pan and Hamrock 1989", "1.714 G^0.568 U^0.694 W^−0.128",
+        MINIMUM, _REGIME, elastic_piezoviscous,
+    ),
+    Formula(
+        "moes_venner", "Moes", "Moes 1992, Venner 1991", "H(M, L) between four asymptotes",
+        MINIMUM, "anywhere", _anywhere,
+    ),
+)  # fmt: skip
