@@ -26,10 +26,11 @@ with bodies that close evenly, as in the quasi-static solutions behind his formu
 groups fitted to one sample and judged by another.
 
 All films here are steady: at each angle, the one that load, speed and curvature would keep up. Where
-entrainment reverses (dips in the figure) that film tends to zero, and the real one, which squeezing keeps up,
-is the transient solution's. A formula is inside its validity where its own stated ranges hold (Kushwaha), or
-where the elastic-piezoviscous asymptote is the largest of the four (the power laws): their authors fitted
-such contacts. Ratios are formula over numerical film.
+entrainment reverses (gaps in the figure) that film tends to zero, and the real one, which squeezing keeps up,
+is the transient solution's. Kushwaha's formula is inside its validity where its stated ranges hold, the power
+laws where the contact is elastic-piezoviscous, as their authors' were: by the asymptotes of Martin, Blok and
+Moes, of which the largest rules, with the lower of the two piezoviscous ones. Ratios are formula over
+numerical film.
 
 This page, its figures and tables are written by `tribocosim reproduce films --out FOLDER`; after a change of
 the models, copy `films.md` and the figures from the folder to `docs`.

@@ -43,13 +43,15 @@ COLOURS = {
     "pan_hamrock_minimum": COUPLED,
     "moes_venner": "#c77d11",
 }
+# Of the figure with many panels.
+DPI = 160.0
 MICRO = 1e6
 
 
 def draw(runs: Runs, folder: Path) -> list[Path]:
     """Every figure, and the numbers of those that have many."""
     return [
-        compact(lambda: cycle(runs), folder / f"{CYCLE}.png"),
+        compact(lambda: cycle(runs), folder / f"{CYCLE}.png", DPI),
         compact(lambda: table_3(runs), folder / f"{TABLE_3}.png"),
         compact(lambda: power_laws(runs), folder / f"{LAWS}.png"),
         _write(folder / f"{CYCLE}.csv", _cycle_rows(runs)),

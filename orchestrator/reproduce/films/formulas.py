@@ -39,7 +39,7 @@ class Formula:
 
 def asymptotes(M: float, L: float) -> dict[str, float]:
     """The films in Moes' unit where one effect rules: Martin's, Blok's 1.66 (alpha eta0 u/R)^(2/3), and the
-    elastic ones of Moes. The largest is near the film, and names its regime."""
+    elastic ones of Moes."""
     return {
         "rigid-isoviscous": 2.45 / M,
         "rigid-piezoviscous": 1.05 * L ** (2.0 / 3.0),
@@ -49,8 +49,11 @@ def asymptotes(M: float, L: float) -> dict[str, float]:
 
 
 def regime(contact: LineContact) -> str:
-    """The effect that rules."""
+    """The effect that rules. Load flattens bodies and thins a piezoviscous film, so that the lower of its two
+    asymptotes holds (rigid for M < 0.62 L^2/3); of that and the isoviscous ones, the largest."""
     found = asymptotes(contact.M, contact.L)
+    piezoviscous = ("rigid-piezoviscous", "elastic-piezoviscous")
+    del found[max(piezoviscous, key=lambda name: found[name])]
     return max(found, key=lambda name: found[name])
 
 
