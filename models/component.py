@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from .hybrid import hybrid_work_size, make_hybrid_advance
+from .implicit import ImplicitSteps
 from .integrator import INPUT_COEFFICIENTS, TOLERANCE, make_advance, taylor, work_size
 from .kernel import kernel, record_of
 from .quantities import Layout, Vector
@@ -74,7 +75,8 @@ class Component:
     which energies are counted along the motion (see `quadrature`). `unrated` are the continuous outputs
     whose rate the derivative does not tell (a stiff or quasi-static inside); they are given without. `ode` is
     false where the motion is not that of dx/dt = derivative (a pressure field that only `advance` finds): the
-    derivative then serves rates of outputs and equilibria alone, and solvers of ODEs refuse the component.
+    derivative then serves rates of outputs and equilibria alone, and solvers of ODEs refuse the component;
+    where `implicit` is there, the monolithic reference can have it.
     `runs_on`: it moves while the mechanisms it drives are at rest, so that an equilibrium does not ask it to
     stand still, but for the states in `settles`.
 
@@ -202,6 +204,11 @@ class Component:
         if maker := self.advance_maker or (make_hybrid_advance if self.events else None):
             return maker(self)
         return make_advance(self.flat_derivative, self.state, self.inputs, self.sample, self.tolerance)
+
+    @cached_property
+    def implicit(self) -> ImplicitSteps | None:
+        """How the motion of what is no ODE is solved together with that of others; None if it cannot be."""
+        return None
 
     @cached_property
     def step(self) -> Any:

@@ -75,9 +75,9 @@ def check_master(scenario: Scenario) -> None:
 def check_reference(scenario: Scenario, system: System) -> None:
     """ModelError where a reference is wanted that cannot be solved."""
     if scenario.reference.enabled:
-        from models.monolithic import check_ode
+        from models.monolithic import check_solvable
 
-        check_ode(system)
+        check_solvable(system)
 
 
 def check_energy_estimator(scenario: Scenario, system: System) -> None:

@@ -78,7 +78,7 @@ def verdict(errors: Errors) -> tuple[bool, str]:
         else:
             failed.append(
                 f"{name}: the reference's own uncertainty {own:.2g} is above the tolerance "
-                f"{error.tolerance:g} (lower reference.tolerance)"
+                f"{error.tolerance:g} (lower reference.tolerance, or with a pressure field reference.step)"
             )
     if failed:
         return False, "outside the tolerance: " + "; ".join(failed)

@@ -66,7 +66,15 @@ def _compared(
 
 
 def _reference(scenario: Scenario, system: System, times: Vector, reporter: Reporter) -> Reference:
-    from models.monolithic import solve
+    from models.monolithic import LONGEST_STEP, solve
 
+    table = scenario.reference
     with reporter.stage("monolithic reference", scenario.stop_time) as bar:
-        return solve(system, times, tolerance=scenario.reference.tolerance, x0=system.x0, progress=bar.show)
+        return solve(
+            system,
+            times,
+            tolerance=table.tolerance,
+            x0=system.x0,
+            progress=bar.show,
+            longest_step=table.step or LONGEST_STEP,
+        )

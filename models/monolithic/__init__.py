@@ -4,15 +4,17 @@ from .adherence import solve_adherence
 from .difference import Difference, difference, time_weights
 from .energy import EnergyBalance
 from .equilibrium import equilibrium
-from .problem import Event, check_ode
-from .reference import Reference, solve
+from .problem import Event, check_ode, check_solvable
+from .reference import LONGEST_STEP, Reference, solve
 
 __all__ = [
+    "LONGEST_STEP",
     "Difference",
     "EnergyBalance",
     "Event",
     "Reference",
     "check_ode",
+    "check_solvable",
     "difference",
     "equilibrium",
     "solve",

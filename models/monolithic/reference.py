@@ -18,8 +18,10 @@ from ..system import ModelError, System
 from .cvode import Cvode
 from .difference import Difference, difference, time_weights
 from .energy import EnergyBalance
+from .implicit import ImplicitProblem
+from .implicit_methods import Bdf3, ImplicitMethod, Sdirk4, march_implicit
 from .march import Method, march
-from .problem import Event, ObservableProblem, Problem, SystemProblem
+from .problem import Event, ObservableProblem, Problem, SystemProblem, is_ode
 from .runge_kutta import RungeKutta
 
 # The integrators' tolerance per step and unit of nominal, over the tolerance that the user asks for: a
@@ -31,6 +33,10 @@ SHARPEST = 1e-13
 STIFF_STEPS = 100_000
 # Length of DOP853's stability interval on the negative real axis.
 STABILITY_INTERVAL = 6.0
+# Steps of the implicit one-step method (s): a twentieth of the period of a valve on its contact.
+LONGEST_STEP = 8e-6
+# The multistep method takes this share of them, for one solution in each to five of the other's.
+BDF_SHARE = 0.25
 # Steps may be this share of the duration even where closer instants are asked for.
 SHORT_SHARE = 1e-2
 
@@ -85,15 +91,19 @@ def solve(
     x0: Vector | None = None,
     t0: float | None = None,
     progress: Callable[[float], None] | None = None,
+    longest_step: float = LONGEST_STEP,
 ) -> Reference:
     """Solve `system` at `times` (ascending) from the state `x0` (default: its starts) at `t0` (times[0]).
 
     Method A is CVODE, method B DOP853, or BDF and Radau for a stiff problem; both locate the events of
-    components. `tolerance` is relative to nominal + |value|. `progress` is called with the share done.
-    ModelError if a method fails.
+    components. `tolerance` is relative to nominal + |value|. Where a component is no ODE they are SDIRK4 and
+    BDF3 in steps of at most `longest_step` (s) instead, and `tolerance` has no part. `progress` is called
+    with the share done. ModelError if a method fails.
     """
     begun = time.perf_counter()
     times = checked_times(times, t0)
+    if not all(is_ode(system, name) for name in system.instances):
+        return _solve_implicit(system, times, x0, t0, progress, longest_step, begun)
     problem = SystemProblem(system)
     z0 = problem.start(system.x0 if x0 is None else np.asarray(x0, dtype=np.float64))
     start = float(times[0]) if t0 is None else float(t0)
@@ -113,6 +123,48 @@ def solve(
         energy=problem.energies.balances(stored, runs[0][:, n:]),
         wall_time_s=time.perf_counter() - begun,
         method_names=names,
+    )
+
+
+def _solve_implicit(
+    system: System,
+    times: Vector,
+    x0: Vector | None,
+    t0: float | None,
+    progress: Callable[[float], None] | None,
+    longest_step: float,
+    begun: float,
+) -> Reference:
+    """As `solve`, of a system in which components are no ODE."""
+    if not longest_step > 0.0:
+        raise ModelError(f"longest_step = {longest_step:g} s: must be > 0")
+    problem = ImplicitProblem(system)
+    x = system.x0 if x0 is None else np.asarray(x0, dtype=np.float64)
+    if x.shape != (system.state.size,):
+        raise ModelError(f"start state of {x.size} elements: the system has {system.state.size} states")
+    start = float(times[0]) if t0 is None else float(t0)
+    system.check_start(start, x)
+    methods: tuple[ImplicitMethod, ImplicitMethod] = Sdirk4(problem), Bdf3(problem)
+    lengths = longest_step, BDF_SHARE * longest_step
+    courses = [
+        march_implicit(problem, method, x, start, times, longest, progress and _half(progress, i))
+        for i, (method, longest) in enumerate(zip(methods, lengths, strict=True))
+    ]
+    first, second = courses
+    return Reference(
+        system=system,
+        times=times,
+        state=first.state,
+        inputs=first.inputs,
+        outputs=first.outputs,
+        uncertainty=uncertainties(system, times, first.outputs, second.outputs),
+        events=[],
+        energy=problem.energies.balances(first.stored, first.energies),
+        wall_time_s=time.perf_counter() - begun,
+        method_names=(
+            f"{methods[0].name}, steps of {lengths[0]:g} s",
+            f"{methods[1].name}, steps of {lengths[1]:g} s",
+        ),
     )
 
 

@@ -31,6 +31,11 @@ class ReferenceTable(Table):
     tolerance: Annotated[Tolerance, Field(lt=1.0)] = Field(
         1e-10, description="Relative tolerance of the reference's solvers"
     )
+    step: Seconds | None = Field(
+        None,
+        description="Longest step of the reference where a component solves for a pressure field, which the "
+        "tolerance has no part in (s, or a text with a unit); default: 8 us",
+    )
 
 
 class EnergyTable(Table):

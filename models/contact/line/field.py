@@ -19,6 +19,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from ...component import Component
+from ...implicit import ImplicitSteps
 from ...integrator import NOT_CONVERGED, OK, copy, taylor
 from ...kernel import kernel, record_of
 from ...quantities import Layout, Quantity, Vector, per_element
@@ -317,6 +318,13 @@ class FieldContact(Component):
         """Where the nodes stand, in scales of the grid; from scratch in which a step has been made."""
         first = self.state.size + self.inputs.size
         return np.asarray(workspace_in(work[first:], self.structure["nodes"]).X)
+
+    @cached_property
+    def implicit(self) -> ImplicitSteps:
+        """See `implicit_field`."""
+        from .implicit import implicit_field  # it builds on this module
+
+        return implicit_field(self)
 
     @property
     def work_size(self) -> int:

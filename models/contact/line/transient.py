@@ -61,13 +61,19 @@ def wanted_scale(line_load: float, film: float, radius: float, bodies: Bodies) -
 
 
 @kernel
+def aimed_scale(scale: float, p: Any, h: Any, drive: Drives, bodies: Bodies, w: Workspace) -> float:
+    """The wanted scale, not further away from the grid's than GRID_FACTOR."""
+    load = line_load_of(p, w.weight, scale)
+    wanted = wanted_scale(load, central(h), drive.flow.radius, bodies)
+    return min(max(wanted, scale / GRID_FACTOR), scale * GRID_FACTOR)
+
+
+@kernel
 def grid_scale_after(
     time_step: float, scale: float, p: Any, h: Any, drive: Drives, bodies: Bodies, w: Workspace
 ) -> float:
     """The scale after a step: it follows the wanted one within GRID_TIME, by GRID_FACTOR at most."""
-    load = line_load_of(p, w.weight, scale)
-    wanted = wanted_scale(load, central(h), drive.flow.radius, bodies)
-    wanted = min(max(wanted, scale / GRID_FACTOR), scale * GRID_FACTOR)
+    wanted = aimed_scale(scale, p, h, drive, bodies, w)
     return wanted + (scale - wanted) * math.exp(-time_step / GRID_TIME)
 
 

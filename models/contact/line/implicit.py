@@ -1,0 +1,81 @@
+"""The pressure field solved together with all that surrounds it: see `ImplicitSteps`.
+
+Carried are the masses of the volumes, the grid's scale, which follows the contact as
+d(scale)/dt = (wanted scale - scale)/GRID_TIME (the law that `transient` takes step by step), and, for rates,
+central film, elastic energy and approach.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...implicit import ImplicitSteps
+from ...integrator import NOT_CONVERGED, OK
+from ...kernel import kernel, record_of
+from ...quantities import Vector
+from ..fluid import lubricant_of
+from .field import LINE_TRANSIENT, begin, bodies_of, drives_of, observe, rub
+from .newton import Task, forget_factors, newton
+from .transient import GRID_TIME, aimed_scale, masses
+from .workspace import workspace_in, workspace_size
+
+# Behind the masses.
+_SCALE, _FILM, _ENERGY, _APPROACH = range(4)
+
+
+def implicit_field(component: Any) -> ImplicitSteps:
+    """Implicit steps of an ehl_contact with a field."""
+    nodes = component.structure["nodes"]
+    X, U, P = component.state.dtype, component.inputs.dtype, component.parameters.dtype
+    parameters = component.parameters
+
+    def needed(p: Vector) -> bool:
+        return bool(parameters.view(p).film_model == LINE_TRANSIENT)
+
+    @kernel
+    def start(x: Any, u: Any, p: Any, work: Any) -> None:
+        state, given, constants = record_of(x, X), record_of(u, U), record_of(p, P)
+        w = workspace_in(work, nodes)
+        forget_factors(w)
+        if state.grid_scale == 0.0:
+            bodies = bodies_of(constants)
+            begin(state, given, constants, bodies, w.X)
+            observe(state, given.radius_of_curvature, bodies, w)
+            rub(state, given, constants, bodies, w)
+
+    @kernel
+    def carry(x: Any, u: Any, p: Any, work: Any, q: Any) -> None:
+        state = record_of(x, X)
+        w = workspace_in(work, nodes)
+        masses(state.pressure, state.film, state.grid_scale, lubricant_of(record_of(p, P)), w, q[:nodes])
+        rest = q[nodes:]
+        rest[_SCALE], rest[_FILM] = state.grid_scale, state.film_thickness
+        rest[_ENERGY], rest[_APPROACH] = state.elastic_energy, state.rigid_approach
+
+    @kernel
+    def stage(x: Any, u: Any, p: Any, base: Any, interval: float, work: Any) -> int:
+        state, given, constants = record_of(x, X), record_of(u, U), record_of(p, P)
+        w = workspace_in(work, nodes)
+        bodies = bodies_of(constants)
+        before = base[nodes:]
+        drives = drives_of(given, constants, state.rigid_approach)
+        wanted = aimed_scale(state.grid_scale, state.pressure, state.film, drives, bodies, w)
+        share = interval / GRID_TIME
+        scale = (before[_SCALE] + share * wanted) / (1.0 + share)
+        rate = (scale - before[_SCALE]) / interval
+        task = Task(scale, rate, drives.flow, drives.line_load, interval)
+        found = newton(
+            state.pressure, state.film, drives.approach, task, bodies, lubricant_of(constants),
+            base[:nodes], w,
+        )  # fmt: skip
+        if found.error != 0.0:
+            return NOT_CONVERGED
+        state.grid_scale, state.rigid_approach = scale, found.approach
+        observe(state, given.radius_of_curvature, bodies, w)
+        rub(state, given, constants, bodies, w)
+        state.film_rate = (state.film_thickness - before[_FILM]) / interval
+        stored = (state.elastic_energy - before[_ENERGY]) / interval
+        state.film_power = stored - state.field_load * (found.approach - before[_APPROACH]) / interval
+        return OK
+
+    return ImplicitSteps(nodes + 4, workspace_size(nodes), needed, start, carry, stage)
