@@ -164,7 +164,10 @@ def make_field_advance(component: FieldContact) -> Any:
     def advance(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any) -> int:
         parameters = record_of(p, P)
         start, u = work[0:n], work[n : n + m]
-        w = workspace_in(work[n + m :], nodes)
+        # Vectors of their own: numba would compile the whole solver once more for those of a record.
+        rest = work[n + m :]
+        pressure, film, slope = rest[:nodes], rest[nodes : 2 * nodes], rest[2 * nodes : 3 * nodes]
+        w = workspace_in(rest[3 * nodes :], nodes)
         copy(start, x)
         state, given = record_of(x, X), record_of(u, INPUTS)
         bodies, fluid = bodies_of(parameters), lubricant_of(parameters)
@@ -173,22 +176,23 @@ def make_field_advance(component: FieldContact) -> Any:
             begin(state, given, parameters, bodies, w.X)
             observe(state, given.radius_of_curvature, bodies, w)
         s, micro, before = 0.0, h, math.inf
-        film, load, stored = state.film_thickness, state.field_load, state.elastic_energy
+        copy(pressure, state.pressure)
+        copy(film, state.film)
+        copy(slope, state.slope)
+        central_film, load, stored = state.film_thickness, state.field_load, state.elastic_energy
         approach = state.rigid_approach if parameters.load_is_given != 0.0 else given.approach - given.retreat
         while s < h:
             last = s + micro >= h
             length = h - s if last else micro
             taylor(U, s, u)
             at_start = drives_of(given, parameters, state.rigid_approach)
-            new_scale = grid_scale_after(
-                length, state.grid_scale, state.pressure, state.film, at_start, bodies, w
-            )
+            new_scale = grid_scale_after(length, state.grid_scale, pressure, film, at_start, bodies, w)
             taylor(U, s + GAMMA * length, u)
             at_middle = drives_of(given, parameters, state.rigid_approach)
             taylor(U, s + length, u)
             at_end = drives_of(given, parameters, state.rigid_approach)
             made = step(
-                state.pressure, state.film, state.slope, state.grid_scale, new_scale, length,
+                pressure, film, slope, state.grid_scale, new_scale, length,
                 at_start, at_middle, at_end, parameters.field_tolerance, bodies, fluid, w,
             )  # fmt: skip
             # An error that stays as steps get shorter is that of a jump, which no step resolves.
@@ -199,17 +203,20 @@ def make_field_advance(component: FieldContact) -> Any:
                 micro = length * min(3.0, _SAFETY * max(made.error, 1e-3) ** _POWER)
                 continue
             before = made.error
-            copy(state.pressure, w.p_start)
-            copy(state.film, w.h_start)
-            copy(state.slope, w.slope_start)
+            copy(pressure, w.p_start)
+            copy(film, w.h_start)
+            copy(slope, w.slope_start)
             if length <= SMALLEST_SHARE * h:
                 copy(x, start)
                 return NOT_CONVERGED
             micro = length * (max(0.2, _SAFETY * made.error**_POWER) if made.error < 1e300 else 0.5)
+        copy(state.pressure, pressure)
+        copy(state.film, film)
+        copy(state.slope, slope)
         observe(state, given.radius_of_curvature, bodies, w)
         rub(state, given, parameters, bodies, w)
         if h > 0.0:
-            state.film_rate = (state.film_thickness - film) / h
+            state.film_rate = (state.film_thickness - central_film) / h
             work_in = 0.5 * (state.field_load + load) * (state.rigid_approach - approach)
             state.film_power = (state.elastic_energy - stored - work_in) / h
         return OK
@@ -316,8 +323,7 @@ class FieldContact(Component):
 
     def nodes_of(self, work: Vector) -> Vector:
         """Where the nodes stand, in scales of the grid; from scratch in which a step has been made."""
-        first = self.state.size + self.inputs.size
-        return np.asarray(workspace_in(work[first:], self.structure["nodes"]).X)
+        return np.asarray(workspace_in(work[self._scratch_before :], self.structure["nodes"]).X)
 
     @cached_property
     def implicit(self) -> ImplicitSteps:
@@ -328,13 +334,13 @@ class FieldContact(Component):
 
     @property
     def work_size(self) -> int:
-        """The formula's scratch, a copy of the state and the inputs, and the solver's."""
-        return (
-            self.plain.work_size
-            + self.state.size
-            + self.inputs.size
-            + workspace_size(self.structure["nodes"])
-        )
+        """A copy of the state and the inputs, and the solver's scratch: more than the formula needs."""
+        return self._scratch_before + workspace_size(self.structure["nodes"])
+
+    @property
+    def _scratch_before(self) -> int:
+        """Elements of scratch before the solver's workspace."""
+        return self.state.size + self.inputs.size + 3 * self.structure["nodes"]
 
 
 def with_field(plain: Component, nodes: int) -> FieldContact:
