@@ -11,7 +11,10 @@ import platform
 import sys
 from pathlib import Path
 
-NAMES = ("macro_steps", "reference", "start_up", "memory", "checkpoint", "slider_crank", "exponent_map")
+NAMES = (
+    "macro_steps", "reference", "start_up", "memory", "checkpoint", "slider_crank", "exponent_map",
+    "line_contact",
+)  # fmt: skip
 PAGE = Path(__file__).parent.parent / "docs" / "benchmarks.md"
 
 

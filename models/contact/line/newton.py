@@ -72,23 +72,23 @@ def line_load_of(p: Any, weight: Any, scale: float) -> float:
 
 
 @kernel
-def dot(a: Any, b: Any) -> float:
-    """Sum of a[i] b[i], in eight parts, which a compiler adds up side by side."""
-    n = a.shape[0]
-    s0, s1, s2, s3, s4, s5, s6, s7 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    whole = n - n % 8
-    for i in range(0, whole, 8):
-        s0 += a[i] * b[i]
-        s1 += a[i + 1] * b[i + 1]
-        s2 += a[i + 2] * b[i + 2]
-        s3 += a[i + 3] * b[i + 3]
-        s4 += a[i + 4] * b[i + 4]
-        s5 += a[i + 5] * b[i + 5]
-        s6 += a[i + 6] * b[i + 6]
-        s7 += a[i + 7] * b[i + 7]
+def multiply(D: Any, p: Any, first: int, last: int, out: Any) -> None:
+    """out = D[:, first:last] p[first:last], four rows side by side, which keeps a processor busy."""
+    n = D.shape[0]
+    whole = n - n % 4
+    for i in range(0, whole, 4):
+        s0, s1, s2, s3 = 0.0, 0.0, 0.0, 0.0
+        for j in range(first, last):
+            s0 += D[i, j] * p[j]
+            s1 += D[i + 1, j] * p[j]
+            s2 += D[i + 2, j] * p[j]
+            s3 += D[i + 3, j] * p[j]
+        out[i], out[i + 1], out[i + 2], out[i + 3] = s0, s1, s2, s3
     for i in range(whole, n):
-        s0 += a[i] * b[i]
-    return ((s0 + s1) + (s2 + s3)) + ((s4 + s5) + (s6 + s7))
+        s0 = 0.0
+        for j in range(first, last):
+            s0 += D[i, j] * p[j]
+        out[i] = s0
 
 
 @kernel
@@ -104,9 +104,9 @@ def fill_film(
         first += 1
     while last > first and p[last - 1] == 0.0:
         last -= 1
+    multiply(w.D, p, first, last, h)
     for i in range(n):
-        total = dot(w.D[i, first:last], p[first:last])
-        h[i] = level + factor * total - approach + (scale * w.X[i]) ** 2 / (2.0 * radius)
+        h[i] = level + factor * h[i] - approach + (scale * w.X[i]) ** 2 / (2.0 * radius)
 
 
 @kernel

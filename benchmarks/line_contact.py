@@ -1,0 +1,135 @@
+"""The transient line contact over the cam's turn: time and memory against nodes and dense factors."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+
+import numpy as np
+
+from models.contact.fluid import Lubricant
+from models.contact.hertz import deflection, elastic_compliance
+from models.contact.line.hierarchical import Jacobian, factorise, solve_below
+from models.contact.line.newton import Bodies
+from models.contact.line.reynolds import Flow
+from models.contact.line.transient import GAMMA, Drives, grid_scale_after, place_film, step, wanted_scale
+from models.contact.line.workspace import Workspace, workspace_in, workspace_size
+from models.quantities import Vector
+from models.valve_train import cam_profile
+from models.valve_train.camshaft import CamshaftParameters
+
+from .measure import medians
+
+NODES = (101, 301, 701, 1501, 3001)
+SPEED = 1000.0 * math.pi / 30.0
+SPRING_RATE, PRELOAD, MASS = 35e3, 330.0, 0.22
+LENGTH = 12e-3
+BODIES = Bodies(elastic_compliance(207e9, 0.3, 207e9, 0.3), LENGTH)
+FLUID = Lubricant(0.036, 1.8e-8)
+# No micro-steps: one step for every stretch of the turn, whatever its error.
+ANY_ERROR = 1e9
+
+
+def drive(angle: float, approach: float) -> Drives:
+    """The set kushwaha2000 with a massless spring, load given."""
+    p = CamshaftParameters()
+    cam = cam_profile.cycloidal_lift(angle, p.lift, p.rise_angle, p.dwell_half_width)
+    load = PRELOAD + SPRING_RATE * cam.s + MASS * cam.dds * SPEED**2
+    flow = Flow(
+        cam_profile.entraining_velocity(p.base_radius, cam, SPEED),
+        0.0,
+        cam_profile.radius_of_curvature(p.base_radius, cam),
+    )
+    return Drives(flow, approach, load / LENGTH)
+
+
+class Turn:
+    """The film along the cam, in steps of `degrees`."""
+
+    def __init__(self, nodes: int, degrees: float) -> None:
+        self.degrees = degrees
+        self.w: Workspace = workspace_in(np.zeros(workspace_size(nodes)), nodes)
+        self.p, self.h, self.slope = np.zeros(nodes), np.zeros(nodes), np.zeros(nodes)
+
+    def run(self, first: float, last: float) -> float:
+        """Processor time of the steps between these angles (s), compiled and begun before."""
+        angle, film = math.radians(first), 1e-6
+        d = drive(angle, 0.0)
+        load = d.line_load * LENGTH
+        approach = deflection(load, d.flow.radius, LENGTH, BODIES.compliance) - film
+        scale = wanted_scale(d.line_load, film, d.flow.radius, BODIES)
+        place_film(load, film, d.flow.radius, BODIES, self.w.X, scale, self.p, self.h)
+        self.slope[:] = 0.0
+        turned = math.radians(self.degrees)
+        interval = turned / SPEED
+        spent = 0.0
+        for _ in range(round((last - first) / self.degrees)):
+            drives = [drive(angle + share * turned, approach) for share in (0.0, GAMMA, 1.0)]
+            begun = time.process_time()
+            new_scale = grid_scale_after(interval, scale, self.p, self.h, drives[0], BODIES, self.w)
+            made = step(
+                self.p,
+                self.h,
+                self.slope,
+                scale,
+                new_scale,
+                interval,
+                *drives,
+                ANY_ERROR,
+                BODIES,
+                FLUID,
+                self.w,
+            )
+            spent += time.process_time() - begun
+            if not made.error <= 1.0:
+                raise RuntimeError(f"no step at {math.degrees(angle):g} degrees")
+            scale, approach = made.scale, made.approach
+            angle += turned
+        return spent
+
+
+def dense_and_hierarchical(turn: Turn) -> tuple[float, float]:
+    """Processor time of one factorisation and solution (s), by LAPACK and by the hierarchy."""
+    w, n = turn.w, turn.p.size
+    J = Jacobian(w.A, w.B, w.D, w.weight, 1.0)
+    right = np.ones(n)
+    full = np.eye(n) + 1e-3 * w.D
+
+    def dense() -> float:
+        begun = time.process_time()
+        np.linalg.solve(full, right)
+        return time.process_time() - begun
+
+    def hierarchical() -> float:
+        begun = time.process_time()
+        factorise(J, w.fixed, w.hierarchy)
+        solve_below(w.hierarchy, 0, w.solution, 1)
+        return time.process_time() - begun
+
+    found = medians({"dense": dense, "hierarchical": hierarchical})
+    return found["dense"], found["hierarchical"]
+
+
+def over_event(nodes: int, last: float) -> tuple[float, float, Vector]:
+    """Milliseconds of a step of 0.1 degrees from 95 degrees on, and the ratio of dense factors to ours."""
+    turn = Turn(nodes, 0.1)
+    turn.run(95.0, 96.0)
+    spent = turn.run(95.0, last) / ((last - 95.0) / 0.1) * 1e3
+    dense, ours = dense_and_hierarchical(turn)
+    return spent, dense / ours, turn.h
+
+
+def rows() -> Iterator[tuple[str, str]]:
+    """Figures and their values."""
+    for nodes in NODES:
+        spent, ratio, _ = over_event(nodes, 225.0 if nodes < 1000 else 115.0)
+        memory = workspace_size(nodes) * 8 / 1e6
+        yield (
+            f"line contact, {nodes} nodes: a step of 0.1 degrees over the cam's event; memory; "
+            "dense factors and solution over ours",
+            f"{spent:.2f} ms; {memory:.1f} MB; {ratio:.1f}",
+        )
+    turn = Turn(301, 1.0)
+    turn.run(0.0, 10.0)
+    yield "line contact, 301 nodes: a whole revolution in 360 steps", f"{turn.run(0.0, 360.0):.2f} s"
