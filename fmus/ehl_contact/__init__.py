@@ -3,5 +3,3 @@
 from ..description import Experiment
 
 EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)
-# With a pressure field, so that every film model can be chosen.
-STRUCTURE = {"nodes": 301}

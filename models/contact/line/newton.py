@@ -23,7 +23,7 @@ TOLERANCE = 1e-6
 PRESSURE_FLOOR = 1e4
 MOST_ITERATIONS = 40
 # New factors where an iteration leaves more of the correction than this.
-SLOW = 0.2
+SLOW = 0.5
 # An iteration may shrink the film to this share, and so the pressures above HIGH of the largest: steep flanks
 # of pressure that move would otherwise leave cavities in the middle of the film that never close.
 LEAST_SHARE = 0.2
