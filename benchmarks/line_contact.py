@@ -15,14 +15,15 @@ from models.contact.line.newton import Bodies
 from models.contact.line.reynolds import Flow
 from models.contact.line.transient import GAMMA, Drives, grid_scale_after, place_film, step, wanted_scale
 from models.contact.line.workspace import Workspace, workspace_in, workspace_size
-from models.valve_train import cam_profile
 from models.valve_train.camshaft import CamshaftParameters
+from models.valve_train.rigid import contact_conditions
+from models.valve_train.valve_spring import ValveSpringParameters
 
 from .measure import medians
 
 NODES = (101, 301, 701, 1501, 3001)
 SPEED = 1000.0 * math.pi / 30.0
-SPRING_RATE, PRELOAD, MASS = 35e3, 330.0, 0.22
+CAM, SPRING = CamshaftParameters(), ValveSpringParameters()
 LENGTH = 12e-3
 BODIES = Bodies(elastic_compliance(207e9, 0.3, 207e9, 0.3), LENGTH)
 FLUID = Lubricant(0.036, 1.8e-8)
@@ -32,15 +33,8 @@ ANY_ERROR = 1e9
 
 def drive(angle: float, approach: float) -> Drives:
     """The set kushwaha2000 with a massless spring, load given."""
-    p = CamshaftParameters()
-    cam = cam_profile.cycloidal_lift(angle, p.lift, p.rise_angle, p.dwell_half_width)
-    load = PRELOAD + SPRING_RATE * cam.s + MASS * cam.dds * SPEED**2
-    flow = Flow(
-        cam_profile.entraining_velocity(p.base_radius, cam, SPEED),
-        0.0,
-        cam_profile.radius_of_curvature(p.base_radius, cam),
-    )
-    return Drives(flow, approach, load / LENGTH)
+    at = contact_conditions(angle, SPEED, CAM, SPRING)
+    return Drives(Flow(at.entraining_velocity, 0.0, at.radius_of_curvature), approach, at.load / LENGTH)
 
 
 class Turn:

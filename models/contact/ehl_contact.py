@@ -22,7 +22,7 @@ from ..quantities import Layout, Quantity, Vector
 from .films import FILMS, film_by_number
 from .films.groups import groups
 from .fluid import DENSITY_LAWS, VISCOSITY_LAWS
-from .hertz import deflection, elastic_compliance, elastic_energy, half_width, load_of, maximum_pressure
+from .hertz import compliance_of, deflection, elastic_energy, half_width, load_of, maximum_pressure
 from .line.field import with_field
 from .mixed_lubrication import mixed_lubrication
 
@@ -224,9 +224,7 @@ def relaxation_rate(film: float, steady_film: float, velocity: float, squeeze_co
 @kernel
 def contact(x: ContactState, u: ContactInputs, p: ContactParameters) -> Contact:
     """Deflection, load and film rate. The film sees the elastic load, which keeps the law explicit."""
-    compliance = elastic_compliance(
-        p.youngs_modulus_1, p.poissons_ratio_1, p.youngs_modulus_2, p.poissons_ratio_2
-    )
+    compliance = compliance_of(p)
     radius = u.radius_of_curvature
     film = 0.0 if p.film_model == FILM_IS_DRY else x.film_thickness
     if p.load_is_given != 0.0:

@@ -7,6 +7,7 @@ printed 4b is twice the axial half length, that is 2 L_c.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from ..kernel import kernel
 
@@ -15,6 +16,12 @@ from ..kernel import kernel
 def elastic_compliance(modulus_1: float, poisson_1: float, modulus_2: float, poisson_2: float) -> float:
     """(1 - nu1^2)/E1 + (1 - nu2^2)/E2 in 1/Pa."""
     return (1.0 - poisson_1**2) / modulus_1 + (1.0 - poisson_2**2) / modulus_2
+
+
+@kernel
+def compliance_of(p: Any) -> float:
+    """The same, in kernels, of a record of parameters with moduli and Poisson's ratios of both bodies."""
+    return elastic_compliance(p.youngs_modulus_1, p.poissons_ratio_1, p.youngs_modulus_2, p.poissons_ratio_2)
 
 
 @kernel

@@ -26,8 +26,8 @@ from models.contact.fluid import Lubricant
 from models.contact.hertz import elastic_compliance, maximum_pressure
 from models.quantities import Layout, Vector
 from models.system import ModelError
-from models.valve_train.cam_profile import cycloidal_lift, entraining_velocity, radius_of_curvature
 from models.valve_train.camshaft import CamshaftParameters, static_slope
+from models.valve_train.rigid import contact_conditions
 from models.valve_train.valve_spring import ValveSpringParameters
 
 from ..errors import MistakeError
@@ -46,16 +46,14 @@ CONTACT, CAM, SPRING = ContactParameters(), CamshaftParameters(), ValveSpringPar
 
 def _running(values: Mapping[str, Any], share: float) -> Running:
     """Load, velocity, radius with a rigid shaft and a massless spring; its static slope times `share`."""
-    speed = values["speed"]
-    cam = cycloidal_lift(values["angle"], CAM.lift, CAM.rise_angle, CAM.dwell_half_width)
-    load = SPRING.preload + SPRING.spring_rate * cam.s + SPRING.valve_mass * cam.dds * speed**2
+    at = contact_conditions(values["angle"], values["speed"], CAM, SPRING)
     camshaft = Layout(CamshaftParameters)
     shaft = camshaft.view(camshaft.vector({"shaft_length": values["shaft_length"]}))
     return Running(
-        load,
-        entraining_velocity(CAM.base_radius, cam, speed),
-        radius_of_curvature(CAM.base_radius, cam),
-        share * abs(static_slope(load, shaft)),
+        at.load,
+        at.entraining_velocity,
+        at.radius_of_curvature,
+        share * abs(static_slope(at.load, shaft)),
     )
 
 

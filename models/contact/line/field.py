@@ -10,7 +10,6 @@ It starts as the formula model does, from film_thickness: Hertz's pressure over 
 
 from __future__ import annotations
 
-import functools
 import math
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -26,7 +25,7 @@ from ...quantities import Layout, Quantity, Vector, per_element
 from ..films import FILMS
 from ..fluid import lubricant_of
 from ..friction import profile_friction
-from ..hertz import deflection, elastic_compliance, load_of
+from ..hertz import compliance_of, deflection, load_of
 from ..mixed_lubrication import surfaces_of, traction_of
 from .newton import Bodies, line_load_of
 from .reynolds import Flow
@@ -86,9 +85,7 @@ def _extended(plain: Layout, nodes: int) -> Layout:
 @kernel
 def bodies_of(p: Any) -> Bodies:
     """The elastic pair that the parameters describe."""
-    compliance = elastic_compliance(
-        p.youngs_modulus_1, p.poissons_ratio_1, p.youngs_modulus_2, p.poissons_ratio_2
-    )
+    compliance = compliance_of(p)
     return Bodies(compliance, p.length)
 
 
@@ -285,15 +282,18 @@ class FieldContact(Component):
         return field_energy
 
     @cached_property
+    def _solving(self) -> Any:
+        return make_field_advance(self)
+
+    @cached_property
     def advance(self) -> Any:
         """As `Component.advance`, but not compiled: only the one that is asked for gets compiled."""
         plain, n = self.plain, self.plain.state.size
         film_model = self.parameters.index("film_model")
-        cached = functools.cache(make_field_advance)
 
         def advance(t: float, h: float, x: Vector, U: Vector, p: Vector, scale: Vector, work: Vector) -> int:
             if p[film_model] == LINE_TRANSIENT:
-                return int(cached(self)(t, h, x, U, p, scale, work))
+                return int(self._solving(t, h, x, U, p, scale, work))
             return int(plain.advance(t, h, x[:n], U, p, scale[:n], work))
 
         return advance

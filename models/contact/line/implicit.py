@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...implicit import ImplicitSteps
-from ...integrator import NOT_CONVERGED, OK
+from ...integrator import NOT_CONVERGED, OK, copy
 from ...kernel import kernel, record_of
 from ...quantities import Vector
 from ..fluid import lubricant_of
@@ -26,6 +26,7 @@ _SCALE, _FILM, _ENERGY, _APPROACH = range(4)
 def implicit_field(component: Any) -> ImplicitSteps:
     """Implicit steps of an ehl_contact with a field."""
     nodes = component.structure["nodes"]
+    solver = workspace_size(nodes)
     X, U, P = component.state.dtype, component.inputs.dtype, component.parameters.dtype
     parameters = component.parameters
 
@@ -56,18 +57,23 @@ def implicit_field(component: Any) -> ImplicitSteps:
     def stage(x: Any, u: Any, p: Any, base: Any, interval: float, work: Any) -> int:
         state, given, constants = record_of(x, X), record_of(u, U), record_of(p, P)
         w = workspace_in(work, nodes)
+        # Vectors of their own, as in `make_field_advance`: those of a record would compile the solver again.
+        pressure, film = work[solver : solver + nodes], work[solver + nodes : solver + 2 * nodes]
+        copy(pressure, state.pressure)
+        copy(film, state.film)
         bodies = bodies_of(constants)
         before = base[nodes:]
         drives = drives_of(given, constants, state.rigid_approach)
-        wanted = aimed_scale(state.grid_scale, state.pressure, state.film, drives, bodies, w)
+        wanted = aimed_scale(state.grid_scale, pressure, film, drives, bodies, w)
         share = interval / GRID_TIME
         scale = (before[_SCALE] + share * wanted) / (1.0 + share)
         rate = (scale - before[_SCALE]) / interval
         task = Task(scale, rate, drives.flow, drives.line_load, interval)
         found = newton(
-            state.pressure, state.film, drives.approach, task, bodies, lubricant_of(constants),
-            base[:nodes], w,
-        )  # fmt: skip
+            pressure, film, drives.approach, task, bodies, lubricant_of(constants), base[:nodes], w
+        )
+        copy(state.pressure, pressure)
+        copy(state.film, film)
         if found.error != 0.0:
             return NOT_CONVERGED
         state.grid_scale, state.rigid_approach = scale, found.approach
@@ -78,4 +84,4 @@ def implicit_field(component: Any) -> ImplicitSteps:
         state.film_power = stored - state.field_load * (found.approach - before[_APPROACH]) / interval
         return OK
 
-    return ImplicitSteps(nodes + 4, workspace_size(nodes), needed, start, carry, stage)
+    return ImplicitSteps(nodes + 4, solver + 2 * nodes, needed, start, carry, stage)

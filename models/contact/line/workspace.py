@@ -15,7 +15,7 @@ from .reynolds import Nodes
 
 _FIELDS = 8
 # Vectors besides the grid's two and the properties: those listed in Workspace after `nodes`.
-_VECTORS = 18
+_VECTORS = 14
 # Columns that are solved for at once.
 COLUMNS = 2
 # Says that grid and matrix are filled.
@@ -34,10 +34,6 @@ class Workspace(NamedTuple):
     B: Any
     fixed: Any
     solution: Any
-    p: Any
-    h: Any
-    p_middle: Any
-    h_middle: Any
     p_start: Any
     h_start: Any
     slope_start: Any
@@ -81,5 +77,5 @@ def workspace_in(work: Any, n: int) -> Workspace:
     nodes = Nodes(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7])
     return Workspace(
         X, weight, D, nodes, f[8], A, B, f[9], solution, f[10], f[11], f[12], f[13], f[14], f[15],
-        f[16], f[17], f[18], f[19], f[20], f[21], f[22], f[23], f[24], f[25], hierarchy_in(work[k:], n),
+        f[16], f[17], f[18], f[19], f[20], f[21], hierarchy_in(work[k:], n),
     )  # fmt: skip

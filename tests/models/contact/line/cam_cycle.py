@@ -9,10 +9,9 @@ import numpy as np
 
 from models.contact.line.history import FilmHistory, film_history
 from models.quantities import Vector
-from models.valve_train import cam_profile
 from models.valve_train.camshaft import CamshaftParameters
-
-SPRING_RATE, PRELOAD, MASS = 35e3, 330.0, 0.22
+from models.valve_train.rigid import contact_conditions
+from models.valve_train.valve_spring import ValveSpringParameters
 
 
 class Motion(NamedTuple):
@@ -24,17 +23,10 @@ class Motion(NamedTuple):
 
 def motion(degrees: Vector, revolutions_per_minute: float) -> Motion:
     """Load, entraining velocity and radius at these cam angles (nose at 180)."""
-    p = CamshaftParameters()
     speed = revolutions_per_minute * math.pi / 30.0
-    lifts = [
-        cam_profile.cycloidal_lift(math.radians(a), p.lift, p.rise_angle, p.dwell_half_width) for a in degrees
-    ]
-    return Motion(
-        np.radians(degrees) / speed,
-        np.array([PRELOAD + SPRING_RATE * c.s + MASS * c.dds * speed**2 for c in lifts]),
-        np.array([cam_profile.entraining_velocity(p.base_radius, c, speed) for c in lifts]),
-        np.array([cam_profile.radius_of_curvature(p.base_radius, c) for c in lifts]),
-    )
+    cam, spring = CamshaftParameters(), ValveSpringParameters()
+    conditions = np.array([contact_conditions(a, speed, cam, spring) for a in np.radians(degrees)])
+    return Motion(np.radians(degrees) / speed, *conditions.T)
 
 
 def cycle(step: float, nodes: int, speed: float = 1000.0) -> tuple[Vector, FilmHistory]:
