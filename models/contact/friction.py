@@ -17,9 +17,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..kernel import kernel
-from .asperities import Asperities, asperity_pressure, real_area_share, separation_of
+from .asperities import THICK, Asperities, asperity_pressure, real_area_share, separation_of
 from .fluid import Lubricant, viscosity_at
-from .sharing import THICK, Sharing
+from .sharing import Sharing
 
 # Gauss-Legendre points for the angle in x = b sin(angle), where a Hertzian contact's integrand is smooth.
 _POINTS = 12

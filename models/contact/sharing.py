@@ -13,11 +13,9 @@ import math
 from typing import NamedTuple
 
 from ..kernel import kernel
-from .asperities import Asperities, asperity_pressure, dry_separation, mean_gap, separation_of
+from .asperities import THICK, Asperities, asperity_pressure, dry_separation, mean_gap, separation_of
 from .films import film_by_number
 
-# Above this ratio of film to roughness asperities carry less than 1e-12 of the load of any contact.
-THICK = 8.0
 # Formulas are not asked for less than this share of the load, nor for a speed of zero (m/s).
 _LEAST_SHARE = 1e-12
 _LEAST_SPEED = 1e-9

@@ -12,12 +12,15 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from models.contact.asperities import (
+    THICK,
     Asperities,
     area_integral,
     asperity_pressure,
     dry_separation,
     load_integral,
     mean_gap,
+    pressure_scale,
+    pressure_under,
     real_area_share,
     separation_of,
 )
@@ -133,3 +136,73 @@ def test_the_dry_separation_carries_the_pressure(pressure):
     separation = dry_separation(pressure, SURFACES, STEEL)
     # lambda to 1e-12, and d ln p/d lambda is at most about 9 below lambda = 8.
     assert asperity_pressure(separation, SURFACES, STEEL) == pytest.approx(pressure, rel=1e-9)
+
+
+ROUGHNESS = SURFACES.roughness
+SCALE = pressure_scale(SURFACES, STEEL)
+
+
+# 2e-8 and 1e-7 are what the intervals were chosen for; quad's own estimates of its errors are below that.
+@pytest.mark.parametrize("separation", [-6.0, -3.3, -1.0, 0.0, 0.4, 1.1, 1.9, 3.0, 5.2, 7.6])
+def test_pressure_and_slope_under_a_film_are_those_of_the_integrals(separation):
+    """Film, pressure and slope by quadrature of their definitions: dp_a/dh = -5/2 F_3/2/Phi(lambda)."""
+
+    def mean(of, start: float) -> float:
+        value, error = quad(
+            lambda s: of(s) * math.exp(-0.5 * s * s) / math.sqrt(2.0 * math.pi),
+            start, start + 14.0, epsabs=0.0, epsrel=1e-11, limit=200,
+        )  # fmt: skip
+        assert error < 5e-9 * value
+        return value
+
+    film = ROUGHNESS * mean(lambda s: separation + s, -separation)
+    pressure = SCALE * mean(lambda s: (s - separation) ** 2.5, separation)
+    slope = -2.5 * SCALE * mean(lambda s: (s - separation) ** 1.5, separation)
+    slope /= ROUGHNESS * mean(lambda s: 1.0, -separation)
+    found = pressure_under(film, ROUGHNESS, SCALE)
+    assert found.pressure == pytest.approx(pressure, rel=2e-8)
+    assert found.slope == pytest.approx(slope, rel=1e-7)
+
+
+gaps = st.floats(-25.0, math.log(0.999 * THICK)).map(math.exp)
+
+
+@given(gaps)
+def test_pressure_under_a_film_is_the_pressure_at_its_separation(gap):
+    found = pressure_under(gap * ROUGHNESS, ROUGHNESS, SCALE)
+    # Both are good to about 1e-8.
+    expected = asperity_pressure(separation_of(gap), SURFACES, STEEL)
+    assert found.pressure == pytest.approx(expected, rel=3e-8)
+
+
+@given(gaps)
+def test_the_slope_under_a_film_is_the_difference_quotient(gap):
+    h, d = gap * ROUGHNESS, 1e-5
+    more, less = (pressure_under(h * (1.0 + s * d), ROUGHNESS, SCALE).pressure for s in (1.0, -1.0))
+    # (d lambda^2)^2/6 = 7e-8 of truncation at lambda = 8, 1e-11 of rounding, over 1/8 at least.
+    assert pressure_under(h, ROUGHNESS, SCALE).slope == pytest.approx((more - less) / (2.0 * d * h), rel=1e-6)
+
+
+@given(gaps, st.floats(1e-6, 1.0))
+def test_a_thinner_film_is_pressed_more_and_more_steeply(gap, thinner):
+    """F_5/2 is convex and decreasing, and the separation a concave function of the mean gap."""
+    here = pressure_under(gap * ROUGHNESS, ROUGHNESS, SCALE)
+    there = pressure_under(gap / (1.0 + thinner) * ROUGHNESS, ROUGHNESS, SCALE)
+    assert there.pressure > here.pressure
+    assert there.slope < here.slope < 0.0
+
+
+def test_under_thick_films_nothing_presses_and_the_end_is_smooth_to_rounding():
+    assert pressure_under(THICK * ROUGHNESS, ROUGHNESS, SCALE) == (0.0, 0.0)
+    assert pressure_under(math.inf, ROUGHNESS, SCALE) == (0.0, 0.0)
+    last = pressure_under(THICK * ROUGHNESS * (1.0 - 1e-12), ROUGHNESS, SCALE)
+    # Beside the 1e4 Pa that films are resolved to.
+    assert 0.0 < last.pressure < 1e-6
+    assert abs(last.slope) * ROUGHNESS < 1e-6
+
+
+def test_without_a_film_the_pressure_is_finite_and_of_no_number_none():
+    vanishing, none, overlap = (pressure_under(h, ROUGHNESS, SCALE) for h in (1e-300, 0.0, -1e-6))
+    assert vanishing == none == overlap
+    assert 0.0 < none.pressure < math.inf
+    assert math.isnan(pressure_under(math.nan, ROUGHNESS, SCALE).pressure)
