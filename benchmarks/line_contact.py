@@ -11,9 +11,17 @@ import numpy as np
 from models.contact.fluid import Lubricant
 from models.contact.hertz import deflection, elastic_compliance
 from models.contact.line.hierarchical import Jacobian, factorise, solve_below
-from models.contact.line.newton import Bodies
+from models.contact.line.newton import Bodies, line_load_of
 from models.contact.line.reynolds import Flow
-from models.contact.line.transient import GAMMA, Drives, grid_scale_after, place_film, step, wanted_scale
+from models.contact.line.transient import (
+    GAMMA,
+    Drives,
+    central,
+    grid_scale_after,
+    place_film,
+    step,
+    wanted_scale,
+)
 from models.contact.line.workspace import Workspace, workspace_in, workspace_size
 from models.valve_train.camshaft import CamshaftParameters
 from models.valve_train.rigid import contact_conditions
@@ -60,7 +68,10 @@ class Turn:
         for _ in range(round((last - first) / self.degrees)):
             drives = [drive(angle + share * turned, approach) for share in (0.0, GAMMA, 1.0)]
             begun = time.thread_time()
-            new_scale = grid_scale_after(interval, scale, self.p, self.h, drives[0], BODIES, self.w)
+            load = line_load_of(self.p, self.w.weight, scale)
+            new_scale = grid_scale_after(
+                interval, scale, load, central(self.h), drives[0].flow.radius, BODIES
+            )
             made = step(
                 self.p,
                 self.h,

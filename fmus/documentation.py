@@ -23,8 +23,8 @@ _DERIVATIVES = """<p>Every continuous input has the optional companions <code>_d
 input is held.</p>
 """
 
-_RATES = """<p>Every continuous output{} has the companion <code>der(name)</code>: its derivative by time
-along the motion, with the inputs' slopes in effect (<code>_der1</code>, after a step those at its end).</p>
+_RATES = """<p>Every continuous output has the companion <code>der(name)</code>: its derivative by time along
+the motion, with the inputs' slopes in effect (<code>_der1</code>, after a step those at its end).</p>
 """
 
 _TITLES = {
@@ -66,8 +66,7 @@ def variables_table(component: Any) -> str:
             lines = "\n".join(map(_row, rows))
             parts.append(f"<h3>{title}</h3>\n<table>\n{head}\n{lines}\n</table>\n")
         if role in derived:
-            without = f" but {', '.join(component.unrated)}" if component.unrated else ""
-            parts.append(_DERIVATIVES if role == "input" else _RATES.format(without))
+            parts.append(_DERIVATIVES if role == "input" else _RATES)
     return "".join(parts)
 
 

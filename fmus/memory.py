@@ -5,7 +5,7 @@ The vector holds, one after the other,
     parameters | state start values | inputs and their three derivatives | outputs | energies | rates
     | x | u | t | s
 
-of which the first three may be set and all up to the rates (of continuous outputs that have any) are
+of which the first three may be set and all up to the rates (of continuous outputs) are
 variables of the FMU; the rest is the evolving data: state, inputs in effect, time, and how far along their
 polynomials the inputs are. A copy of the vector is a copy of the slave. Internal states have no start value
 to set.
@@ -65,11 +65,7 @@ class Memory:
         self.energies = self.outputs + outputs
         self.rates = self.energies + len(ENERGIES)
         # Which outputs have rates.
-        self.rated = [
-            i
-            for i, f in enumerate(component.outputs.fields)
-            if not f.quantity.discrete and f.name not in component.unrated
-        ]
+        self.rated = [i for i, f in enumerate(component.outputs.fields) if not f.quantity.discrete]
         self.end_of_variables = self.rates + len(self.rated)
         self.x = self.end_of_variables
         self.u = self.x + states

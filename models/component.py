@@ -72,11 +72,10 @@ class Component:
     `advance_maker`, if given, replaces the standard integrator (with events: the hybrid one):
     (component) -> advance kernel, with `extra_work` elements of scratch after those of the integrator. Over
     no time (h = 0) it must leave the state as it is. `samples` is false where it does not call `sample`, by
-    which energies are counted along the motion (see `quadrature`). `unrated` are the continuous outputs
-    whose rate the derivative does not tell (a stiff or quasi-static inside); they are given without. `ode` is
-    false where the motion is not that of dx/dt = derivative (a pressure field that only `advance` finds): the
-    derivative then serves rates of outputs and equilibria alone, and solvers of ODEs refuse the component;
-    where `implicit` is there, the monolithic reference can have it.
+    which energies are counted along the motion (see `quadrature`). `ode` is false where the motion is not
+    that of dx/dt = derivative (a pressure field that only `advance` finds): the derivative then serves rates
+    of outputs (it may tell those of what steps have observed) and equilibria alone, and solvers of ODEs
+    refuse the component; where `implicit` is there, the monolithic reference can have it.
     `runs_on`: it moves while the mechanisms it drives are at rest, so that an equilibrium does not ask it to
     stand still, but for the states in `settles`.
 
@@ -105,7 +104,6 @@ class Component:
     advance_maker: Callable[[Component], Any] | None = None
     extra_work: int = 0
     samples: bool = True
-    unrated: Sequence[str] = ()
     ode: bool = True
     sample: Any = None
     structure: Mapping[str, int] = field(default_factory=dict)
@@ -122,11 +120,6 @@ class Component:
             if len(layout.variables) < layout.size:
                 name = next(name for name in layout.names if name not in layout.variables)
                 raise ValueError(f"{self.name}: {name} must not be internal: only states may be")
-        for name in self.unrated:
-            if name not in self.outputs:
-                raise ValueError(
-                    f"{self.name}: unrated {name!r} must be one of {', '.join(self.outputs.names)}"
-                )
         told = (*self.event_indicators, self.event_counter, self.event_time, self.next_event)
         for name in told:
             if name and name not in self.outputs:

@@ -107,6 +107,25 @@ class ProfileFriction(NamedTuple):
 
 
 @kernel
+def sheared_beside(x: Any, pressure: Any, i: int, step: int) -> float:
+    """How much of the way from node i, where the fluid has pressure, to the next (step = 1 or -1) is its.
+
+    Half of it, or, where the next has no pressure, as far as it falls to zero with the distance squared.
+    Sheared lengths are then continuous while nodes get or lose their pressure.
+    """
+    last = len(x) - 1
+    if not 0 <= i + step <= last:
+        return 0.0
+    way = abs(x[i + step] - x[i])
+    if pressure[i + step] > 0.0:
+        return 0.5 * way
+    if not 0 <= i - step <= last or pressure[i - step] <= pressure[i]:
+        return way
+    ratio = math.sqrt(pressure[i] / pressure[i - step])
+    return min(way, abs(x[i] - x[i - step]) * ratio / (1.0 - ratio))
+
+
+@kernel
 def profile_friction(
     x: Any, pressure: Any, film: Any, length: float, velocity: float, compliance: float,
     fluid: Lubricant, surfaces: Asperities, traction: Traction,
@@ -123,5 +142,6 @@ def profile_friction(
             load += width * asperity_pressure(separation, surfaces, compliance)
             area += width * real_area_share(separation, surfaces)
         if pressure[i] > 0.0:
-            viscous += width * shear_stress(pressure[i], velocity, film[i], fluid, traction)
+            sheared = (sheared_beside(x, pressure, i, -1) + sheared_beside(x, pressure, i, 1)) * length
+            viscous += sheared * shear_stress(pressure[i], velocity, film[i], fluid, traction)
     return ProfileFriction(load, area, viscous, boundary_friction(load, area, velocity, traction))

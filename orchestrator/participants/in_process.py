@@ -57,9 +57,7 @@ class InProcessParticipant:
         )
         self._inputs, self._outputs, self._rates = inputs, outputs, rates
         self._rated = rates.size > 0
-        given = [self._rated and name not in self._component.unrated for name in output_names]
-        self._given = np.flatnonzero(given)
-        return given
+        return [self._rated] * len(output_names)
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         self._t = start_time
@@ -117,10 +115,7 @@ class InProcessParticipant:
 
     def _fill_rates(self) -> None:
         self._rate()
-        if self._given.size == self._rates.size:
-            np.take(self._yd, self._output_index, out=self._rates)
-        else:
-            self._rates[self._given] = self._yd[self._output_index[self._given]]
+        np.take(self._yd, self._output_index, out=self._rates)
 
     def read_all(self, values: Vector) -> None:
         self._refresh()

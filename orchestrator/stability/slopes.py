@@ -6,7 +6,7 @@ import numpy as np
 
 from models.monolithic.course import Course
 from models.quantities import Vector
-from models.system import Port, System
+from models.system import System
 
 # Twelve times the derivatives at the first two of five points.
 ENDS = np.array([[-25.0, 48.0, -36.0, 16.0, -3.0], [-3.0, -10.0, 18.0, -6.0, 1.0]])
@@ -27,12 +27,7 @@ def rates_along(course: Course, system: System) -> Vector:
     A signal has the rates that participants give. Differences of the values would smooth what has a corner,
     as the film where its entrainment reverses, and a cubic misses a corner of itself by much less.
     """
-    found = _given(course, system) if course.rates is None else course.rates.copy()
-    for name, instance in system.instances.items():
-        for variable in instance.component.unrated:
-            column = system.outputs.index(Port(name, variable))
-            interval = float(course.times[1] - course.times[0])
-            found[:, column] = slopes(course.outputs[:, [column]])[:, 0] / interval
+    found = _given(course, system) if course.rates is None else course.rates
     return np.asarray(np.nan_to_num(found))
 
 

@@ -26,7 +26,7 @@ class Reference:
         self.U = c.input_polynomial()
         self.u, self.y, self.e = c.inputs.start.copy(), c.outputs.start.copy(), np.zeros(3)
         self.du, self.yd = np.zeros(c.inputs.size), np.zeros(c.outputs.size)
-        self.rated = [not f.quantity.discrete and f.name not in c.unrated for f in c.outputs.fields]
+        self.rated = [not f.quantity.discrete for f in c.outputs.fields]
         self.work, self.rates_work = np.zeros(c.work_size), np.zeros(c.rates_work_size)
 
     def set_inputs(self, values: Mapping[str, float]) -> None:

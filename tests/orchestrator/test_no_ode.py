@@ -79,16 +79,6 @@ def test_the_course_of_a_coupled_system_is_that_of_its_equations() -> None:
         assert np.all(np.abs(first - second)[:, columns].max(axis=0) <= 1e-9 * size)
 
 
-def test_rates_that_a_component_does_not_give_are_taken_from_its_course() -> None:
-    """By differences of fourth order."""
-    times, quiet = np.arange(401) * 1e-5, lambda share: None
-    rated, unrated = dragged(SHEETS), dragged(SHEETS, {"unrated": ("force",)})
-    column = rated.outputs.names.index("layer.force")
-    rates = [rates_along(course_of(s, times, 1e-11, quiet), s)[:, column] for s in (rated, unrated)]
-    # (w h)^4/30 of it, with w = 447/s and rounding of the solver's 1e-11 over the interval of 1e-5 s.
-    assert np.abs(rates[0] - rates[1]).max() < 1e-5 * np.abs(rates[0]).max()
-
-
 def test_a_survey_goes_by_the_responses_of_what_has_no_equations() -> None:
     """And finds what one by the equations finds: the limit of stability, and the error at the step."""
     found = []

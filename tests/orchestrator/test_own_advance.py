@@ -7,13 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.memory import Memory
 from models.bonds import counting
 from models.monolithic import solve
 from models.system import ModelError, System
 from orchestrator.energy import Ledger, counted, estimated
 from orchestrator.energy.estimate import Estimating, without_estimates
-from orchestrator.exchange import Exchange
 from orchestrator.masters import GaussSeidel, Iterated, Newton
 from orchestrator.participants import Participant, fmu, in_process
 from orchestrator.plain_data import from_text
@@ -122,27 +120,3 @@ def test_an_ode_is_asked_for_only_where_the_component_has_that_form() -> None:
         ModelError, match=r"layer: fluid_layer with sheets = 20 has no form as ordinary.*enabled = false"
     ):
         solve(system, np.array([0.0, STOP]))
-
-
-def test_an_output_without_rate_is_given_without_in_process_and_as_fmu() -> None:
-    """A signal of it goes through its values alone; what is rated keeps its own rate."""
-    system = dragged(changes={"unrated": ("force",)})
-    names = [variable.name for variable in Memory(system.instances["layer"].component).variables()]
-    assert "der(force)" not in names
-    assert "der(wall_force)" in names
-    exchange = Exchange(system, in_processes(system), degree=3)
-    exchange.initialise(0.0, STOP)
-    rated = {str(port): bool(given) for port, given in zip(exchange.sources, exchange.rated, strict=True)}
-    assert rated == {"plate.velocity": True, "layer.force": False}
-
-
-def test_a_signal_without_rate_keeps_the_order_of_the_components_steps() -> None:
-    system = dragged(sheets=5, changes={"unrated": ("force",)})
-    exact = solve(system, np.linspace(0.0, STOP, 3))["layer.force"][-1]
-    errors = (abs(recorded(system, ITERATED, step, STOP)["layer.force"][-1] - exact) for step in (2e-4, 1e-4))
-    assert np.log2(np.divide(*errors)) == pytest.approx(2.0, abs=0.1)
-
-
-def test_an_unknown_unrated_output_is_refused() -> None:
-    with pytest.raises(ValueError, match="unrated 'force_' must be one of force, wall_force, impulse"):
-        dragged(changes={"unrated": ("force_",)})

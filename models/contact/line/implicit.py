@@ -14,9 +14,10 @@ from ...integrator import NOT_CONVERGED, OK, copy
 from ...kernel import kernel, record_of
 from ...quantities import Vector
 from ..fluid import lubricant_of
-from .field import LINE_TRANSIENT, begin, bodies_of, drives_of, observe, rub
-from .newton import Task, forget_factors, newton
-from .transient import GRID_TIME, aimed_scale, masses
+from .field import LINE_TRANSIENT
+from .field_state import begin, bodies_of, drives_of, observe
+from .newton import Task, forget_factors, line_load_of, newton
+from .transient import GRID_TIME, aimed_scale, central, masses
 from .workspace import workspace_in, workspace_size
 
 # Behind the masses.
@@ -41,8 +42,7 @@ def implicit_field(component: Any) -> ImplicitSteps:
         if state.grid_scale == 0.0:
             bodies = bodies_of(constants)
             begin(state, given, constants, bodies, w.X)
-            observe(state, given.radius_of_curvature, bodies, w)
-            rub(state, given, constants, bodies, w)
+            observe(state, given, constants, bodies, w)
 
     @kernel
     def carry(x: Any, u: Any, p: Any, work: Any, q: Any) -> None:
@@ -64,7 +64,8 @@ def implicit_field(component: Any) -> ImplicitSteps:
         bodies = bodies_of(constants)
         before = base[nodes:]
         drives = drives_of(given, constants, state.rigid_approach)
-        wanted = aimed_scale(state.grid_scale, pressure, film, drives, bodies, w)
+        load = line_load_of(pressure, w.weight, state.grid_scale)
+        wanted = aimed_scale(state.grid_scale, load, central(film), drives.flow.radius, bodies)
         share = interval / GRID_TIME
         scale = (before[_SCALE] + share * wanted) / (1.0 + share)
         rate = (scale - before[_SCALE]) / interval
@@ -77,8 +78,7 @@ def implicit_field(component: Any) -> ImplicitSteps:
         if found.error != 0.0:
             return NOT_CONVERGED
         state.grid_scale, state.rigid_approach = scale, found.approach
-        observe(state, given.radius_of_curvature, bodies, w)
-        rub(state, given, constants, bodies, w)
+        observe(state, given, constants, bodies, w)
         state.film_rate = (state.film_thickness - before[_FILM]) / interval
         stored = (state.elastic_energy - before[_ENERGY]) / interval
         state.film_power = stored - state.field_load * (found.approach - before[_APPROACH]) / interval

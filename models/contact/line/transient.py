@@ -61,19 +61,21 @@ def wanted_scale(line_load: float, film: float, radius: float, bodies: Bodies) -
 
 
 @kernel
-def aimed_scale(scale: float, p: Any, h: Any, drive: Drives, bodies: Bodies, w: Workspace) -> float:
+def aimed_scale(scale: float, line_load: float, film: float, radius: float, bodies: Bodies) -> float:
     """The wanted scale, not further away from the grid's than GRID_FACTOR."""
-    load = line_load_of(p, w.weight, scale)
-    wanted = wanted_scale(load, central(h), drive.flow.radius, bodies)
+    wanted = wanted_scale(line_load, film, radius, bodies)
     return min(max(wanted, scale / GRID_FACTOR), scale * GRID_FACTOR)
 
 
 @kernel
 def grid_scale_after(
-    time_step: float, scale: float, p: Any, h: Any, drive: Drives, bodies: Bodies, w: Workspace
+    time_step: float, scale: float, line_load: float, film: float, radius: float, bodies: Bodies
 ) -> float:
-    """The scale after a step: it follows the wanted one within GRID_TIME, by GRID_FACTOR at most."""
-    wanted = aimed_scale(scale, p, h, drive, bodies, w)
+    """The scale after a step: it follows the wanted one within GRID_TIME, by GRID_FACTOR at most.
+
+    Of second order with line load (N/m), central film (m) and radius (m) of the step's middle.
+    """
+    wanted = aimed_scale(scale, line_load, film, radius, bodies)
     return wanted + (scale - wanted) * math.exp(-time_step / GRID_TIME)
 
 
@@ -84,18 +86,50 @@ def central(h: Any) -> float:
 
 
 @kernel
+def least_between(before: float, first: float, second: float, after: float) -> float:
+    """The smallest value from first to second of the cubic with the slopes of both neighbours' parabolas."""
+    slope, end = 0.5 * (second - before), 0.5 * (after - first)
+    bend = 3.0 * (second - first) - 2.0 * slope - end
+    turn = bend**2 + 3.0 * (2.0 * (second - first) - slope - end) * slope
+    lowest = min(first, second)
+    if turn >= 0.0 and bend + math.sqrt(turn) > 0.0:
+        # Where the cubic's slope rises through zero, in steps from first.
+        s = -slope / (bend + math.sqrt(turn))
+        if 0.0 < s < 1.0:
+            cubic = slope + end - 2.0 * (second - first)
+            lowest = min(lowest, first + s * (slope + s * (bend + s * cubic)))
+    return lowest
+
+
+@kernel
 def least(h: Any) -> float:
-    """The smallest film, of the parabola through the smallest node and its neighbours in node number."""
+    """The smallest film, between nodes too: continuous, as it moves from node to node."""
     n = h.shape[0]
     i = 0
     for j in range(n):
         if h[j] < h[i]:
             i = j
-    if i == 0 or i == n - 1:
+    if i < 2 or i > n - 3:
         return h[i]
-    bend = h[i - 1] - 2.0 * h[i] + h[i + 1]
-    slope = 0.5 * (h[i + 1] - h[i - 1])
-    return h[i] - 0.5 * slope**2 / bend if bend > 0.0 else h[i]
+    return min(
+        least_between(h[i - 2], h[i - 1], h[i], h[i + 1]), least_between(h[i - 1], h[i], h[i + 1], h[i + 2])
+    )
+
+
+@kernel
+def highest(p: Any) -> float:
+    """The largest pressure, as `least`."""
+    n = p.shape[0]
+    i = 0
+    for j in range(n):
+        if p[j] > p[i]:
+            i = j
+    if i < 2 or i > n - 3:
+        return p[i]
+    return -min(
+        least_between(-p[i - 2], -p[i - 1], -p[i], -p[i + 1]),
+        least_between(-p[i - 1], -p[i], -p[i + 1], -p[i + 2]),
+    )
 
 
 @kernel

@@ -1,0 +1,68 @@
+"""Rates of what is known at the ends of steps alone: of the polynomial through its last instants.
+
+Newton's form: a table whose row j has the divided differences of order j, of which row 0 has the values
+themselves, and the ages of the instants before the last. Instants may be unevenly spaced. With all of
+INSTANTS the rate has order INSTANTS - 1, the second derivative INSTANTS - 2; while fewer are known, as
+after a beginning or a jump, each one less costs an order.
+
+An implicit method tells these rates itself, as those of its last stage, but of what it damps within the
+step only to first order, and those of inner stages are no better than these stages.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...kernel import kernel
+
+# Four give rates of third order, which a method of second order does not spoil.
+INSTANTS = 4
+
+
+@kernel
+def restart(table: Any, ages: Any, values: Any) -> None:
+    """Only the `values` at the last instant are known: rates are 0 until `follow` has been called."""
+    table[:] = 0.0
+    table[0] = values
+    ages[:] = 0.0
+
+
+@kernel
+def follow(table: Any, ages: Any, values: Any, time_step: float) -> None:
+    """Takes the `values` at `time_step` (s, positive) after the last instant into table and ages.
+
+    table: (INSTANTS, quantities); ages (s): INSTANTS - 1, of the instants before the last, 0 where there
+    is none. `values` are overwritten.
+    """
+    count = ages.shape[0]
+    for j in range(count - 1, 0, -1):
+        ages[j] = ages[j - 1] + time_step if ages[j - 1] > 0.0 else 0.0
+    ages[0] = time_step
+    for i in range(values.shape[0]):
+        difference = values[i]
+        for j in range(count):
+            before, table[j, i] = table[j, i], difference
+            difference = (difference - before) / ages[j] if ages[j] > 0.0 else 0.0
+        table[count, i] = difference
+
+
+@kernel
+def rate_of(table: Any, ages: Any, i: int) -> float:
+    """The rate of quantity i at the last instant."""
+    total, product = 0.0, 1.0
+    for j in range(ages.shape[0]):
+        total += table[j + 1, i] * product
+        product *= ages[j]
+    return total
+
+
+@kernel
+def second_derivative_of(table: Any, ages: Any, i: int) -> float:
+    """The second derivative of quantity i at the last instant."""
+    total, product, slope = 0.0, 1.0, 0.0
+    for j in range(ages.shape[0]):
+        # d/dt of (t - t_1) ... (t - t_j) at the last instant t_0.
+        total += 2.0 * table[j + 1, i] * slope
+        slope = slope * ages[j] + product
+        product *= ages[j]
+    return total

@@ -1,0 +1,178 @@
+"""The state of a contact whose film is solved for: what its field is, begins as and shows.
+
+Outputs have their rates from `differences` of what is seen at the ends of micro-steps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from ...kernel import kernel
+from ...quantities import Layout, Quantity, per_element
+from ..fluid import lubricant_of
+from ..friction import profile_friction
+from ..hertz import compliance_of, deflection, load_of
+from ..mixed_lubrication import surfaces_of, traction_of
+from .differences import INSTANTS, follow, rate_of, restart, second_derivative_of
+from .newton import Bodies, line_load_of
+from .reynolds import Flow
+from .transient import Drives, central, grid_scale_after, highest, least, place_film, wanted_scale
+from .workspace import Workspace
+
+# Whose rates outputs need.
+FOLLOWED = 7
+_LOAD, _FILM, _LEAST, _PRESSURE, _ASPERITIES, _SHEAR, _BOUNDARY = range(FOLLOWED)
+
+
+def with_field_state(plain: Layout, nodes: int) -> Layout:
+    """The state of the contact, then the field."""
+
+    @dataclass
+    class FieldState(plain.record):  # type: ignore[name-defined, misc]
+        field_load: Annotated[
+            float, Quantity("N", "load of the pressure field", nominal=500.0, internal=True)
+        ] = 0.0
+        least_film: Annotated[float, Quantity("m", "smallest film", nominal=1e-6, internal=True)] = 0.0
+        highest_pressure: Annotated[float, Quantity("Pa", "largest pressure", nominal=1e8, internal=True)] = (
+            0.0
+        )
+        film_rate: Annotated[
+            float, Quantity("m/s", "rate of the central film", nominal=1e-3, internal=True)
+        ] = 0.0
+        elastic_energy: Annotated[float, Quantity("J", "energy of deflection", internal=True)] = 0.0
+        film_power: Annotated[
+            float, Quantity("W", "power of the film on the surfaces, mean of the last step", internal=True)
+        ] = 0.0
+        field_asperity_load: Annotated[
+            float, Quantity("N", "load on asperities", nominal=500.0, internal=True)
+        ] = 0.0
+        field_shear: Annotated[float, Quantity("N", "shear of the film", nominal=20.0, internal=True)] = 0.0
+        field_boundary_friction: Annotated[
+            float, Quantity("N", "friction of asperities", nominal=20.0, internal=True)
+        ] = 0.0
+        rigid_approach: Annotated[float, Quantity("m", "approach of the bodies", internal=True)] = 0.0
+        grid_scale: Annotated[float, Quantity("m", "scale of the grid; 0: not begun", internal=True)] = 0.0
+        pressure: Annotated[
+            Any, Quantity("Pa", "pressure over the nodes", nominal=1e8, internal=True, size="nodes")
+        ] = per_element()
+        film: Annotated[
+            Any, Quantity("m", "film over the nodes", nominal=1e-6, internal=True, size="nodes")
+        ] = per_element()
+        slope: Annotated[
+            Any,
+            Quantity("Pa/s", "rate of pressure in the last step", nominal=1e12, internal=True, size="nodes"),
+        ] = per_element()
+
+        history: Annotated[
+            Any,
+            Quantity("1", "divided differences of what outputs show (SI)", internal=True, size="history"),
+        ] = per_element()
+        ages: Annotated[Any, Quantity("s", "ages of the instants in history", internal=True, size="ages")] = (
+            per_element()
+        )
+
+    sizes = {"nodes": nodes, "history": INSTANTS * FOLLOWED, "ages": INSTANTS - 1}
+    return Layout(FieldState, plain.sizes | sizes)
+
+
+@kernel
+def bodies_of(p: Any) -> Bodies:
+    """The elastic pair that the parameters describe."""
+    compliance = compliance_of(p)
+    return Bodies(compliance, p.length)
+
+
+@kernel
+def drives_of(u: Any, p: Any, approach: float) -> Drives:
+    """What the inputs ask for; `approach` is the guess where the load is given.
+
+    A load is at least film_load_floor: without any, the bodies would part at once, however far.
+    """
+    flow = Flow(u.entraining_velocity, u.sliding_velocity, u.radius_of_curvature)
+    if p.load_is_given != 0.0:
+        return Drives(flow, approach, max(u.applied_load, p.film_load_floor) / p.length)
+    return Drives(flow, u.approach - u.retreat, -1.0)
+
+
+@kernel
+def deflection_energy(x: Any, radius: float, bodies: Bodies, w: Workspace) -> float:
+    """Half the integral of pressure times deflection (J)."""
+    total = 0.0
+    for i in range(x.pressure.shape[0]):
+        deflected = x.film[i] + x.rigid_approach - (x.grid_scale * w.X[i]) ** 2 / (2.0 * radius)
+        total += w.weight[i] * x.pressure[i] * deflected
+    return 0.5 * total * x.grid_scale * bodies.length
+
+
+@kernel
+def observe(x: Any, u: Any, p: Any, bodies: Bodies, w: Workspace) -> None:
+    """The numbers that outputs need, from pressure and film: load, films, and what rubs."""
+    x.elastic_energy = deflection_energy(x, u.radius_of_curvature, bodies, w)
+    x.field_load = line_load_of(x.pressure, w.weight, x.grid_scale) * bodies.length
+    x.film_thickness = central(x.film)
+    x.least_film = least(x.film)
+    x.highest_pressure = highest(x.pressure)
+    found = profile_friction(
+        w.X, x.pressure, x.film, x.grid_scale * bodies.length, u.sliding_velocity, bodies.compliance,
+        lubricant_of(p), surfaces_of(p), traction_of(p),
+    )  # fmt: skip
+    x.field_asperity_load = found.asperity_load
+    x.field_shear = found.viscous
+    x.field_boundary_friction = found.boundary
+
+
+@kernel
+def remember(x: Any, time_step: float, values: Any) -> None:
+    """What was observed joins the history, `time_step` (s) after the last instant; 0: as its first.
+
+    `values`: scratch of FOLLOWED elements.
+    """
+    values[_LOAD], values[_FILM], values[_LEAST] = x.field_load, x.film_thickness, x.least_film
+    values[_PRESSURE], values[_ASPERITIES] = x.highest_pressure, x.field_asperity_load
+    values[_SHEAR], values[_BOUNDARY] = x.field_shear, x.field_boundary_friction
+    table = x.history.reshape((INSTANTS, FOLLOWED))
+    if time_step > 0.0:
+        follow(table, x.ages, values, time_step)
+    else:
+        restart(table, x.ages, values)
+    x.film_rate = rate_of(table, x.ages, _FILM)
+
+
+@kernel
+def fill_rates(x: Any, dx: Any) -> None:
+    """Rates of what outputs show."""
+    table = x.history.reshape((INSTANTS, FOLLOWED))
+    dx.field_load = rate_of(table, x.ages, _LOAD)
+    dx.film_thickness = rate_of(table, x.ages, _FILM)
+    dx.film_rate = second_derivative_of(table, x.ages, _FILM)
+    dx.least_film = rate_of(table, x.ages, _LEAST)
+    dx.highest_pressure = rate_of(table, x.ages, _PRESSURE)
+    dx.field_asperity_load = rate_of(table, x.ages, _ASPERITIES)
+    dx.field_shear = rate_of(table, x.ages, _SHEAR)
+    dx.field_boundary_friction = rate_of(table, x.ages, _BOUNDARY)
+
+
+@kernel
+def next_scale(x: Any, radius: float, time_step: float, bodies: Bodies) -> float:
+    """The grid's scale after a step in whose middle the contact has that radius (m)."""
+    table = x.history.reshape((INSTANTS, FOLLOWED))
+    load = x.field_load + 0.5 * time_step * rate_of(table, x.ages, _LOAD)
+    film = x.film_thickness + 0.5 * time_step * x.film_rate
+    return grid_scale_after(time_step, x.grid_scale, load / bodies.length, film, radius, bodies)
+
+
+@kernel
+def begin(x: Any, u: Any, p: Any, bodies: Bodies, X: Any) -> None:
+    """Hertz's pressure over a film of film_thickness."""
+    film, radius = x.film_thickness, u.radius_of_curvature
+    if p.load_is_given != 0.0:
+        load = max(u.applied_load, p.film_load_floor)
+        x.rigid_approach = deflection(load, radius, bodies.length, bodies.compliance) - film
+        gap = film
+    else:
+        x.rigid_approach = u.approach - u.retreat
+        load = load_of(x.rigid_approach + film, radius, bodies.length, bodies.compliance)
+        gap = film if load > 0.0 else -x.rigid_approach
+    x.grid_scale = wanted_scale(load / bodies.length, gap, radius, bodies)
+    place_film(load, gap, radius, bodies, X, x.grid_scale, x.pressure, x.film)
