@@ -77,7 +77,6 @@ def slave_class(component: Any, model_name: str, digest: str, failures: dict[int
         "rated": np.array(memory.rated, dtype=np.int64),
         "failures": failures,
         "header": _STATE_FORMAT + identity.hexdigest()[:16].encode() + b"\n",
-        "warm": False,
         "__doc__": component.description,
         "__module__": __name__,
     }
@@ -98,7 +97,6 @@ class ComponentSlave(Fmi2Slave):
     rated: Any  # which outputs have rates
     failures: dict[int, str]
     header: bytes
-    warm: bool
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
@@ -151,12 +149,10 @@ class ComponentSlave(Fmi2Slave):
         self._refresh()
         self._phase = STEPPING
         self._parameters_unchecked = False
-        if not type(self).warm:
-            # Compile now, not in the first step.
-            u, y = self._u.copy(), self._y.copy()
-            t = self._cells[self.memory.t]
-            component.step(t, 0.0, self._x.copy(), self._U, self._p, self._scale, self._work, u, y)
-            type(self).warm = True
+        # Compile now what these parameters need, not in the first step.
+        u, y = self._u.copy(), self._y.copy()
+        t = self._cells[self.memory.t]
+        component.step(t, 0.0, self._x.copy(), self._U, self._p, self._scale, self._work, u, y)
 
     # Stepping
 

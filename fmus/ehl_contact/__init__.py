@@ -2,4 +2,6 @@
 
 from ..description import Experiment
 
+# With a pressure field, so that the film may be solved for. Formulas do not touch it.
+STRUCTURE = {"nodes": 301}
 EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)

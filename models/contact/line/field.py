@@ -22,6 +22,7 @@ from ...implicit import ImplicitSteps
 from ...integrator import NOT_CONVERGED, OK, copy, taylor
 from ...kernel import kernel, record_of
 from ...quantities import Vector
+from ...rates import make_rates
 from ..films import FILMS
 from ..fluid import lubricant_of
 from .field_state import (
@@ -188,15 +189,28 @@ class FieldContact(Component):
 
         return field_energy
 
+    # What follows is not compiled, as the rest is: only what is asked for gets compiled, and a formula costs
+    # what it does without a field.
+
     @cached_property
-    def _solving(self) -> Any:
-        return make_field_advance(self)
+    def flat_rates(self) -> Any:
+        """As `Component.flat_rates`."""
+        n, plain, film_model = self.plain.state.size, self.plain, self.parameters.index("film_model")
+
+        def flat_rates(
+            t: float, x: Vector, u: Vector, du: Vector, p: Vector, work: Vector, yd: Vector
+        ) -> None:
+            if p[film_model] == LINE_TRANSIENT:
+                self._field_rates(t, x, u, du, p, work, yd)
+            else:
+                plain.flat_rates(t, x[:n], u, du, p, work, yd)
+
+        return flat_rates
 
     @cached_property
     def advance(self) -> Any:
-        """As `Component.advance`, but not compiled: only the one that is asked for gets compiled."""
-        plain, n = self.plain, self.plain.state.size
-        film_model = self.parameters.index("film_model")
+        """As `Component.advance`."""
+        n, plain, film_model = self.plain.state.size, self.plain, self.parameters.index("film_model")
 
         def advance(t: float, h: float, x: Vector, U: Vector, p: Vector, scale: Vector, work: Vector) -> int:
             if p[film_model] == LINE_TRANSIENT:
@@ -207,8 +221,8 @@ class FieldContact(Component):
 
     @cached_property
     def step(self) -> Any:
-        """As `Component.step`, but not compiled."""
-        advance, output = self.advance, self.flat_output
+        """As `Component.step`."""
+        n, plain, film_model = self.plain.state.size, self.plain, self.parameters.index("film_model")
 
         def step(
             t: float,
@@ -221,12 +235,22 @@ class FieldContact(Component):
             u: Vector,
             y: Vector,
         ) -> int:
-            status = advance(t, h, x, U, p, scale, work)
+            if p[film_model] != LINE_TRANSIENT:
+                return int(plain.step(t, h, x[:n], U, p, scale[:n], work, u, y))
+            status = self._solving(t, h, x, U, p, scale, work)
             taylor(U, h, u)
-            output(t + h, x, u, p, y)
+            self.flat_output(t + h, x, u, p, y)
             return int(status)
 
         return step
+
+    @cached_property
+    def _solving(self) -> Any:
+        return make_field_advance(self)
+
+    @cached_property
+    def _field_rates(self) -> Any:
+        return make_rates(self.flat_derivative, self.flat_output, self.state, self.inputs, self.outputs)
 
     def nodes_of(self, work: Vector) -> Vector:
         """Where the nodes stand, in scales of the grid; from scratch in which a step has been made."""
