@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, TypeVar
@@ -21,7 +21,8 @@ Runs = TypeVar("Runs")
 class Publication(Generic[Runs]):
     """`checks` judge the source's statements, in its order; `figures` are the files that `draw` makes.
 
-    All of them work on one `runs()`, which computes what is asked for and keeps it.
+    All of them work on one `runs()`, which computes what is asked for and keeps it. `solve` computes what
+    takes long before they ask, and yields the share that is done.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Publication(Generic[Runs]):
     figures: Sequence[str]
     draw: Callable[[Runs, Path], list[Path]]
     page: Callable[[Runs, Sequence[Statement]], str]
+    solve: Callable[[Runs], Iterator[float]] | None = None
 
     @property
     def page_name(self) -> str:
@@ -45,6 +47,10 @@ class Publication(Generic[Runs]):
         reporter = reporter or Reporter()
         self.prepare(folder, overwrite)
         runs = self.runs()
+        if self.solve:
+            with reporter.stage("solutions") as bar:
+                for share in self.solve(runs):
+                    bar.show(share)
         statements = []
         with reporter.stage("statements") as bar:
             for n, check in enumerate(self.checks):

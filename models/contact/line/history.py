@@ -8,12 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ...component import Component
 from ...integrator import FAILURES, OK
 from ...quantities import Vector
 from ...system import ModelError
 from ..ehl_contact import ehl_contact
 from ..films import FILMS
 from .field import FieldContact
+
+SOLVED = "line_transient"
 
 
 @dataclass(frozen=True)
@@ -49,19 +52,56 @@ def film_history(
     """
     component = ehl_contact(nodes=nodes)
     assert isinstance(component, FieldContact)
-    chosen = {"load_is_given": 1.0, "film_model": float(list(FILMS).index("line_transient"))}
-    p = component.parameters.vector({**chosen, **(parameters or {})})
-    if faults := component.parameter_faults(p):
-        raise ModelError("; ".join(faults))
-    x = component.state.vector({"film_thickness": film_thickness})
-    inputs = component.inputs
-    given = {
+    work = np.zeros(component.work_size)
+    given = _given(load, entraining_velocity, radius_of_curvature)
+    states = _stepped(component, work, SOLVED, times, given, parameters or {}, film_thickness)
+    return _observed(np.asarray(times[1:]), states, component, work)
+
+
+def formula_history(
+    formula: str,
+    times: Vector,
+    load: Vector,
+    entraining_velocity: Vector,
+    radius_of_curvature: Vector,
+    parameters: Mapping[str, float] | None = None,
+    film_thickness: float = 1e-6,
+) -> Vector:
+    """As `film_history`, the film (m) of one of FILMS with its squeeze term: the contact's relaxation."""
+    component = ehl_contact()
+    work = np.zeros(component.work_size)
+    given = _given(load, entraining_velocity, radius_of_curvature)
+    states = _stepped(component, work, formula, times, given, parameters or {}, film_thickness)
+    return np.asarray(states[:, component.state.index("film_thickness")])
+
+
+def _given(load: Vector, entraining_velocity: Vector, radius_of_curvature: Vector) -> dict[str, Vector]:
+    """By the contact's names for them."""
+    return {
         "applied_load": load,
         "entraining_velocity": entraining_velocity,
         "radius_of_curvature": radius_of_curvature,
     }
+
+
+def _stepped(
+    component: Component,
+    work: Vector,
+    film_model: str,
+    times: Vector,
+    given: Mapping[str, Vector],
+    parameters: Mapping[str, float],
+    film_thickness: float,
+) -> Vector:
+    """The states at all times but the first."""
+    chosen = {"load_is_given": 1.0, "film_model": float(list(FILMS).index(film_model))}
+    p = component.parameters.vector({**parameters, **chosen})
+    if faults := component.parameter_faults(p):
+        raise ModelError("; ".join(faults))
+    x = component.state.vector({"film_thickness": film_thickness})
+    inputs = component.inputs
     splines = {inputs.index(name): CubicSpline(times, values) for name, values in given.items()}
-    U, work = component.input_polynomial(), np.zeros(component.work_size)
+    U = component.input_polynomial()
     u, y = component.inputs.vector(), np.zeros(component.outputs.size)
     states = np.empty((len(times) - 1, component.state.size))
     for k, (t, h) in enumerate(zip(times[:-1], np.diff(times), strict=True)):
@@ -71,7 +111,7 @@ def film_history(
         if status != OK:
             raise ModelError(f"film at t = {t:g} s: {FAILURES[status]}; give closer times")
         states[k] = x
-    return _observed(np.asarray(times[1:]), states, component, work)
+    return states
 
 
 def _observed(times: Vector, states: Vector, component: FieldContact, work: Vector) -> FilmHistory:

@@ -1,87 +1,200 @@
-"""The films through the cam cycle of the valve train: formulas and numerical solution, all steady."""
+"""The films through the cam cycle of the valve train: transient and steady numerical solution, formulas."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 
 import numpy as np
 
-from models.contact.fluid import Lubricant
-from models.contact.hertz import elastic_compliance
+from models.contact.ehl_contact import TABLE_3, ContactParameters
+from models.contact.fluid import lubricant_of
+from models.contact.hertz import compliance_of, maximum_pressure
+from models.contact.line.history import FilmHistory, film_history, formula_history
 from models.contact.line.line_contact import LineContact
 from models.quantities import Vector
 
+from ..kushwaha2000.runs import NOSE_DEG
+from ..kushwaha2000.runs import Cycle as Turn
 from ..kushwaha2000.runs import Runs as ValveTrain
-from .formulas import CENTRAL, FORMULAS, Formula
-from .numerical import films, heights
+from .formulas import CENTRAL, FORMULAS, MINIMUM, in_table_3
+from .numerical import heights, steady_film
 
 # The cam's event; before and after it lies the base circle, whose film is that at its ends.
 EVENT_DEG = (90.0, 270.0)
+# The transient film begins so early: in 15 degrees at 500 r/min or more the oil crosses the contact five
+# times and more.
+BEGIN_DEG = 75.0
 # As near to a reversal no oil is entrained.
 AT_REST_DEG = 1e-3
+NODES = 301
+# What a contact sees.
+SEEN = ("contact.load", "camshaft.entraining_velocity", "camshaft.radius_of_curvature")
+STEADY, SQUEEZED = "steady", "squeezed"
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A film (m) over the angles of a cycle that is judged by the transient one; nan where there is none.
+
+    `film`: CENTRAL or MINIMUM. `valid`: where its conditions hold.
+    """
+
+    words: str
+    film: str
+    values: Vector
+    valid: Vector
 
 
 @dataclass(frozen=True)
 class CamCycle:
-    """Films (m) over the cam angle at one speed; nan without a steady film.
+    """Films (m) over the cam angle at one speed.
 
-    `valid`: by formula, where its conditions hold. `M`, `L`: Moes' groups.
+    `M`, `L`: Moes' groups, nan where entrainment reverses; `hertz_pressure` (Pa). `steady` and `transient`
+    numerical films by CENTRAL and MINIMUM, nan where there is none. `judged` by the formula's name,
+    "kushwaha squeezed" with the squeeze term, "steady central" of the numerical solution. `history` with
+    its angles `history_deg` is the transient film as it was solved for.
     """
 
     speed_rpm: float
     angle_deg: Vector
+    reversals_deg: Sequence[float]
     velocity: Vector
     M: Vector
     L: Vector
-    central: Vector
-    minimum: Vector
-    by_formula: Mapping[str, Vector]
-    valid: Mapping[str, Vector]
+    hertz_pressure: Vector
+    steady: Mapping[str, Vector]
+    transient: Mapping[str, Vector]
+    judged: Mapping[str, Judged]
+    history_deg: Vector
+    history: FilmHistory
 
-    def numerical(self, formula: Formula) -> Vector:
-        """What the formula gives, solved for."""
-        return self.central if formula.film == CENTRAL else self.minimum
+    def ratio(self, name: str) -> Vector:
+        """A judged film over the transient numerical one."""
+        judged = self.judged[name]
+        return judged.values / self.transient[judged.film]
 
-    def ratio(self, formula: Formula) -> Vector:
-        """Formula over numerical film."""
-        return self.by_formula[formula.name] / self.numerical(formula)
+    def over_steady(self, name: str) -> Vector:
+        """A judged film over the steady numerical one."""
+        judged = self.judged[name]
+        return judged.values / self.steady[judged.film]
+
+    def at(self, angle_deg: float) -> int:
+        """The index of an angle (the nose's and the reversals' are among them)."""
+        return int(np.argmin(np.abs(self.angle_deg - angle_deg)))
+
+    @property
+    def reversals(self) -> list[int]:
+        return [self.at(angle) for angle in self.reversals_deg]
+
+    @property
+    def in_event(self) -> slice:
+        """Of `history`, the cam's event."""
+        return slice(int(np.searchsorted(self.history_deg, EVENT_DEG[0])), None)
+
+    @property
+    def least(self) -> tuple[float, float]:
+        """The least film of the event (m) and its cam angle (degrees)."""
+        films = self.history.minimum_film_thickness[self.in_event]
+        k = int(np.argmin(films))
+        return float(films[k]), float(self.history_deg[self.in_event][k])
 
 
-def contacts(train: ValveTrain, speed_rpm: float, step_deg: float) -> tuple[Vector, list[LineContact]]:
-    """The contact at every angle of the event where oil is entrained, under the load of the adherence
-    solution with spring surge."""
-    cycle, p = train.surge(speed_rpm), train.parameters("contact")
-    compliance = elastic_compliance(
-        p.youngs_modulus_1, p.poissons_ratio_1, p.youngs_modulus_2, p.poissons_ratio_2
-    )
-    fluid = Lubricant(p.viscosity, p.pressure_viscosity)
-    angles = np.arange(EVENT_DEG[0], EVENT_DEG[1] + 0.5 * step_deg, step_deg)
-    away = [np.min(np.abs(angle - np.array(train.reversals_deg))) > AT_REST_DEG for angle in angles]
-    angles = angles[away]
-    names = ("contact.load", "camshaft.entraining_velocity", "camshaft.radius_of_curvature")
-    rows = ([cycle.at(name, float(angle)) for name in names] for angle in angles)
-    return angles, [LineContact(load, u, radius, p.length, compliance, fluid) for load, u, radius in rows]
+def angles(train: ValveTrain, step_deg: float) -> Vector:
+    """Cam angles of the event, the nose's and those of the reversals among them."""
+    even = np.arange(EVENT_DEG[0], EVENT_DEG[1] + 0.5 * step_deg, step_deg)
+    special = [NOSE_DEG, *(angle for angle in train.reversals_deg if EVENT_DEG[0] < angle < EVENT_DEG[1])]
+    away = [np.min(np.abs(angle - np.array(special))) > AT_REST_DEG for angle in even]
+    return np.sort(np.concatenate([even[away], special]))
 
 
-def cam_cycle(train: ValveTrain, speed_rpm: float, step_deg: float) -> CamCycle:
-    """Solve for the film at every angle."""
-    angles, all_ = contacts(train, speed_rpm, step_deg)
-    found = films(all_)
+def contacts(train: ValveTrain, turn: Turn, at: Vector) -> list[LineContact | None]:
+    """The contact at these angles, under the load of the adherence solution with spring surge; None where
+    no oil is entrained."""
+    p = train.parameters("contact")
+    compliance, fluid = compliance_of(p), lubricant_of(p)
+    found: list[LineContact | None] = []
+    for angle in at:
+        if np.min(np.abs(angle - np.array(train.reversals_deg))) <= AT_REST_DEG:
+            found.append(None)
+        else:
+            load, u, radius = (turn.at(name, float(angle)) for name in SEEN)
+            found.append(LineContact(load, u, radius, p.length, compliance, fluid))
+    return found
+
+
+def course(turn: Turn) -> tuple[Vector, ...]:
+    """Times and what the contact sees at them, from BEGIN_DEG to the end of the event."""
+    inside = (turn.angle_deg >= BEGIN_DEG) & (turn.angle_deg <= EVENT_DEG[1])
+    return (turn.time[inside], *(turn[name][inside] for name in SEEN))
+
+
+def cam_cycle(
+    train: ValveTrain, speed_rpm: float, step_deg: float, pool: Executor, nodes: int = NODES
+) -> CamCycle:
+    """Solve for the films of one speed, side by side in `pool`."""
+    turn, at = train.surge(speed_rpm), angles(train, step_deg)
+    given = course(turn)
+    fine = np.interp(given[0][1:], turn.time, turn.angle_deg)
+    solving = pool.submit(film_history, *given, nodes)
+    found = contacts(train, turn, at)
+    films = list(pool.map(steady_film, found))
+    steady = {CENTRAL: heights(films, "central_film"), MINIMUM: heights(films, "minimum_film")}
+    history, p = solving.result(), train.parameters("contact")
     return CamCycle(
         speed_rpm,
-        angles,
-        np.array([contact.velocity for contact in all_]),
-        np.array([contact.M for contact in all_]),
-        np.array([contact.L for contact in all_]),
-        heights(found, "central_film"),
-        heights(found, "minimum_film"),
-        {formula.name: np.array([formula.of(contact) for contact in all_]) for formula in FORMULAS},
-        {formula.name: np.array([formula.valid(contact) for contact in all_]) for formula in FORMULAS},
+        at,
+        [angle for angle in train.reversals_deg if EVENT_DEG[0] < angle < EVENT_DEG[1]],
+        np.array([turn.at(SEEN[1], angle) for angle in at]),
+        np.array([np.nan if contact is None else contact.M for contact in found]),
+        np.array([np.nan if contact is None else contact.L for contact in found]),
+        np.array(
+            [
+                maximum_pressure(turn.at(SEEN[0], a), turn.at(SEEN[2], a), p.length, compliance_of(p))
+                for a in at
+            ]
+        ),
+        steady,
+        {
+            CENTRAL: np.interp(at, fine, history.film_thickness),
+            MINIMUM: np.interp(at, fine, history.minimum_film_thickness),
+        },
+        _judged(p, turn, at, found, steady),
+        fine,
+        history,
     )
 
 
-def ratios(cycles: Sequence[CamCycle], formula: Formula, valid: bool) -> Vector:
-    """Formula over numerical film at all angles and speeds where it is valid, or where it is not."""
-    chosen = [c.ratio(formula)[(c.valid[formula.name] == valid) & np.isfinite(c.central)] for c in cycles]
-    return np.concatenate(chosen)
+def _judged(
+    p: ContactParameters,
+    turn: Turn,
+    at: Vector,
+    found: Sequence[LineContact | None],
+    steady: Mapping[str, Vector],
+) -> dict[str, Judged]:
+    """All films but the transient one."""
+    judged = {
+        f"{STEADY} {film}": Judged("steady numerical", film, values, np.isfinite(values))
+        for film, values in steady.items()
+    }
+    for formula in FORMULAS:
+        values = np.array([formula.film_at(*(turn.at(name, angle) for name in SEEN), p) for angle in at])
+        valid = np.array([contact is not None and formula.valid(contact) for contact in found])
+        judged[formula.name] = Judged(formula.words, formula.film, values, valid)
+        if formula.valid is in_table_3:
+            times, *seen = course(turn)
+            relaxed = formula_history(formula.name, times, *seen)
+            film = np.interp(np.interp(at, turn.angle_deg, turn.time), times[1:], relaxed)
+            judged[f"{formula.name} {SQUEEZED}"] = Judged(
+                f"{formula.words} squeezed", formula.film, film, valid & _in_squeeze(film, values, p)
+            )
+    return judged
+
+
+def _in_squeeze(film: Vector, steady: Vector, p: ContactParameters) -> Vector:
+    """Whether w_s is in Table 3: (10) solved for it, w_s = -ln(h/h_ss)/C."""
+    low, high = TABLE_3["squeeze"]
+    with np.errstate(divide="ignore"):
+        squeeze = -np.log(film / steady) / p.squeeze_constant
+    return np.asarray((squeeze >= low) & (squeeze <= high))

@@ -11,106 +11,42 @@ import matplotlib
 matplotlib.use("Agg")  # no window, no display
 
 import matplotlib.pyplot as plt
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MultipleLocator
 
 from models.quantities import Vector
 
-from ...plots.style import ACCENT, COUPLED, MUTED, REFERENCE, headed
+from ...plots.style import COUPLED, MUTED, headed
 from ..pictures import compact
-from .cam import CamCycle
+from .cycle_figure import COLOURS, INK, cycles
+from .field_figure import field
 from .formulas import CENTRAL, FORMULAS, MINIMUM, Formula
 from .numerical import heights
 from .runs import Runs
 
-CYCLE, TABLE_3, LAWS = "films-cycle", "films-table-3", "films-power-laws"
-FILES = (f"{CYCLE}.png", f"{TABLE_3}.png", f"{LAWS}.png", f"{CYCLE}.csv", f"{TABLE_3}.csv")
+CYCLE, FIELD, TABLE_3, LAWS = "films-cycle", "films-field", "films-table-3", "films-power-laws"
+FILES = (f"{CYCLE}.png", f"{FIELD}.png", f"{TABLE_3}.png", f"{LAWS}.png", f"{CYCLE}.csv", f"{TABLE_3}.csv")
 CAPTIONS = {
-    CYCLE: "Steady numerical films through the cam's event, and formulas over them, dotted where their "
-    "conditions do not hold",
+    CYCLE: "Transient and steady numerical films through the cam's event, and other films over the "
+    "transient one; dotted, with a bar below, where their conditions do not hold",
+    FIELD: "Pressure and film across the contact at instants of the event, and over cam angle and x",
     TABLE_3: "Formulas over the numerical central film, at contacts sampled over Kushwaha's Table 3",
     LAWS: "The new power laws over the numerical films of contacts that they were not fitted to",
 }
-INK = "#22282f"
-COLOURS = {
-    "kushwaha": REFERENCE,
-    "kushwaha_negative": "#e8a0aa",
-    "dowson_toyoda": ACCENT,
-    "pan_hamrock_central": COUPLED,
-    "dowson_higginson": ACCENT,
-    "pan_hamrock_minimum": COUPLED,
-    "moes_venner": "#c77d11",
-}
-# Of the figure with many panels.
-DPI = 160.0
-MICRO = 1e6
+# Of the figures with many panels.
+DPI = 105.0
 
 
 def draw(runs: Runs, folder: Path) -> list[Path]:
     """Every figure, and the numbers of those that have many."""
     return [
-        compact(lambda: cycle(runs), folder / f"{CYCLE}.png", DPI),
+        compact(lambda: cycles(runs.cycles), folder / f"{CYCLE}.png", DPI),
+        compact(lambda: field(runs.shown), folder / f"{FIELD}.png", DPI),
         compact(lambda: table_3(runs), folder / f"{TABLE_3}.png"),
         compact(lambda: power_laws(runs), folder / f"{LAWS}.png"),
         _write(folder / f"{CYCLE}.csv", _cycle_rows(runs)),
         _write(folder / f"{TABLE_3}.csv", _sample_rows(runs)),
     ]
-
-
-def cycle(runs: Runs) -> Figure:
-    """A row for each speed: films, and formulas over the numerical central and minimum film."""
-    rows = len(runs.cycles)
-    figure, axes = plt.subplots(rows, 3, sharex=True, squeeze=False, figsize=(11.0, 1.2 + 1.8 * rows))
-    headed(figure, "Steady films through the cam's event, and formulas over the numerical solution")
-    for row, found in zip(axes, runs.cycles, strict=True):
-        _films(row[0], found)
-        for ax, film in zip(row[1:], (CENTRAL, MINIMUM), strict=True):
-            _ratios(ax, found, film)
-        row[0].set_ylabel(f"{found.speed_rpm:.0f} r/min\nFilm [µm]")
-    titles = ("numerical film", "formula / numerical, central film", "formula / numerical, minimum film")
-    for ax, title in zip(axes[0], titles, strict=True):
-        ax.set_title(title, loc="left", fontsize=9)
-    for ax in axes[0]:
-        ax.legend(fontsize=6.8, handlelength=1.4, ncols=2, columnspacing=0.8, loc="upper center")
-    for ax in axes[-1]:
-        ax.set_xlabel("Cam angle [deg] (nose at 180)")
-        ax.xaxis.set_major_locator(MultipleLocator(30.0))
-        ax.set_xlim(90.0, 270.0)
-    return figure
-
-
-def _broken(found: CamCycle, values: Vector) -> tuple[Vector, Vector]:
-    """Angles and values with gaps where entrainment reverses."""
-    turns = np.flatnonzero(np.diff(np.sign(found.velocity))) + 1
-    between = 0.5 * (found.angle_deg[turns] + found.angle_deg[turns - 1])
-    return np.insert(found.angle_deg, turns, between), np.insert(values, turns, np.nan)
-
-
-def _films(ax: Axes, found: CamCycle) -> None:
-    ax.plot(*_broken(found, MICRO * found.central), color=INK, label=CENTRAL)
-    ax.plot(*_broken(found, MICRO * found.minimum), color=MUTED, label=MINIMUM)
-    ax.set_ylim(0.0, 1.3 * MICRO * np.nanmax(found.central))
-
-
-def _ratios(ax: Axes, found: CamCycle, film: str) -> None:
-    for formula in FORMULAS:
-        if formula.film != film:
-            continue
-        ratio, colour = found.ratio(formula), COLOURS[formula.name]
-        ax.plot(*_broken(found, ratio), color=colour, lw=0.9, ls=(0, (1, 1.6)))
-        inside = np.where(found.valid[formula.name], ratio, np.nan)
-        ax.plot(*_broken(found, inside), color=colour, lw=1.6, label=formula.words)
-    ax.axhline(1.0, color=INK, lw=0.8, zorder=0.5)
-    if film == CENTRAL:
-        ax.set_yscale("log")
-        ax.set_ylim(0.8, 14.0)
-        ax.set_yticks([1.0, 1.5, 2.0, 5.0, 10.0])
-        ax.yaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
-        ax.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
-    else:
-        ax.set_ylim(0.85, 1.2)
 
 
 def table_3(runs: Runs) -> Figure:
@@ -160,16 +96,17 @@ def power_laws(runs: Runs) -> Figure:
 
 
 def _cycle_rows(runs: Runs) -> list[list[Any]]:
-    names = [formula.name for formula in FORMULAS]
+    names = list(runs.cycles[0].judged)
     rows: list[list[Any]] = [
-        ["speed [r/min]", "angle [deg]", "velocity [m/s]", "M [1]", "L [1]", "central [m]", "minimum [m]",
-         *(f"{name} [m]" for name in names), *(f"{name} valid" for name in names)]
+        ["speed [r/min]", "angle [deg]", "velocity [m/s]", "M [1]", "L [1]", "transient central [m]",
+         "transient minimum [m]", *(f"{name} [m]" for name in names), *(f"{name} valid" for name in names)]
     ]  # fmt: skip
     for c in runs.cycles:
+        films = (*c.transient.values(), *(judged.values for judged in c.judged.values()))
         for k, angle in enumerate(c.angle_deg):
-            found = (c.velocity, c.M, c.L, c.central, c.minimum, *(c.by_formula[name] for name in names))
-            flags = [int(c.valid[name][k]) for name in names]
-            rows.append([f"{c.speed_rpm:g}", f"{angle:g}", *(f"{v[k]:.6g}" for v in found), *flags])
+            numbers = (f"{v[k]:.6g}" for v in (c.velocity, c.M, c.L, *films))
+            flags = (int(judged.valid[k]) for judged in c.judged.values())
+            rows.append([f"{c.speed_rpm:g}", f"{angle:g}", *numbers, *flags])
     return rows
 
 

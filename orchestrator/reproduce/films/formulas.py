@@ -6,9 +6,10 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from models.contact.ehl_contact import TABLE_3
+from models.contact.ehl_contact import TABLE_3, ContactParameters
 from models.contact.films import FILMS
 from models.contact.films.groups import groups
+from models.contact.hertz import compliance_of
 from models.contact.line.line_contact import LineContact
 
 CENTRAL, MINIMUM = "central", "minimum"
@@ -35,6 +36,14 @@ class Formula:
                 fluid.viscosity, fluid.pressure_viscosity,
             )
         )  # fmt: skip
+
+    def film_at(self, load: float, velocity: float, radius: float, p: ContactParameters) -> float:
+        """The film (m) of a contact with these parameters, which may be at rest."""
+        return float(
+            FILMS[self.name](
+                load, abs(velocity), radius, p.length, compliance_of(p), p.viscosity, p.pressure_viscosity
+            )
+        )
 
 
 def asymptotes(M: float, L: float) -> dict[str, float]:
@@ -106,6 +115,6 @@ FORMULAS = (
     ),
     Formula(
         "moes_venner", "Moes", "Moes 1992, Venner 1991", "H(M, L) between four asymptotes",
-        MINIMUM, "anywhere", _anywhere,
+        MINIMUM, "any entrainment", _anywhere,
     ),
 )  # fmt: skip

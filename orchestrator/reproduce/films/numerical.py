@@ -20,10 +20,11 @@ def films(contacts: Sequence[LineContact | None]) -> list[SteadyFilm | None]:
     """Their films; None where there is no contact, or no film to the TOLERANCE."""
     # The kernels let go of the interpreter.
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(_film, contacts))
+        return list(pool.map(steady_film, contacts))
 
 
-def _film(contact: LineContact | None) -> SteadyFilm | None:
+def steady_film(contact: LineContact | None) -> SteadyFilm | None:
+    """Its film; None where there is no contact, or no film to the TOLERANCE."""
     if contact is None:
         return None
     try:

@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache, cached_property, partial
 
-from ..kushwaha2000.runs import SPEEDS
+import numpy as np
+
+from models.contact.line.history import FilmHistory, film_history
+from models.quantities import Vector
+
 from ..kushwaha2000.runs import Runs as ValveTrain
-from .cam import CamCycle, cam_cycle
+from .cam import NODES, CamCycle, cam_cycle, course
 from .formulas import CENTRAL, MINIMUM
 from .samples import PowerLaw, Sample, fitted, sample
 
 # Camshaft angles at which the film is solved for: formulas and film turn over some degrees at the reversals.
-STEP_DEG = 2.0
+STEP_DEG = 1.0
+# Camshaft speeds (r/min).
+SPEEDS = (500.0, 1000.0, 2000.0, 3000.0)
+# The one whose pressures and films across the contact are drawn.
+SHOWN_RPM = 1000.0
 # 2^8 and 2^7 contacts; any other seeds serve.
 FIT, VALIDATION = (8, 20001), (7, 20002)
 
 
 class Runs:
-    """`step_deg`, `fit` and `validation` (exponent, seed) are for shorter runs."""
+    """`step_deg`, `fit` and `validation` (exponent, seed), `speeds` and `nodes` are for shorter runs."""
 
     def __init__(
         self,
@@ -25,15 +36,53 @@ class Runs:
         fit: tuple[int, int] = FIT,
         validation: tuple[int, int] = VALIDATION,
         speeds: tuple[float, ...] = SPEEDS,
+        nodes: int = NODES,
     ) -> None:
-        self.step_deg, self.speeds = step_deg, speeds
+        self.step_deg, self.speeds, self.nodes = step_deg, speeds, nodes
         self._fit, self._validation = fit, validation
+        self.train = ValveTrain()
+        self.cycle = cache(self._cycle)
 
-    @cached_property
+    def solve(self) -> Iterator[float]:
+        """Compute everything; yields the share that is done."""
+        steps: list[Callable[[], object]] = [partial(self.cycle, speed) for speed in self.speeds]
+        steps += [lambda: self.coarser, lambda: self.fit, lambda: self.validation]
+        for n, step in enumerate(steps):
+            step()
+            yield (n + 1) / len(steps)
+
+    def _cycle(self, speed_rpm: float) -> CamCycle:
+        """The cam cycle at a speed."""
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            return cam_cycle(self.train, speed_rpm, self.step_deg, pool, self.nodes)
+
+    @property
     def cycles(self) -> list[CamCycle]:
         """The cam cycle at each speed."""
-        train = ValveTrain()
-        return [cam_cycle(train, speed, self.step_deg) for speed in self.speeds]
+        return [self.cycle(speed) for speed in self.speeds]
+
+    @cached_property
+    def coarser(self) -> FilmHistory:
+        """The transient film of `shown` with about half as many nodes."""
+        turn = self.train.surge(self.shown.speed_rpm)
+        return film_history(*course(turn), nodes=self.nodes // 4 * 2 + 1)
+
+    @property
+    def shown(self) -> CamCycle:
+        """The cycle whose field is drawn: that of SHOWN_RPM, or else the first."""
+        return next((c for c in self.cycles if c.speed_rpm == SHOWN_RPM), self.cycles[0])
+
+    def ratios(self, name: str) -> Vector:
+        """A judged film over the transient one, where there is one, at all angles and speeds."""
+        return np.concatenate([c.ratio(name) for c in self.cycles])
+
+    def over_steady(self, name: str) -> Vector:
+        """A judged film over the steady one."""
+        return np.concatenate([c.over_steady(name) for c in self.cycles])
+
+    def valid(self, name: str) -> Vector:
+        """Where its conditions hold."""
+        return np.concatenate([c.judged[name].valid for c in self.cycles])
 
     @cached_property
     def fit(self) -> Sample:

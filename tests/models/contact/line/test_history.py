@@ -1,0 +1,56 @@
+"""The film along a given motion: its limits and symmetries."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from models.contact.films import FILMS
+from models.contact.fluid import Lubricant
+from models.contact.hertz import elastic_compliance
+from models.contact.line.history import film_history, formula_history
+from models.contact.line.line_contact import LineContact
+from models.contact.line.steady import solve_steady
+
+from .cam_cycle import motion
+
+NODES = 101
+STEEL = elastic_compliance(207e9, 0.3, 207e9, 0.3)
+OIL = Lubricant(0.036, 1.8e-8)
+# Of films on 101 nodes that reach 10 contact widths.
+NODES_ERROR = 0.02
+
+
+def test_a_thousandfold_period_gives_the_steady_film() -> None:
+    """On the flank towards a reversal, where the film of the cycle lags by far more than the nodes' error."""
+    degrees = np.linspace(100.0, 140.0, 161)
+    m = motion(degrees, 1000.0)
+    k = -1
+    steady = solve_steady(LineContact(m.load[k], m.velocity[k], m.radius[k], 0.012, STEEL, OIL))
+    lag = {}
+    for stretch in (1.0, 1000.0):
+        film = film_history(stretch * m.times, m.load, m.velocity, m.radius, NODES)
+        lag[stretch] = film.film_thickness[k] / steady.central_film - 1.0
+    assert lag[1.0] > 3.0 * NODES_ERROR
+    assert abs(lag[1000.0]) < NODES_ERROR
+
+
+def test_the_mirrored_drive_gives_mirrored_films_through_a_reversal() -> None:
+    degrees = np.linspace(138.0, 150.0, 49)
+    m = motion(degrees, 1000.0)
+    assert m.velocity[0] * m.velocity[-1] < 0.0
+    there, back = (film_history(m.times, m.load, sign * m.velocity, m.radius, NODES) for sign in (1.0, -1.0))
+    np.testing.assert_allclose(back.film[:, ::-1], there.film, rtol=1e-5)
+    np.testing.assert_allclose(back.pressure[:, ::-1], there.pressure, rtol=1e-4, atol=1e3)
+
+
+@pytest.mark.parametrize("formula", ["kushwaha", "kushwaha_negative"])
+def test_a_relaxed_film_is_kept_at_rest_and_settles_under_entrainment(formula: str) -> None:
+    times = np.linspace(0.0, 0.2, 11)
+    even = np.ones_like(times)
+    kept = formula_history(formula, times, 500.0 * even, 0.0 * even, 0.02 * even, film_thickness=0.7e-6)
+    np.testing.assert_array_equal(kept, 0.7e-6)
+    steady = FILMS[formula](500.0, 2.0, 0.02, 0.012, STEEL, 0.036, 1.8e-8)
+    settled = formula_history(formula, times, 500.0 * even, 2.0 * even, 0.02 * even)
+    # Time constant 96.775 h/|u|, at most 0.3 ms here.
+    assert settled[-1] == pytest.approx(steady, rel=1e-8)
