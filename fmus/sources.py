@@ -14,7 +14,7 @@ import pythonfmu
 import models
 
 # What the shipped code may import besides itself and the standard library.
-RUN_TIME = {"numpy", "numba"}
+RUN_TIME = {"numpy", "numba", "llvmlite"}
 
 _SLAVE = ("host.py", "memory.py", "slave.py")
 

@@ -1,17 +1,22 @@
-"""Compiled kernels kept on disk: reused by other processes, never one closure for another."""
+"""Compiled kernels kept on disk: reused wherever the same code is run, never one for another."""
 
 from __future__ import annotations
 
+import hashlib
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from models.catalogue import CATALOGUE
 from models.kernel import COMPILED
 
 ROOT = Path(__file__).parent.parent.parent
+
+pytestmark = pytest.mark.skipif(not COMPILED, reason="there is nothing to keep without numba")
 
 FACTORY = """
 from models.kernel import kernel
@@ -32,31 +37,207 @@ def symbols(*functions):
     return {c.fndesc.mangled_name for f in functions for c in f.overloads.values()}
 """
 
+# A kernel that calls another through a module, which has a constant, both on the way to a named tuple.
+LAW = """
+from typing import NamedTuple
+from .kernel import kernel
 
-def run(folder: Path, code: str) -> str:
-    """What `code` prints in a fresh process that shares this test's cache."""
+FACTOR = 2.0
+
+class Pair(NamedTuple):
+    one: float
+    two: float
+
+@kernel
+def law(x):
+    return Pair(x, FACTOR * x)
+"""
+USE = """
+import numpy as np
+from . import law
+from .kernel import kernel
+
+POINT = np.dtype([("x", float), ("y", float)])
+TURNED = np.dtype([("y", float), ("x", float)])
+
+@kernel
+def twice(x):
+    pair = law.law(x)
+    return law.Pair(pair.one, 2.0 * pair.two)
+
+@kernel
+def product(x):
+    pair = twice(x)
+    return pair.one * pair.two
+
+@kernel
+def apart(x):
+    return x + 1.0
+
+@kernel
+def first(record):
+    return record.x
+"""
+
+
+def process(folder: Path, code: str) -> subprocess.Popen[str]:
+    """A fresh process that shares this test's cache and runs `code`."""
     environment = dict(
         os.environ,
         TRIBOCOSIM_CACHE=str(folder / "cache"),
         PYTHONPATH=os.pathsep.join([str(ROOT), str(folder)]),
+        PYTHONDONTWRITEBYTECODE="1",  # of a file that is edited within a second
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, env=environment, cwd=folder, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    return subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment, cwd=folder,
+    )  # fmt: skip
 
 
-@pytest.mark.skipif(not COMPILED, reason="there is nothing to keep without numba")
-def test_closures_from_the_cache_and_from_this_process_keep_apart(tmp_path):
+def said(running: subprocess.Popen[str]) -> str:
+    out, errors = running.communicate()
+    assert running.returncode == 0, errors
+    return out
+
+
+def run(folder: Path, code: str) -> str:
+    """What `code` prints."""
+    return said(process(folder, code))
+
+
+def stored(folder: Path) -> dict[str, int]:
+    return {str(file): file.stat().st_mtime_ns for file in (folder / "cache").rglob("*") if file.is_file()}
+
+
+def copied(folder: Path, name: str) -> Path:
+    """The machinery of kernels, and two modules of kernels, as a package of that name."""
+    package = folder.joinpath(*name.split("."))
+    package.mkdir(parents=True)
+    for module in ("kernel", "kernel_cache", "kernel_content"):
+        shutil.copy(ROOT / "models" / f"{module}.py", package)
+    (package / "__init__.py").write_text("")
+    (package / "law.py").write_text(LAW)
+    (package / "use.py").write_text(USE)
+    return package
+
+
+def test_closures_from_the_cache_and_from_this_process_keep_apart(tmp_path: Path) -> None:
     """Symbols are numbered per process: the same number must not make two closures one."""
     (tmp_path / "factory.py").write_text(FACTORY)
     first = "from factory import *; print(outer(made(3.0))(1.0))"
     assert float(run(tmp_path, first)) == 9.0
-    stored = sorted((tmp_path / "cache").rglob("*.nbc"))
+    kept = stored(tmp_path)
     assert float(run(tmp_path, first)) == 9.0
-    assert sorted((tmp_path / "cache").rglob("*.nbc")) == stored, "the second process compiled again"
+    assert kept
+    assert stored(tmp_path) == kept, "the second process compiled again"
     # What is loaded bears the first process's numbers; what is compiled then begins to count anew.
     both = "from factory import *; a, b = outer(made(3.0)), outer(made(7.0)); print(a(1.0), b(1.0))"
     assert run(tmp_path, both).split() == ["9.0", "49.0"]
     assert run(tmp_path, f"{both}; print(len(symbols(a, b)))").split()[-1] == "2"
+
+
+def test_records_from_the_cache_keep_apart(tmp_path: Path) -> None:
+    """So are types: the first record type of one process must not be taken for that of another."""
+    copied(tmp_path, "one")
+    code = "from one.use import *; print(first(np.array([(1.0, 2.0)], {0})[0]))"
+    assert run(tmp_path, code.format("POINT")) == "1.0\n"
+    assert run(tmp_path, code.format("TURNED")) == "2.0\n"
+    both = "; ".join(["from one.use import *", *(
+        f"print(first(np.array([(1.0, 2.0)], {dtype})[0]))" for dtype in ("TURNED", "POINT")
+    )])  # fmt: skip
+    kept = stored(tmp_path)
+    assert run(tmp_path, both).split() == ["2.0", "1.0"]
+    assert stored(tmp_path) == kept
+
+
+def test_copies_of_a_package_share_what_is_compiled(tmp_path: Path) -> None:
+    """In another place and under another name, as in an FMU."""
+    copied(tmp_path, "one")
+    copied(tmp_path, "another.models")
+    code = "from {0}.use import *; print(product(3.0))"
+    assert run(tmp_path, code.format("one")) == "36.0\n"
+    kept = stored(tmp_path)
+    shutil.rmtree(tmp_path / "one")
+    assert run(tmp_path, code.format("another.models")) == "36.0\n"
+    assert stored(tmp_path) == kept
+
+
+def test_a_copy_gives_named_tuples_of_its_own(tmp_path: Path) -> None:
+    """Also when the other copy, whose class the first code named, is gone, and when both run in a process."""
+    copied(tmp_path, "one")
+    copied(tmp_path, "another.models")
+    code = "from {0}.use import *; print(twice(1.0), type(twice(1.0)) is law.Pair)"
+    pair = "Pair(one=1.0, two=4.0) True\n"
+    assert run(tmp_path, code.format("one")) == pair
+    kept = stored(tmp_path)
+    assert run(tmp_path, code.format("one")) == pair
+    assert stored(tmp_path) == kept
+    assert run(tmp_path, f"{code}\n{code}".format("one").replace("one", "another.models", 1)) == 2 * pair
+    shutil.rmtree(tmp_path / "one")
+    assert run(tmp_path, code.format("another.models")) == pair
+
+
+@pytest.mark.parametrize(("old", "new"), [("FACTOR = 2.0", "FACTOR = 3.0"), ("FACTOR * x", "FACTOR + x")])
+def test_an_edited_source_is_compiled_anew(old: str, new: str, tmp_path: Path) -> None:
+    """Of a constant or a kernel in another file, even where size and date of the file stay; and only what
+    depends on it."""
+    file = copied(tmp_path, "one") / "law.py"
+    code = "from one.use import *; print(twice(4.0).two, apart(1.0))"
+    assert run(tmp_path, code) == "16.0 2.0\n"
+    before, date = stored(tmp_path), file.stat()
+    file.write_text(LAW.replace(old, new))
+    os.utime(file, ns=(date.st_atime_ns, date.st_mtime_ns))
+    assert file.stat().st_size == date.st_size
+    assert run(tmp_path, code) == ("24.0 2.0\n" if "3.0" in new else "12.0 2.0\n")
+    added = {Path(name).name.partition("-")[0] for name in stored(tmp_path).keys() - before.keys()}
+    assert added == {"law", "twice"}
+    file.write_text(LAW)
+    after = stored(tmp_path)
+    assert run(tmp_path, code) == "16.0 2.0\n"
+    assert stored(tmp_path) == after
+
+
+def test_a_constant_changed_while_running_is_not_kept(tmp_path: Path) -> None:
+    """Compiled code has the constant that was there at the first call; files say what the source says."""
+    copied(tmp_path, "one")
+    changed = "from one.use import *; law.law(1.0); law.FACTOR = 5.0; print(twice(1.0).two)"
+    run(tmp_path, changed)
+    assert run(tmp_path, "from one.use import *; print(twice(1.0).two)") == "4.0\n"
+    assert run(tmp_path, "from one.use import *; law.FACTOR = 5.0; print(twice(1.0).two)") == "10.0\n"
+
+
+def test_processes_at_the_same_time(tmp_path: Path) -> None:
+    """All get the result, and what they leave is whole: a later process compiles nothing."""
+    copied(tmp_path, "one")
+    code = "from one.use import *; print(twice(1.0).two)"
+    assert {said(running) for running in [process(tmp_path, code) for _ in range(4)]} == {"4.0\n"}
+    kept = stored(tmp_path)
+    assert len(kept) == 2
+    assert run(tmp_path, code) == "4.0\n"
+    assert stored(tmp_path) == kept
+
+
+def test_a_damaged_file_is_compiled_anew(tmp_path: Path) -> None:
+    copied(tmp_path, "one")
+    code = "from one.use import *; print(apart(1.0))"
+    run(tmp_path, code)
+    (file,) = map(Path, stored(tmp_path))
+    whole = file.read_bytes()
+    middle = len(whole) // 2
+    changed = whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :]
+    for damaged in (b"", whole[:-1], changed):
+        file.write_bytes(damaged)
+        assert run(tmp_path, code) == "2.0\n"
+        assert hashlib.sha256(file.read_bytes()[32:]).digest() == file.read_bytes()[:32]
+        assert file.read_bytes() != damaged
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_every_kernel_of_a_component_can_be_kept(name: str) -> None:
+    """All that its step, outputs and energies refer to has a description that is equal in every process."""
+    from models.kernel_content import content_of
+
+    component = CATALOGUE[name]()
+    for made in (component.step, component.flat_output, component.flat_energy):
+        function = getattr(made, "py_func", None)
+        assert function is None or len(content_of(function)) == 64
