@@ -37,17 +37,17 @@ def rise(first: float, film: float, curvature: float, flow: float) -> float:
 
 @kernel
 def _fill(h: Any, x: Any, wedge: float, middle: int, p: Any) -> None:
-    spacing = x[1] - x[0]
+    step = x[1] - x[0]
     for j in range(h.shape[1]):
         flow = h[middle, j]
         between = 0.5 * (h[0, j] + h[1, j])
         if between <= flow:
             continue
-        curvature = max((h[0, j] - h[1, j]) / (-0.5 * (x[0] + x[1]) * spacing), 0.0)
+        curvature = max((h[0, j] - h[1, j]) / (-0.5 * (x[0] + x[1]) * step), 0.0)
         if curvature == 0.0:
             continue
         p[0, j] = wedge * rise(-x[0], h[0, j], curvature, flow)
-        p[1, j] = p[0, j] + wedge * spacing * (between - flow) / between**3
+        p[1, j] = p[0, j] + wedge * step * (between - flow) / between**3
 
 
 def before_grid(h: Vector, x: Vector, wedge: float) -> Vector:

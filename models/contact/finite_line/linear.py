@@ -19,7 +19,7 @@ from .lines import Lines
 from .reynolds import DOWNSTREAM, HERE, LEFT, RIGHT, UPSTREAM, UPSTREAM_2
 
 # GMRES ends a step at this share of its residual: Newton still gains four digits a step.
-_REDUCTION = 1e-4
+_REDUCTION = 1e-5
 _LARGEST_SPACE = 150
 
 
@@ -51,7 +51,7 @@ def newton_step(
     Active cells must lie two nodes from the first and one from the last. LinAlgError where a line's matrix is
     singular.
     """
-    lines = Lines(by_p, by_h, space.near, active)
+    lines = Lines(by_p, by_h, space.own, active)
     lift = np.where(active, by_h.sum(axis=0), 0.0)
     lifted = lines.solve(lift)
     pivot = float((closing.by_p * lifted).sum()) - closing.by_h0

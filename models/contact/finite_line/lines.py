@@ -21,14 +21,14 @@ from .reynolds import DOWNSTREAM, HERE, LEFT, RIGHT, UPSTREAM, UPSTREAM_2
 
 
 @kernel
-def _row(by_p: Any, by_h: Any, near: Any, active: Any, i: int, row: Any) -> None:
+def _row(by_p: Any, by_h: Any, own: Any, active: Any, i: int, row: Any) -> None:
     """The row of node i, at the active nodes of its line: dG/dp + dG/dh times the line's own influence."""
     here, before, before_2, after = by_h[HERE, i], by_h[UPSTREAM, i], by_h[UPSTREAM_2, i], by_h[DOWNSTREAM, i]
     column = 0
     for k in range(len(active)):
         if active[k]:
-            row[column] = here * near[abs(i - k)] + before * near[abs(i - 1 - k)]
-            row[column] += before_2 * near[abs(i - 2 - k)] + after * near[abs(i + 1 - k)]
+            row[column] = here * own[k, i] + before * own[k, i - 1]
+            row[column] += before_2 * own[k, i - 2] + after * own[k, i + 1]
             if k == i:
                 row[column] += by_p[HERE, i]
             elif k == i - 1:
@@ -76,7 +76,7 @@ def _invert(a: Any, n: int, order: Any) -> bool:
 
 @kernel
 def _inverses(
-    by_p: Any, by_h: Any, near: Any, active: Any, nodes_of: Any, counts: Any, inverses: Any, order: Any
+    by_p: Any, by_h: Any, own: Any, active: Any, nodes_of: Any, counts: Any, inverses: Any, order: Any
 ) -> bool:
     """inverses[j]: of line j's block, less what comes back from the lines before it; transposed."""
     nodes, lines = active.shape
@@ -86,7 +86,7 @@ def _inverses(
         n = 0
         for i in range(nodes):
             if active[i, j]:
-                _row(by_p[:, :, j], by_h[:, :, j], near[j], active[:, j], i, work[n])
+                _row(by_p[:, :, j], by_h[:, :, j], own[j], active[:, j], i, work[n])
                 nodes_of[j, n] = i
                 n += 1
         counts[j] = n
@@ -157,14 +157,14 @@ class Lines:
     Active nodes must lie two from the first and one from the last. LinAlgError where a block is singular.
     """
 
-    def __init__(self, by_p: Vector, by_h: Vector, near: Vector, active: Mask) -> None:
+    def __init__(self, by_p: Vector, by_h: Vector, own: Vector, active: Mask) -> None:
         nodes, lines = active.shape
         self._by_p, self._active = by_p, active
         self._inverses = np.empty((lines, nodes, nodes))
         self._nodes_of = np.empty((lines, nodes), dtype=np.int64)
         self._counts = np.empty(lines, dtype=np.int64)
         order = np.empty(nodes, dtype=np.int64)
-        if not _inverses(by_p, by_h, near, active, self._nodes_of, self._counts, self._inverses, order):
+        if not _inverses(by_p, by_h, own, active, self._nodes_of, self._counts, self._inverses, order):
             raise np.linalg.LinAlgError("a line of the contact is singular")
 
     def solve(self, v: Vector) -> Vector:

@@ -48,8 +48,7 @@ class Scaled:
 
     @cached_property
     def balance(self) -> Balance:
-        grid = self.grid
-        return Balance(grid.spacing, grid.y, grid.widths, self.pressure_unit, self.contact.fluid)
+        return Balance(self.grid, self.pressure_unit, self.contact.fluid)
 
     @cached_property
     def open(self) -> Mask:
@@ -71,7 +70,7 @@ class Scaled:
 
     def carries(self, p: Vector) -> Closing:
         """The closing equation: p carries the load (relative fault)."""
-        weights = np.broadcast_to(self.grid.areas / self.load, p.shape)
+        weights = self.grid.areas / self.load
         return Closing(weights, 0.0, float((weights * p).sum()) - 1.0)
 
     def solution(

@@ -45,7 +45,7 @@ class Solution:
     @property
     def load_per_length(self) -> Vector:
         """Along y (N/m)."""
-        return self.grid.spacing * np.sum(self.pressure, axis=0)
+        return self.grid.columns @ self.pressure
 
     @property
     def peak_along(self) -> Vector:

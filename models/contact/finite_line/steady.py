@@ -3,7 +3,7 @@
 Newton's method on the cells that are full; which are, is found on the way (a cell is full where p > 0 or
 where its balance asks for p: primal-dual active sets). It starts at the dry contact, lifted by the film of
 Moes and Venner's formula, on a grid four times coarser, where the outlet, which moves by a node a step, has
-not far to go. Where that fails, the velocity is raised until it does not and brought down again step by step.
+not far to go. Where that fails, a thicker film flows out in pseudo-time, by steps that grow.
 """
 
 from __future__ import annotations
@@ -18,27 +18,31 @@ from ...quantities import Vector
 from ...system import ModelError
 from ..films.moes_venner import film as moes_venner
 from ..hertz import deflection
+from ..inlet import inlet_width
+from ..line.line_contact import LineContact
 from .checks import inlet_share, warnings_of
 from .contact import FiniteLine, Running
-from .dry import touching, widths
+from .dry import carried, pressed, touching
 from .faults import finite, within
-from .grid import Grid, Resolution, axial_faces, even_nodes
+from .grid import Edges, Grid, Resolution, axial_faces, graded_nodes
 from .inlet import before_grid
 from .linear import Closing, newton_step
+from .reynolds import HERE
 from .scaled import Scaled
 from .solution import Solution
 
-_LARGEST_STEPS = 40
+_LARGEST_STEPS = 25
 # The grid of the first solution is so much coarser.
 _COARSER = 4.0
 # Relative to the film: what a cell's balance may miss (root mean square), and the load's own.
 _BALANCE_TOLERANCE, _LOAD_TOLERANCE = 1e-6, 1e-9
 # The film may lose so much of itself in a step; steps that this makes smaller than that lead nowhere.
 _LARGEST_LOSS, _SMALLEST_SHARE = 0.7, 1e-2
-# Thin films of coarse grids may not exist: then a finer one than asked for is tried.
-_FINER = (1.0, 1.5, 2.25)
-# The velocity is raised by up to 2^_RAISES, and brought down by at least the factor 2^(1/_SMALLEST_STEP).
-_RAISES, _SMALLEST_STEP = 8, 16
+# Pseudo-time, in units of the time that oil needs through a half width: first and last step, growth after an
+# easy and after a hard one, and what a failure leaves of one; the film it starts from, over the formula's.
+_FIRST_STEP, _LAST_STEP = 0.05, 1e4
+_EASY_GROWTH, _HARD_GROWTH, _EASY_STEPS, _SHRINK, _MOST_FAILURES = 9.0, 3.0, 4, 0.25, 12
+_START_FILM = 1.3
 # So much of the pressure of the inlet comes from before the grid (see checks).
 _INLET_SHARE = 0.05
 
@@ -60,22 +64,21 @@ def steady(
     """
     fine = fine or Resolution()
     window = _window(contact, running)
-    for finer in _FINER:
-        problem = Scaled(contact, running, window.half_width, window.grid(contact, fine.refined(finer)))
-        found = _attempt(problem, window, fine.refined(finer), start)
-        if found is not None:
-            return _finished(problem, found)
-    raise _lost(problem)
+    problem = Scaled(contact, running, window.half_width, window.grid(contact, fine))
+    found = _attempt(problem, window, fine, start)
+    if found is None:
+        raise _lost(problem)
+    return _finished(problem, found)
 
 
 def _attempt(problem: Scaled, window: _Window, fine: Resolution, start: Solution | None) -> _State | None:
     found = _from(problem, start) if start is not None else None
     if found is None:
         coarse = replace(problem, grid=window.grid(problem.contact, fine.refined(1.0 / _COARSER)))
-        first = _newton(coarse, *_lifted(coarse))
+        first = _newton(coarse, *_lifted(coarse)) or _flowed_out(coarse)
         if first is not None:
             found = _from(problem, coarse.solution(first.p, first.h, first.h0, 0))
-        found = found or _newton(problem, *_lifted(problem)) or _continued(problem)
+        found = found or _flowed_out(problem)
     return found
 
 
@@ -155,15 +158,18 @@ def _needs_motion(running: Running) -> None:
 
 @dataclass(frozen=True)
 class _Window:
-    """What the grid covers along x (m), and the half width where the load is carried."""
+    """What the grid covers along x, the half width where the load is carried, and the edges of the contact;
+    all in m."""
 
     half_width: float
     first: float
     last: float
+    edges: Edges
 
     def grid(self, contact: FiniteLine, fine: Resolution) -> Grid:
         b = self.half_width
-        x = even_nodes(self.first / b, self.last / b, 1.0 / fine.nodes_per_half_width)
+        edges = Edges(self.edges.narrow / b, self.edges.wide / b, self.edges.inlet / b)
+        x = graded_nodes(self.first / b, self.last / b, edges, fine)
         kinks = tuple(k / b for k in contact.profile.kinks(contact.length))
         return Grid(x, axial_faces(contact.length / b, 1.0, kinks, fine))
 
@@ -171,13 +177,15 @@ class _Window:
 def _window(contact: FiniteLine, running: Running) -> _Window:
     """As wide as the inlet needs."""
     _needs_motion(running)
-    b, largest, carrying = widths(contact, running)
-    film = formula_film(contact, running, running.load, carrying)
+    found = carried(contact, running)
+    b = found.half_width
+    film = formula_film(contact, running, running.load, found.length)
     mouth = math.sqrt(2.0 * running.radius * film)
-    first = max(1.4 * largest, b + mouth)
+    first = max(1.4 * found.largest, b + mouth)
     while inlet_share(contact, running, b, film, first) > _INLET_SHARE:
         first *= 1.05
-    return _Window(b, -first, 1.15 * largest + mouth)
+    edges = Edges(found.narrow, found.wide, inlet_width(b, film, running.radius))
+    return _Window(b, -first, 1.15 * found.largest + mouth, edges)
 
 
 def _problem(contact: FiniteLine, running: Running, fine: Resolution) -> Scaled:
@@ -185,43 +193,61 @@ def _problem(contact: FiniteLine, running: Running, fine: Resolution) -> Scaled:
     return Scaled(contact, running, window.half_width, window.grid(contact, fine))
 
 
-def _lifted(problem: Scaled) -> tuple[Vector, float]:
-    """The dry contact, with the formula's film in between."""
+def _lifted(problem: Scaled, share: float = 1.0) -> tuple[Vector, float]:
+    """The dry contact, with a share of the formula's film in between."""
     p, h0, _ = touching(problem)
     running = problem.running
-    return p, h0 + formula_film(problem.contact, running, running.load) / problem.film_unit
+    return p, h0 + share * formula_film(problem.contact, running, running.load) / problem.film_unit
 
 
 def _carried_over(problem: Scaled, start: Solution) -> tuple[Vector, float]:
-    """The pressure of another solution on this grid, over x/b and y, and its approach."""
+    """The film of another solution on this grid, over x/b and y, and the pressure that makes room for it.
+
+    Brought over itself, the pressure would not do: thin films are less than what its errors bend.
+    """
     order = -1 if start.running.velocity < 0.0 else 1
     x = start.grid.x[::order] * order / start.half_width
-    p = start.pressure[::order] / problem.pressure_unit
     y = problem.grid.y * problem.half_width
-    along = np.array([np.interp(problem.grid.x, x, line, 0.0, 0.0) for line in p.T]).T
-    p = np.array([np.interp(y, start.grid.y, row) for row in along])
-    p *= problem.open
+
+    def brought(values: Vector) -> Vector:
+        along = np.array([np.interp(problem.grid.x, x, line, 0.0, 0.0) for line in values[::order].T]).T
+        return np.array([np.interp(y, start.grid.y, row) for row in along])
+
+    now, then = (formula_film(problem.contact, at, at.load) for at in (problem.running, start.running))
+    film = brought(start.film) * (now / then) / problem.film_unit
+    p = brought(start.pressure) * problem.open
     p *= problem.load / float((problem.grid.areas * p).sum())
-    gap = problem.gap + problem.space.deflection(p)
-    least = start.smallest_film / problem.film_unit
-    return p, least - float(np.min(np.where(p > 0.0, gap, np.inf)))
+    return pressed(problem, p, film)
 
 
 def _from(problem: Scaled, start: Solution) -> _State | None:
     return _newton(problem, *_carried_over(problem, start))
 
 
+@dataclass(frozen=True)
+class _Storage:
+    """A step of pseudo-time: `mass` rho h before it, and how long it takes, in the units of the balance."""
+
+    mass: Vector
+    step: float
+
+
 def _newton(
-    problem: Scaled, p: Vector, h0: float, fixed_h0: float | None = None, faster: float = 1.0
+    problem: Scaled, p: Vector, h0: float, fixed_h0: float | None = None, storage: _Storage | None = None
 ) -> _State | None:
-    """Newton's method at the load, or at h0 = `fixed_h0`; `faster` multiplies the velocity. None: failed."""
+    """At the load, or at h0 = `fixed_h0`; steady, or after a step of `storage`. None: failed."""
     none = np.zeros_like(p)
-    wedge = faster * problem.wedge
+    wedge = problem.wedge
     for steps in range(_LARGEST_STEPS):
         h = problem.gap + h0 + problem.space.deflection(p)
         if not np.min(h) > 0.0:
             return None
         g, by_p, by_h = problem.balance(p, h, wedge)
+        if storage is not None:
+            mass, mass_by_p, mass_by_h = problem.balance.mass(p, h)
+            g += (mass - storage.mass) / storage.step
+            by_p[HERE] += mass_by_p / storage.step
+            by_h[HERE] += mass_by_h / storage.step
         full = ((p > 0.0) | (g < 0.0)) & problem.open
         above = p - before_grid(h, problem.grid.x, wedge)
         closing = problem.carries(p) if fixed_h0 is None else Closing(none, 1.0, h0 - fixed_h0)
@@ -248,33 +274,35 @@ def _newton(
     return None
 
 
-def _continued(problem: Scaled) -> _State | None:
-    """By way of higher velocities, whose films are thicker and easier."""
-    p, h0 = _lifted(problem)
-    for raised in range(1, _RAISES + 1):
-        state = _newton(problem, p, h0, faster=2.0**raised)
-        if state is not None:
-            break
-    else:
-        return None
-    at, step = float(raised), 1.0
-    while at > 0.0:
-        next_one = max(0.0, at - step)
-        trial = _newton(problem, state.p, state.h0, faster=2.0**next_one)
-        if trial is None:
-            step *= 0.5
-            if step < 1.0 / _SMALLEST_STEP:
+def _flowed_out(problem: Scaled) -> _State | None:
+    """By way of pseudo-time: a thick even film between the surfaces of the dry contact flows out."""
+    p, h0 = _lifted(problem, _START_FILM)
+    step, failures, steps = _FIRST_STEP, 0, 0
+    while True:
+        h = problem.gap + h0 + problem.space.deflection(p)
+        mass, _, _ = problem.balance.mass(p, h)
+        found = _newton(problem, p, h0, storage=_Storage(mass, step))
+        if found is None:
+            failures += 1
+            if failures > _MOST_FAILURES:
                 return None
-        else:
-            state, at, step = trial, next_one, min(2.0 * step, 2.0)
-    return state
+            step *= _SHRINK
+            continue
+        p, h0, steps = found.p, found.h0, steps + found.steps
+        if step >= _LAST_STEP:
+            return _newton(problem, p, h0)
+        step *= _EASY_GROWTH if found.steps <= _EASY_STEPS else _HARD_GROWTH
 
 
 def _lost(problem: Scaled) -> ModelError:
     r = problem.running
+    c = problem.contact
+    M = LineContact(r.load, r.velocity, r.radius, c.length, c.compliance, c.fluid).M
     return ModelError(
         f"no steady film found at load = {r.load:g} N, entraining velocity = {r.velocity:g} m/s, radius = "
-        f"{r.radius:g} m, misalignment = {r.misalignment:g} rad; use a finer Resolution, or a larger velocity"
+        f"{r.radius:g} m, misalignment = {r.misalignment:g} rad, that is M = {M:.3g}: must be up to about "
+        "300 with a logarithmic or crowned profile, 50 with sharp ends; use such a profile, a larger "
+        "velocity, a finer Resolution, or the line contact, which has no ends"
     )
 
 

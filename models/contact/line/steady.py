@@ -17,6 +17,7 @@ import numpy as np
 
 from ...quantities import Vector
 from ..films.moes_venner import moes_film
+from ..inlet import inlet_width
 from .fixed_grid import Fields, Mesh, cold_start, interpolated, steady_on_grid, workspace
 from .grid import REACH
 from .line_contact import LineContact
@@ -220,9 +221,9 @@ def _expected(contact: LineContact) -> float:
 
 
 def _inlet(contact: LineContact) -> float:
-    """Width of the zone in which the film forms, in half widths: where the gap of the dry contact, some
-    (b^2/2R) (s/b)^(3/2) at a distance s from the edge, is as the film."""
-    return (2.0 * contact.radius * _expected(contact) / contact.half_width**2) ** (2.0 / 3.0)
+    """Width of the zone in which the film forms, in half widths."""
+    b = contact.half_width
+    return inlet_width(b, _expected(contact), contact.radius) / b
 
 
 def _sharpness(contact: LineContact) -> float:

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from models.contact.finite_line.contact import FiniteLine, Running
-from models.contact.finite_line.grid import Resolution
+from models.contact.finite_line.grid import Grid, Resolution
 from models.contact.finite_line.profiles import Chamfered, Crowned, Logarithmic, johns_gohar
 from models.contact.finite_line.reynolds import Balance
 from models.contact.finite_line.steady import steady, steady_at
 from models.contact.fluid import Lubricant
 from models.contact.line.line_contact import LineContact
-from models.contact.line.steady import solve_steady
+from models.contact.line.steady import LineContactWarning, solve_steady
 from models.system import ModelError
 
 from .cases import AT, COARSE, LENGTH, OIL, STEEL, STRAIGHT, dry_of, film_of
@@ -37,7 +37,7 @@ def test_the_film_carries_the_load_and_cavitates_or_is_full():
     b, grid = found.half_width, found.grid
     unit = b / (2.0 * AT.radius * STEEL)
     wedge = 12.0 * OIL.viscosity * AT.velocity * AT.radius**2 / (b**3 * unit)
-    balance = Balance(grid.spacing / b, grid.y / b, grid.widths / b, unit, OIL)
+    balance = Balance(Grid(grid.x / b, grid.faces / b), unit, OIL)
     g, _, _ = balance(found.pressure / unit, found.film * AT.radius / b**2, wedge)
     inner = np.zeros(grid.shape, dtype=bool)
     inner[2:-1] = True
@@ -81,6 +81,19 @@ def test_the_middle_is_the_line_contact():
     assert extrapolated == pytest.approx(line.central_film, rel=5e-3)
     assert fine.middle_film == pytest.approx(line.minimum_film, rel=1e-2)
     assert fine.middle_pressure == pytest.approx(line.maximum_pressure, rel=1e-2)
+
+
+def test_a_thin_film_in_the_middle_is_the_line_contact():
+    """M = 100, whose inlet is b/11 wide: a logarithmic profile, few lines."""
+    at = Running(load=32564.0, velocity=2.25, radius=20e-3)
+    contact = FiniteLine(LENGTH, STEEL, OIL, johns_gohar(at.load, at.radius, LENGTH, STEEL))
+    found = film_of(contact, at, Resolution(12.0, 0.4, 0.5, 12, 8.0))
+    with pytest.warns(LineContactWarning, match="elastic limit"):
+        line = in_the_middle(found)
+    assert found.warnings == ()
+    # The line's own 0.2 %, and what eight nodes in the inlet leave, 0.2/8^2.
+    assert found.central_film == pytest.approx(line.central_film, rel=5e-3)
+    assert found.middle_pressure == pytest.approx(line.maximum_pressure, rel=5e-3)
 
 
 @pytest.mark.long
@@ -150,8 +163,12 @@ def test_approach_and_load_are_each_others_inverse():
 
 
 def test_it_says_what_is_not_to_be_trusted():
-    found = steady(STRAIGHT, AT, Resolution(8.0, 0.4, 0.5, 16))
-    assert any("8.0 nodes per half width" in warning for warning in found.warnings)
+    """Few nodes on the half width; few in a narrow inlet."""
+    found = steady(STRAIGHT, AT, Resolution(5.0, 0.4, 0.5, 16, 1.0))
+    assert any("nodes per half width: fewer than 12" in warning for warning in found.warnings)
+    slow = dataclasses.replace(AT, velocity=AT.velocity / 100.0)
+    found = steady(STRAIGHT, slow, Resolution(12.0, 0.4, 0.5, 16, 0.5))
+    assert any("nodes in the inlet of the film: fewer than 2" in warning for warning in found.warnings)
 
 
 @pytest.mark.parametrize(
