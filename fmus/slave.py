@@ -176,8 +176,9 @@ class ComponentSlave(Fmi2Slave):
         )
         if status != 0:
             self._outputs_stale = self._energies_stale = self._rates_stale = True
-            reason = self.failures.get(status, f"status {status}")
-            return self._discard(f"step from t = {t:.9g} s by {step_size:g} s: {reason}")
+            reasons = [self.failures.get(status, f"status {status}")]
+            reasons += self.component.input_faults(self._U, step_size)
+            return self._discard(f"step from t = {t:.9g} s by {step_size:g} s: {'; '.join(reasons)}")
         cells[at.t] = current_time + step_size
         cells[at.s] = step_size
         self._outputs_stale, self._energies_stale, self._rates_stale = False, True, True

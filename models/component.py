@@ -244,6 +244,15 @@ class Component:
             return faults
         return list(self.check_start(self.parameters.view(p), self.state.view(x), self.inputs.view(u)))
 
+    def input_faults(self, U: Vector, h: float) -> list[str]:
+        """Messages for inputs outside their ranges at the start or the end of a step."""
+        u = np.zeros(self.inputs.size)
+        found: dict[str, None] = {}
+        for s in (0.0, h):
+            taylor(U, s, u)
+            found |= dict.fromkeys(self.inputs.faults(u))
+        return list(found)
+
     def input_polynomial(self) -> Vector:
         """Taylor coefficients for `step`: row 0 the start values, the rest zero."""
         U = np.zeros((INPUT_COEFFICIENTS, self.inputs.size))

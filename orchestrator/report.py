@@ -21,6 +21,7 @@ from .comparison import Errors, VariableError
 from .compilation import COMPILING, noticed
 from .diagnosis import brief
 from .energy.account import lines as energy_lines
+from .overload import lines as overload_lines
 from .stepping import Step
 from .summary import Summary
 from .validity import lines
@@ -122,7 +123,7 @@ class Reporter:
                 + ("" if reference is None else f"; reference {reference:.2f} s")
                 + f"; all {summary.wall_time_s:.1f} s"
             )
-        for line in lines(summary.validity):
+        for line in (*lines(summary.validity), *overload_lines(summary.overloads)):
             self.line(line)
         for line in energy_lines(summary.energy) if summary.energy else ():
             self.line(line)

@@ -21,6 +21,7 @@ from .journal import Recorded, journals
 from .judgement import judge
 from .notices import notices
 from .output_folder import FIGURES, RESULT, SCENARIO, SUMMARY, files, prepared
+from .overload import overloads
 from .replacement import replace
 from .report import Reporter
 from .results import ResultFile
@@ -117,6 +118,8 @@ def written_result(job: Job, summary: Summary) -> Iterator[ResultFile]:
             for name, path in journals(job.folder).items():
                 result.take(name, Recorded(path))
         _diagnosed(job.scenario, result, summary)
+        if result.length("coupled") > 1:
+            summary.overloads = overloads(job.system, lambda n: result.read("coupled", n, slice(None)))
         yield result
         result.finish(summary.complete, summary.message)
         if job.figures and summary.exit_status != INTERRUPTED and result.length("coupled") > 1:

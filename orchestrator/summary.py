@@ -11,6 +11,7 @@ from typing import Any
 from .comparison import Errors
 from .diagnosis import Diagnosis
 from .energy.account import Account
+from .overload import Overloads
 from .replacement import replace
 from .validity import Excursions
 
@@ -43,6 +44,7 @@ class Summary:
     reference_uncertainty: float | None = None
     errors: Errors = field(default_factory=dict)
     validity: Excursions = field(default_factory=dict)
+    overloads: Overloads = field(default_factory=dict)
     energy: Account | None = None
     steps: Diagnosis | None = None
     suggestions: list[str] = field(default_factory=list)

@@ -22,7 +22,15 @@ from ..quantities import Layout, Quantity, Vector
 from .films import FILMS, film_by_number
 from .films.groups import groups
 from .fluid import DENSITY_LAWS, VISCOSITY_LAWS
-from .hertz import compliance_of, deflection, elastic_energy, half_width, load_of, maximum_pressure
+from .hertz import (
+    ELASTIC_LIMIT,
+    compliance_of,
+    deflection,
+    elastic_energy,
+    half_width,
+    load_of,
+    maximum_pressure,
+)
 from .line.field import with_field
 from .mixed_lubrication import mixed_lubrication
 
@@ -63,6 +71,9 @@ class ContactParameters:
     poissons_ratio_2: Annotated[
         float, Quantity("1", "Poisson's ratio of body 2", minimum=0.0, maximum=0.5)
     ] = 0.3
+    elastic_limit: Annotated[
+        float, Quantity("Pa", "pressure at which the bodies yield: a warning", nominal=1e9, positive=True)
+    ] = ELASTIC_LIMIT
     viscosity: Annotated[
         float, Quantity("Pa.s", "viscosity eta0 of the lubricant", nominal=1e-2, positive=True)
     ] = 0.036

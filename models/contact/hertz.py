@@ -11,6 +11,10 @@ from typing import Any
 
 from ..kernel import kernel
 
+# First yield of a line contact is at a largest pressure of 1.67 times the yield stress in tension, by Tresca
+# (Johnson, Contact Mechanics, 1985, section 4.2), here of hardened bearing steel, some 1.2 GPa.
+ELASTIC_LIMIT = 1.67 * 1.2e9
+
 
 @kernel
 def elastic_compliance(modulus_1: float, poisson_1: float, modulus_2: float, poisson_2: float) -> float:

@@ -88,7 +88,7 @@ class InProcessParticipant:
             self._u[:] = self._U[0]
             self._du[:] = self._U[1]
             self._stale = True
-            reason = FAILURES.get(status, f"status {status}")
+            reason = "; ".join([FAILURES.get(status, f"status {status}"), *c.input_faults(self._U, step)])
             raise DiscardedStepError(
                 f"{self.name}: step from t = {time:.9g} s by {step:g} s: {reason}; "
                 f"{instead_of_discarded(self.name)}",

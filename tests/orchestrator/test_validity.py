@@ -7,6 +7,8 @@ import pytest
 
 from models.contact.ehl_contact import TABLE_3
 from orchestrator.assembly import system_of
+from orchestrator.overload import lines as overload_lines
+from orchestrator.overload import overloads
 from orchestrator.scenario_files import load
 from orchestrator.validity import excursions, lines
 
@@ -74,3 +76,22 @@ def test_a_sentence_for_each_contact_and_none_for_another_formula(run) -> None: 
     assert line.startswith("contact: film formula outside its ranges")
     other = system_of(load("valve-train", ["components.contact.parameters.film_model=dry"]))
     assert excursions(other, lambda names: {name: columns[name] for name in names}) == {}
+
+
+def test_a_pressure_beyond_the_elastic_limit_is_told_with_its_instant() -> None:
+    """Of a made-up history whose pressure is above the limit for one quarter of the time."""
+    limit = "components.contact.parameters.elastic_limit='1.5 GPa'"
+    system = system_of(load("valve-train", [limit]))
+    time = np.linspace(0.0, 0.4, 401)
+    pressure = np.where((time >= 0.1) & (time < 0.2), 1.5e9 + 1e9 * np.sin(np.pi * (time - 0.1) / 0.1), 1e9)
+    columns = {"time": time, "contact.maximum_pressure": pressure}
+    found = overloads(system, lambda names: {name: columns[name] for name in names})
+    assert found["contact"].pressure == pytest.approx(2.5e9, rel=1e-12)
+    assert found["contact"].time == pytest.approx(0.15, abs=1e-12)
+    # 99 records of 401: at 0.1 s the pressure is the limit.
+    assert found["contact"].share == pytest.approx(99.0 / 401.0, rel=1e-9)
+    (line,) = overload_lines(found)
+    assert "2.5 GPa at t = 0.15 s" in line
+    assert "1.5 GPa" in line
+    columns["contact.maximum_pressure"] = np.minimum(pressure, 1.5e9)
+    assert overloads(system, lambda names: {name: columns[name] for name in names}) == {}

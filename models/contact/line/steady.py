@@ -17,6 +17,7 @@ import numpy as np
 
 from ...quantities import Vector
 from ..films.moes_venner import moes_film
+from ..hertz import ELASTIC_LIMIT
 from ..inlet import inlet_width
 from .fixed_grid import Fields, Mesh, cold_start, interpolated, steady_on_grid, workspace
 from .grid import REACH
@@ -38,9 +39,6 @@ NARROW_INLET = 0.25
 SAFETY = 1.25
 # Moes' load beyond which there are no films to any useful accuracy, as where entrainment all but ends.
 MOST_LOAD = 1e5
-# First yield of a line contact is at a largest pressure of 1.67 times the yield stress in tension, by Tresca
-# (Johnson, Contact Mechanics, 1985, section 4.2), here of hardened bearing steel, some 1.2 GPa.
-ELASTIC_LIMIT = 1.67 * 1.2e9
 # The second peak rises by more than this share of the largest pressure above the valley before it.
 PEAK_SHARE = 1e-3
 

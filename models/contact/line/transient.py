@@ -103,7 +103,10 @@ def least_between(before: float, first: float, second: float, after: float) -> f
 
 @kernel
 def least(h: Any) -> float:
-    """The smallest film, between nodes too: continuous, as it moves from node to node."""
+    """The smallest film, between nodes too: continuous, as it moves from node to node.
+
+    By its logarithm: curves through films themselves would pass below zero where a steep flank is near.
+    """
     n = h.shape[0]
     i = 0
     for j in range(n):
@@ -111,9 +114,9 @@ def least(h: Any) -> float:
             i = j
     if i < 2 or i > n - 3:
         return h[i]
-    return min(
-        least_between(h[i - 2], h[i - 1], h[i], h[i + 1]), least_between(h[i - 1], h[i], h[i + 1], h[i + 2])
-    )
+    a, b, c = math.log(h[i - 2]), math.log(h[i - 1]), math.log(h[i])
+    d, e = math.log(h[i + 1]), math.log(h[i + 2])
+    return math.exp(min(least_between(a, b, c, d), least_between(b, c, d, e)))
 
 
 @kernel

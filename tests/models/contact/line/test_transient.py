@@ -3,56 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 
 from models.contact.ehl_contact import ehl_contact
-from models.contact.films import FILMS
 from models.contact.line.history import film_history
 from models.integrator import NOT_CONVERGED, OK
-from models.quantities import Vector
 
 from .cam_cycle import cycle, motion
+from .stepped import NODES, SOLVED, Contact
 
-NODES = 101
-SOLVED = float(list(FILMS).index("line_transient"))
 RIGID = {"youngs_modulus_1": 1e16, "youngs_modulus_2": 1e16, "viscosity_law": 2.0, "density_law": 1.0}
 # The numbers of the reference run are given to 0.01 um or three digits; it had other nodes and steps.
 REFERENCE_ERROR = 0.03
-
-
-class Contact:
-    """An ehl_contact with a field; `inputs` are functions of time, linear in a step."""
-
-    component = ehl_contact(nodes=NODES)
-
-    def __init__(self, film: float = 1e-6, **parameters: float) -> None:
-        c = self.component
-        self.p = c.parameters.vector({"film_model": SOLVED, **parameters})
-        self.x = c.state.vector({"film_thickness": film})
-        self.work = np.zeros(c.work_size)
-        self.y = np.zeros(c.outputs.size)
-        self.t = 0.0
-
-    def step(self, h: float, **inputs: Any) -> int:
-        c = self.component
-        U = c.input_polynomial()
-        for name, f in inputs.items():
-            start, end = (f(self.t), f(self.t + h)) if callable(f) else (f, f)
-            U[:2, c.inputs.index(name)] = start, (end - start) / h
-        u = np.zeros(c.inputs.size)
-        status = int(c.step(self.t, h, self.x, U, self.p, c.state.nominal, self.work, u, self.y))
-        self.t += h if status == OK else 0.0
-        return status
-
-    def __getitem__(self, output: str) -> float:
-        return float(self.y[self.component.outputs.index(output)])
-
-    def field(self, name: str) -> Vector:
-        first = self.component.state.index(f"{name}[1]")
-        return self.x[first : first + NODES]
 
 
 RUNNING = {"approach": 0.3e-6, "entraining_velocity": 2.0, "radius_of_curvature": 0.02}
