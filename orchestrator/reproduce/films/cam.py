@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +18,7 @@ from ..kushwaha2000.runs import NOSE_DEG
 from ..kushwaha2000.runs import Cycle as Turn
 from ..kushwaha2000.runs import Runs as ValveTrain
 from .formulas import CENTRAL, FORMULAS, MINIMUM, in_table_3
-from .numerical import heights, steady_film
+from .numerical import films_beside, heights
 
 # The cam's event; before and after it lies the base circle, whose film is that at its ends.
 EVENT_DEG = (90.0, 270.0)
@@ -130,18 +129,14 @@ def course(turn: Turn) -> tuple[Vector, ...]:
     return (turn.time[inside], *(turn[name][inside] for name in SEEN))
 
 
-def cam_cycle(
-    train: ValveTrain, speed_rpm: float, step_deg: float, pool: Executor, nodes: int = NODES
-) -> CamCycle:
-    """Solve for the films of one speed, side by side in `pool`."""
+def cam_cycle(train: ValveTrain, speed_rpm: float, step_deg: float, nodes: int = NODES) -> CamCycle:
+    """Solve for the films of one speed."""
     turn, at = train.surge(speed_rpm), angles(train, step_deg)
     given = course(turn)
     fine = np.interp(given[0][1:], turn.time, turn.angle_deg)
-    solving = pool.submit(film_history, *given, nodes)
-    found = contacts(train, turn, at)
-    films = list(pool.map(steady_film, found))
+    found, p = contacts(train, turn, at), train.parameters("contact")
+    films, history = films_beside(found, lambda: film_history(*given, nodes))
     steady = {CENTRAL: heights(films, "central_film"), MINIMUM: heights(films, "minimum_film")}
-    history, p = solving.result(), train.parameters("contact")
     return CamCycle(
         speed_rpm,
         at,

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,12 +16,29 @@ from models.quantities import Vector
 # Relative error of the films: far below what formulas are off.
 TOLERANCE = 2e-3
 
+Result = TypeVar("Result")
+
 
 def films(contacts: Sequence[LineContact | None]) -> list[SteadyFilm | None]:
     """Their films; None where there is no contact, or no film to the TOLERANCE."""
+    return films_beside(contacts, lambda: None)[0]
+
+
+def films_beside(
+    contacts: Sequence[LineContact | None], work: Callable[[], Result]
+) -> tuple[list[SteadyFilm | None], Result]:
+    """As `films`, and what `work` returns, which this thread does meanwhile."""
+    # Compiled in this thread, the only one that Ctrl-C reaches.
+    steady_film(next((contact for contact in contacts if contact is not None), None))
     # The kernels let go of the interpreter.
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(steady_film, contacts))
+        solving = [pool.submit(steady_film, contact) for contact in contacts]
+        try:
+            result = work()
+            return [one.result() for one in solving], result
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
 
 
 def steady_film(contact: LineContact | None) -> SteadyFilm | None:

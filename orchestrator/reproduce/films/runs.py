@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache, cached_property, partial
 
 import numpy as np
@@ -53,8 +51,7 @@ class Runs:
 
     def _cycle(self, speed_rpm: float) -> CamCycle:
         """The cam cycle at a speed."""
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            return cam_cycle(self.train, speed_rpm, self.step_deg, pool, self.nodes)
+        return cam_cycle(self.train, speed_rpm, self.step_deg, self.nodes)
 
     @property
     def cycles(self) -> list[CamCycle]:
