@@ -85,7 +85,7 @@ class KernelCache(caching._Cache):
                 own = hashlib.sha256(f"{key} {PACKAGE}".encode()).hexdigest()
                 files = [folder / f"{_plain(name)}-{digest[:32]}.nbc" for digest in (key, own)]
                 self._files[sig] = files
-                return _read(files[0], target_context) or _read(files[1], target_context)
+                return _found(files[0], target_context) or _found(files[1], target_context)
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
@@ -95,7 +95,9 @@ class KernelCache(caching._Cache):
             return
         # The disk may be full or read-only: the code is compiled, only not kept.
         with contextlib.suppress(AttributeError, TypeError, OSError, pickle.PicklingError):
-            _write(files[_names_this_package(data)], data)
+            file = files[_names_this_package(data)]
+            _known[file] = data
+            _write(file, data)
 
     def _key(self, sig: Any, codegen: Any) -> str:
         arguments, result = normalized(sig)
@@ -138,6 +140,24 @@ def _plain(name: str) -> str:
 def _names_this_package(compiled: Any) -> bool:
     """Whether code imports from this package by name: to give Python a named tuple, it imports its class."""
     return f"{PACKAGE}.".encode() in compiled.library._get_compiled_object()
+
+
+# What this process has compiled or loaded: numba never gives its memory back, so that loading it once more
+# for the next closure of the same content would only take more.
+_known: dict[Path, Any] = {}
+
+
+def _found(file: Path, target_context: Any) -> Any:
+    """The compiled code of that name, from this process or from disk, or None."""
+    known = _known.get(file)
+    if known is None:
+        known = _read(file, target_context)
+        if known is not None:
+            _known[file] = known
+        return known
+    # With an entry point of its own: numba forgets a function's when the function goes.
+    entry = target_context.get_executable(known.library, known.fndesc, known.environment)
+    return known._replace(entry_point=entry, metadata=None)
 
 
 def _read(file: Path, target_context: Any) -> Any:

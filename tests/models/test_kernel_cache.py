@@ -5,14 +5,14 @@ from __future__ import annotations
 import hashlib
 import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from models.catalogue import CATALOGUE
 from models.kernel import COMPILED
+
+from .forked import Forked
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -80,29 +80,14 @@ def first(record):
 """
 
 
-def process(folder: Path, code: str) -> subprocess.Popen[str]:
+def process(folder: Path, code: str) -> Forked:
     """A fresh process that shares this test's cache and runs `code`."""
-    environment = dict(
-        os.environ,
-        TRIBOCOSIM_CACHE=str(folder / "cache"),
-        PYTHONPATH=os.pathsep.join([str(ROOT), str(folder)]),
-        PYTHONDONTWRITEBYTECODE="1",  # of a file that is edited within a second
-    )
-    return subprocess.Popen(
-        [sys.executable, "-c", code],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment, cwd=folder,
-    )  # fmt: skip
-
-
-def said(running: subprocess.Popen[str]) -> str:
-    out, errors = running.communicate()
-    assert running.returncode == 0, errors
-    return out
+    return Forked(folder, [ROOT], code, {"TRIBOCOSIM_CACHE": str(folder / "cache")})
 
 
 def run(folder: Path, code: str) -> str:
     """What `code` prints."""
-    return said(process(folder, code))
+    return process(folder, code).said()
 
 
 def stored(folder: Path) -> dict[str, int]:
@@ -134,6 +119,18 @@ def test_closures_from_the_cache_and_from_this_process_keep_apart(tmp_path: Path
     both = "from factory import *; a, b = outer(made(3.0)), outer(made(7.0)); print(a(1.0), b(1.0))"
     assert run(tmp_path, both).split() == ["9.0", "49.0"]
     assert run(tmp_path, f"{both}; print(len(symbols(a, b)))").split()[-1] == "2"
+
+
+def test_equal_closures_of_a_process_share_their_code(tmp_path: Path) -> None:
+    """One outlives the other, and is still known to numba: a kernel that calls it can be compiled."""
+    (tmp_path / "factory.py").write_text(FACTORY)
+    code = "; ".join([
+        "import gc", "from factory import *", "a, b = made(3.0), made(3.0)", "a(1.0), b(1.0)",
+        "code = [next(iter(f.overloads.values())).library for f in (a, b)]", "shared = code[0] is code[1]",
+        "del a", "gc.collect()", "print(outer(b)(1.0), shared)",
+    ])  # fmt: skip
+    assert run(tmp_path, code) == "9.0 True\n"
+    assert run(tmp_path, code) == "9.0 True\n"
 
 
 def test_records_from_the_cache_keep_apart(tmp_path: Path) -> None:
@@ -210,7 +207,7 @@ def test_processes_at_the_same_time(tmp_path: Path) -> None:
     """All get the result, and what they leave is whole: a later process compiles nothing."""
     copied(tmp_path, "one")
     code = "from one.use import *; print(twice(1.0).two)"
-    assert {said(running) for running in [process(tmp_path, code) for _ in range(4)]} == {"4.0\n"}
+    assert {running.said() for running in [process(tmp_path, code) for _ in range(4)]} == {"4.0\n"}
     kept = stored(tmp_path)
     assert len(kept) == 2
     assert run(tmp_path, code) == "4.0\n"
