@@ -1,4 +1,4 @@
-"""Code in a process that has imported numba and nothing of ours: a fresh one that need not wait for imports."""
+"""Code in a process that has imported numba and nothing of ours: a fresh one that need not wait for it."""
 
 from __future__ import annotations
 
