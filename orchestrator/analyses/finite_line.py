@@ -9,77 +9,30 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray
 
-from models.contact.ehl_contact import ContactParameters
-from models.contact.finite_line.contact import FiniteLine, Running
 from models.contact.finite_line.grid import Resolution
-from models.contact.finite_line.profiles import (
-    Chamfered,
-    Crowned,
-    Logarithmic,
-    Profile,
-    Straight,
-    johns_gohar,
-)
 from models.contact.finite_line.solution import Solution
 from models.contact.finite_line.steady import steady
-from models.contact.fluid import Lubricant
-from models.contact.hertz import elastic_compliance, maximum_pressure
-from models.quantities import Layout, Vector
+from models.contact.hertz import maximum_pressure
+from models.quantities import Vector
 from models.system import ModelError
-from models.valve_train.camshaft import CamshaftParameters, static_slope
-from models.valve_train.rigid import contact_conditions
-from models.valve_train.valve_spring import ValveSpringParameters
 
 from ..errors import MistakeError
 from ._table import column
+from ._tappet import COMPLIANCE, CONTACT, PARAMETERS, PROFILES, finite_line, running
 from .protocol import Analysis, Parameter, Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PROFILES = ("straight", "chamfered", "crowned", "logarithmic")
 ALIGNMENTS = ("aligned", "misaligned")
 # What is shown: lines along the length, which is a hundred half widths, and nodes across.
 LINES, NODES = 401, 201
-CONTACT, CAM, SPRING = ContactParameters(), CamshaftParameters(), ValveSpringParameters()
-
-
-def _running(values: Mapping[str, Any], share: float) -> Running:
-    """Load, velocity, radius with a rigid shaft and a massless spring; its static slope times `share`."""
-    at = contact_conditions(values["angle"], values["speed"], CAM, SPRING)
-    camshaft = Layout(CamshaftParameters)
-    shaft = camshaft.view(camshaft.vector({"shaft_length": values["shaft_length"]}))
-    return Running(
-        at.load,
-        at.entraining_velocity,
-        at.radius_of_curvature,
-        share * abs(static_slope(at.load, shaft)),
-    )
-
-
-def _compliance() -> float:
-    c = CONTACT
-    return elastic_compliance(c.youngs_modulus_1, c.poissons_ratio_1, c.youngs_modulus_2, c.poissons_ratio_2)
-
-
-def _profile(name: str, values: Mapping[str, Any], at: Running) -> Profile:
-    if name == "chamfered":
-        return Chamfered(values["chamfer_width"], values["chamfer_slope"])
-    if name == "crowned":
-        return Crowned(values["crown_radius"])
-    if name == "logarithmic":
-        if values["dub_off"] <= 0.0:
-            return johns_gohar(at.load, at.radius, CONTACT.length, _compliance())
-        made = johns_gohar(at.load, at.radius, CONTACT.length, _compliance())
-        return Logarithmic(made.amplitude, values["dub_off"])
-    return Straight()
 
 
 def _solved(name: str, values: Mapping[str, Any], share: float) -> Solution:
     try:
-        at = _running(values, share)
-        oil = Lubricant(CONTACT.viscosity, CONTACT.pressure_viscosity)
-        contact = FiniteLine(CONTACT.length, _compliance(), oil, _profile(name, values, at))
+        at = running(values["angle"], values, share)
+        contact = finite_line(name, values, at)
         return steady(contact, at, Resolution(values["nodes_per_half_width"], values["end_cell"]))
     except ModelError as error:
         raise MistakeError(str(error)) from None
@@ -87,7 +40,7 @@ def _solved(name: str, values: Mapping[str, Any], share: float) -> Solution:
 
 def _numbers(found: Solution) -> dict[str, float | str]:
     at = found.running
-    hertz = maximum_pressure(at.load, at.radius, CONTACT.length, _compliance())
+    hertz = maximum_pressure(at.load, at.radius, CONTACT.length, COMPLIANCE)
     return {
         "load": at.load,
         "velocity": at.velocity,
@@ -168,20 +121,8 @@ ANALYSIS = Analysis(
     description="The cam's contact as a finite line: end peaks, axial profiles, misalignment",
     parameters={
         "angle": Parameter(math.pi, "rad", "cam angle, nose at pi"),
-        "speed": Parameter(1000.0 * math.pi / 30.0, "rad/s", "speed of the cam", positive=True),
-        "profile": Parameter("straight", "1", "axial profile", choices=PROFILES),
-        "alignment": Parameter(
-            0.0, "1", "share of the shaft's static slope that misaligns the contact", minimum=0.0, maximum=1.0
-        ),
-        "shaft_length": Parameter(CAM.shaft_length, "m", "length of the shaft element", positive=True),
-        "crown_radius": Parameter(4.0, "m", "radius of the crowned profile", positive=True),
-        "chamfer_width": Parameter(0.5e-3, "m", "width of the chamfers", positive=True),
-        "chamfer_slope": Parameter(0.005, "1", "slope of the chamfers", positive=True),
-        "dub_off": Parameter(
-            0.0, "m", "drop of the logarithmic profile at the ends; 0: by Johns and Gohar", minimum=0.0
-        ),
+        **PARAMETERS,
         "nodes_per_half_width": Parameter(16.0, "1", "nodes along x per half width", positive=True),
-        "end_cell": Parameter(0.1, "1", "cells along the length at the ends, in half widths", positive=True),
     },
     results={
         "load": Result("N", "contact load"),

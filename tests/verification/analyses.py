@@ -30,6 +30,11 @@ PROMISED = (
     ("wear measure (uniformity of impacts)", "wear", ("cycles=3000",)),
     ("full Lyapunov spectrum", "exponents", ()),
     ("end peaks of the cam's contact by profile", "finite_line", ()),
+    (
+        "end peaks and end films through the cam's cycle",
+        "finite_line_cycle",
+        ("instants=7", "alignment=1", "shaft_length=0.04", "end_cell=0.3"),
+    ),
 )
 
 

@@ -12,7 +12,9 @@ both sides, exact for a viscosity exponential in p (the pressure rises in the in
 to the next). h^3 is 2 a^2 b^2/(a + b) of both films a and b, exact for one that is linear between them:
 pressure falls where the film is thin, and a mean of the cubes would let a thin film flow out of the contact
 beside a wide gap, along x before its inlet and along y at its ends. And rho h on a face is Leonard's (1979)
-quadratic interpolation, weighted upstream: of even nodes 3/8, 6/8, -1/8.
+quadratic interpolation, weighted upstream: of even nodes 3/8, 6/8, -1/8. It oscillates where the outlet of
+a highly loaded end is not resolved; the line through both nodes upstream, which does not, is there to fall
+back upon.
 The first two columns of nodes and the last one have p = 0; so has the edge of the surface on both ends.
 """
 
@@ -96,22 +98,33 @@ def _poiseuille(
 
 
 @kernel
-def upstream_weights(before: float, across: float) -> tuple[float, float, float]:
+def upstream_weights(before: float, across: float, curved: float) -> tuple[float, float, float]:
     """Of the node ahead, the one at and the one behind, for the face halfway `across` the step between the
-    first two; `before` is the step between the other two."""
-    half = 0.5 * (before + 0.5 * across)
-    ahead = half / (before + across)
-    at = half / before
-    return ahead, at, 1.0 - ahead - at
+    first two; `before` is the step between the other two. `curved` 1: the parabola through all, 0: the line
+    through the last two."""
+    half = 0.5 * across / before
+    ahead = 0.5 * (before + 0.5 * across) / (before + across)
+    at = 1.0 + half - curved * (0.5 - 0.25 * across / before + half)
+    return curved * ahead, at, 1.0 - curved * ahead - at
 
 
 @kernel
 def _balance(
-    p: Any, h: Any, at: Any, x: Any, columns: Any, y: Any, widths: Any, g: Any, by_p: Any, by_h: Any
+    p: Any,
+    h: Any,
+    at: Any,
+    x: Any,
+    columns: Any,
+    y: Any,
+    widths: Any,
+    curved: float,
+    g: Any,
+    by_p: Any,
+    by_h: Any,
 ) -> None:
     nodes, lines = p.shape
     for i in range(1, nodes - 1):
-        quadratic = upstream_weights(x[i] - x[i - 1], x[i + 1] - x[i])
+        quadratic = upstream_weights(x[i] - x[i - 1], x[i + 1] - x[i], curved)
         left, right = columns[i], columns[i + 1]
         for j in range(lines):
             ahead, here, behind = quadratic
@@ -174,11 +187,14 @@ class Balance:
         self._unit = unit
         self._fluid = Lubricant(*map(float, fluid))
 
-    def __call__(self, p: Vector, h: Vector, wedge: float) -> tuple[Vector, Vector, Vector]:
+    def __call__(
+        self, p: Vector, h: Vector, wedge: float, curved: float = 1.0
+    ) -> tuple[Vector, Vector, Vector]:
+        """`curved`: see `upstream_weights`."""
         at = np.empty((_FLOW_BY_H + 1, *p.shape))
         g, by_p, by_h = np.zeros(p.shape), np.zeros((PLACES, *p.shape)), np.zeros((PLACES, *p.shape))
         _at_nodes(p, h, wedge, self._unit, self._fluid, at)
-        _balance(p, h, at, *self._place, g, by_p, by_h)
+        _balance(p, h, at, *self._place, curved, g, by_p, by_h)
         return g, by_p, by_h
 
     def mass(self, p: Vector, h: Vector) -> tuple[Vector, Vector, Vector]:

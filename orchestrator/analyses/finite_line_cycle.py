@@ -1,0 +1,176 @@
+"""The cam's contact as a finite line through the cycle, instant by instant in its steady film."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray
+
+from models.contact.finite_line.contact import FiniteLine, Running
+from models.contact.finite_line.cycle import Passage, passage
+from models.contact.finite_line.grid import Resolution
+from models.contact.hertz import maximum_pressure
+from models.contact.line.line_contact import LineContact
+from models.contact.line.steady import LineContactError, solve_steady
+from models.quantities import Vector
+from models.system import ModelError
+
+from ..errors import MistakeError
+from ._progress import progress
+from ._table import column
+from ._tappet import PARAMETERS, finite_line, running
+from .protocol import Analysis, Parameter, Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+ALIGNMENTS = ("aligned", "misaligned")
+# What a passage holds that is shown, with its unit and meaning.
+SHOWN = {
+    "largest_pressure": ("Pa", "largest pressure"),
+    "end_pressure": ("Pa", "largest pressure within a tenth of the length from the ends"),
+    "middle_pressure": ("Pa", "largest pressure in the middle of the length"),
+    "smallest_film": ("m", "smallest film"),
+    "end_film": ("m", "smallest film within a tenth of the length from the ends"),
+    "middle_film": ("m", "smallest film in the middle of the length"),
+}
+NOSE = math.pi
+
+
+def _angles(values: Mapping[str, Any]) -> Vector:
+    """From `start` to the nose; the cycle is symmetric about it."""
+    return np.linspace(values["start"], NOSE, values["instants"])
+
+
+def _passage(
+    kind: str, values: Mapping[str, Any], share: float, shown: Callable[[int, int], None]
+) -> tuple[FiniteLine, list[Running], Passage]:
+    """The contact, its instants and the films; MistakeError for a parameter that is none."""
+    try:
+        contact = finite_line(kind, values, running(NOSE, values, 0.0))
+        at = [running(angle, values, share) for angle in _angles(values)]
+        fine = Resolution(values["nodes_per_half_width"], values["end_cell"])
+        found = passage(
+            contact,
+            list(_angles(values)),
+            [each.load for each in at],
+            [each.velocity for each in at],
+            [each.radius for each in at],
+            [each.misalignment for each in at],
+            fine,
+            shown,
+        )
+    except ModelError as error:
+        raise MistakeError(str(error)) from None
+    return contact, at, found
+
+
+def _line(contact: FiniteLine, at: Running) -> tuple[float, float]:
+    """Largest pressure and smallest film of the line contact under the same load; at rest dry."""
+    hertz = maximum_pressure(at.load, at.radius, contact.length, contact.compliance)
+    try:
+        line = LineContact(at.load, at.velocity, at.radius, contact.length, contact.compliance, contact.fluid)
+        found = solve_steady(line)
+    except (ValueError, LineContactError):  # entrainment that is zero, or all but
+        return hertz, 0.0
+    return found.maximum_pressure, found.minimum_film
+
+
+def _numbers(found: Passage, line: Vector) -> dict[str, float | str]:
+    ratio = found.largest_pressure / line[:, 0]
+    highest = int(np.nanargmax(found.largest_pressure))
+    return {
+        "largest_pressure_of_cycle": float(found.largest_pressure[highest]),
+        "at_angle": float(found.angle[highest]),
+        "largest_ratio": float(np.nanmax(ratio)),
+        "nose_end_pressure": float(found.end_pressure[-1]),
+        "nose_end_film": float(found.end_film[-1]),
+        "nose_middle_film": float(found.middle_film[-1]),
+        "nose_line_film": float(line[-1, 1]),
+        "not_found": int(np.count_nonzero(np.isnan(found.largest_pressure))),
+        "messages": "; ".join(found.messages),
+    }
+
+
+def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
+    with progress("finite line through the cycle") as shown:
+        contact, at, found = _passage(values["profile"], values, values["alignment"], shown)
+    return _numbers(found, np.array([_line(contact, each) for each in at]))
+
+
+def table(values: Mapping[str, Any]) -> xarray.Dataset:
+    """Over cam angle, aligned and misaligned: the straight tappet and the chosen profile (the logarithmic
+    one where that is straight), and the line contact."""
+    kinds = ("straight", values["profile"] if values["profile"] != "straight" else "logarithmic")
+    shares = {"aligned": 0.0, "misaligned": values["alignment"]}
+    total = len(kinds) * len(set(shares.values())) * values["instants"]
+    found: dict[tuple[str, float], tuple[FiniteLine, list[Running], Passage]] = {}
+    with progress("finite line through the cycle") as shown:
+        for kind in kinds:
+            for share in set(shares.values()):
+                before = len(found) * values["instants"]
+                found[kind, share] = _passage(
+                    kind, values, share, lambda done, _, before=before: shown(before + done, total)
+                )
+    contact, at, chosen = found[values["profile"], values["alignment"]]
+    line = np.array([_line(contact, each) for each in at])
+    over = ("kind", "aligned", "angle")
+    return xarray.Dataset(
+        {
+            **{
+                name: column(
+                    over,
+                    [[getattr(found[kind, share][2], name) for share in shares.values()] for kind in kinds],
+                    unit,
+                    meaning,
+                )
+                for name, (unit, meaning) in SHOWN.items()
+            },
+            "line_pressure": column("angle", line[:, 0], "Pa", "largest pressure of the line contact"),
+            "line_film": column("angle", line[:, 1], "m", "smallest film of the line contact"),
+            "slope": column("angle", [each.misalignment for each in at], "rad", "misalignment"),
+            **_numbers(chosen, line),
+        },
+        coords={
+            "angle": column("angle", _angles(values), "rad", "cam angle, nose at pi"),
+            "kind": column("kind", list(kinds), "1", "axial profile"),
+            "aligned": column("aligned", list(ALIGNMENTS), "1", "alignment of the shaft"),
+        },
+    )
+
+
+def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    from ..plots.finite_line_cycle import draw_finite_line_cycle
+
+    return draw_finite_line_cycle(data, values)
+
+
+ANALYSIS = Analysis(
+    name="finite_line_cycle",
+    description="The cam's contact as a finite line through the cycle, quasi-static: end peaks and end films",
+    parameters={
+        **PARAMETERS,
+        "start": Parameter(math.radians(90.0), "rad", "first cam angle", minimum=0.0, maximum=3.1),
+        "instants": Parameter(46, "1", "instants up to the nose", minimum=2, integer=True),
+        "nodes_per_half_width": Parameter(12.0, "1", "nodes along x per half width", positive=True),
+    },
+    results={
+        "largest_pressure_of_cycle": Result("Pa", "largest pressure"),
+        "at_angle": Result("rad", "cam angle of it"),
+        "largest_ratio": Result("1", "largest pressure over the line contact's, where that is highest"),
+        "nose_end_pressure": Result(
+            "Pa", "largest pressure within a tenth of the length from the ends, nose"
+        ),
+        "nose_end_film": Result("m", "smallest film there, nose"),
+        "nose_middle_film": Result("m", "smallest film in the middle of the length, nose"),
+        "nose_line_film": Result("m", "smallest film of the line contact, nose"),
+        "not_found": Result("1", "instants without a solution"),
+        "messages": Result("1", "what is not to be trusted, by cam angle", text=True),
+    },
+    evaluate=evaluate,
+    table=table,
+    draw=draw,
+)
