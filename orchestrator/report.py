@@ -6,6 +6,7 @@ import sys
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from models.quantities import Vector
 
 from .comparison import Errors, VariableError
 from .compilation import COMPILING, noticed
+from .contact_course import lines as contact_lines
 from .diagnosis import brief
 from .energy.account import lines as energy_lines
 from .overload import lines as overload_lines
@@ -123,7 +125,8 @@ class Reporter:
                 + ("" if reference is None else f"; reference {reference:.2f} s")
                 + f"; all {summary.wall_time_s:.1f} s"
             )
-        for line in (*lines(summary.validity), *overload_lines(summary.overloads)):
+        said = (contact_lines(summary.contacts), lines(summary.validity), overload_lines(summary.overloads))
+        for line in chain.from_iterable(said):
             self.line(line)
         for line in energy_lines(summary.energy) if summary.energy else ():
             self.line(line)

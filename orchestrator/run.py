@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from importlib import metadata
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from models.system import ModelError
 from . import assembly
 from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import Identity
+from .contact_course import courses
 from .coupled_run import run_coupled
 from .diagnosis import Facts, diagnosed, steps_of, suggestions
 from .errors import CheckpointError, RunError
@@ -119,7 +121,9 @@ def written_result(job: Job, summary: Summary) -> Iterator[ResultFile]:
                 result.take(name, Recorded(path))
         _diagnosed(job.scenario, result, summary)
         if result.length("coupled") > 1:
-            summary.overloads = overloads(job.system, lambda n: result.read("coupled", n, slice(None)))
+            read = partial(result.read, "coupled", rows=slice(None))
+            summary.contacts = courses(job.system, read)
+            summary.overloads = overloads(job.system, read)
         yield result
         result.finish(summary.complete, summary.message)
         if job.figures and summary.exit_status != INTERRUPTED and result.length("coupled") > 1:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .comparison import Errors
+from .contact_course import Courses
 from .diagnosis import Diagnosis
 from .energy.account import Account
 from .overload import Overloads
@@ -44,6 +45,7 @@ class Summary:
     reference_uncertainty: float | None = None
     errors: Errors = field(default_factory=dict)
     validity: Excursions = field(default_factory=dict)
+    contacts: Courses = field(default_factory=dict)
     overloads: Overloads = field(default_factory=dict)
     energy: Account | None = None
     steps: Diagnosis | None = None

@@ -15,6 +15,7 @@ from .data import FigureData
 KINDS = (
     "valve_train",
     "film_and_load",
+    "solved_film",
     "difference",
     "slider_crank_motion",
     "slider_crank_phase",

@@ -74,9 +74,10 @@ def over_time(axes: Axes, data: FigureData) -> None:
     axes.set_xlim(x[0], x[-1])
     if variable:
         turns = (x[-1] - x[0]) / 360.0
-        axes.xaxis.set_major_locator(
-            MultipleLocator(90.0 if turns <= 3.0 else 180.0 if turns <= 6.0 else 720.0)
-        )
+        if turns >= 0.75:  # of less, the multiples of 90 degrees would be few or none
+            axes.xaxis.set_major_locator(
+                MultipleLocator(90.0 if turns <= 3.0 else 180.0 if turns <= 6.0 else 720.0)
+            )
 
 
 def both(axes: Axes, data: FigureData, name: str, words: str, scale: float = 1.0) -> None:

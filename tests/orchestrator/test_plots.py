@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from models.contact.ehl_contact import FILM_IS_SOLVED
 from models.quantities import Quantity
-from orchestrator.plots import difference, film_and_load, slider_crank_motion, slider_crank_phase
+from orchestrator.plots import difference, film_and_load, slider_crank_motion, slider_crank_phase, solved_film
 from orchestrator.plots.data import FigureData, parameters_of
 from orchestrator.plots.style import plt, saved
 from orchestrator.scenario import ends
@@ -66,6 +67,47 @@ def test_contacts_that_carry_no_load_are_left_out(engine: FigureData) -> None:
     assert film_and_load.contacts(engine) == ["contact", "upper_wall"]
     figure = film_and_load.figure(engine)
     assert [ax.get_xlabel() for ax in figure.axes if ax.get_xlabel()] == ["Cam angle (°)", "Crank angle (°)"]
+    plt.close(figure)
+
+
+def test_only_solved_films_are_drawn_and_lost_contact_is_shaded(engine: FigureData) -> None:
+    assert not solved_film.applies(engine)
+    load = np.maximum(engine.coupled["contact.load"] - 100.0, 0.0)
+    own = {
+        "contact.load": load,
+        "contact.minimum_film_thickness": 0.8 * engine.coupled["contact.film_thickness"],
+        "contact.maximum_pressure": 1e6 * load,
+        "contact.film_ratio": 5e6 * engine.coupled["contact.film_thickness"],
+    }
+    quantities = engine.quantities | dict.fromkeys(own, NUMBER)
+    data = replace(
+        engine,
+        coupled=engine.coupled | own,
+        quantities=quantities,
+        parameters=engine.parameters | {"contact.film_model": FILM_IS_SOLVED},
+    )
+    assert solved_film.contacts(data) == ["contact"]
+    figure = solved_film.figure(data)
+    shaded = [len(ax.collections) for ax in figure.axes]
+    assert shaded == [1, 1, 1, 1]
+    (least,) = [line for line in figure.axes[1].lines if line.get_marker() == "o"]
+    assert least.get_ydata()[0] == pytest.approx(own["contact.minimum_film_thickness"].min())
+    plt.close(figure)
+
+
+def test_less_than_a_turn_has_angles_on_its_axis(engine: FigureData) -> None:
+    few = slice(0, 40)
+    short = replace(
+        engine,
+        time=engine.time[few],
+        reference_time=engine.time[few],
+        coupled={name: values[few] for name, values in engine.coupled.items()},
+        reference={name: values[few] for name, values in engine.reference.items()},
+    )
+    figure = film_and_load.figure(short)
+    figure.draw_without_rendering()
+    low, high = figure.axes[-1].get_xlim()
+    assert sum(low <= tick <= high for tick in figure.axes[-1].get_xticks()) >= 4
     plt.close(figure)
 
 

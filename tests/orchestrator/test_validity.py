@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from models.contact.ehl_contact import TABLE_3
+from models.quantities import Vector
+from models.system import System
 from orchestrator.assembly import system_of
+from orchestrator.contact_course import ContactCourse, Courses, courses
+from orchestrator.contact_course import lines as contact_lines
 from orchestrator.overload import lines as overload_lines
 from orchestrator.overload import overloads
 from orchestrator.scenario_files import load
@@ -95,3 +102,45 @@ def test_a_pressure_beyond_the_elastic_limit_is_told_with_its_instant() -> None:
     assert "1.5 GPa" in line
     columns["contact.maximum_pressure"] = np.minimum(pressure, 1.5e9)
     assert overloads(system, lambda names: {name: columns[name] for name in names}) == {}
+
+
+def _courses(system: System, columns: Mapping[str, Vector]) -> Courses:
+    return courses(system, lambda names: {name: columns[name] for name in names})
+
+
+def test_a_contact_is_told_with_its_extremes_under_load() -> None:
+    """Of a made-up history: half of the time without load, where the film is thinnest and does not count."""
+    system = system_of(load("valve-train"))
+    time = np.linspace(0.0, 0.4, 401)
+    load_ = np.maximum(500.0 * np.cos(np.pi * time / 0.4), 0.0)
+    columns = {
+        "time": time,
+        "contact.load": load_,
+        "contact.maximum_pressure": 1e6 * load_,
+        "contact.minimum_film_thickness": 1e-6 * (1.0 - 2.0 * time),
+        "contact.film_ratio": 5.0 * (1.0 - 2.0 * time),
+    }
+    found = _courses(system, columns)
+    course = found["contact"]
+    assert (course.least_load, course.largest_load) == (0.0, 500.0)
+    # From 0.2 s on there is none; at 0.2 s it is zero to rounding.
+    assert course.lost == pytest.approx(0.5, abs=2.0 / 401.0)
+    assert (course.pressure, course.pressure_time) == (5e8, 0.0)
+    assert course.film == pytest.approx(0.6e-6, rel=0.01)
+    assert course.film_time == pytest.approx(0.2, rel=0.01)
+    assert course.film_ratio == pytest.approx(3.0, rel=0.01)
+    (line,) = contact_lines(found)
+    assert line.startswith(
+        "contact: load 0 to 500 N, no contact in 50 % of the time; highest pressure 0.5 GPa"
+    )
+    assert "least film 0.6" in line
+    columns["contact.load"] = np.zeros(401)
+    assert _courses(system, columns) == {}
+
+
+def test_of_many_contacts_the_thinnest_films_are_told() -> None:
+    course = ContactCourse(1.0, 2.0, 0.0, 1e9, 0.0, 1e-6, 0.0, 5.0)
+    many = {f"contact{n}": replace(course, film=1e-6 / (n + 1)) for n in range(7)}
+    said = contact_lines(many)
+    assert [line.split(":")[0] for line in said[:-1]] == ["contact6", "contact5", "contact4", "contact3"]
+    assert said[-1] == "3 more contacts with thicker films: see summary.json"

@@ -1,0 +1,94 @@
+"""Contacts whose film is solved for: load, film, highest pressure and film ratio, a column for each.
+
+Over the angle of the shaft that drives it; shaded where the contact is lost.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
+
+from models.contact.ehl_contact import FILM_IS_SOLVED
+
+from .data import FigureData
+from .style import ACCENT, COUPLED, MUTED, both, headed, legend_above, over_time, plt
+
+ROWS = (
+    ("load", "Load"),
+    ("minimum_film_thickness", "Film thickness"),
+    ("maximum_pressure", "Highest pressure"),
+    ("film_ratio", "Film ratio"),
+)
+# Film over roughness below which asperities carry a share of the load, and above which hardly any touch.
+MIXED, FULL = 1.0, 3.0
+
+
+def applies(data: FigureData) -> bool:
+    return bool(contacts(data))
+
+
+def contacts(data: FigureData) -> list[str]:
+    """Those whose film is solved for."""
+    names = [name.split(".")[0] for name in data.all("film_ratio")]
+    return [name for name in names if data.parameters.get(f"{name}.film_model") == FILM_IS_SOLVED]
+
+
+def figure(data: FigureData) -> Figure:
+    names = contacts(data)
+    width = 6.8 if len(names) == 1 else 0.8 + 4.6 * len(names)
+    made, axes = plt.subplots(len(ROWS), len(names), sharex="col", squeeze=False, figsize=(width, 7.6))
+    headed(made, f"{data.title}: the solved film")
+    for column, name in zip(axes.T, names, strict=True):
+        own = data.of(name)
+        for ax, (variable, words) in zip(column, ROWS, strict=True):
+            both(ax, own, f"{name}.{variable}", words)
+            _lost(ax, own, name)
+        column[0].set_ylim(bottom=min(0.0, column[0].get_ylim()[0]))
+        _films(column[1], own, name)
+        column[2].set_ylim(bottom=0.0)
+        _logarithmic(column[3])
+        for level, words in ((MIXED, "mixed below"), (FULL, "full film above")):
+            column[3].axhline(level, color=ACCENT, lw=0.8, ls=(0, (4, 2)))
+            column[3].text(0.995, level, words, transform=column[3].get_yaxis_transform(), ha="right",
+                           va="top" if level == MIXED else "bottom", fontsize=7.0, color=ACCENT)  # fmt: skip
+        over_time(column[-1], own)
+        column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
+    made.align_ylabels(axes)
+    legend_above(made, axes[0, -1])
+    return made
+
+
+def _films(ax: Axes, data: FigureData, name: str) -> None:
+    """The central film beside the minimum, and where the minimum is least."""
+    central, least = f"{name}.film_thickness", f"{name}.minimum_film_thickness"
+    factor, _ = data.shown(central)
+    ax.plot(data.x(), factor * data.coupled[central], color=MUTED, lw=1.0, label="central")
+    k = int(np.nanargmin(data.coupled[least]))
+    film = factor * data.coupled[least][k]
+    ax.plot([data.x()[k]], [film], "o", ms=4.0, color=COUPLED, label=f"least {film:.3g} µm")
+    _logarithmic(ax)
+    handles, words = ax.get_legend_handles_labels()
+    chosen = {text: handle for handle, text in zip(handles, words, strict=True)}
+    chosen["minimum"] = chosen.pop("coupled")
+    chosen.pop("monolithic reference", None)
+    ax.legend(
+        chosen.values(), chosen.keys(), fontsize=7.5, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 0.98),
+        borderaxespad=0.0,
+    )  # fmt: skip
+
+
+def _logarithmic(ax: Axes) -> None:
+    """With numbers at 1, 2 and 5."""
+    ax.set_yscale("log")
+    ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    ax.yaxis.set_major_formatter(FormatStrFormatter("%g"))
+    ax.yaxis.set_minor_formatter(NullFormatter())
+
+
+def _lost(ax: Axes, data: FigureData, name: str) -> None:
+    lost = data.coupled[f"{name}.load"] <= 0.0
+    if lost.any():
+        ax.fill_between(data.x(), 0.0, 1.0, where=lost, color=MUTED, alpha=0.25, lw=0.0,
+                        transform=ax.get_xaxis_transform())  # fmt: skip
