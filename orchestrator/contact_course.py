@@ -61,7 +61,7 @@ def courses(system: System, read: Read) -> Courses:
             continue
         layout = instance.component.parameters
         dry = layout.named(layout.vector(instance.parameters))["film_model"] == FILM_IS_DRY
-        highest = int(np.argmax(pressure))
+        highest = int(np.argmax(np.where(loaded, pressure, 0.0)))
         thinnest = int(np.argmin(np.where(loaded, film, np.inf)))
         found[name] = ContactCourse(
             float(load.min()),
