@@ -50,19 +50,17 @@ def test_a_mistake_in_a_profile_is_the_users():
 
 
 def test_through_the_cycle_the_middle_is_the_line_contact(tmp_path: Path):
-    """Logarithmic, aligned, at the flank, before the first reversal, between both and at the nose."""
-    settings = ["profile=logarithmic", "instants=4", "start=2.0", "end_cell=0.4", "dub_off=0", "speed=100"]
+    """Straight, aligned, at the flank, before the first reversal, between both and at the nose."""
+    settings = ["instants=4", "start=2.0", "end_cell=0.4", "speed=100"]
     found = analyse("finite_line_cycle", settings, tmp_path)
     assert (tmp_path / "finite_line_cycle.png").read_bytes().startswith(b"\x89PNG")
     assert found["not_found"] == 0
     assert found["messages"] == ""
     with xarray.open_dataset(tmp_path / "finite_line_cycle.nc", engine="h5netcdf") as table:
-        middle = table["middle_film"].sel(kind="logarithmic", aligned="aligned").values
-        pressure = table["middle_pressure"].sel(kind="logarithmic", aligned="aligned").values
-        # The middle carries up to a tenth more than the mean, for its ends' relief; films go with W^-0.13 and
-        # at the flank, where M = 0.7 is nearly rigid, with some W^-0.4.
-        np.testing.assert_allclose(middle, table["line_film"].values, rtol=4e-2)
-        np.testing.assert_allclose(pressure, table["line_pressure"].values, rtol=1e-1)
+        middle = table["middle_film"].sel(kind="straight", aligned="aligned").values
+        # Its ends bear more than their share of the load, some 2 % of it, which moves the film by up to half
+        # as much at the flank (M = 0.7, nearly rigid); the grid errs by 0.5 %.
+        np.testing.assert_allclose(middle, table["line_film"].values, rtol=1.5e-2)
 
 
 def test_through_the_cycle_an_end_bears_what_misalignment_puts_there():
