@@ -1,0 +1,179 @@
+"""A contact with a solved film whose inputs make no sense, as participant, as FMU and in a run; the engine's
+walls with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmus.build import build
+from models.system import System
+from orchestrator import assembly
+from orchestrator.errors import DiscardedStepError
+from orchestrator.masters import GaussSeidel
+from orchestrator.participants import Participant, fmu, in_process
+from orchestrator.scenario import ScenarioError
+from orchestrator.scenario_files import load
+from orchestrator.simulation import simulate
+from orchestrator.stability.sources import linearisations
+
+from .coupled import in_processes, recorded
+from .recorder import Recorder
+
+NODES, STEP = 101, 1e-5
+# The radius of curvature falls through zero after 0.1 ms.
+FALLING = f"""
+description = "A contact whose radius falls through zero"
+stop_time = "0.3 ms"
+macro_step = "10 us"
+connections = ["mass.position -> contact.radius_of_curvature"]
+
+[tolerance]
+"contact.load" = 1e-3
+
+[master]
+name = "gauss_seidel"
+extrapolation = "linear"
+
+[components.mass]
+component = "falling_mass"
+start = {{ position = "1 mm", velocity = -10.0 }}
+
+[components.contact]
+component = "ehl_contact"
+structure = {{ nodes = {NODES} }}
+parameters = {{ film_model = "line_transient" }}
+inputs = {{ approach = "-0.5 um", entraining_velocity = 1.0 }}
+"""
+
+
+@pytest.fixture(scope="module")
+def falling(tmp_path_factory: pytest.TempPathFactory) -> System:
+    file = tmp_path_factory.mktemp("falling") / "falling.toml"
+    file.write_text(FALLING, "utf-8")
+    return assembly.system_of(load(str(file)))
+
+
+@pytest.fixture(scope="module")
+def contact_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return build("ehl_contact", tmp_path_factory.mktemp("contact"), {"nodes": NODES})
+
+
+class Rolling:
+    """The contact alone, of a radius that is given."""
+
+    def __init__(self, unit: Participant) -> None:
+        self.unit = unit
+        self._inputs, self._outputs = np.zeros((2, 1)), np.zeros(2)
+        unit.connect(
+            ["radius_of_curvature"], self._inputs, ["load", "minimum_film_thickness"], self._outputs,
+            np.zeros(0),
+        )  # fmt: skip
+        self._inputs[0] = 0.01
+        unit.initialise(0.0, 1.0)
+        unit.write()
+        unit.finish_initialisation()
+
+    def saved(self) -> bytes:
+        kept = self.unit.save()
+        try:
+            return self.unit.to_bytes(kept)
+        finally:
+            self.unit.release(kept)
+
+    def advance(self, time: float, radius: float, rate: float = 0.0) -> list[float]:
+        self._inputs[:, 0] = radius, rate
+        self.unit.write()
+        self.unit.advance(time, STEP)
+        self.unit.read()
+        return self._outputs.tolist()
+
+
+@pytest.fixture(params=["in-process", "fmu"])
+def rolling(
+    request: pytest.FixtureRequest, falling: System, contact_file: Path
+) -> Iterator[tuple[Rolling, Rolling]]:
+    """Two alike."""
+    instance = falling.instances["contact"]
+    made = [
+        Rolling(
+            in_process("contact", instance)
+            if request.param == "in-process"
+            else fmu("contact", contact_file, instance)
+        )
+        for _ in range(2)
+    ]
+    yield made[0], made[1]
+    for one in made:
+        one.unit.close()
+
+
+@pytest.mark.parametrize(("radius", "rate"), [(-0.01, 0.0), (0.0, 0.0), (0.01, -3e3)])
+def test_a_radius_that_is_not_positive_is_named_and_the_step_leaves_no_trace(
+    rolling: tuple[Rolling, Rolling], radius: float, rate: float
+) -> None:
+    """Given as such, or reached by a slope within the step; what follows has the bits of one never asked."""
+    asked, spared = rolling
+    for one in rolling:
+        for k in range(3):
+            one.advance(k * STEP, 0.01)
+    reached = radius + rate * STEP
+    fault = rf"radius_of_curvature = {reached:g} m \(reduced radius R of the contact\): must be > 0"
+    with pytest.raises(DiscardedStepError, match=fault):
+        asked.advance(3.0 * STEP, radius, rate)
+    for k in range(3, 6):
+        assert asked.advance(k * STEP, 0.01) == spared.advance(k * STEP, 0.01)
+    assert asked.saved() == spared.saved()
+
+
+def test_a_run_ends_where_the_radius_vanishes_and_keeps_what_was_before(falling: System) -> None:
+    found = Recorder()
+    with pytest.raises(DiscardedStepError, match=r"contact: step from .*radius_of_curvature = -"):
+        simulate(falling, in_processes(falling), GaussSeidel("linear"), STEP, 3e-4, [found])
+    # It falls by 0.1 mm a step.
+    assert -1e-12 < found["mass.position"][-1] < 1.01e-4
+    loads, films = found["contact.load"], found["contact.minimum_film_thickness"]
+    assert np.all(np.isfinite(loads))
+    assert np.all(loads >= 0.0)
+    assert np.all(films > 0.0)
+
+
+def test_the_coupling_of_a_field_is_not_analysed() -> None:
+    """Said at once, with what can be."""
+    scenario = load("valve-train-ehl", ["components.contact.structure.nodes=51"])
+    system = assembly.system_of(scenario)
+    with (
+        pytest.raises(ScenarioError, match=r"components\.contact: its field .*film_model=dowson_higginson"),
+        linearisations(scenario, system, None),
+    ):
+        pass
+    changes = [
+        "components.contact.structure.nodes=0",
+        "components.contact.parameters.film_model=dowson_higginson",
+    ]
+    formula = load("valve-train-ehl", changes)
+    with linearisations(formula, assembly.system_of(formula), None) as made:
+        assert set(made) == set(formula.components)
+
+
+def test_the_engines_walls_run_with_solved_films() -> None:
+    """Sliding on the upper wall: its film under the wall's force, the lower one's under the least load, and
+    both within the clearance; half the step gives the same films."""
+    scenario = load("engine-ehl")
+    system = assembly.at_start(scenario, assembly.system_of(scenario))
+    fine, coarse = (recorded(system, GaussSeidel("quadratic"), step, 2e-4) for step in (1e-6, 2e-6))
+    floor = system.instances["lower_wall"].parameters["film_load_floor"]
+    assert floor == 50.0
+    for wall in ("upper_wall", "lower_wall"):
+        film = coarse[f"{wall}.film_thickness"][1:]
+        assert np.all(film > 0.0)
+        assert np.all(film < 1e-4)
+        # Measured 5e-6 and 4.3e-4: the lower film, without load, grows fastest from its start.
+        assert film[-1] == pytest.approx(fine[f"{wall}.film_thickness"][-1], rel=1e-3)
+        force = coarse[f"slider_crank.{wall}_force"][1:]
+        assert coarse[f"{wall}.load"][2:] == pytest.approx(np.maximum(force, floor)[1:], rel=1e-2)
+    assert coarse["slider_crank.upper_wall_force"][-1] > floor
+    assert coarse["slider_crank.lower_wall_force"][-1] == 0.0
