@@ -50,7 +50,6 @@ def onwards(slave: Instance, first: int, last: int) -> list[list[float]]:
     return found
 
 
-@pytest.mark.long  # as the solver is compiled once more for the FMU
 def test_a_solved_film_in_the_fmu_its_rates_and_its_saved_states_to_the_last_bit(slave: Instance) -> None:
     own = Reference("ehl_contact")
     own.p[own.component.parameters.index("film_model")] = SOLVED["film_model"]
