@@ -21,8 +21,8 @@ ROWS = (
     ("maximum_pressure", "Highest pressure"),
     ("film_ratio", "Film ratio"),
 )
-# Film over roughness below which asperities carry a share of the load, and above which hardly any touch.
-MIXED, FULL = 1.0, 3.0
+# Ratios of film and composite roughness; above the second hardly any asperities touch.
+EQUAL, FULL = 1.0, 3.0
 
 
 def applies(data: FigureData) -> bool:
@@ -49,10 +49,10 @@ def figure(data: FigureData) -> Figure:
         _films(column[1], own, name)
         column[2].set_ylim(bottom=0.0)
         _logarithmic(column[3])
-        for level, words in ((MIXED, "mixed below"), (FULL, "full film above")):
+        for level, words in ((EQUAL, "film = roughness"), (FULL, "full film above")):
             column[3].axhline(level, color=ACCENT, lw=0.8, ls=(0, (4, 2)))
             column[3].text(0.995, level, words, transform=column[3].get_yaxis_transform(), ha="right",
-                           va="top" if level == MIXED else "bottom", fontsize=7.0, color=ACCENT)  # fmt: skip
+                           va="top" if level == EQUAL else "bottom", fontsize=7.0, color=ACCENT)  # fmt: skip
         over_time(column[-1], own)
         column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
     made.align_ylabels(axes)
