@@ -15,7 +15,7 @@ from .style import headed, plt
 
 STYLES = {"aligned": "-", "misaligned": "--"}
 # Films are shown down to this share of the largest: at reversals steady ones vanish.
-LEAST_SHOWN = 1e-3
+LEAST_SHOWN = 1e-2
 
 
 def draw_finite_line_cycle(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:

@@ -317,9 +317,9 @@ def _lost(problem: Scaled) -> ModelError:
     M = LineContact(r.load, r.velocity, r.radius, c.length, c.compliance, c.fluid).M
     return ModelError(
         f"no steady film found at load = {r.load:g} N, entraining velocity = {r.velocity:g} m/s, radius = "
-        f"{r.radius:g} m, misalignment = {r.misalignment:g} rad, that is M = {M:.3g}: must be up to about "
-        "300 with a logarithmic or crowned profile, 50 with sharp ends; use such a profile, a larger "
-        "velocity, a finer Resolution, or the line contact, which has no ends"
+        f"{r.radius:g} m, misalignment = {r.misalignment:g} rad, that is M = {M:.3g}: should be from 1 "
+        "to 1000; use a finer Resolution, a larger velocity, a profile without sharp ends, or the line "
+        "contact, which has none"
     )
 
 

@@ -154,6 +154,18 @@ def test_without_speed_it_becomes_the_dry_contact():
     assert slow.central_film < 0.1 * film_of(STRAIGHT, AT, COARSE).central_film
 
 
+def test_a_sharp_tilted_end_near_a_reversal_has_a_film():
+    """0.1 degrees from the cam's second reversal, M = 29 on average; Newton's method alone fails there."""
+    at = Running(load=572.5, velocity=0.0115, radius=14.5e-3, misalignment=2.8e-4)
+    found = steady(STRAIGHT, at, Resolution(12.0, 0.4, 0.5, 16))
+    assert found.load == pytest.approx(at.load, rel=1e-8)
+    assert np.all(found.film > 0.0)
+    # Thinner than a line contact's under the mean load, and than its own in the middle.
+    line = solve_steady(LineContact(at.load, at.velocity, at.radius, LENGTH, STEEL, OIL))
+    assert found.smallest_film < line.minimum_film
+    assert found.end_pressure > 2.0 * line.maximum_pressure
+
+
 def test_approach_and_load_are_each_others_inverse():
     """Within what the grid, which follows the load, makes of it."""
     given = film_of(STRAIGHT, AT, COARSE)
