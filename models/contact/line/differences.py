@@ -17,6 +17,9 @@ from ...kernel import kernel
 
 # Four give rates of third order, which a method of second order does not spoil.
 INSTANTS = 4
+# An instant that follows after less than this part of the space before it is passed over, as over short
+# spaces differences are made of rounding (steps that a master cuts off at an event may be that short).
+NEAR = 0.01
 
 
 @kernel
@@ -28,32 +31,25 @@ def restart(table: Any, ages: Any, values: Any) -> None:
 
 
 @kernel
-def follow(table: Any, ages: Any, values: Any, time_step: float) -> None:
-    """Takes the `values` at `time_step` (s, positive) after the last instant into table and ages.
+def follow(table: Any, ages: Any, values: Any, space: float) -> bool:
+    """Takes the `values` at `space` (s, positive) after the last instant into table and ages.
 
     table: (INSTANTS, quantities); ages (s): INSTANTS - 1, of the instants before the last, 0 where there
-    is none. `values` are overwritten.
+    is none. False, and nothing is taken, if the instant is too near.
     """
     count = ages.shape[0]
+    if space < NEAR * ages[0]:
+        return False
     for j in range(count - 1, 0, -1):
-        ages[j] = ages[j - 1] + time_step if ages[j - 1] > 0.0 else 0.0
-    ages[0] = time_step
+        ages[j] = ages[j - 1] + space if ages[j - 1] > 0.0 else 0.0
+    ages[0] = space
     for i in range(values.shape[0]):
         difference = values[i]
         for j in range(count):
             before, table[j, i] = table[j, i], difference
             difference = (difference - before) / ages[j] if ages[j] > 0.0 else 0.0
         table[count, i] = difference
-
-
-@kernel
-def rate_of(table: Any, ages: Any, i: int) -> float:
-    """The rate of quantity i at the last instant."""
-    total, product = 0.0, 1.0
-    for j in range(ages.shape[0]):
-        total += table[j + 1, i] * product
-        product *= ages[j]
-    return total
+    return True
 
 
 @kernel
@@ -66,3 +62,13 @@ def second_derivative_of(table: Any, ages: Any, i: int) -> float:
         slope = slope * ages[j] + product
         product *= ages[j]
     return total
+
+
+@kernel
+def rate_of(table: Any, ages: Any, i: int, later: float = 0.0) -> float:
+    """The rate of quantity i, so much `later` (s) than the last instant: less than to the next instant."""
+    total, product = 0.0, 1.0
+    for j in range(ages.shape[0]):
+        total += table[j + 1, i] * product
+        product *= ages[j]
+    return total + later * second_derivative_of(table, ages, i)

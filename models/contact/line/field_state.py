@@ -71,6 +71,7 @@ def with_field_state(plain: Layout, nodes: int) -> Layout:
         ages: Annotated[Any, Quantity("s", "ages of the instants in history", internal=True, size="ages")] = (
             per_element()
         )
+        waited: Annotated[float, Quantity("s", "time since the last of them", internal=True)] = 0.0
 
     sizes = {"nodes": nodes, "history": INSTANTS * FOLLOWED, "ages": INSTANTS - 1}
     return Layout(FieldState, plain.sizes | sizes)
@@ -132,32 +133,35 @@ def remember(x: Any, time_step: float, values: Any) -> None:
     values[_PRESSURE], values[_ASPERITIES] = x.highest_pressure, x.field_asperity_load
     values[_SHEAR], values[_BOUNDARY] = x.field_shear, x.field_boundary_friction
     table = x.history.reshape((INSTANTS, FOLLOWED))
-    if time_step > 0.0:
-        follow(table, x.ages, values, time_step)
-    else:
+    if time_step <= 0.0:
         restart(table, x.ages, values)
-    x.film_rate = rate_of(table, x.ages, _FILM)
+        x.waited = 0.0
+    elif follow(table, x.ages, values, x.waited + time_step):
+        x.waited = 0.0
+    else:
+        x.waited += time_step
+    x.film_rate = rate_of(table, x.ages, _FILM, x.waited)
 
 
 @kernel
 def fill_rates(x: Any, dx: Any) -> None:
     """Rates of what outputs show."""
     table = x.history.reshape((INSTANTS, FOLLOWED))
-    dx.field_load = rate_of(table, x.ages, _LOAD)
-    dx.film_thickness = rate_of(table, x.ages, _FILM)
+    dx.field_load = rate_of(table, x.ages, _LOAD, x.waited)
+    dx.film_thickness = x.film_rate
     dx.film_rate = second_derivative_of(table, x.ages, _FILM)
-    dx.least_film = rate_of(table, x.ages, _LEAST)
-    dx.highest_pressure = rate_of(table, x.ages, _PRESSURE)
-    dx.field_asperity_load = rate_of(table, x.ages, _ASPERITIES)
-    dx.field_shear = rate_of(table, x.ages, _SHEAR)
-    dx.field_boundary_friction = rate_of(table, x.ages, _BOUNDARY)
+    dx.least_film = rate_of(table, x.ages, _LEAST, x.waited)
+    dx.highest_pressure = rate_of(table, x.ages, _PRESSURE, x.waited)
+    dx.field_asperity_load = rate_of(table, x.ages, _ASPERITIES, x.waited)
+    dx.field_shear = rate_of(table, x.ages, _SHEAR, x.waited)
+    dx.field_boundary_friction = rate_of(table, x.ages, _BOUNDARY, x.waited)
 
 
 @kernel
 def next_scale(x: Any, radius: float, time_step: float, bodies: Bodies) -> float:
     """The grid's scale after a step in whose middle the contact has that radius (m)."""
     table = x.history.reshape((INSTANTS, FOLLOWED))
-    load = x.field_load + 0.5 * time_step * rate_of(table, x.ages, _LOAD)
+    load = x.field_load + 0.5 * time_step * rate_of(table, x.ages, _LOAD, x.waited)
     film = x.film_thickness + 0.5 * time_step * x.film_rate
     return grid_scale_after(time_step, x.grid_scale, load / bodies.length, film, radius, bodies)
 

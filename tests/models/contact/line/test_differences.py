@@ -60,3 +60,16 @@ def test_a_jump_is_left_behind() -> None:
     assert rate_of(table, ages, 0) == 0.0
     follow(table, ages, np.array([99.5]), 0.1)
     assert rate_of(table, ages, 0) == pytest.approx(-5.0, rel=1e-12)
+
+
+def test_an_instant_that_follows_too_soon_is_passed_over() -> None:
+    """Over 1e-14 s a difference would be a rounding's: 1e-16/1e-14. Passed over, cubics keep their rates."""
+    table, ages = np.zeros((INSTANTS, 1)), np.zeros(INSTANTS - 1)
+    cubic = np.polynomial.Polynomial([0.1, 2.0, -1.0, 0.5])
+    restart(table, ages, np.array([cubic(0.0)]))
+    for k in range(1, 5):
+        assert follow(table, ages, np.array([cubic(0.1 * k)]), 0.1)
+    assert not follow(table, ages, np.array([cubic(0.4)]), 1e-14)
+    assert rate_of(table, ages, 0, 1e-14) == pytest.approx(cubic.deriv(1)(0.4), rel=1e-12)
+    assert follow(table, ages, np.array([cubic(0.5)]), 0.1)
+    assert rate_of(table, ages, 0) == pytest.approx(cubic.deriv(1)(0.5), rel=1e-12)
