@@ -7,6 +7,8 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
 
 from models.contact.finite_line.contact import FiniteLine, Running
 from models.contact.finite_line.grid import Resolution
@@ -30,6 +32,36 @@ def test_a_ball_is_hertz_point_contact():
     # Cells of a sixteenth and of a fifth of the contact's radius, on its rim half pressed.
     assert found.largest_pressure == pytest.approx(p0, rel=1e-2)
     assert found.approach == pytest.approx(approach, rel=1e-2)
+
+
+def test_a_crown_is_hertz_elliptical_contact():
+    """Johnson (1985) 4.28-4.30: half axes by complete elliptic integrals of the ratio of the radii."""
+    load, along, crown = 200.0, 0.02, 0.5
+    reduced = math.sqrt(along * crown)
+
+    def of_axes(ratio):
+        """(a/b)^2 E - K and K - E, of the long axis over the short one."""
+        square = 1.0 - ratio**-2
+        return ratio**2 * ellipe(square) - ellipk(square), ellipk(square) - ellipe(square)
+
+    def miss(ratio):
+        first, second = of_axes(ratio)
+        return first / second - crown / along
+
+    ratio = brentq(miss, 1.01, 100.0)
+    first, second = of_axes(ratio)
+    factor = (4.0 / (math.pi * (1.0 - ratio**-2))) ** (1 / 3) * ratio**-0.5 * (first * second) ** (1 / 6)
+    mean = (0.75 * load * reduced * STEEL) ** (1 / 3) * factor
+    assert mean * math.sqrt(ratio) < 0.5 * LENGTH
+    exact = 1.5 * load / (math.pi * mean**2)
+    at, lines = Running(load, 0.0, along), (24, 48, 96)
+    pressures = [
+        dry_of(profiled(Crowned(crown)), at, Resolution(12.0, 0.2, 0.3, n)).largest_pressure for n in lines
+    ]
+    errors = 1.0 - np.array(pressures) / exact
+    # Of second order in the lines, which are as wide as 1/4 to 1/16 of the long half axis.
+    assert np.log2(errors[:-1] / errors[1:]) == pytest.approx([2.0, 2.0], abs=0.4)
+    assert abs(errors[-1]) < 1e-3
 
 
 def test_the_middle_of_a_long_contact_is_hertz_line_contact():
