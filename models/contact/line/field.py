@@ -42,8 +42,10 @@ from .workspace import workspace_in, workspace_size
 LINE_TRANSIENT = float(list(FILMS).index("line_transient"))
 # Fewer do not resolve the contact, whatever its conditions.
 FEWEST_NODES = 51
-# A step may be cut into so many times smaller ones before it is given up.
+# A step may be cut into so many times smaller ones before it is given up, a long one down to this time (s):
+# a film that begins as no film would be needs 0.1 us at first, whatever the step.
 SMALLEST_SHARE = 2.0**-16
+SMALLEST_STEP = 1e-9
 # A step a fifth as long should have a hundredth of the error; if it keeps this share, that is of a jump.
 STAYS = 0.5
 # Micro-steps grow and shrink with the error to this power (local error of order 3), aiming below it.
@@ -112,7 +114,7 @@ def make_field_advance(component: FieldContact) -> Any:
             copy(pressure, w.p_start)
             copy(film, w.h_start)
             copy(slope, w.slope_start)
-            if length <= SMALLEST_SHARE * h:
+            if length <= min(SMALLEST_SHARE * h, SMALLEST_STEP):
                 copy(x, start)
                 return NOT_CONVERGED
             micro = length * (max(0.2, _SAFETY * made.error**_POWER) if made.error < 1e300 else 0.5)

@@ -147,6 +147,35 @@ def test_macro_steps_of_any_length_give_one_motion(drive: dict[str, float]) -> N
         assert found[steps] == pytest.approx(found[1000], rel=1e-3)
 
 
+@pytest.mark.parametrize("step", [1e-2, 1e-1, 1.0])
+def test_a_start_far_from_balance_is_made_in_one_long_step(step: float) -> None:
+    """A uniform film that is squeezed at rest: as in a hundred steps that grow as the film settles."""
+    at_rest = {**RUNNING, "approach": 0.0, "entraining_velocity": 0.0}
+    once, often = Contact(), Contact()
+    assert once.step(step, **at_rest) == OK
+    growth = (step / 1e-7) ** (1.0 / 99.0)
+    lengths = growth ** np.arange(100.0)
+    for length in lengths * step / lengths.sum():
+        assert often.step(length, **at_rest) == OK
+    for name in ("load", "film_thickness", "minimum_film_thickness"):
+        # Errors of field_tolerance = 1e-4 in some tens of micro-steps; measured 1.1e-3.
+        assert once[name] == pytest.approx(often[name], rel=5e-3)
+
+
+@pytest.mark.parametrize("step", [1e-6, 1e-4])
+def test_an_open_contact_at_rest_stays_open_whatever_its_gap(step: float) -> None:
+    """Nothing flows but rounding."""
+    random = np.random.default_rng(0)
+    for _ in range(50):
+        gap, radius = random.uniform(1.1e-6, 20e-6), random.uniform(5e-3, 50e-3)
+        contact = Contact()
+        inputs = {"approach": -gap, "entraining_velocity": 0.0, "radius_of_curvature": radius}
+        for _ in range(2):
+            assert contact.step(step, **inputs) == OK
+        assert contact["film_thickness"] == pytest.approx(gap, rel=1e-9)
+        assert contact["load"] < 1e-6
+
+
 def test_jumps_are_survived_or_refused_without_a_trace() -> None:
     """Of load, velocity and radius at once, as no mechanism makes them."""
     random, refused = np.random.default_rng(5), 0
