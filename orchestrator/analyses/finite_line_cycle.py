@@ -51,6 +51,7 @@ def _passage(
     """The contact, its instants and the films; MistakeError for a parameter that is none."""
     try:
         contact = finite_line(kind, values, running(NOSE, values, 0.0))
+        contact.profile.drop(np.zeros(1), contact.length)  # a profile that the length has no room for
         at = [running(angle, values, share) for angle in _angles(values)]
         fine = Resolution(values["nodes_per_half_width"], values["end_cell"])
         found = passage(
@@ -65,6 +66,8 @@ def _passage(
         )
     except ModelError as error:
         raise MistakeError(str(error)) from None
+    if not np.any(np.isfinite(found.largest_pressure)):
+        raise MistakeError(f"{kind}: no instant has a solution; the first says {found.messages[0]}")
     return contact, at, found
 
 
@@ -104,12 +107,13 @@ def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
     """Over cam angle, aligned and misaligned: the straight tappet and the chosen profile (the logarithmic
     one where that is straight), and the line contact."""
+    # The chosen profile first: a mistake in it shows at once.
     kinds = ("straight", values["profile"] if values["profile"] != "straight" else "logarithmic")
     shares = {"aligned": 0.0, "misaligned": values["alignment"]}
     total = len(kinds) * len(set(shares.values())) * values["instants"]
     found: dict[tuple[str, float], tuple[FiniteLine, list[Running], Passage]] = {}
     with progress("finite line through the cycle") as shown:
-        for kind in kinds:
+        for kind in reversed(kinds):
             for share in set(shares.values()):
                 before = len(found) * values["instants"]
                 found[kind, share] = _passage(

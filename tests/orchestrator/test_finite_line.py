@@ -68,3 +68,9 @@ def test_through_the_cycle_an_end_bears_what_misalignment_puts_there():
     cycle = load("finite_line_cycle")
     ratios = [cycle.evaluate(cycle.complete({**values, "alignment": a}))["largest_ratio"] for a in (0.0, 1.0)]
     assert ratios[1] > ratios[0] > 1.0
+
+
+def test_a_mistake_in_the_cycles_profile_is_the_users():
+    cycle = load("finite_line_cycle")
+    with pytest.raises(MistakeError, match=r"crown radius = 0.001 m: must be >= length/2"):
+        cycle.evaluate(cycle.complete({"profile": "crowned", "crown_radius": 1e-3, "instants": 2}))
