@@ -96,7 +96,7 @@ class Turn:
 def dense_and_hierarchical(turn: Turn) -> tuple[float, float]:
     """Processor time of one factorisation and solution (s), by LAPACK and by the hierarchy."""
     w, n = turn.w, turn.p.size
-    J = Jacobian(w.A, w.B, w.D, w.weight, 1.0)
+    J = Jacobian(w.A, w.B, w.D, w.weight, 1e-15, 1.0)
     right = np.ones(n)
     full = np.eye(n) + 1e-3 * w.D
 

@@ -82,12 +82,12 @@ def log_moment_1(z: float) -> float:
 
 @kernel
 def fill_kernel_matrix(X: Any, weight: Any, D: Any) -> None:
-    """weight[j] = integral of node j's hat function, D[i, j] = -integral of it times ln|X[i] - S|."""
+    """weight[j] = integral of node j's hat function, D[j, i] = -integral of it times ln|X[i] - S|."""
     n = X.shape[0]
-    for i in range(n):
-        weight[i] = 0.0
-        for j in range(n):
-            D[i, j] = 0.0
+    for j in range(n):
+        weight[j] = 0.0
+        for i in range(n):
+            D[j, i] = 0.0
     for j in range(n - 1):
         length = X[j + 1] - X[j]
         weight[j] += 0.5 * length
@@ -96,5 +96,5 @@ def fill_kernel_matrix(X: Any, weight: Any, D: Any) -> None:
             left, right = X[j] - X[i], X[j + 1] - X[i]
             whole = log_moment_0(right) - log_moment_0(left)
             rising = (log_moment_1(right) - log_moment_1(left) - left * whole) / length
-            D[i, j + 1] -= rising
-            D[i, j] -= whole - rising
+            D[j + 1, i] -= rising
+            D[j, i] -= whole - rising

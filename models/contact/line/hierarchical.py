@@ -8,7 +8,7 @@ most and COMPRESSION relative to the block, it is an approximation: for Newton's
 makes them converge linearly, by about COMPRESSION each time.
 
 J is not formed: its elements follow from the bands and D where they are asked for. Rows are scaled to a
-largest element near the diagonal of 1.
+largest element near the diagonal of 1. All is kept by columns, so that what is summed up lies side by side.
 """
 
 from __future__ import annotations
@@ -16,13 +16,17 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from ...kernel import kernel
+from .elimination import add_rows, lu, products, solve_transposed
 
 # Bands reach two nodes to each side.
 BAND = 5
-# Columns of U and V at most; what is left out of a block, relative to it; nodes in a leaf, about.
-RANK = 14
-COMPRESSION = 1e-5
+# Columns of U and V at most; what is left out of a block, relative to it (a hundred times as much does for
+# films of some hundred nodes, not for thousands); nodes in a leaf, about. Cavitated nodes beside the film
+# that are divided with it.
+RANK = 12
+COMPRESSION = 3e-5
 LEAF = 24
+MARGIN = 4
 
 
 @kernel
@@ -35,12 +39,13 @@ def levels_of(n: int) -> int:
 
 
 class Jacobian(NamedTuple):
-    """A + B (D + offset 1 weight^T): A and B (n, BAND), element k of row i in column i + k - 2."""
+    """A + factor B (D^T + offset 1 weight^T): A and B (BAND, n), element k of row i in column i + k - 2."""
 
     A: Any
     B: Any
     D: Any
     weight: Any
+    factor: float
     offset: float
 
 
@@ -48,13 +53,15 @@ class Hierarchy(NamedTuple):
     """Factors of a matrix of n rows: views into scratch memory.
 
     `extent`: first and last + 1 of the rows that are divided; the others are those of the unit matrix.
-    `leaf` (leaves, size, size) and `capacity` (pairs, 2 RANK, 2 RANK) hold LU factors, their rows
-    exchanged as in `leaf_pivot` and `capacity_pivot`. Level l pairs 2^l parents' halves: `left` (l, n, RANK)
-    is U, then the halves' inverses times U; `right` is V; `rank` (l, parents, 2) their columns in use.
+    `scale` of the rows; `total`: sums over B's rows. `leaf` (leaves, size, size) and `capacity` (pairs,
+    2 RANK, 2 RANK) hold LU factors of the transposed, their rows exchanged as in `leaf_pivot` and
+    `capacity_pivot`. Level l pairs 2^l parents' halves: `left` (l, RANK, n) is U, then the halves' inverses
+    times U; `right` is V; `rank` (l, parents, 2) their columns in use.
     """
 
     extent: Any
     scale: Any
+    total: Any
     leaf: Any
     leaf_pivot: Any
     left: Any
@@ -72,10 +79,8 @@ def hierarchy_size(n: int) -> int:
     levels = levels_of(n)
     leaves = 2**levels
     size = n // leaves + 1
-    pairs = max(leaves, 1)
     per_pair = (2 * RANK) ** 2 + 2 * RANK + 2
-    coupling = 2 * RANK * RANK
-    return 2 + n + leaves * size * (size + 1) + 2 * levels * n * RANK + pairs * per_pair + coupling + 2 * n
+    return 2 + 4 * n + leaves * size * (size + 1) + 2 * levels * n * RANK + leaves * per_pair + 2 * RANK
 
 
 @kernel
@@ -86,15 +91,17 @@ def hierarchy_in(work: Any, n: int) -> Hierarchy:
     size = n // leaves + 1
     extent = work[0:2]
     k = 2
-    scale = work[k : k + n]
-    k += n
+    scale, total, row, column = (
+        work[k : k + n], work[k + n : k + 2 * n], work[k + 2 * n : k + 3 * n], work[k + 3 * n : k + 4 * n],
+    )  # fmt: skip
+    k += 4 * n
     leaf = work[k : k + leaves * size * size].reshape((leaves, size, size))
     k += leaves * size * size
     leaf_pivot = work[k : k + leaves * size].reshape((leaves, size))
     k += leaves * size
-    left = work[k : k + levels * n * RANK].reshape((levels, n, RANK))
+    left = work[k : k + levels * n * RANK].reshape((levels, RANK, n))
     k += levels * n * RANK
-    right = work[k : k + levels * n * RANK].reshape((levels, n, RANK))
+    right = work[k : k + levels * n * RANK].reshape((levels, RANK, n))
     k += levels * n * RANK
     rank = work[k : k + 2 * leaves].reshape((leaves, 2))
     k += 2 * leaves
@@ -102,58 +109,11 @@ def hierarchy_in(work: Any, n: int) -> Hierarchy:
     k += leaves * 4 * RANK * RANK
     capacity_pivot = work[k : k + leaves * 2 * RANK].reshape((leaves, 2 * RANK))
     k += leaves * 2 * RANK
-    coupling = work[k : k + 2 * RANK * RANK].reshape((2 * RANK, RANK))
-    k += 2 * RANK * RANK
-    row = work[k : k + n]
-    k += n
-    column = work[k : k + n]
+    coupling = work[k : k + 2 * RANK]
     return Hierarchy(
-        extent, scale, leaf, leaf_pivot, left, right, rank, capacity, capacity_pivot, coupling, row, column
-    )
-
-
-@kernel
-def lu(a: Any, pivot: Any, size: int) -> None:
-    """LU factors of a[:size, :size] in place, rows exchanged for the largest pivot."""
-    for k in range(size):
-        best, largest = k, abs(a[k, k])
-        for i in range(k + 1, size):
-            if abs(a[i, k]) > largest:
-                best, largest = i, abs(a[i, k])
-        pivot[k] = best
-        if best != k:
-            for j in range(size):
-                a[k, j], a[best, j] = a[best, j], a[k, j]
-        inverse = 1.0 / a[k, k]
-        for i in range(k + 1, size):
-            factor = a[i, k] * inverse
-            a[i, k] = factor
-            if factor != 0.0:
-                for j in range(k + 1, size):
-                    a[i, j] -= factor * a[k, j]
-
-
-@kernel
-def lu_solve(a: Any, pivot: Any, size: int, x: Any, first: int, columns: int) -> None:
-    """Solve in place for rows first to first + size of x, all of its first columns."""
-    for k in range(size):
-        best = int(pivot[k])
-        if best != k:
-            for j in range(columns):
-                x[first + k, j], x[first + best, j] = x[first + best, j], x[first + k, j]
-    for i in range(1, size):
-        for k in range(i):
-            factor = a[i, k]
-            for j in range(columns):
-                x[first + i, j] -= factor * x[first + k, j]
-    for i in range(size - 1, -1, -1):
-        for k in range(i + 1, size):
-            factor = a[i, k]
-            for j in range(columns):
-                x[first + i, j] -= factor * x[first + k, j]
-        inverse = 1.0 / a[i, i]
-        for j in range(columns):
-            x[first + i, j] *= inverse
+        extent, scale, total, leaf, leaf_pivot, left, right, rank, capacity, capacity_pivot, coupling, row,
+        column,
+    )  # fmt: skip
 
 
 @kernel
@@ -164,92 +124,104 @@ def bound(k: int, parts: int, h: Hierarchy) -> int:
 
 
 @kernel
-def jacobian_row(i: int, low: int, high: int, J: Jacobian, scale: float, out: Any) -> None:
-    """out[low:high] = scale * J[i, low:high]."""
-    n = J.D.shape[0]
-    total = 0.0
-    for k in range(BAND):
-        total += J.B[i, k]
-    total *= scale * J.offset
-    for j in range(low, high):
-        out[j] = total * J.weight[j]
-    for k in range(max(i - 2, 0), min(i + 3, n)):
-        b = scale * J.B[i, k - i + 2]
-        if b != 0.0:
-            for j in range(low, high):
-                out[j] += b * J.D[k, j]
-    for j in range(max(i - 2, low), min(i + 3, high)):
-        out[j] += scale * J.A[i, j - i + 2]
+def beside(B: Any, i: int, node: int) -> float:
+    """Element of B's row i that belongs to a node, 0 where it is none of the row's."""
+    k = node - i + 2
+    return B[k, i] if 0 <= k < BAND else 0.0
 
 
 @kernel
-def jacobian_column(j: int, low: int, high: int, J: Jacobian, scale: Any, out: Any) -> None:
-    """out[low:high] = scale[low:high] * J[low:high, j]."""
+def jacobian_row(i: int, low: int, high: int, J: Jacobian, scale: float, out: Any) -> None:
+    """out = scale * J[i, low:high]."""
+    n = J.D.shape[0]
+    factor = scale * J.factor
+    start = min(max(i - 2, 0), n - BAND)
+    a, b, c, d, e = (
+        factor * beside(J.B, i, start), factor * beside(J.B, i, start + 1),
+        factor * beside(J.B, i, start + 2), factor * beside(J.B, i, start + 3),
+        factor * beside(J.B, i, start + 4),
+    )  # fmt: skip
+    total = J.offset * (a + b + c + d + e)
+    for j in range(low, high):
+        near = J.D[j, start : start + BAND]
+        own = a * near[0] + b * near[1] + c * near[2] + d * near[3] + e * near[4]
+        out[j - low] = own + total * J.weight[j]
+    for j in range(max(i - 2, low), min(i + 3, high)):
+        out[j - low] += scale * J.A[j - i + 2, i]
+
+
+@kernel
+def jacobian_column(j: int, low: int, high: int, J: Jacobian, total: Any, out: Any) -> None:
+    """out = J[low:high, j]; `total`: sums over B's rows."""
     n = J.D.shape[0]
     everywhere = J.offset * J.weight[j]
-    for i in range(low, high):
-        total = 0.0
-        for k in range(max(i - 2, 0), min(i + 3, n)):
-            total += J.B[i, k - i + 2] * (J.D[k, j] + everywhere)
-        if abs(i - j) <= 2:
-            total += J.A[i, j - i + 2]
-        out[i] = scale[i] * total
+    inner = total[low:high]
+    for i in range(high - low):
+        out[i] = everywhere * inner[i]
+    for k in range(BAND):
+        first, last = max(low, 2 - k), min(high, n + 2 - k)
+        band, near = J.B[k, first:last], J.D[j, first + k - 2 : last + k - 2]
+        part = out[first - low : last - low]
+        for i in range(part.shape[0]):
+            part[i] += band[i] * near[i]
+    for i in range(high - low):
+        out[i] *= J.factor
+    for i in range(max(j - 2, low), min(j + 3, high)):
+        out[i - low] += J.A[j - i + 2, i]
 
 
 @kernel
 def compress(low: int, high: int, first: int, last: int, J: Jacobian, h: Hierarchy, U: Any, V: Any) -> int:
-    """Rows low to high, columns first to last of J as U[rows] V[columns]^T; the rank (ACA, row pivots).
+    """Rows low to high, columns first to last of J as U[:, rows]^T V[:, columns]; the rank (ACA, row pivots).
 
     The first pivot row is the one next to the columns, where the block is largest.
     """
     below = low >= last
     i = low if below else high - 1
     norm, rank, tried = 0.0, 0, 0
-    row, column = h.row, h.column
-    for r in range(low, high):
-        column[r] = 0.0
+    scale = h.scale[low:high]
     while rank < RANK and tried < high - low:
         tried += 1
-        if h.scale[i] == 0.0:
-            # A cavitated node: the next one, away from the columns.
-            i = i + 1 if below else i - 1
-            if i >= high or i < low:
-                break
-            continue
-        jacobian_row(i, first, last, J, h.scale[i], row)
-        for q in range(rank):
-            for j in range(first, last):
-                row[j] -= U[i, q] * V[j, q]
+        row, column = V[rank, first:last], U[rank, low:high]
         j, largest = first, 0.0
-        for c in range(first, last):
-            if abs(row[c]) > largest:
-                j, largest = c, abs(row[c])
+        # A cavitated node has nothing; the next one, away from the columns, then.
+        if h.scale[i] != 0.0:
+            jacobian_row(i, first, last, J, h.scale[i], row)
+            for q in range(rank):
+                share, other = U[q, i], V[q, first:last]
+                for c in range(row.shape[0]):
+                    row[c] -= share * other[c]
+            for c in range(row.shape[0]):
+                if abs(row[c]) > largest:
+                    j, largest = first + c, abs(row[c])
         if largest <= 1e-14:
             i = i + 1 if below else i - 1
             if i >= high or i < low:
                 break
             continue
-        jacobian_column(j, low, high, J, h.scale, column)
+        jacobian_column(j, low, high, J, h.total, column)
+        for r in range(column.shape[0]):
+            column[r] *= scale[r]
         for q in range(rank):
-            for r in range(low, high):
-                column[r] -= U[r, q] * V[j, q]
-        pivot = 1.0 / row[j]
+            share, other = V[q, j], U[q, low:high]
+            for r in range(column.shape[0]):
+                column[r] -= share * other[r]
+        pivot = 1.0 / row[j - first]
         u2, v2 = 0.0, 0.0
-        for r in range(low, high):
-            U[r, rank] = column[r]
+        for r in range(column.shape[0]):
             u2 += column[r] ** 2
-        for c in range(first, last):
-            V[c, rank] = row[c] * pivot
-            v2 += V[c, rank] ** 2
+        for c in range(row.shape[0]):
+            row[c] *= pivot
+            v2 += row[c] ** 2
         norm = max(norm, u2 * v2)
         rank += 1
         if u2 * v2 <= (COMPRESSION**2) * norm:
             break
         # The next pivot row: where this column is largest, without the row just done.
         done, largest = i, 0.0
-        for r in range(low, high):
-            if r != done and abs(column[r]) > largest:
-                i, largest = r, abs(column[r])
+        for r in range(column.shape[0]):
+            if low + r != done and abs(column[r]) > largest:
+                i, largest = low + r, abs(column[r])
         if largest == 0.0:
             break
     return rank
@@ -257,16 +229,17 @@ def compress(low: int, high: int, first: int, last: int, J: Jacobian, h: Hierarc
 
 @kernel
 def solve_below(h: Hierarchy, level: int, x: Any, columns: int) -> None:
-    """x (n, columns) times the inverse of J's diagonal blocks, of which there are 2^level; in place.
+    """x[:columns] (.., n) times the inverse of J's diagonal blocks, of which there are 2^level; in place.
 
     x is scaled as J's rows are.
     """
-    n = x.shape[0]
+    n = x.shape[1]
     levels = levels_of(n)
     leaves = 2**levels
     for part in range(leaves):
         low, high = bound(part, leaves, h), bound(part + 1, leaves, h)
-        lu_solve(h.leaf[part], h.leaf_pivot[part], high - low, x, low, columns)
+        for j in range(columns):
+            solve_transposed(h.leaf[part], h.leaf_pivot[part], x[j, low:high])
     for above in range(levels - 1, level - 1, -1):
         parents = 2**above
         U, V = h.left[above], h.right[above]
@@ -276,34 +249,60 @@ def solve_below(h: Hierarchy, level: int, x: Any, columns: int) -> None:
             high = bound(parent + 1, parents, h)
             pair = parents + parent - 1
             upper, lower = int(h.rank[pair, 0]), int(h.rank[pair, 1])
-            z = h.coupling
-            for p in range(upper + lower):
-                for j in range(columns):
-                    z[p, j] = 0.0
-            for i in range(middle, high):
-                for p in range(upper):
-                    for j in range(columns):
-                        z[p, j] += V[i, p] * x[i, j]
-            for i in range(low, middle):
-                for p in range(lower):
-                    for j in range(columns):
-                        z[upper + p, j] += V[i, p] * x[i, j]
-            lu_solve(h.capacity[pair], h.capacity_pivot[pair], upper + lower, z, 0, columns)
-            for i in range(low, middle):
-                for p in range(upper):
-                    for j in range(columns):
-                        x[i, j] -= U[i, p] * z[p, j]
-            for i in range(middle, high):
-                for p in range(lower):
-                    for j in range(columns):
-                        x[i, j] -= U[i, p] * z[upper + p, j]
+            z = h.coupling[: upper + lower]
+            for j in range(columns):
+                products(V[:upper, middle:high], x[j, middle:high], z[:upper])
+                products(V[:lower, low:middle], x[j, low:middle], z[upper:])
+                solve_transposed(h.capacity[pair], h.capacity_pivot[pair], z)
+                for p in range(z.shape[0]):
+                    z[p] = -z[p]
+                add_rows(x[j, low:middle], z[:upper], U[:upper, low:middle])
+                add_rows(x[j, middle:high], z[upper:], U[:lower, middle:high])
+
+
+@kernel
+def fill_leaf(low: int, high: int, J: Jacobian, fixed: Any, h: Hierarchy, leaf: Any) -> None:
+    """leaf = J[low:high, low:high], transposed and its rows scaled; fills their scale."""
+    size = high - low
+    largest = h.row[low:high]
+    for i in range(size):
+        largest[i] = 0.0
+    for j in range(size):
+        column = leaf[j, :size]
+        jacobian_column(low + j, low, high, J, h.total, column)
+        for i in range(size):
+            largest[i] = max(largest[i], abs(column[i]))
+    for i in range(size):
+        h.scale[low + i] = 1.0 / largest[i] if fixed[low + i] == 0.0 else 0.0
+    scale = h.scale[low:high]
+    for j in range(size):
+        column = leaf[j, :size]
+        for i in range(size):
+            column[i] *= scale[i]
+        if fixed[low + j] != 0.0:
+            column[j] = 1.0
+
+
+@kernel
+def couple(
+    low: int, middle: int, high: int, U: Any, V: Any, upper: int, lower: int, c: Any, pivot: Any
+) -> None:
+    """Factors of the transposed of 1 + V^T U of two halves, U times the halves' inverses by now."""
+    for p in range(upper + lower):
+        for q in range(upper + lower):
+            c[p, q] = 1.0 if p == q else 0.0
+    for q in range(lower):
+        products(V[:upper, middle:high], U[q, middle:high], c[upper + q, :upper])
+    for q in range(upper):
+        products(V[:lower, low:middle], U[q, low:middle], c[q, upper : upper + lower])
+    lu(c, pivot, upper + lower)
 
 
 @kernel
 def factorise(J: Jacobian, fixed: Any, h: Hierarchy) -> None:
     """Factors of J into the Hierarchy h; rows where `fixed` is not 0 are those of the unit matrix.
 
-    Only the stretch from the first to the last node that is not fixed is divided.
+    Only the stretch from the first to the last node that is not fixed, and MARGIN more, is divided.
     """
     n = fixed.shape[0]
     levels = levels_of(n)
@@ -312,25 +311,14 @@ def factorise(J: Jacobian, fixed: Any, h: Hierarchy) -> None:
     for i in range(n):
         if fixed[i] == 0.0:
             low, high = min(low, i), i + 1
-    h.extent[0], h.extent[1] = min(low, high), high
+        h.scale[i] = 0.0
+        h.total[i] = J.B[0, i] + J.B[1, i] + J.B[2, i] + J.B[3, i] + J.B[4, i]
+    high = min(high + MARGIN, n)
+    h.extent[0], h.extent[1] = max(min(low, high) - MARGIN, 0), high
     for part in range(leaves):
         low, high = bound(part, leaves, h), bound(part + 1, leaves, h)
-        leaf = h.leaf[part]
-        for i in range(low, high):
-            if fixed[i] != 0.0:
-                h.scale[i] = 0.0
-                for j in range(high - low):
-                    leaf[i - low, j] = 0.0
-                leaf[i - low, i - low] = 1.0
-                continue
-            jacobian_row(i, low, high, J, 1.0, h.row)
-            largest = 0.0
-            for j in range(low, high):
-                largest = max(largest, abs(h.row[j]))
-            h.scale[i] = 1.0 / largest
-            for j in range(low, high):
-                leaf[i - low, j - low] = h.scale[i] * h.row[j]
-        lu(leaf, h.leaf_pivot[part], high - low)
+        fill_leaf(low, high, J, fixed, h, h.leaf[part])
+        lu(h.leaf[part], h.leaf_pivot[part], high - low)
     for level in range(levels - 1, -1, -1):
         parents = 2**level
         U, V = h.left[level], h.right[level]
@@ -340,15 +328,18 @@ def factorise(J: Jacobian, fixed: Any, h: Hierarchy) -> None:
             middle = bound(2 * parent + 1, 2 * parents, h)
             high = bound(parent + 1, parents, h)
             rank = h.rank[parents + parent - 1]
-            upper = compress(low, middle, middle, high, J, h, U, V)
-            lower = compress(middle, high, low, middle, J, h, U, V)
-            rank[0], rank[1] = upper, lower
-            columns = max(columns, max(upper, lower))
-            for i in range(low, high):
-                for q in range(upper if i < middle else lower, RANK):
-                    U[i, q] = 0.0
-                for q in range(lower if i < middle else upper, RANK):
-                    V[i, q] = 0.0
+            rank[0] = compress(low, middle, middle, high, J, h, U, V)
+            rank[1] = compress(middle, high, low, middle, J, h, U, V)
+            columns = max(columns, int(max(rank[0], rank[1])))
+        for parent in range(parents):
+            low = bound(parent, parents, h)
+            middle = bound(2 * parent + 1, 2 * parents, h)
+            high = bound(parent + 1, parents, h)
+            rank = h.rank[parents + parent - 1]
+            for q in range(int(rank[0]), columns):
+                U[q, low:middle] = 0.0
+            for q in range(int(rank[1]), columns):
+                U[q, middle:high] = 0.0
         solve_below(h, level + 1, U, columns)
         for parent in range(parents):
             low = bound(parent, parents, h)
@@ -356,16 +347,4 @@ def factorise(J: Jacobian, fixed: Any, h: Hierarchy) -> None:
             high = bound(parent + 1, parents, h)
             pair = parents + parent - 1
             upper, lower = int(h.rank[pair, 0]), int(h.rank[pair, 1])
-            c = h.capacity[pair]
-            for p in range(upper + lower):
-                for q in range(upper + lower):
-                    c[p, q] = 1.0 if p == q else 0.0
-            for i in range(middle, high):
-                for p in range(upper):
-                    for q in range(lower):
-                        c[p, upper + q] += V[i, p] * U[i, q]
-            for i in range(low, middle):
-                for p in range(lower):
-                    for q in range(upper):
-                        c[upper + p, q] += V[i, p] * U[i, q]
-            lu(c, h.capacity_pivot[pair], upper + lower)
+            couple(low, middle, high, U, V, upper, lower, h.capacity[pair], h.capacity_pivot[pair])

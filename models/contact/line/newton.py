@@ -3,7 +3,7 @@
 Newton's method on the balance of `reynolds` with the complementarity p >= 0 by active sets: a node whose
 pressure falls below zero cavitates, a cavitated node whose balance says that oil piles up gets pressure
 again. As that is seen only next to the pressurised film, more nodes join when it moves on (1, 2, 4, ...).
-Factors of the Jacobian serve until a node changes sides or convergence is slow.
+Factors of the Jacobian serve until convergence is slow or many nodes have changed sides (see `exchange`).
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ from typing import Any, NamedTuple
 
 from ...kernel import kernel
 from ..fluid import Lubricant
-from .hierarchical import BAND, Jacobian, factorise, solve_below
+from .elimination import add_rows
+from .exchange import factorise_anew, serves, solve_exchanged
+from .hierarchical import BAND, Jacobian
 from .reynolds import Flow, balance, properties
 from .workspace import Workspace
 
@@ -61,7 +63,7 @@ class Found(NamedTuple):
 
 @kernel
 def deflection_factors(scale: float, bodies: Bodies) -> tuple[float, float]:
-    """Factor and offset: deflection = factor (D + offset 1 weight^T) p."""
+    """Factor and offset: deflection = factor (D^T + offset 1 weight^T) p."""
     return 2.0 * bodies.compliance * scale / math.pi, math.log(bodies.length / scale)
 
 
@@ -72,26 +74,6 @@ def line_load_of(p: Any, weight: Any, scale: float) -> float:
     for i in range(p.shape[0]):
         total += weight[i] * p[i]
     return total * scale
-
-
-@kernel
-def multiply(D: Any, p: Any, first: int, last: int, out: Any) -> None:
-    """out = D[:, first:last] p[first:last], four rows side by side, which keeps a processor busy."""
-    n = D.shape[0]
-    whole = n - n % 4
-    for i in range(0, whole, 4):
-        s0, s1, s2, s3 = 0.0, 0.0, 0.0, 0.0
-        for j in range(first, last):
-            s0 += D[i, j] * p[j]
-            s1 += D[i + 1, j] * p[j]
-            s2 += D[i + 2, j] * p[j]
-            s3 += D[i + 3, j] * p[j]
-        out[i], out[i + 1], out[i + 2], out[i + 3] = s0, s1, s2, s3
-    for i in range(whole, n):
-        s0 = 0.0
-        for j in range(first, last):
-            s0 += D[i, j] * p[j]
-        out[i] = s0
 
 
 @kernel
@@ -107,7 +89,9 @@ def fill_film(
         first += 1
     while last > first and p[last - 1] == 0.0:
         last -= 1
-    multiply(w.D, p, first, last, h)
+    for i in range(n):
+        h[i] = 0.0
+    add_rows(h, p[first:last], w.D[first:last])
     for i in range(n):
         h[i] = level + factor * h[i] - approach + (scale * w.X[i]) ** 2 / (2.0 * radius)
 
@@ -152,40 +136,36 @@ def update_sides(p: Any, fixed: Any, residual: Any, recent: Any, reach: int) -> 
 
 
 @kernel
-def solve(w: Workspace, scale: float, missing: float, given: bool) -> float:
-    """The change of the approach (m), with that of the pressure in w.solution[:, 0], from the factors in w.
-
-    w.solution holds on entry the right side, and in column 1, unless the approach is `given`, minus the
-    derivative of the balance by it, rows scaled as the factors are. `missing`: what the load per length
-    shall change by (N/m).
-    """
-    n = w.X.shape[0]
-    if given:
-        solve_below(w.hierarchy, 0, w.solution, 1)
-        return 0.0
-    solve_below(w.hierarchy, 0, w.solution, 2)
-    by_approach = 0.0
-    for i in range(n):
-        missing -= w.weight[i] * scale * w.solution[i, 0]
-        by_approach += w.weight[i] * scale * w.solution[i, 1]
-    change = missing / by_approach
-    for i in range(n):
-        w.solution[i, 0] += change * w.solution[i, 1]
-    return change
+def fill_right_side(w: Workspace) -> None:
+    """Right sides for `solve`: what is left of the balance, and minus its derivative by the approach."""
+    for i in range(w.X.shape[0]):
+        w.solution[0, i], w.solution[1, i] = 0.0, 0.0
+        if w.fixed[i] == 0.0:
+            w.solution[0, i] = -w.residual[i]
+            for k in range(BAND):
+                w.solution[1, i] += w.B[k, i]
 
 
 @kernel
-def fill_right_side(p: Any, by_film: float, w: Workspace) -> None:
-    """Right sides for `solve`; `by_film`: elements of w.B over derivatives by the film."""
-    for i in range(p.shape[0]):
-        w.solution[i, 0], w.solution[i, 1] = 0.0, 0.0
-        if w.fixed[i] == 0.0:
-            total = 0.0
-            for k in range(BAND):
-                total += w.B[i, k]
-            scale = w.hierarchy.scale[i]
-            w.solution[i, 0] = -scale * w.residual[i]
-            w.solution[i, 1] = scale * total / by_film
+def solve(w: Workspace, J: Jacobian, scale: float, missing: float, given: bool) -> float:
+    """The change of the approach (m), with that of the pressure in w.solution[0], from the factors in w.
+
+    On entry w.solution[0] holds the right side, and w.solution[1] minus the derivative of the balance by the
+    approach, which is not used where that is `given`. `missing`: what the load per length shall change by
+    (N/m).
+    """
+    if given:
+        solve_exchanged(J, w.fixed, w.hierarchy, w.exchange, w.solution[:1])
+        return 0.0
+    solve_exchanged(J, w.fixed, w.hierarchy, w.exchange, w.solution)
+    by_approach = 0.0
+    for i in range(w.X.shape[0]):
+        missing -= w.weight[i] * scale * w.solution[0, i]
+        by_approach += w.weight[i] * scale * w.solution[1, i]
+    change = missing / by_approach
+    for i in range(w.X.shape[0]):
+        w.solution[0, i] += change * w.solution[1, i]
+    return change
 
 
 @kernel
@@ -208,12 +188,12 @@ def newton(
 ) -> Found:
     """p and h are the guess and the result; a result whose error is not 0 must not be used.
 
-    `old` is rho h times the volumes at the step's start (m^2). The factors in w serve if w.factored says
-    that they are of the same nodes; `forget_factors` before the first call.
+    `old` is rho h times the volumes at the step's start (m^2). The factors in w serve where they are
+    of nearly the same nodes; `forget_factors` before the first call.
     """
     n = p.shape[0]
     factor, offset = deflection_factors(task.scale, bodies)
-    J = Jacobian(w.A, w.B, w.D, w.weight, offset)
+    J = Jacobian(w.A, w.B, w.D, w.weight, factor, offset)
     given = task.line_load < 0.0
     slow, error, left = False, math.inf, math.inf
     last, reach, most = 0, 0, n
@@ -246,22 +226,14 @@ def newton(
         last, reach = reach, min(max(1, 2 * reach) if changed > 0 and not hasty else 0, most)
         if left <= 1.0 and changed == 0:
             return Found(approach, 0.0, iteration)
-        for i in range(n):
-            for k in range(BAND):
-                w.B[i, k] *= factor
-        usable = not slow
-        for i in range(n):
-            usable = usable and w.factored[i] == w.fixed[i]
-        if not usable:
-            factorise(J, w.fixed, w.hierarchy)
-            for i in range(n):
-                w.factored[i] = w.fixed[i]
-        fill_right_side(p, factor, w)
+        if slow or not serves(w.fixed, w.hierarchy, w.exchange):
+            factorise_anew(J, w.fixed, w.hierarchy, w.exchange)
+        fill_right_side(w)
         missing = task.line_load - line_load_of(p, w.weight, task.scale)
-        change = solve(w, task.scale, missing, given)
+        change = solve(w, J, task.scale, missing, given)
         largest, highest = 0.0, PRESSURE_FLOOR
         for i in range(n):
-            w.change[i] = w.solution[i, 0]
+            w.change[i] = w.solution[0, i]
             largest = max(largest, abs(w.change[i]))
             highest = max(highest, p[i] + w.change[i])
         fill_film(w.change, change, math.inf, task.scale, bodies, w, w.film_change)
@@ -282,4 +254,4 @@ def newton(
 @kernel
 def forget_factors(w: Workspace) -> None:
     """The factors in w are of no use any more."""
-    w.factored[0] = -1.0
+    w.exchange.factored[0] = -1.0

@@ -97,7 +97,7 @@ def balance(
 ) -> None:  # fmt: skip
     """The left side (m^2/s) with rate of mass (rho h c - old)/time_step, and its derivatives.
 
-    A and B (n, 5): by pressure and by film, element k of row i for node i + k - 2. time_step may be inf. The
+    A and B (5, n): by pressure and by film, element k of row i for node i + k - 2. time_step may be inf. The
     thinning of the fluid counts as given in the derivatives. Boundary rows stay zero.
     """
     n = X.shape[0]
@@ -105,13 +105,13 @@ def balance(
     for i in range(n):
         residual[i] = 0.0
         for k in range(5):
-            A[i, k] = 0.0
-            B[i, k] = 0.0
+            A[k, i] = 0.0
+            B[k, i] = 0.0
     for i in range(1, n - 1):
         c = scale * cell(X, i)
         residual[i] = (f.mass[i] * c - old[i]) * per_time
-        A[i, 2] = f.mass_p[i] * c * per_time
-        B[i, 2] = f.rho[i] * c * per_time
+        A[2, i] = f.mass_p[i] * c * per_time
+        B[2, i] = f.rho[i] * c * per_time
     for i in range(n - 1):
         face = 0.5 * (X[i] + X[i + 1])
         velocity = drive.velocity - scale_rate * face
@@ -152,12 +152,12 @@ def balance(
             sign = 1.0 if side == 0 else -1.0
             residual[row] += sign * q
             carried = sign * velocity * (1.0 + reach)
-            A[row, near - row + 2] += carried * f.mass_p[near]
-            B[row, near - row + 2] += carried * f.rho[near]
+            A[near - row + 2, row] += carried * f.mass_p[near]
+            B[near - row + 2, row] += carried * f.rho[near]
             carried = -sign * velocity * reach
-            A[row, far - row + 2] += carried * f.mass_p[far]
-            B[row, far - row + 2] += carried * f.rho[far]
-            A[row, i - row + 2] += sign * p_first
-            A[row, i - row + 3] += sign * p_second
-            B[row, i - row + 2] += sign * h_first
-            B[row, i - row + 3] += sign * h_second
+            A[far - row + 2, row] += carried * f.mass_p[far]
+            B[far - row + 2, row] += carried * f.rho[far]
+            A[i - row + 2, row] += sign * p_first
+            A[i - row + 3, row] += sign * p_second
+            B[i - row + 2, row] += sign * h_first
+            B[i - row + 3, row] += sign * h_second

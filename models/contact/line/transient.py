@@ -19,6 +19,7 @@ from ...integrator import copy
 from ...kernel import kernel
 from ..fluid import Lubricant
 from ..hertz import deflection, half_width, load_of, maximum_pressure
+from .hierarchical import BAND, Jacobian
 from .newton import Bodies, Found, Task, deflection_factors, forget_factors, line_load_of, newton, solve
 from .reynolds import Flow, balance, cell, properties
 from .workspace import Workspace
@@ -188,18 +189,17 @@ def estimate(
         wet = w.fixed[i] == 0.0 and w.p_start[i] > 0.0
         at_start = -w.rate_start[i] * time_step if wet else first
         miss = _ERROR_START * at_start + _ERROR_MIDDLE * first + _ERROR_END * last
-        by_approach = 0.0
-        for k in range(5):
-            by_approach += w.B[i, k]
-        row = w.hierarchy.scale[i] if w.fixed[i] == 0.0 else 0.0
-        w.solution[i, 0] = row * miss / (GAMMA * time_step)
-        w.solution[i, 1] = row * by_approach
-    change = solve(w, scale, 0.0, given)
+        w.solution[0, i], w.solution[1, i] = 0.0, 0.0
+        if w.fixed[i] == 0.0:
+            w.solution[0, i] = miss / (GAMMA * time_step)
+            for k in range(BAND):
+                w.solution[1, i] += w.B[k, i]
     factor, offset = deflection_factors(scale, bodies)
+    change = solve(w, Jacobian(w.A, w.B, w.D, w.weight, factor, offset), scale, 0.0, given)
     load, film, i = 0.0, 0.0, n // 2
     for j in range(n):
-        load += w.weight[j] * w.solution[j, 0]
-        film += factor * (w.D[i, j] + offset * w.weight[j]) * w.solution[j, 0]
+        load += w.weight[j] * w.solution[0, j]
+        film += factor * (w.D[j, i] + offset * w.weight[j]) * w.solution[0, j]
     floor = LOAD_FLOOR / bodies.length
     of_load = abs(load * scale) / (line_load_of(p, w.weight, scale) + floor)
     return max(of_load, abs(film - change) / h[i])

@@ -9,21 +9,21 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from ...kernel import kernel
+from .exchange import SIDES, Exchange, exchange_in, exchange_size
 from .grid import fill_kernel_matrix, place_nodes
 from .hierarchical import BAND, Hierarchy, hierarchy_in, hierarchy_size
 from .reynolds import Nodes
 
 _FIELDS = 8
 # Vectors besides the grid's two and the properties: those listed in Workspace after `nodes`.
-_VECTORS = 14
-# Columns that are solved for at once.
-COLUMNS = 2
+_VECTORS = 13
 # Says that grid and matrix are filled.
 _FILLED = 0.25
 
 
 class Workspace(NamedTuple):
-    """Views, each of n elements where nothing else is said; D, A, B and solution have more columns."""
+    """Views, each of n elements where nothing else is said; D (n, n), A and B (BAND, n)
+    and solution (SIDES, n) have more."""
 
     X: Any
     weight: Any
@@ -45,13 +45,14 @@ class Workspace(NamedTuple):
     change: Any
     film_change: Any
     recent: Any
-    factored: Any
     hierarchy: Hierarchy
+    exchange: Exchange
 
 
 def workspace_size(n: int) -> int:
     """Elements of scratch that `workspace_in` needs."""
-    return 1 + 2 * n + n * n + (_FIELDS + _VECTORS) * n + (2 * BAND + COLUMNS) * n + hierarchy_size(n)
+    rows = 2 + n + _FIELDS + _VECTORS + 2 * BAND + SIDES
+    return 1 + rows * n + hierarchy_size(n) + exchange_size(n)
 
 
 @kernel
@@ -67,15 +68,17 @@ def workspace_in(work: Any, n: int) -> Workspace:
         work[0] = n + _FILLED
     fields = work[k : k + (_FIELDS + _VECTORS) * n].reshape((_FIELDS + _VECTORS, n))
     k += (_FIELDS + _VECTORS) * n
-    A = work[k : k + BAND * n].reshape((n, BAND))
+    A = work[k : k + BAND * n].reshape((BAND, n))
     k += BAND * n
-    B = work[k : k + BAND * n].reshape((n, BAND))
+    B = work[k : k + BAND * n].reshape((BAND, n))
     k += BAND * n
-    solution = work[k : k + COLUMNS * n].reshape((n, COLUMNS))
-    k += COLUMNS * n
+    solution = work[k : k + SIDES * n].reshape((SIDES, n))
+    k += SIDES * n
+    exchange = exchange_in(work[k:], n)
+    k += exchange_size(n)
     f = fields
     nodes = Nodes(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7])
     return Workspace(
         X, weight, D, nodes, f[8], A, B, f[9], solution, f[10], f[11], f[12], f[13], f[14], f[15],
-        f[16], f[17], f[18], f[19], f[20], f[21], hierarchy_in(work[k:], n),
+        f[16], f[17], f[18], f[19], f[20], hierarchy_in(work[k:], n), exchange,
     )  # fmt: skip

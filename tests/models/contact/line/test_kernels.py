@@ -11,9 +11,10 @@ from scipy.integrate import quad
 
 from models.contact.fluid import Lubricant
 from models.contact.hertz import deflection, half_width, maximum_pressure
+from models.contact.line.exchange import EXCHANGES, factorise_anew, serves, solve_exchanged
 from models.contact.line.fixed_grid import Mesh, workspace
 from models.contact.line.grid import fill_kernel_matrix, place_nodes
-from models.contact.line.hierarchical import BAND, Jacobian, factorise, solve_below
+from models.contact.line.hierarchical import BAND, Jacobian
 from models.contact.line.newton import Bodies, fill_film
 from models.contact.line.reynolds import Flow, balance, mean_fluidity, properties
 
@@ -58,7 +59,7 @@ def test_kernel_matrix_is_the_quadrature_of_its_definition():
 
             total -= quad(lambda S, hat=hat, i=i: hat(S) * math.log(abs(X[i] - S)), a, b, epsabs=1e-13)[0]
             area += 0.5 * (b - a)
-        assert D[i, j] == pytest.approx(total, abs=1e-11)
+        assert D[j, i] == pytest.approx(total, abs=1e-11)
         assert weight[j] == pytest.approx(area, rel=1e-12)
 
 
@@ -109,7 +110,7 @@ def state_of(nodes, velocity=1.5):
 
 def balanced(w, scale, p, h, drive, fluid, old, step):
     """Residual, A and B; the rate of the grid's scale is that of a quickly growing contact."""
-    residual, A, B = np.empty(p.size), np.empty((p.size, BAND)), np.empty((p.size, BAND))
+    residual, A, B = np.empty(p.size), np.empty((BAND, p.size)), np.empty((BAND, p.size))
     properties(p, h, fluid, w.nodes)
     balance(w.X, scale, 0.3, p, h, w.nodes, drive, fluid, old, step, residual, A, B)
     return residual, A, B
@@ -134,8 +135,8 @@ def test_derivatives_of_the_balance_are_its_differences(name, velocity):
                 sides.append(balanced(w, scale, *state, drive, fluid, old, 1e-5)[0])
             difference = (sides[0] - sides[1]) / (2.0 * d)
             for i in range(max(j - 2, 1), min(j + 3, 50)):
-                scale_of = np.abs(derivative[i]).max()
-                assert derivative[i, j - i + 2] == pytest.approx(difference[i], rel=1e-4, abs=1e-5 * scale_of)
+                scale_of = np.abs(derivative[:, i]).max()
+                assert derivative[j - i + 2, i] == pytest.approx(difference[i], rel=1e-4, abs=1e-5 * scale_of)
             far = [i for i in range(51) if abs(i - j) > 2]
             assert np.all(difference[far] == 0.0)
 
@@ -160,38 +161,88 @@ def test_the_balance_conserves_mass():
     assert np.sum(still) == pytest.approx(outflow - inflow, rel=1e-9)
 
 
-@pytest.mark.parametrize(("nodes", "sharpness"), [(51, 0.0), (151, 0.0), (601, 0.0), (601, 128.0)])
-@pytest.mark.parametrize("velocity", [1.5, -1.5])
-def test_hierarchical_factors_solve_as_dense_ones(nodes, sharpness, velocity):
-    """Against numpy on the assembled Jacobian, whose condition makes a few per cent of COMPRESSION at worst;
-    each correction of what is left, as Newton's method makes them, shrinks the error as much again."""
+def loaded(nodes, sharpness, velocity):
+    """Jacobian of a loaded contact, cavitated beyond its outlet and at the inlet's end; its workspace."""
     w = workspace(Mesh(nodes, sharpness=sharpness))
     fluid = LUBRICANTS["roelands"]
     scale = 1.5e-4
     p = 4e8 * np.maximum(1.0 - w.X**2, 0.0) ** 0.5 + 1e5 * np.exp(-(w.X**2))
     h = 5e-7 + scale**2 * np.maximum(w.X**2 - 1.0, 0.0) / 0.04
     _, A, B = balanced(w, scale, p, h, Flow(velocity, 0.0, 0.02), fluid, np.zeros(nodes), 1e-4)
-    B *= 2.0 * BODIES.compliance * scale / math.pi
-    offset = math.log(BODIES.length / scale)
+    factor, offset = 2.0 * BODIES.compliance * scale / math.pi, math.log(BODIES.length / scale)
     fixed = np.where((w.X > 1.2) | (w.X < -9.9), 1.0, 0.0)
     fixed[[0, -1]] = 1.0
-    J = Jacobian(A, B, w.D, w.weight, offset)
+    return Jacobian(A, B, w.D, w.weight, factor, offset), fixed, w
+
+
+def assembled(J, fixed):
+    """The dense matrix."""
+    nodes = fixed.size
     dense = np.zeros((nodes, nodes))
     for k in range(BAND):
         rows = np.arange(max(0, 2 - k), min(nodes, nodes + 2 - k))
-        dense[rows] += B[rows, k, None] * (w.D[rows + k - 2] + offset * w.weight)
-        dense[rows, rows + k - 2] += A[rows, k]
+        dense[rows] += J.factor * J.B[k, rows, None] * (J.D.T[rows + k - 2] + J.offset * J.weight)
+        dense[rows, rows + k - 2] += J.A[k, rows]
     dense[fixed != 0.0] = np.eye(nodes)[fixed != 0.0]
-    factorise(J, fixed, w.hierarchy)
-    random = np.random.default_rng(1)
-    right = random.standard_normal(nodes) * np.abs(dense).max(axis=1)
+    return dense
+
+
+def errors_of_corrections(J, fixed, w):
+    """Errors relative to numpy's solution after each correction of what is left, as Newton's method makes."""
+    dense = assembled(J, fixed)
+    right = np.random.default_rng(1).standard_normal(fixed.size) * np.abs(dense).max(axis=1)
     right[fixed != 0.0] = 0.0
     exact = np.linalg.solve(dense, right)
-    x, errors = np.zeros(nodes), [1.0]
+    x, errors = np.zeros(fixed.size), []
     for _ in range(3):
-        left = np.zeros((nodes, 2))
-        left[:, 0] = (right - dense @ x) * np.where(fixed != 0.0, 1.0, w.hierarchy.scale)
-        solve_below(w.hierarchy, 0, left, 1)
-        x += left[:, 0]
+        left = (right - dense @ x)[None, :] * (fixed == 0.0)
+        solve_exchanged(J, fixed, w.hierarchy, w.exchange, left)
+        x += left[0]
         errors.append(np.max(np.abs(x - exact)) / np.max(np.abs(exact)))
-    assert all(after < 0.1 * before + 1e-9 for before, after in itertools.pairwise(errors))
+    return errors
+
+
+GRIDS = pytest.mark.parametrize(("nodes", "sharpness"), [(51, 0.0), (151, 0.0), (601, 0.0), (601, 128.0)])
+VELOCITIES = pytest.mark.parametrize("velocity", [1.5, -1.5])
+
+
+def shrink(errors):
+    """The Jacobian's condition makes a few per cent of COMPRESSION at worst; each correction of what is left
+    shrinks the error as much again, down to rounding."""
+    return all(after < 0.1 * before + 1e-9 for before, after in itertools.pairwise([1.0, *errors]))
+
+
+@GRIDS
+@VELOCITIES
+def test_hierarchical_factors_solve_as_dense_ones(nodes, sharpness, velocity):
+    """Against numpy on the assembled Jacobian."""
+    J, fixed, w = loaded(nodes, sharpness, velocity)
+    factorise_anew(J, fixed, w.hierarchy, w.exchange)
+    assert shrink(errors_of_corrections(J, fixed, w))
+
+
+@GRIDS
+@VELOCITIES
+def test_factors_serve_after_nodes_changed_sides(nodes, sharpness, velocity):
+    """One node comes to cavitate within the film, two beside it at its end no longer do, and one goes there
+    and back: as dense factors of the new Jacobian."""
+    J, fixed, w = loaded(nodes, sharpness, velocity)
+    factorise_anew(J, fixed, w.hierarchy, w.exchange)
+    last = np.flatnonzero(fixed == 0.0)[-1]
+    fixed[last - 1] = 1.0
+    assert serves(fixed, w.hierarchy, w.exchange)
+    fixed[last - 1] = 0.0
+    fixed[nodes // 2] = 1.0
+    fixed[last + 1 : last + 3] = 0.0
+    assert serves(fixed, w.hierarchy, w.exchange)
+    assert shrink(errors_of_corrections(J, fixed, w))
+
+
+def test_factors_do_not_serve_after_many_changes_or_far_from_the_film():
+    J, fixed, w = loaded(301, 0.0, 1.5)
+    factorise_anew(J, fixed, w.hierarchy, w.exchange)
+    last = np.flatnonzero(fixed == 0.0)[-1]
+    for nodes, side in ((np.arange(last - EXCHANGES, last + 1), 1.0), (np.array([298]), 0.0)):
+        changed = fixed.copy()
+        changed[nodes] = side
+        assert not serves(changed, w.hierarchy, w.exchange)

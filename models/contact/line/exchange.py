@@ -1,0 +1,151 @@
+"""Corrections by factors of a Jacobian in which some nodes were still on the other side (cavitated or not).
+
+Where the film moves, a node or two change sides in most iterations, and the Jacobian's rows with them. With
+the factors of the old one J0, unit vectors E of these nodes and unknown sources s of them,
+x = J0^-1 (b + E s), where s follows from what is asked of these nodes: no change where they cavitate now, the
+balance where they no longer do (Woodbury's formula).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ...kernel import kernel
+from .elimination import add_rows, lu, products, solve_transposed
+from .hierarchical import Hierarchy, Jacobian, factorise, jacobian_row, solve_below
+
+# Right sides at once: of the balance and of the approach.
+SIDES = 2
+# Nodes that may have changed sides since the Jacobian was factorised. More hardly ever do.
+EXCHANGES = 12
+
+
+class Exchange(NamedTuple):
+    """What is kept beside the factors: views into scratch memory.
+
+    `factored` (n): the sides of the nodes at that time, its first element -1 if there are no factors.
+    `answers` (EXCHANGES, n) to unit sources at `nodes`, the first `count[0]` of them.
+    """
+
+    factored: Any
+    answers: Any
+    nodes: Any
+    count: Any
+    matrix: Any
+    wanted: Any
+    change: Any
+    pivot: Any
+
+
+@kernel
+def exchange_size(n: int) -> int:
+    """Elements of scratch that `exchange_in` needs."""
+    return (1 + EXCHANGES) * n + (EXCHANGES + SIDES + 3) * EXCHANGES + 1
+
+
+@kernel
+def exchange_in(work: Any, n: int) -> Exchange:
+    """Views on the first `exchange_size(n)` elements of work."""
+    k = (1 + EXCHANGES) * n
+    small = work[k : k + (EXCHANGES + SIDES + 3) * EXCHANGES].reshape((EXCHANGES + SIDES + 3, EXCHANGES))
+    k += (EXCHANGES + SIDES + 3) * EXCHANGES
+    return Exchange(
+        work[:n], work[n : (1 + EXCHANGES) * n].reshape((EXCHANGES, n)), small[EXCHANGES + SIDES],
+        work[k : k + 1], small[:EXCHANGES], small[EXCHANGES : EXCHANGES + SIDES],
+        small[EXCHANGES + SIDES + 1], small[EXCHANGES + SIDES + 2],
+    )  # fmt: skip
+
+
+@kernel
+def factorise_anew(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange) -> None:
+    """Factors of J with the nodes' sides as they are."""
+    factorise(J, fixed, h)
+    for i in range(fixed.shape[0]):
+        e.factored[i] = fixed[i]
+    e.count[0] = 0.0
+
+
+@kernel
+def serves(fixed: Any, h: Hierarchy, e: Exchange) -> bool:
+    """Whether the factors serve: few nodes have changed sides, and these were divided with the others.
+
+    Answers to sources at them are added where they lack.
+    """
+    if e.factored[0] < 0.0:
+        return False
+    before = int(e.count[0])
+    count = before
+    for i in range(fixed.shape[0]):
+        if fixed[i] != e.factored[i]:
+            known = not h.extent[0] <= i < h.extent[1]
+            if known:
+                return False
+            for q in range(before):
+                known = known or e.nodes[q] == i
+            if not known:
+                if count == EXCHANGES:
+                    return False
+                e.nodes[count] = i
+                count += 1
+    added = e.answers[before:count]
+    for q in range(before, count):
+        added[q - before, :] = 0.0
+        added[q - before, int(e.nodes[q])] = 1.0
+    solve_below(h, 0, added, count - before)
+    e.count[0] = count
+    return True
+
+
+@kernel
+def fill_matrix(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange, x: Any) -> None:
+    """Equations of the sources, transposed, rows scaled; `x` is the solution without sources."""
+    low, high = int(h.extent[0]), int(h.extent[1])
+    count, sides = int(e.count[0]), x.shape[0]
+    row, found = h.row[low:high], e.change[:count]
+    for q in range(count):
+        i = int(e.nodes[q])
+        if fixed[i] == e.factored[i]:
+            # It has come back: no source.
+            for r in range(count):
+                e.matrix[r, q] = 1.0 if r == q else 0.0
+            for side in range(sides):
+                e.wanted[side, q] = 0.0
+        elif fixed[i] != 0.0:
+            for r in range(count):
+                e.matrix[r, q] = e.answers[r, i]
+            for side in range(sides):
+                e.wanted[side, q] = -x[side, i]
+        else:
+            jacobian_row(i, low, high, J, 1.0, row)
+            largest = 0.0
+            for k in range(row.shape[0]):
+                largest = max(largest, abs(row[k]))
+            products(e.answers[:count, low:high], row, found)
+            for r in range(count):
+                e.matrix[r, q] = found[r] / largest
+            products(x[:, low:high], row, found[:sides])
+            for side in range(sides):
+                e.wanted[side, q] = (e.wanted[side, q] - found[side]) / largest
+
+
+@kernel
+def solve_exchanged(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange, x: Any) -> None:
+    """x (at most SIDES, n): right sides, 0 at fixed nodes, become solutions. The factors must serve."""
+    count = int(e.count[0])
+    for side in range(x.shape[0]):
+        for q in range(count):
+            e.wanted[side, q] = x[side, int(e.nodes[q])]
+        for i in range(x.shape[1]):
+            x[side, i] *= h.scale[i]
+    solve_below(h, 0, x, x.shape[0])
+    if count == 0:
+        return
+    fill_matrix(J, fixed, h, e, x)
+    lu(e.matrix, e.pivot, count)
+    for side in range(x.shape[0]):
+        sources = e.wanted[side, :count]
+        solve_transposed(e.matrix, e.pivot, sources)
+        add_rows(x[side], sources, e.answers[:count])
+        for q in range(count):
+            if fixed[int(e.nodes[q])] != 0.0:
+                x[side, int(e.nodes[q])] = 0.0
