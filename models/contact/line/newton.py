@@ -98,9 +98,11 @@ def fill_film(
 
 @kernel
 def smallest(h: Any) -> float:
-    """The least element."""
+    """The least element; nan where one is not finite."""
     least = h[0]
     for i in range(h.shape[0]):
+        if not math.isfinite(h[i]):
+            return math.nan
         least = min(least, h[i])
     return least
 
