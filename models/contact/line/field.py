@@ -46,8 +46,9 @@ FEWEST_NODES = 51
 # a film that begins as no film would be needs 0.1 us at first, whatever the step.
 SMALLEST_SHARE = 2.0**-16
 SMALLEST_STEP = 1e-9
-# A step a fifth as long should have a hundredth of the error; if it keeps this share, that is of a jump.
-STAYS = 0.5
+# A step a fifth as long should have a hundredth of the error; if it keeps this share, and is as short as this
+# (s), that is of a jump. The error of longer ones may stay where they all pass over how a film settles.
+STAYS, JUMP_TIME = 0.5, 1e-6
 # Micro-steps grow and shrink with the error to this power (local error of order 3), aiming below it.
 _POWER = -1.0 / 3.0
 _SAFETY = 0.8
@@ -100,7 +101,8 @@ def make_field_advance(component: FieldContact) -> Any:
                 at_start, at_middle, at_end, parameters.field_tolerance, bodies, fluid, w,
             )  # fmt: skip
             # An error that stays as steps get shorter is that of a jump, which no step resolves.
-            if made.error <= 1.0 or STAYS * before < made.error < math.inf:
+            jumped = length <= JUMP_TIME and STAYS * before < made.error < math.inf
+            if made.error <= 1.0 or jumped:
                 before = math.inf
                 s = h if last else s + length
                 state.grid_scale, state.rigid_approach = made.scale, made.approach

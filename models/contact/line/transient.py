@@ -261,6 +261,9 @@ def step(
     masses(p, h, half_scale, fluid, w, w.mass_middle)
     for i in range(n):
         w.base[i] = w.mass_start[i] + (1.0 - GAMMA) / GAMMA * (w.mass_middle[i] - w.mass_start[i])
+        if w.base[i] < 0.0:
+            # The film shrinks too much within the step: cavities would balance less than nothing.
+            return Stepped(found.approach, half_scale, math.inf)
     # The second stage begins where the first leads to.
     for i in range(n):
         p[i] = foretold(p[i], (p[i] - w.p_start[i]) / GAMMA, 1.0 - GAMMA)
