@@ -80,6 +80,20 @@ PAGES = (
             "faults": "Faults",
         },
     ),
+    Page(
+        "Elastohydrodynamics, promise by promise",
+        "Numerical elastohydrodynamics inside the loop",
+        {
+            "line_steady": "Line contact, steady",
+            "line_transient": "Line contact, transient",
+            "finite_lines": "Finite line",
+            "line_friction": "Mixed lubrication and friction",
+            "line_in_loop": "In the loop",
+            "films": "Judgement",
+            "line_speed": "Speed and memory of the solved film",
+            "line_hard_cases": "Bad input and hard cases",
+        },
+    ),
 )
 
 
