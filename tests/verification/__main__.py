@@ -89,6 +89,7 @@ PAGES = (
             "finite_lines": "Finite line",
             "line_friction": "Mixed lubrication and friction",
             "line_in_loop": "In the loop",
+            "line_sweep": "In the loop, idle to full speed",
             "films": "Judgement",
             "line_speed": "Speed and memory of the solved film",
             "line_hard_cases": "Bad input and hard cases",
@@ -139,6 +140,8 @@ def text(page: Page, sections: dict[str, list[str]]) -> str:
         "",
         *(f"- {promise}: {said.strip()}" for promise, said in short),
     ]
+    if left := [name for name, heading in page.sections.items() if heading not in tables]:
+        words += ["", f"Not computed yet: `python -m tests.verification {' '.join(left)}`."]
     for heading, table in tables.items():
         words += ["", f"## {heading}", "", *table]
     return "\n".join(words) + "\n"

@@ -148,7 +148,7 @@ def _cycle() -> Iterator[Row]:
         "wear depth by Archard along the cam and tappet",
         f"k = {WEAR} m²/N: deepest in one revolution {data['cam_wear'].max().item():.2g} m on the cam, "
         f"{data['follower_wear'].max().item():.2g} m on the follower, at "
-        f"{1e3 * data['follower_place'][int(data['follower_wear'].argmax())].item():.2f} mm",
+        f"{1e3 * data['follower_place'][int(np.argmax(data['follower_wear'].values))].item():.2f} mm",
         (
             "orchestrator/test_friction.py::test_both_bodies_lose_the_volume_of_archards_law",
             "models/test_wear.py::test_a_steady_pass_wears_load_over_length_times_the_ratio_of_speeds",

@@ -145,7 +145,7 @@ def _opening() -> Row:
             HARD + "test_an_open_contact_at_rest_stays_open_whatever_its_gap",
             TRANSIENT + "test_a_contact_opens_and_closes",
         ),
-        short="the load is zero only while they part: entrainment and closing press on rigid bodies too."
+        short="not always zero: oil that is entrained or squeezed bears load between bodies apart."
         if max(apart) > 0.0
         else "",
     )
