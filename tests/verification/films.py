@@ -72,6 +72,7 @@ def _formula(statement: dict[str, Any]) -> Row:
     words = next(text for prefix, text in promise.items() if _kind(statement, prefix))
     return Row(
         f"{words}: {statement['place']}, {statement['text']}",
-        f"{statement['computed']}: {statement['verdict']} ({statement['reason']})",
+        f"{statement['computed']}: {statement['verdict']}"
+        + (f" ({statement['reason']})" if statement["reason"] else ""),
         command=COMMAND,
     )
