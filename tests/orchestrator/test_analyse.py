@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -132,7 +133,7 @@ def test_poincare_map_ends_early_with_enough_impacts() -> None:
 
 
 PAGE = (Path(__file__).parents[2] / "docs" / "analyses.md").read_text("utf-8")
-COMMANDS = [line.split() for line in PAGE.split("```sh\n")[1].split("```")[0].splitlines()]
+COMMANDS = [shlex.split(line) for line in PAGE.split("```sh\n")[1].split("```")[0].splitlines()]
 
 
 def test_the_page_lists_all_analyses() -> None:

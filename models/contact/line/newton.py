@@ -248,8 +248,13 @@ def newton(
         if not math.isfinite(error):
             return Found(approach, math.inf, iteration)
         slow = error > SLOW * before
-        # What is left after a correction is that times the rate at which they shrink.
-        left = math.inf if share < 1.0 else error * min(error / before, 1.0) if before < math.inf else error
+        # What is left after a correction is that times the rate at which they shrink, but not by factors of
+        # before nodes changed sides, whose corrections shrink first fast, then slowly.
+        left = error
+        if w.exchange.count[0] == 0.0 and before < math.inf:
+            left *= min(error / before, 1.0)
+        if share < 1.0:
+            left = math.inf
     return Found(approach, math.inf, MOST_ITERATIONS)
 
 
