@@ -14,12 +14,12 @@ from models.system import System
 from orchestrator import assembly
 from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel
-from orchestrator.participants import Participant, fmu, in_process
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario_files import load
 from orchestrator.simulation import simulate
 from orchestrator.stability.sources import linearisations
 
+from .alone import Alone, two_alike
 from .coupled import in_processes, recorded
 from .recorder import Recorder
 
@@ -62,70 +62,33 @@ def contact_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return build("ehl_contact", tmp_path_factory.mktemp("contact"), {"nodes": NODES})
 
 
-class Rolling:
-    """The contact alone, of a radius that is given."""
-
-    def __init__(self, unit: Participant) -> None:
-        self.unit = unit
-        self._inputs, self._outputs = np.zeros((2, 1)), np.zeros(2)
-        unit.connect(
-            ["radius_of_curvature"], self._inputs, ["load", "minimum_film_thickness"], self._outputs,
-            np.zeros(0),
-        )  # fmt: skip
-        self._inputs[0] = 0.01
-        unit.initialise(0.0, 1.0)
-        unit.write()
-        unit.finish_initialisation()
-
-    def saved(self) -> bytes:
-        kept = self.unit.save()
-        try:
-            return self.unit.to_bytes(kept)
-        finally:
-            self.unit.release(kept)
-
-    def advance(self, time: float, radius: float, rate: float = 0.0) -> list[float]:
-        self._inputs[:, 0] = radius, rate
-        self.unit.write()
-        self.unit.advance(time, STEP)
-        self.unit.read()
-        return self._outputs.tolist()
-
-
 @pytest.fixture(params=["in-process", "fmu"])
 def rolling(
     request: pytest.FixtureRequest, falling: System, contact_file: Path
-) -> Iterator[tuple[Rolling, Rolling]]:
-    """Two alike."""
-    instance = falling.instances["contact"]
-    made = [
-        Rolling(
-            in_process("contact", instance)
-            if request.param == "in-process"
-            else fmu("contact", contact_file, instance)
-        )
-        for _ in range(2)
-    ]
-    yield made[0], made[1]
-    for one in made:
-        one.unit.close()
+) -> Iterator[tuple[Alone, Alone]]:
+    """Of a radius that is given."""
+    instance, outputs = falling.instances["contact"], ["load", "minimum_film_thickness"]
+    with two_alike(
+        request.param, instance, contact_file, "contact", "radius_of_curvature", outputs, 0.01
+    ) as made:
+        yield made
 
 
 @pytest.mark.parametrize(("radius", "rate"), [(-0.01, 0.0), (0.0, 0.0), (0.01, -3e3)])
 def test_a_radius_that_is_not_positive_is_named_and_the_step_leaves_no_trace(
-    rolling: tuple[Rolling, Rolling], radius: float, rate: float
+    rolling: tuple[Alone, Alone], radius: float, rate: float
 ) -> None:
     """Given as such, or reached by a slope within the step; what follows has the bits of one never asked."""
     asked, spared = rolling
     for one in rolling:
         for k in range(3):
-            one.advance(k * STEP, 0.01)
+            one.advance(k * STEP, STEP, 0.01)
     reached = radius + rate * STEP
     fault = rf"radius_of_curvature = {reached:g} m \(reduced radius R of the contact\): must be > 0"
     with pytest.raises(DiscardedStepError, match=fault):
-        asked.advance(3.0 * STEP, radius, rate)
+        asked.advance(3.0 * STEP, STEP, radius, rate)
     for k in range(3, 6):
-        assert asked.advance(k * STEP, 0.01) == spared.advance(k * STEP, 0.01)
+        assert asked.advance(k * STEP, STEP, 0.01) == spared.advance(k * STEP, STEP, 0.01)
     assert asked.saved() == spared.saved()
 
 

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import Participant, fmu, in_process, substepped
+from orchestrator.participants import substepped
 from orchestrator.simulation import simulate
 from orchestrator.stepping import ControlledSteps, StepControl
 from orchestrator.stepping.protocol import DISCARD
 from tests.fmus.packed import packed
 from tests.models.fluid_layer import fluid_layer
 
+from .alone import Alone, two_alike
 from .coupled import in_processes
 from .dragged import dragged
 from .recorder import Recorder
@@ -34,48 +34,12 @@ def layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return packed(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SHEETS)
 
 
-class Layer:
-    """The layer alone, with a plate whose speed is given."""
-
-    def __init__(self, unit: Participant) -> None:
-        self.unit = unit
-        self._inputs, self._outputs = np.zeros((2, 1)), np.zeros(3)
-        unit.connect(
-            ["velocity"], self._inputs, ["force", "wall_force", "impulse"], self._outputs, np.zeros(0)
-        )
-        unit.initialise(0.0, 1.0)
-        unit.finish_initialisation()
-
-    def saved(self) -> bytes:
-        kept = self.unit.save()
-        try:
-            return self.unit.to_bytes(kept)
-        finally:
-            self.unit.release(kept)
-
-    def advance(self, time: float, step: float, velocity: float) -> list[float]:
-        self._inputs[0] = velocity
-        self.unit.write()
-        self.unit.advance(time, step)
-        self.unit.read()
-        return self._outputs.tolist()
-
-
 @pytest.fixture(params=["in-process", "fmu"])
-def layers(request: pytest.FixtureRequest, layer_file: Path) -> Iterator[tuple[Layer, Layer]]:
-    """Two alike."""
-    instance = dragged(SHEETS, **STUBBORN).instances["layer"]
-    made = [
-        Layer(
-            in_process("layer", instance)
-            if request.param == "in-process"
-            else fmu("layer", layer_file, instance)
-        )
-        for _ in range(2)
-    ]
-    yield made[0], made[1]
-    for layer in made:
-        layer.unit.close()
+def layers(request: pytest.FixtureRequest, layer_file: Path) -> Iterator[tuple[Alone, Alone]]:
+    """With a plate whose speed is given."""
+    instance, outputs = dragged(SHEETS, **STUBBORN).instances["layer"], ["force", "wall_force", "impulse"]
+    with two_alike(request.param, instance, layer_file, "layer", "velocity", outputs) as made:
+        yield made
 
 
 def test_a_step_that_does_not_converge_is_discarded_and_leaves_the_state_as_it_was(layers) -> None:

@@ -66,27 +66,26 @@ def factorise_anew(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange) -> None:
 
 
 @kernel
-def serves(fixed: Any, h: Hierarchy, e: Exchange) -> bool:
-    """Whether the factors serve: few nodes have changed sides, and these were divided with the others.
-
-    Answers to sources at them are added where they lack.
+def serve(fixed: Any, h: Hierarchy, e: Exchange) -> bool:
+    """Make the factors serve, by answers to sources at nodes that changed sides since; False where they
+    cannot: too many have, or one that was not divided with the others.
     """
     if e.factored[0] < 0.0:
         return False
     before = int(e.count[0])
     count = before
     for i in range(fixed.shape[0]):
-        if fixed[i] != e.factored[i]:
-            known = not h.extent[0] <= i < h.extent[1]
-            if known:
-                return False
-            for q in range(before):
-                known = known or e.nodes[q] == i
-            if not known:
-                if count == EXCHANGES:
-                    return False
-                e.nodes[count] = i
-                count += 1
+        if fixed[i] == e.factored[i]:
+            continue
+        known = False
+        for q in range(before):
+            known = known or e.nodes[q] == i
+        if known:
+            continue
+        if count == EXCHANGES or not h.extent[0] <= i < h.extent[1]:
+            return False
+        e.nodes[count] = i
+        count += 1
     added = e.answers[before:count]
     for q in range(before, count):
         added[q - before, :] = 0.0

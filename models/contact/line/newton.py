@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from ...kernel import kernel
 from ..fluid import Lubricant
 from .elimination import add_rows
-from .exchange import factorise_anew, serves, solve_exchanged
+from .exchange import factorise_anew, serve, solve_exchanged
 from .hierarchical import BAND, Jacobian
 from .reynolds import Flow, balance, properties
 from .workspace import Workspace
@@ -228,7 +228,7 @@ def newton(
         last, reach = reach, min(max(1, 2 * reach) if changed > 0 and not hasty else 0, most)
         if left <= 1.0 and changed == 0:
             return Found(approach, 0.0, iteration)
-        if slow or not serves(w.fixed, w.hierarchy, w.exchange):
+        if slow or not serve(w.fixed, w.hierarchy, w.exchange):
             factorise_anew(J, w.fixed, w.hierarchy, w.exchange)
         fill_right_side(w)
         missing = task.line_load - line_load_of(p, w.weight, task.scale)

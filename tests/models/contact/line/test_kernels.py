@@ -11,7 +11,7 @@ from scipy.integrate import quad
 
 from models.contact.fluid import Lubricant
 from models.contact.hertz import deflection, half_width, maximum_pressure
-from models.contact.line.exchange import EXCHANGES, factorise_anew, serves, solve_exchanged
+from models.contact.line.exchange import EXCHANGES, factorise_anew, serve, solve_exchanged
 from models.contact.line.fixed_grid import Mesh, workspace
 from models.contact.line.grid import fill_kernel_matrix, place_nodes
 from models.contact.line.hierarchical import BAND, Jacobian
@@ -230,11 +230,11 @@ def test_factors_serve_after_nodes_changed_sides(nodes, sharpness, velocity):
     factorise_anew(J, fixed, w.hierarchy, w.exchange)
     last = np.flatnonzero(fixed == 0.0)[-1]
     fixed[last - 1] = 1.0
-    assert serves(fixed, w.hierarchy, w.exchange)
+    assert serve(fixed, w.hierarchy, w.exchange)
     fixed[last - 1] = 0.0
     fixed[nodes // 2] = 1.0
     fixed[last + 1 : last + 3] = 0.0
-    assert serves(fixed, w.hierarchy, w.exchange)
+    assert serve(fixed, w.hierarchy, w.exchange)
     assert shrink(errors_of_corrections(J, fixed, w))
 
 
@@ -245,4 +245,4 @@ def test_factors_do_not_serve_after_many_changes_or_far_from_the_film():
     for nodes, side in ((np.arange(last - EXCHANGES, last + 1), 1.0), (np.array([298]), 0.0)):
         changed = fixed.copy()
         changed[nodes] = side
-        assert not serves(changed, w.hierarchy, w.exchange)
+        assert not serve(changed, w.hierarchy, w.exchange)

@@ -1,0 +1,64 @@
+"""One participant by itself, in process or as an FMU, of which one input is given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from models.system import Instance
+from orchestrator.participants import Participant, fmu, in_process
+
+
+class Alone:
+    """A participant, its input and what it shows; `start` is the input's value at first."""
+
+    def __init__(self, unit: Participant, name: str, outputs: Sequence[str], start: float) -> None:
+        self.unit = unit
+        self._inputs, self._outputs = np.zeros((2, 1)), np.zeros(len(outputs))
+        unit.connect([name], self._inputs, list(outputs), self._outputs, np.zeros(0))
+        self._inputs[0] = start
+        unit.initialise(0.0, 1.0)
+        unit.write()
+        unit.finish_initialisation()
+
+    def saved(self) -> bytes:
+        kept = self.unit.save()
+        try:
+            return self.unit.to_bytes(kept)
+        finally:
+            self.unit.release(kept)
+
+    def advance(self, time: float, step: float, value: float, rate: float = 0.0) -> list[float]:
+        self._inputs[:, 0] = value, rate
+        self.unit.write()
+        self.unit.advance(time, step)
+        self.unit.read()
+        return self._outputs.tolist()
+
+
+@contextmanager
+def two_alike(
+    kind: str,
+    instance: Instance,
+    file: Path,
+    name: str,
+    given: str,
+    outputs: Sequence[str],
+    start: float = 0.0,
+) -> Iterator[tuple[Alone, Alone]]:
+    """Of kind "in-process", or "fmu" from `file`."""
+    made = [
+        Alone(
+            in_process(name, instance) if kind == "in-process" else fmu(name, file, instance),
+            given,
+            outputs,
+            start,
+        )
+        for _ in range(2)
+    ]
+    yield made[0], made[1]
+    for one in made:
+        one.unit.close()
