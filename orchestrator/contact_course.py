@@ -10,7 +10,7 @@ from models.contact.ehl_contact import FILM_IS_DRY
 from models.monolithic.difference import time_weights
 from models.system import System
 
-from .validity import Read
+from .validity import Read, contacts
 
 # More contacts are not said one by one: those with the thinnest films are.
 SAID = 4
@@ -48,9 +48,7 @@ Courses = dict[str, ContactCourse]
 def courses(system: System, read: Read) -> Courses:
     """Of all contacts that were ever loaded."""
     found = {}
-    for name, instance in system.instances.items():
-        if instance.component.name != "ehl_contact":
-            continue
+    for name, parameters in contacts(system).items():
         outputs = ("load", "maximum_pressure", "minimum_film_thickness", "film_ratio")
         # One contact at a time: there may be millions of records.
         time, load, pressure, film, ratio = read(
@@ -59,8 +57,7 @@ def courses(system: System, read: Read) -> Courses:
         loaded = load > 0.0
         if not loaded.any():
             continue
-        layout = instance.component.parameters
-        dry = layout.named(layout.vector(instance.parameters))["film_model"] == FILM_IS_DRY
+        dry = parameters["film_model"] == FILM_IS_DRY
         highest = int(np.argmax(np.where(loaded, pressure, 0.0)))
         thinnest = int(np.argmin(np.where(loaded, film, np.inf)))
         found[name] = ContactCourse(

@@ -9,7 +9,7 @@ import numpy as np
 from models.monolithic.difference import time_weights
 from models.system import System
 
-from .validity import Read
+from .validity import Read, contacts
 
 
 @dataclass(frozen=True)
@@ -28,11 +28,8 @@ Overloads = dict[str, Overload]
 def overloads(system: System, read: Read) -> Overloads:
     """The contacts whose recorded pressure passed their `elastic_limit`; others are not listed."""
     found = {}
-    for name, instance in system.instances.items():
-        if instance.component.name != "ehl_contact":
-            continue
-        layout = instance.component.parameters
-        limit = layout.named(layout.vector(instance.parameters))["elastic_limit"]
+    for name, parameters in contacts(system).items():
+        limit = parameters["elastic_limit"]
         # One contact at a time: there may be millions of records.
         time, pressure = read(["time", f"{name}.maximum_pressure"]).values()
         beyond = pressure > limit

@@ -43,9 +43,9 @@ Excursions = dict[str, dict[str, Excursion]]
 def excursions(system: System, read: Read) -> Excursions:
     """The groups that left their range while the contact was loaded, by contact; others are not listed."""
     found = {
-        name: _of(name, system, read)
-        for name, instance in system.instances.items()
-        if instance.component.name == "ehl_contact" and _formula(system, name).startswith("kushwaha")
+        name: _of(name, parameters, system, read)
+        for name, parameters in contacts(system).items()
+        if tuple(FILMS)[int(parameters["film_model"])].startswith("kushwaha")
     }
     return {name: groups for name, groups in found.items() if groups}
 
@@ -59,17 +59,16 @@ def lines(found: Excursions) -> list[str]:
     ]
 
 
-def _parameters(system: System, name: str) -> dict[str, float]:
-    instance = system.instances[name]
-    layout = instance.component.parameters
-    return layout.named(layout.vector(instance.parameters))
+def contacts(system: System) -> dict[str, dict[str, float]]:
+    """The parameters of all lubricated contacts."""
+    return {
+        name: instance.component.parameters.named(instance.component.parameters.vector(instance.parameters))
+        for name, instance in system.instances.items()
+        if instance.component.name == "ehl_contact"
+    }
 
 
-def _formula(system: System, name: str) -> str:
-    return tuple(FILMS)[int(_parameters(system, name)["film_model"])]
-
-
-def _of(name: str, system: System, read: Read) -> dict[str, Excursion]:
+def _of(name: str, parameters: Mapping[str, float], system: System, read: Read) -> dict[str, Excursion]:
     outputs = ("load", "squeeze_velocity", *(f"{group}_in_range" for group in TABLE_3))
     drivers = {c.target.variable: str(c.source) for c in system.connections if c.target.instance == name}
     columns = read(["time", *(f"{name}.{output}" for output in outputs), *drivers.values()])
@@ -86,7 +85,7 @@ def _of(name: str, system: System, read: Read) -> dict[str, Excursion]:
 
     own = {output: columns[f"{name}.{output}"][loaded] for output in outputs}
     values = group_values(
-        _parameters(system, name),
+        parameters,
         own["load"],
         own["squeeze_velocity"],
         given("entraining_velocity"),
