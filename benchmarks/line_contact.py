@@ -11,7 +11,8 @@ import numpy as np
 from models.contact.fluid import Lubricant
 from models.contact.hertz import deflection, elastic_compliance
 from models.contact.line.hierarchical import Jacobian, factorise, solve_below
-from models.contact.line.newton import Bodies, line_load_of
+from models.contact.line.mixed import Bodies
+from models.contact.line.newton import line_load_of
 from models.contact.line.reynolds import Flow
 from models.contact.line.transient import (
     GAMMA,

@@ -44,7 +44,7 @@ _NOTHING = 40.0
 # Mean gap of mean planes that coincide, over sigma.
 _GAP_AT_ZERO = 1.0 / _ROOT_TWO_PI
 # From here on mean gap and separation are equal to rounding.
-_APART = 8.5
+APART = 8.5
 # Mean gaps over sigma below this count as this.
 _LEAST_GAP = 1e-200
 # Above this ratio of film to roughness asperities carry less than 1e-12 of the load of any contact.
@@ -130,9 +130,21 @@ def area_integral(separation: float) -> float:
 
 
 @kernel
+def below(separation: float) -> float:
+    """Phi(lambda), the share of the heights below lambda: what the mean gap grows by with it."""
+    return 0.5 * math.erfc(-separation / math.sqrt(2.0))
+
+
+@kernel
+def gap_at(separation: float, share: float) -> float:
+    """h/sigma = lambda Phi(lambda) + phi(lambda), given the share Phi(lambda)."""
+    return max(0.0, separation * share + _density(separation))
+
+
+@kernel
 def mean_gap(separation: float) -> float:
     """h/sigma = lambda Phi(lambda) + phi(lambda), for any lambda."""
-    return max(0.0, separation * 0.5 * math.erfc(-separation / math.sqrt(2.0)) + _density(separation))
+    return gap_at(separation, below(separation))
 
 
 @kernel
@@ -142,7 +154,7 @@ def separation_of(gap: float) -> float:
     Newton's method on the logarithm of the mean gap, which is increasing and concave: monotone from the left,
     and from the first iterate of lambda = h/sigma - G(-lambda) soon there.
     """
-    if gap >= _APART:
+    if gap >= APART:
         return gap
     target = max(gap, _LEAST_GAP)
     if target > 1.0:

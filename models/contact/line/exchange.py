@@ -109,7 +109,7 @@ def fill_matrix(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange, x: Any) -> N
                 e.matrix[r, q] = 1.0 if r == q else 0.0
             for side in range(sides):
                 e.wanted[side, q] = 0.0
-        elif fixed[i] != 0.0:
+        elif fixed[i] == 1.0:
             for r in range(count):
                 e.matrix[r, q] = e.answers[r, i]
             for side in range(sides):
@@ -146,5 +146,5 @@ def solve_exchanged(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange, x: Any) 
         solve_transposed(e.matrix, e.pivot, sources)
         add_rows(x[side], sources, e.answers[:count])
         for q in range(count):
-            if fixed[int(e.nodes[q])] != 0.0:
+            if fixed[int(e.nodes[q])] == 1.0:
                 x[side, int(e.nodes[q])] = 0.0

@@ -10,12 +10,14 @@ from typing import Annotated, Any
 
 from ...kernel import kernel
 from ...quantities import Layout, Quantity, per_element
+from ..asperities import pressure_scale
 from ..fluid import lubricant_of
 from ..friction import profile_friction
 from ..hertz import compliance_of, deflection, load_of
 from ..mixed_lubrication import surfaces_of, traction_of
 from .differences import INSTANTS, follow, rate_of, restart, second_derivative_of
-from .newton import Bodies, line_load_of
+from .mixed import Bodies, fill_total, mean_plane_gap
+from .newton import line_load_of
 from .reynolds import Flow
 from .transient import Drives, central, grid_scale_after, highest, least, place_film, wanted_scale
 from .workspace import Workspace
@@ -79,9 +81,9 @@ def with_field_state(plain: Layout, nodes: int) -> Layout:
 
 @kernel
 def bodies_of(p: Any) -> Bodies:
-    """The elastic pair that the parameters describe."""
+    """The elastic pair and its rough surfaces that the parameters describe."""
     compliance = compliance_of(p)
-    return Bodies(compliance, p.length)
+    return Bodies(compliance, p.length, p.roughness, pressure_scale(surfaces_of(p), compliance))
 
 
 @kernel
@@ -98,22 +100,24 @@ def drives_of(u: Any, p: Any, approach: float) -> Drives:
 
 @kernel
 def deflection_energy(x: Any, radius: float, bodies: Bodies, w: Workspace) -> float:
-    """Half the integral of pressure times deflection (J)."""
+    """Half the integral of the total pressure, in w, times the bodies' deflection (J)."""
     total = 0.0
     for i in range(x.pressure.shape[0]):
-        deflected = x.film[i] + x.rigid_approach - (x.grid_scale * w.X[i]) ** 2 / (2.0 * radius)
-        total += w.weight[i] * x.pressure[i] * deflected
+        gap = mean_plane_gap(x.film[i], bodies.roughness)
+        deflected = gap + x.rigid_approach - (x.grid_scale * w.X[i]) ** 2 / (2.0 * radius)
+        total += w.weight[i] * w.mixed.total[i] * deflected
     return 0.5 * total * x.grid_scale * bodies.length
 
 
 @kernel
 def observe(x: Any, u: Any, p: Any, bodies: Bodies, w: Workspace) -> None:
     """The numbers that outputs need, from pressure and film: load, films, and what rubs."""
+    fill_total(x.pressure, x.film, bodies, w.mixed.total)
     x.elastic_energy = deflection_energy(x, u.radius_of_curvature, bodies, w)
-    x.field_load = line_load_of(x.pressure, w.weight, x.grid_scale) * bodies.length
+    x.field_load = line_load_of(w.mixed.total, w.weight, x.grid_scale) * bodies.length
     x.film_thickness = central(x.film)
     x.least_film = least(x.film)
-    x.highest_pressure = highest(x.pressure)
+    x.highest_pressure = highest(w.mixed.total)
     found = profile_friction(
         w.X, x.pressure, x.film, x.grid_scale * bodies.length, u.sliding_velocity, bodies.compliance,
         lubricant_of(p), surfaces_of(p), traction_of(p),

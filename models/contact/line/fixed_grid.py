@@ -18,7 +18,8 @@ from ...quantities import Vector
 from ..fluid import Lubricant
 from ..hertz import deflection
 from .grid import REACH, fill_kernel_matrix, place_nodes
-from .newton import Bodies, Task, fill_film, forget_factors, newton
+from .mixed import Bodies, fill_total
+from .newton import Task, fill_film, forget_factors, newton
 from .reynolds import Flow
 from .transient import masses, place_film
 from .workspace import Workspace, workspace_in, workspace_size
@@ -35,6 +36,8 @@ MOST_FAILURES = 40
 SETTLED = 1e-5
 # Start of the film, relative to the expected one: thicker is safer, as the film then only flows out.
 START_FILM = 1.3
+# Between rough surfaces by this many roughnesses more: asperities then hardly press, and settle as it flows out.
+START_ROUGH = 3.0
 # Elements of the matrices that a thread keeps (8 bytes each).
 HELD = 16_000_000
 
@@ -85,6 +88,8 @@ def cold_start(
     w = workspace(mesh)
     p, h = np.zeros(mesh.nodes), np.zeros(mesh.nodes)
     film = START_FILM * expected_film
+    if bodies.roughness > 0.0:
+        film += START_ROUGH * bodies.roughness
     place_film(load, film, radius, bodies, w.X, scale, p, h)
     approach = deflection(load, radius, bodies.length, bodies.compliance) - film
     return Fields(mesh, w.X, scale, p, h, approach, 0)
@@ -119,9 +124,12 @@ def steady_on_grid(
         masses(p, h, scale, fluid, w, mass)
         mass[1:-1] -= squeeze * step * 0.5 * scale * w.nodes.rho[1:-1] * (w.X[2:] - w.X[:-2])
         trial_p, trial_h = p.copy(), h.copy()
+        before = w.mixed.total
+        fill_total(np.maximum(p, 0.0), h, bodies, before)
         # The approach that leaves no film thinner than the start's, though its pressure be not smooth.
-        fill_film(np.maximum(p, 0.0), 0.0, flow.radius, scale, bodies, w, trial_h)
+        fill_film(before, 0.0, flow.radius, scale, bodies, w, trial_h)
         guess = float(np.min(trial_h - h)) if math.isnan(approach) else approach
+        before = before.copy()
         forget_factors(w)
         found = newton(
             trial_p, trial_h, guess, Task(scale, 0.0, flow, line_load, step), bodies, fluid, mass, w
@@ -133,7 +141,9 @@ def steady_on_grid(
                 return None
             step = SHRINK * step if step < last else FIRST_STEP * transit
             continue
-        changed = float(np.max(np.abs(trial_p - p))) / float(np.max(trial_p))
+        after = np.empty(n)
+        fill_total(trial_p, trial_h, bodies, after)
+        changed = float(np.max(np.abs(after - before))) / float(np.max(after))
         p, h, approach = trial_p, trial_h, found.approach
         if step == last and changed < SETTLED:
             return Fields(start.mesh, start.X, scale, p, h, approach, iterations)

@@ -273,13 +273,13 @@ def fill_leaf(low: int, high: int, J: Jacobian, fixed: Any, h: Hierarchy, leaf: 
         for i in range(size):
             largest[i] = max(largest[i], abs(column[i]))
     for i in range(size):
-        h.scale[low + i] = 1.0 / largest[i] if fixed[low + i] == 0.0 else 0.0
+        h.scale[low + i] = 1.0 / largest[i] if fixed[low + i] != 1.0 else 0.0
     scale = h.scale[low:high]
     for j in range(size):
         column = leaf[j, :size]
         for i in range(size):
             column[i] *= scale[i]
-        if fixed[low + j] != 0.0:
+        if fixed[low + j] == 1.0:
             column[j] = 1.0
 
 
@@ -300,7 +300,7 @@ def couple(
 
 @kernel
 def factorise(J: Jacobian, fixed: Any, h: Hierarchy) -> None:
-    """Factors of J into the Hierarchy h; rows where `fixed` is not 0 are those of the unit matrix.
+    """Factors of J into the Hierarchy h; rows where `fixed` is 1 are those of the unit matrix.
 
     Only the stretch from the first to the last node that is not fixed, and MARGIN more, is divided.
     """
@@ -309,7 +309,7 @@ def factorise(J: Jacobian, fixed: Any, h: Hierarchy) -> None:
     leaves = 2**levels
     low, high = n, 0
     for i in range(n):
-        if fixed[i] == 0.0:
+        if fixed[i] != 1.0:
             low, high = min(low, i), i + 1
         h.scale[i] = 0.0
         h.total[i] = J.B[0, i] + J.B[1, i] + J.B[2, i] + J.B[3, i] + J.B[4, i]

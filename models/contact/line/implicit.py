@@ -16,6 +16,7 @@ from ...quantities import Vector
 from ..fluid import lubricant_of
 from .field import LINE_TRANSIENT
 from .field_state import begin, bodies_of, drives_of, observe
+from .mixed import fill_total
 from .newton import Task, forget_factors, line_load_of, newton
 from .transient import GRID_TIME, aimed_scale, central, masses
 from .workspace import workspace_in, workspace_size
@@ -64,7 +65,8 @@ def implicit_field(component: Any) -> ImplicitSteps:
         bodies = bodies_of(constants)
         before = base[nodes:]
         drives = drives_of(given, constants, state.rigid_approach)
-        load = line_load_of(pressure, w.weight, state.grid_scale)
+        fill_total(pressure, film, bodies, w.mixed.total)
+        load = line_load_of(w.mixed.total, w.weight, state.grid_scale)
         wanted = aimed_scale(state.grid_scale, load, central(film), drives.flow.radius, bodies)
         share = interval / GRID_TIME
         scale = (before[_SCALE] + share * wanted) / (1.0 + share)

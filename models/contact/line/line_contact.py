@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ..asperities import Asperities
 from ..films.groups import Groups, groups
 from ..fluid import DENSITY_LAWS, VISCOSITY_LAWS, Lubricant
 from ..hertz import half_width, maximum_pressure
@@ -23,7 +24,7 @@ class LineContact:
     reduced `radius` (m), `compliance` (1/Pa) as `hertz.elastic_compliance`; the surfaces' difference of
     velocity `sliding` (m/s) counts for lubricants with an Eyring stress. `squeeze` (m/s, positive:
     separating) is a rate at which the gap is taken to change all along the contact, as in quasi-static
-    solutions. ValueError for what is no contact.
+    solutions. `asperities` carry a part of the load; None: smooth surfaces. ValueError for what is no contact.
     """
 
     load: float
@@ -34,6 +35,7 @@ class LineContact:
     lubricant: Lubricant
     sliding: float = 0.0
     squeeze: float = 0.0
+    asperities: Asperities | None = None
 
     def __post_init__(self) -> None:
         for name, unit, value, remedy in (
@@ -64,6 +66,9 @@ class LineContact:
         ):
             if not (math.isfinite(value) and value > 0.0):
                 raise ValueError(f"{name} = {value:g}{unit}: must be finite and > 0; or choose Barus' law")
+        for name, value in self.asperities._asdict().items() if self.asperities else ():
+            if not (math.isfinite(value) and value > 0.0):
+                raise ValueError(f"{name} = {value:g}: must be finite and > 0; asperities = None is smooth")
         for name, value, words in (
             ("sliding", self.sliding, "0 is pure rolling"),
             ("squeeze", self.squeeze, "0 is a steady film"),

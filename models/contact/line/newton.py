@@ -3,6 +3,7 @@
 Newton's method on the balance of `reynolds` with the complementarity p >= 0 by active sets: a node whose
 pressure falls below zero cavitates, a cavitated node whose balance says that oil piles up gets pressure
 again. As that is seen only next to the pressurised film, more nodes join when it moves on (1, 2, 4, ...).
+Between rough surfaces the unknown is the total pressure (see `mixed`).
 Factors of the Jacobian serve until convergence is slow or many nodes have changed sides (see `exchange`).
 """
 
@@ -16,6 +17,7 @@ from ..fluid import Lubricant
 from .elimination import add_rows
 from .exchange import factorise_anew, serve, solve_exchanged
 from .hierarchical import BAND, Jacobian
+from .mixed import FREE, NEARER, OPEN_SHARE, Bodies, couple_asperities, fill_sides, fluid_pressure, touch
 from .reynolds import Flow, balance, properties
 from .workspace import Workspace
 
@@ -33,13 +35,6 @@ SLOW = 0.5
 # of pressure that move would otherwise leave cavities in the middle of the film that never close.
 LEAST_SHARE = 0.2
 HIGH = 0.05
-
-
-class Bodies(NamedTuple):
-    """The elastic pair: elastic compliance (1/Pa) as `hertz.elastic_compliance`, contact length (m)."""
-
-    compliance: float
-    length: float
 
 
 class Task(NamedTuple):
@@ -80,7 +75,7 @@ def line_load_of(p: Any, weight: Any, scale: float) -> float:
 def fill_film(
     p: Any, approach: float, radius: float, scale: float, bodies: Bodies, w: Workspace, h: Any
 ) -> None:
-    """h = -approach + x^2/(2R) + deflection by p."""
+    """The bodies' gap h = -approach + x^2/(2R) + deflection by the (total) pressure p."""
     factor, offset = deflection_factors(scale, bodies)
     n = p.shape[0]
     level = factor * offset * line_load_of(p, w.weight, 1.0)
@@ -142,8 +137,8 @@ def fill_right_side(w: Workspace) -> None:
     """Right sides for `solve`: what is left of the balance, and minus its derivative by the approach."""
     for i in range(w.X.shape[0]):
         w.solution[0, i], w.solution[1, i] = 0.0, 0.0
-        if w.fixed[i] == 0.0:
-            w.solution[0, i] = -w.residual[i]
+        if w.mixed.sides[i] != FREE:
+            w.solution[0, i] = w.right[i]
             for k in range(BAND):
                 w.solution[1, i] += w.B[k, i]
 
@@ -157,9 +152,9 @@ def solve(w: Workspace, J: Jacobian, scale: float, missing: float, given: bool) 
     (N/m).
     """
     if given:
-        solve_exchanged(J, w.fixed, w.hierarchy, w.exchange, w.solution[:1])
+        solve_exchanged(J, w.mixed.sides, w.hierarchy, w.exchange, w.solution[:1])
         return 0.0
-    solve_exchanged(J, w.fixed, w.hierarchy, w.exchange, w.solution)
+    solve_exchanged(J, w.mixed.sides, w.hierarchy, w.exchange, w.solution)
     by_approach = 0.0
     for i in range(w.X.shape[0]):
         missing -= w.weight[i] * scale * w.solution[0, i]
@@ -171,17 +166,39 @@ def solve(w: Workspace, J: Jacobian, scale: float, missing: float, given: bool) 
 
 
 @kernel
-def allowed_share(p: Any, h: Any, highest: float, w: Workspace) -> float:
-    """How much of the change of pressure and film may be made: not so much that the film vanishes, or
-    cavitates where it is pressed hard."""
+def allowed_share(p: Any, h: Any, highest: float, bodies: Bodies, w: Workspace) -> float:
+    """How much of the change of pressure and gap may be made: not so much that the film vanishes, or
+    cavitates where it is pressed hard, or that asperities are pressed far into each other."""
     most = 1.0 - LEAST_SHARE
     share = 1.0
     for i in range(p.shape[0]):
-        if w.film_change[i] < -most * h[i]:
-            share = min(share, -most * h[i] / w.film_change[i])
-        if p[i] > HIGH * highest and w.change[i] < -most * p[i]:
-            share = min(share, -most * p[i] / w.change[i])
+        nearer = max(most * h[i], NEARER * bodies.roughness)
+        if w.film_change[i] < -nearer:
+            share = min(share, -nearer / w.film_change[i])
+        change = w.change[i]
+        if bodies.roughness > 0.0:
+            change -= w.mixed.stiffness[i] * w.film_change[i]
+        if p[i] > HIGH * highest and change < -most * p[i]:
+            share = min(share, -most * p[i] / change)
     return share
+
+
+@kernel
+def clip(p: Any, q: Any, highest: float, rough: bool, w: Workspace) -> bool:
+    """Negative pressures become 0, with what they were in w.change; whether total pressures have changed."""
+    moved = False
+    for i in range(p.shape[0]):
+        w.change[i] = p[i]
+        if p[i] < 0.0:
+            p[i] = 0.0
+            if rough:
+                q[i] = w.mixed.asperities[i]
+            moved = True
+        elif rough and w.fixed[i] != 0.0 and q[i] != 0.0:
+            if w.mixed.asperities[i] <= OPEN_SHARE * highest:
+                q[i] = 0.0
+                moved = True
+    return moved
 
 
 @kernel
@@ -190,29 +207,40 @@ def newton(
 ) -> Found:
     """p and h are the guess and the result; a result whose error is not 0 must not be used.
 
-    `old` is rho h times the volumes at the step's start (m^2). The factors in w serve where they are
-    of nearly the same nodes; `forget_factors` before the first call.
+    Between rough surfaces w.mixed.total is the guess of the pressure, and p tells where it is the fluid's;
+    the result is in both. `old` is rho h times the volumes at the step's start (m^2). The factors in w serve
+    where they are of nearly the same nodes; `forget_factors` before the first call.
     """
     n = p.shape[0]
     factor, offset = deflection_factors(task.scale, bodies)
     J = Jacobian(w.A, w.B, w.D, w.weight, factor, offset)
     given = task.line_load < 0.0
+    rough = bodies.roughness > 0.0
+    # Of smooth bodies the total pressure is the fluid's, and the gap the film.
+    q, gap = (w.mixed.total, w.mixed.gap) if rough else (p, h)
+    sides = w.mixed.sides
     slow, error, left = False, math.inf, math.inf
     last, reach, most = 0, 0, n
+    highest = PRESSURE_FLOOR
     for i in range(n):
         p[i] = max(p[i], 0.0)
         w.fixed[i] = 0.0 if 0 < i < n - 1 and p[i] > 0.0 else 1.0
         w.recent[i] = 0.0
-    fill_film(p, approach, task.drive.radius, task.scale, bodies, w, h)
-    for iteration in range(MOST_ITERATIONS):
-        negative = False
+        highest = max(highest, q[i])
+    fill_film(q, approach, task.drive.radius, task.scale, bodies, w, gap)
+    if rough:
+        touch(bodies, w.mixed, h)
+        fluid_pressure(p, w.fixed, w.mixed)
         for i in range(n):
-            w.change[i] = p[i]
-            if p[i] < 0.0:
-                p[i] = 0.0
-                negative = True
-        if negative:
-            fill_film(p, approach, task.drive.radius, task.scale, bodies, w, h)
+            p[i] = max(p[i], 0.0)
+    for iteration in range(MOST_ITERATIONS):
+        if clip(p, q, highest, rough, w):
+            fill_film(q, approach, task.drive.radius, task.scale, bodies, w, gap)
+            if rough:
+                touch(bodies, w.mixed, h)
+                for i in range(n):
+                    if p[i] > 0.0:
+                        p[i] = max(q[i] - w.mixed.asperities[i], 0.0)
         if not smallest(h) > 0.0:
             return Found(approach, math.inf, iteration)
         properties(p, h, fluid, w.nodes)
@@ -226,24 +254,32 @@ def newton(
         changed, hasty = update_sides(w.change, w.fixed, w.residual, w.recent, reach)
         most = last // 2 if hasty else most + 1
         last, reach = reach, min(max(1, 2 * reach) if changed > 0 and not hasty else 0, most)
+        for i in range(n):
+            w.right[i], sides[i] = -w.residual[i], w.fixed[i]
+        if rough:
+            fill_sides(p, w.fixed, highest, w.mixed)
+            couple_asperities(w.A, w.B, w.mixed, w.right)
         if left <= 1.0 and changed == 0:
             return Found(approach, 0.0, iteration)
-        if slow or not serve(w.fixed, w.hierarchy, w.exchange):
-            factorise_anew(J, w.fixed, w.hierarchy, w.exchange)
+        if slow or not serve(sides, w.hierarchy, w.exchange):
+            factorise_anew(J, sides, w.hierarchy, w.exchange)
         fill_right_side(w)
-        missing = task.line_load - line_load_of(p, w.weight, task.scale)
+        missing = task.line_load - line_load_of(q, w.weight, task.scale)
         change = solve(w, J, task.scale, missing, given)
         largest, highest = 0.0, PRESSURE_FLOOR
         for i in range(n):
             w.change[i] = w.solution[0, i]
             largest = max(largest, abs(w.change[i]))
-            highest = max(highest, p[i] + w.change[i])
+            highest = max(highest, q[i] + w.change[i])
         fill_film(w.change, change, math.inf, task.scale, bodies, w, w.film_change)
-        share = allowed_share(p, h, highest, w)
+        share = allowed_share(p, h, highest, bodies, w)
         approach += share * change
         for i in range(n):
-            p[i] += share * w.change[i]
-            h[i] += share * w.film_change[i]
+            q[i] += share * w.change[i]
+            gap[i] += share * w.film_change[i]
+        if rough:
+            touch(bodies, w.mixed, h)
+            fluid_pressure(p, w.fixed, w.mixed)
         before, error = error, largest / (TOLERANCE * highest)
         if not math.isfinite(error):
             return Found(approach, math.inf, iteration)

@@ -16,13 +16,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...quantities import Vector
+from ..asperities import pressure_scale
 from ..films.moes_venner import moes_film
 from ..hertz import ELASTIC_LIMIT
 from ..inlet import inlet_width
 from .fixed_grid import Fields, Mesh, cold_start, interpolated, steady_on_grid, workspace
 from .grid import REACH
 from .line_contact import LineContact
-from .newton import Bodies, line_load_of
+from .mixed import Bodies, fill_total
+from .newton import line_load_of
 from .reynolds import Flow
 from .transient import central, least, wanted_scale
 
@@ -63,6 +65,9 @@ class Peak:
 class SteadyFilm:
     """The film on the finest grid of the series, SI units; x points in the direction of positive velocity.
 
+    `pressure` of the oil and `asperity_pressure` (none between smooth surfaces) carry the load together, of
+    which `asperity_load` (N) is the asperities'.
+
     `mesh_error`: of central and minimum film, relative, by the changes along the series (of one grid: inf).
     `starvation`: the share of the load that oil from beyond the grid would carry, at most. `load_error`:
     relative. `series`: nodes, central and minimum film of each grid.
@@ -71,10 +76,12 @@ class SteadyFilm:
     contact: LineContact
     x: Vector
     pressure: Vector
+    asperity_pressure: Vector
     film: Vector
     approach: float
     central_film: float
     minimum_film: float
+    asperity_load: float
     load_error: float
     mesh_error: float
     starvation: float
@@ -88,15 +95,20 @@ class SteadyFilm:
         return self.x.size
 
     @property
+    def total_pressure(self) -> Vector:
+        """Of oil and asperities, which bear on the bodies (Pa)."""
+        return np.asarray(self.pressure + self.asperity_pressure)
+
+    @property
     def maximum_pressure(self) -> float:
         """Pa."""
-        return float(np.max(self.pressure))
+        return float(np.max(self.total_pressure))
 
     @property
     def second_peak(self) -> Peak | None:
         """The pressure spike before the outlet; None where there is none."""
         ahead = 1 if self.contact.velocity > 0.0 else -1
-        p, x = self.pressure[::ahead], self.x[::ahead]
+        p, x = self.total_pressure[::ahead], self.x[::ahead]
         # From the outlet upstream: the first maximum, and whether pressure falls before it rises further.
         highest = float(np.max(p))
         last = int(np.flatnonzero(p > 0.0)[-1])
@@ -209,8 +221,16 @@ def _reach(contact: LineContact, tolerance: float) -> tuple[float, float]:
     return reach, missing / reach**2
 
 
+def _bodies(contact: LineContact) -> Bodies:
+    rough = contact.asperities
+    if rough is None:
+        return Bodies(contact.compliance, contact.length)
+    scale = pressure_scale(rough, contact.compliance)
+    return Bodies(contact.compliance, contact.length, rough.roughness, scale)
+
+
 def _scale(contact: LineContact) -> float:
-    bodies = Bodies(contact.compliance, contact.length)
+    bodies = _bodies(contact)
     return wanted_scale(contact.load / contact.length, _expected(contact), contact.radius, bodies)
 
 
@@ -232,7 +252,7 @@ def _sharpness(contact: LineContact) -> float:
 
 def _on(mesh: Mesh, contact: LineContact, found: Sequence[Fields]) -> Fields | None:
     """The film on that grid, from the one before or from none."""
-    bodies = Bodies(contact.compliance, contact.length)
+    bodies = _bodies(contact)
     flow = Flow(contact.velocity, contact.sliding, contact.radius)
     if found:
         start = interpolated(found[-1], mesh)
@@ -269,15 +289,20 @@ def _nodes_on_half_width(contact: LineContact, fields: Fields) -> float:
 
 def _film(contact: LineContact, found: Sequence[Fields], error: float, starvation: float) -> SteadyFilm:
     last = found[-1]
-    carried = line_load_of(last.p, workspace(last.mesh).weight, last.scale) * contact.length
+    total = np.empty(last.p.size)
+    fill_total(last.p, last.h, _bodies(contact), total)
+    weight = workspace(last.mesh).weight
+    carried = line_load_of(total, weight, last.scale) * contact.length
     return SteadyFilm(
         contact=contact,
         x=last.X * last.scale,
         pressure=last.p,
+        asperity_pressure=total - last.p,
         film=last.h,
         approach=last.approach,
         central_film=float(central(last.h)),
         minimum_film=float(least(last.h)),
+        asperity_load=float(line_load_of(total - last.p, weight, last.scale)) * contact.length,
         load_error=abs(carried / contact.load - 1.0),
         mesh_error=error,
         starvation=starvation,

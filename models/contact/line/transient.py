@@ -17,10 +17,12 @@ from typing import Any, NamedTuple
 
 from ...integrator import copy
 from ...kernel import kernel
+from ..asperities import pressure_under
 from ..fluid import Lubricant
 from ..hertz import deflection, half_width, load_of, maximum_pressure
 from .hierarchical import BAND, Jacobian
-from .newton import Bodies, Found, Task, deflection_factors, forget_factors, line_load_of, newton, solve
+from .mixed import BALANCED, FREE, Bodies, fill_total
+from .newton import Found, Task, deflection_factors, forget_factors, line_load_of, newton, solve
 from .reynolds import Flow, balance, cell, properties
 from .workspace import Workspace
 
@@ -140,7 +142,8 @@ def highest(p: Any) -> float:
 def place_film(
     load: float, film: float, radius: float, bodies: Bodies, X: Any, scale: float, p: Any, h: Any
 ) -> None:
-    """Hertz's pressure under `load` (N) over a film of that thickness: a start that needs no solution."""
+    """Hertz's pressure under `load` (N) over a film of that thickness, p what asperities leave of it: a start
+    that needs no solution."""
     b = half_width(load, radius, bodies.length, bodies.compliance)
     p0 = maximum_pressure(load, radius, bodies.length, bodies.compliance)
     for i in range(p.shape[0]):
@@ -156,6 +159,8 @@ def place_film(
         else:
             p[i] = 0.0
             h[i] = film + x * x / (2.0 * radius)
+        if bodies.roughness > 0.0:
+            p[i] = max(p[i] - pressure_under(h[i], bodies.roughness, bodies.asperity_scale).pressure, 0.0)
 
 
 @kernel
@@ -186,12 +191,13 @@ def estimate(
     for i in range(n):
         first = (w.mass_middle[i] - w.mass_start[i]) / GAMMA
         last = (w.estimate[i] - w.base[i]) / GAMMA
-        wet = w.fixed[i] == 0.0 and w.p_start[i] > 0.0
+        wet = w.mixed.sides[i] == BALANCED and w.p_start[i] > 0.0
         at_start = -w.rate_start[i] * time_step if wet else first
         miss = _ERROR_START * at_start + _ERROR_MIDDLE * first + _ERROR_END * last
         w.solution[0, i], w.solution[1, i] = 0.0, 0.0
-        if w.fixed[i] == 0.0:
+        if w.mixed.sides[i] == BALANCED:
             w.solution[0, i] = miss / (GAMMA * time_step)
+        if w.mixed.sides[i] != FREE:
             for k in range(BAND):
                 w.solution[1, i] += w.B[k, i]
     factor, offset = deflection_factors(scale, bodies)
@@ -201,8 +207,10 @@ def estimate(
         load += w.weight[j] * w.solution[0, j]
         film += factor * (w.D[j, i] + offset * w.weight[j]) * w.solution[0, j]
     floor = LOAD_FLOOR / bodies.length
-    of_load = abs(load * scale) / (line_load_of(p, w.weight, scale) + floor)
-    return max(of_load, abs(film - change) / h[i])
+    rough = bodies.roughness > 0.0
+    of_load = abs(load * scale) / (line_load_of(w.mixed.total if rough else p, w.weight, scale) + floor)
+    of_film = abs(film - change) / h[i]
+    return max(of_load, w.mixed.opening[i] * of_film if rough else of_film)
 
 
 @kernel
@@ -218,6 +226,7 @@ def solved(
         forget_factors(w)
         if attempt == 0:
             copy(p, w.p_start)
+            copy(w.mixed.total, w.mixed.total_start)
         else:
             film, radius = central(w.h_start), task.drive.radius
             load = task.line_load * bodies.length
@@ -226,6 +235,7 @@ def solved(
             else:
                 approach = deflection(load, radius, bodies.length, bodies.compliance) - film
             place_film(load, film, radius, bodies, w.X, task.scale, p, h)
+            fill_total(p, h, bodies, w.mixed.total)
         found = newton(p, h, approach, task, bodies, fluid, old, w)
     return found
 
@@ -235,7 +245,8 @@ def step(
     p: Any, h: Any, slope: Any, scale: float, new_scale: float, time_step: float, start: Drives,
     middle: Drives, end: Drives, tolerance: float, bodies: Bodies, fluid: Lubricant, w: Workspace,
 ) -> Stepped:  # fmt: skip
-    """p and h at the step's start become those at its end; `slope` (Pa/s) foretells p and is renewed.
+    """p and h at the step's start become those at its end; `slope` (Pa/s) foretells the total pressure
+    and is renewed.
 
     Unless the error is at most 1 they must not be used (the start is in w.p_start, w.h_start, w.slope_start).
     `start`, `middle`, `end`: Drives at 0, GAMMA and 1 of the step; their approach is the guess where the
@@ -252,8 +263,12 @@ def step(
         w.X, scale, rate, p, h, w.nodes, start.flow, fluid, w.mass_start, math.inf, w.rate_start, w.A, w.B
     )
     forget_factors(w)
+    q, q_start = (w.mixed.total, w.mixed.total_start) if bodies.roughness > 0.0 else (p, w.p_start)
+    fill_total(p, h, bodies, q_start)
     for i in range(n):
-        p[i] = foretold(p[i], slope[i], GAMMA * time_step)
+        q[i] = foretold(q_start[i], slope[i], GAMMA * time_step)
+        if q_start[i] == p[i]:
+            p[i] = q[i]
     task = Task(half_scale, rate, middle.flow, middle.line_load, GAMMA * time_step)
     found = solved(p, h, middle.approach, task, bodies, fluid, w.mass_start, w)
     if found.error != 0.0:
@@ -266,7 +281,10 @@ def step(
             return Stepped(found.approach, half_scale, math.inf)
     # The second stage begins where the first leads to.
     for i in range(n):
-        p[i] = foretold(p[i], (p[i] - w.p_start[i]) / GAMMA, 1.0 - GAMMA)
+        alone = p[i] == q[i]
+        q[i] = foretold(q[i], (q[i] - q_start[i]) / GAMMA, 1.0 - GAMMA)
+        if alone:
+            p[i] = q[i]
     given = end.line_load < 0.0
     guess = end.approach if given else found.approach
     task = Task(new_scale, rate, end.flow, end.line_load, GAMMA * time_step)
@@ -274,6 +292,6 @@ def step(
     if found.error != 0.0:
         return Stepped(found.approach, new_scale, math.inf)
     for i in range(n):
-        slope[i] = (p[i] - w.p_start[i]) / time_step
+        slope[i] = (q[i] - q_start[i]) / time_step
     error = estimate(p, h, new_scale, time_step, given, bodies, fluid, w)
     return Stepped(found.approach, new_scale, error / tolerance)

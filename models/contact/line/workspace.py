@@ -12,11 +12,14 @@ from ...kernel import kernel
 from .exchange import SIDES, Exchange, exchange_in, exchange_size
 from .grid import fill_kernel_matrix, place_nodes
 from .hierarchical import BAND, Hierarchy, hierarchy_in, hierarchy_size
+from .mixed import Mixed
 from .reynolds import Nodes
 
 _FIELDS = 8
 # Vectors besides the grid's two and the properties: those listed in Workspace after `nodes`.
-_VECTORS = 13
+_VECTORS = 14
+# Of Mixed.
+_MIXED = 8
 # Says that grid and matrix are filled.
 _FILLED = 0.25
 
@@ -30,6 +33,7 @@ class Workspace(NamedTuple):
     D: Any
     nodes: Nodes
     residual: Any
+    right: Any
     A: Any
     B: Any
     fixed: Any
@@ -47,11 +51,12 @@ class Workspace(NamedTuple):
     recent: Any
     hierarchy: Hierarchy
     exchange: Exchange
+    mixed: Mixed
 
 
 def workspace_size(n: int) -> int:
     """Elements of scratch that `workspace_in` needs."""
-    rows = 2 + n + _FIELDS + _VECTORS + 2 * BAND + SIDES
+    rows = 2 + n + _FIELDS + _VECTORS + _MIXED + 2 * BAND + SIDES
     return 1 + rows * n + hierarchy_size(n) + exchange_size(n)
 
 
@@ -68,6 +73,8 @@ def workspace_in(work: Any, n: int) -> Workspace:
         work[0] = n + _FILLED
     fields = work[k : k + (_FIELDS + _VECTORS) * n].reshape((_FIELDS + _VECTORS, n))
     k += (_FIELDS + _VECTORS) * n
+    m = work[k : k + _MIXED * n].reshape((_MIXED, n))
+    k += _MIXED * n
     A = work[k : k + BAND * n].reshape((BAND, n))
     k += BAND * n
     B = work[k : k + BAND * n].reshape((BAND, n))
@@ -78,7 +85,8 @@ def workspace_in(work: Any, n: int) -> Workspace:
     k += exchange_size(n)
     f = fields
     nodes = Nodes(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7])
+    mixed = Mixed(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7])
     return Workspace(
-        X, weight, D, nodes, f[8], A, B, f[9], solution, f[10], f[11], f[12], f[13], f[14], f[15],
-        f[16], f[17], f[18], f[19], f[20], hierarchy_in(work[k:], n), exchange,
+        X, weight, D, nodes, f[8], f[21], A, B, f[9], solution, f[10], f[11], f[12], f[13], f[14], f[15],
+        f[16], f[17], f[18], f[19], f[20], hierarchy_in(work[k:], n), exchange, mixed,
     )  # fmt: skip

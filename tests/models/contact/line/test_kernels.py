@@ -15,7 +15,8 @@ from models.contact.line.exchange import EXCHANGES, factorise_anew, serve, solve
 from models.contact.line.fixed_grid import Mesh, workspace
 from models.contact.line.grid import fill_kernel_matrix, place_nodes
 from models.contact.line.hierarchical import BAND, Jacobian
-from models.contact.line.newton import Bodies, fill_film
+from models.contact.line.mixed import Bodies
+from models.contact.line.newton import fill_film
 from models.contact.line.reynolds import Flow, balance, mean_fluidity, properties
 
 BODIES = Bodies(8.8e-12, 0.012)
