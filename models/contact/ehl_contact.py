@@ -32,7 +32,7 @@ from .hertz import (
     maximum_pressure,
 )
 from .line.field import with_field
-from .mixed_lubrication import mixed_lubrication
+from .mixed_lubrication import film_ratio, mixed_lubrication
 
 # Ranges of the groups in the regression behind K (10) (K Table 3), with E = pi / compliance.
 TABLE_3 = {
@@ -113,7 +113,8 @@ class ContactParameters:
         Quantity("1", "error of load and film per micro-step (line_transient)", positive=True, maximum=0.1),
     ] = 1e-4
     roughness: Annotated[
-        float, Quantity("m", "composite rms roughness", nominal=1e-7, positive=True, display_unit="um")
+        float,
+        Quantity("m", "composite rms roughness; 0: smooth", nominal=1e-7, minimum=0.0, display_unit="um"),
     ] = 0.2e-6
     roughness_parameter: Annotated[
         float, Quantity("1", "density x radius x rms of asperities", nominal=0.05, positive=True)
@@ -194,7 +195,7 @@ class ContactOutputs:
     viscous_friction: Annotated[float, Quantity("N", "viscous share of the friction", nominal=10.0)] = 0.0
     boundary_friction: Annotated[float, Quantity("N", "boundary share of the friction", nominal=10.0)] = 0.0
     asperity_load: Annotated[float, Quantity("N", "load W_a on asperities", nominal=10.0)] = 0.0
-    film_ratio: Annotated[float, Quantity("1", "film under the fluid's share over roughness")] = 0.0
+    film_ratio: Annotated[float, Quantity("1", "film of the fluid's share over roughness; 0: smooth")] = 0.0
     damping_margin: Annotated[
         float, Quantity("1", "1 + c delta'/W_ref: where it is negative the damping takes the whole load")
     ] = 0.0
@@ -284,7 +285,7 @@ def output(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, y:
     y.maximum_pressure = maximum_pressure(load, radius, p.length, c.compliance)
     mixed = mixed_lubrication(load, c.film, y.half_width, c.compliance, u, p)
     y.asperity_load = mixed.asperity_load
-    y.film_ratio = mixed.film / p.roughness
+    y.film_ratio = film_ratio(mixed.film, p.roughness)
     y.viscous_friction = mixed.viscous_friction
     y.boundary_friction = mixed.boundary_friction
     y.friction_force = mixed.viscous_friction + mixed.boundary_friction

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..kernel import kernel
-from .asperities import THICK, Asperities, asperity_pressure, real_area_share, separation_of
+from .asperities import THICK, Asperities, pressure_scale, pressure_under, real_area_share, separation_of
 from .fluid import Lubricant, viscosity_at
 from .sharing import Sharing
 
@@ -135,11 +135,12 @@ def profile_friction(
     Where the fluid has no pressure it has cavitated, or not yet filled the gap, and doesn't shear.
     """
     load = area = viscous = 0.0
+    scale = pressure_scale(surfaces, compliance)
     for i in range(len(x)):
         width = 0.5 * (x[min(i + 1, len(x) - 1)] - x[max(i - 1, 0)]) * length
         if film[i] < THICK * surfaces.roughness:
             separation = separation_of(film[i] / surfaces.roughness)
-            load += width * asperity_pressure(separation, surfaces, compliance)
+            load += width * pressure_under(film[i], surfaces.roughness, scale).pressure
             area += width * real_area_share(separation, surfaces)
         if pressure[i] > 0.0:
             sheared = (sheared_beside(x, pressure, i, -1) + sheared_beside(x, pressure, i, 1)) * length

@@ -36,6 +36,12 @@ def traction_of(p: Any) -> Traction:
 
 
 @kernel
+def film_ratio(film: float, roughness: float) -> float:
+    """Film over roughness; 0 between smooth surfaces, where there is none."""
+    return film / roughness if roughness > 0.0 else 0.0
+
+
+@kernel
 def mixed_lubrication(
     load: float, film: float, half_width: float, compliance: float, u: Any, p: Any
 ) -> MixedLubrication:

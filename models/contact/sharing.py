@@ -63,8 +63,10 @@ def _excess(separation: float, load: float, area: float, ratio: float, whole: fl
 def shared(load: float, film: float, area: float, surfaces: Asperities, f: FilmFormula) -> Sharing:
     """Sharing of the load W >= 0 on the area A > 0 (m2), of a film h_0 >= 0 that the whole load would leave.
 
-    Without film the asperities carry all.
+    Without film the asperities carry all. Between smooth surfaces there are none, whatever the film.
     """
+    if surfaces.roughness <= 0.0:
+        return Sharing(film, THICK, 0.0)
     ratio = film / surfaces.roughness
     if load <= 0.0 or ratio >= THICK:
         return Sharing(film, ratio, 0.0)

@@ -25,6 +25,7 @@ from ...quantities import Vector
 from ...rates import make_rates
 from ..films import FILMS
 from ..fluid import lubricant_of
+from ..mixed_lubrication import film_ratio
 from .field_state import (
     FOLLOWED,
     begin,
@@ -169,7 +170,7 @@ class FieldContact(Component):
                 shown.squeeze_velocity = state.film_rate
                 shown.maximum_pressure = state.highest_pressure
                 shown.asperity_load = state.field_asperity_load
-                shown.film_ratio = state.film_thickness / record_of(p, P).roughness
+                shown.film_ratio = film_ratio(state.film_thickness, record_of(p, P).roughness)
                 shown.viscous_friction = state.field_shear
                 shown.boundary_friction = state.field_boundary_friction
                 shown.friction_force = state.field_shear + state.field_boundary_friction

@@ -36,7 +36,7 @@ MOST_FAILURES = 40
 SETTLED = 1e-5
 # Start of the film, relative to the expected one: thicker is safer, as the film then only flows out.
 START_FILM = 1.3
-# Between rough surfaces by this many roughnesses more: asperities then hardly press, and settle as it flows out.
+# Between rough surfaces by so many roughnesses more: asperities hardly press, and settle as it flows out.
 START_ROUGH = 3.0
 # Elements of the matrices that a thread keeps (8 bytes each).
 HELD = 16_000_000

@@ -47,14 +47,16 @@ def film_history(
     """The transient film under a load (N) with velocity (m/s) and radius (m) given at ascending `times` (s).
 
     Between the instants they follow cubic splines. It begins with Hertz's pressure over `film_thickness`
-    (m), and forgets that within a few passages through the contact. `parameters` of `ehl_contact` by name.
+    (m), and forgets that within a few passages through the contact. `parameters` of `ehl_contact` by name;
+    surfaces are smooth unless a roughness is among them.
     ModelError for parameters out of range and where a step does not converge.
     """
     component = ehl_contact(nodes=nodes)
     assert isinstance(component, FieldContact)
     work = np.zeros(component.work_size)
     given = _given(load, entraining_velocity, radius_of_curvature)
-    states = _stepped(component, work, SOLVED, times, given, parameters or {}, film_thickness)
+    chosen = {"roughness": 0.0, **(parameters or {})}
+    states = _stepped(component, work, SOLVED, times, given, chosen, film_thickness)
     return _observed(np.asarray(times[1:]), states, component, work)
 
 

@@ -24,7 +24,8 @@ class LineContact:
     reduced `radius` (m), `compliance` (1/Pa) as `hertz.elastic_compliance`; the surfaces' difference of
     velocity `sliding` (m/s) counts for lubricants with an Eyring stress. `squeeze` (m/s, positive:
     separating) is a rate at which the gap is taken to change all along the contact, as in quasi-static
-    solutions. `asperities` carry a part of the load; None: smooth surfaces. ValueError for what is no contact.
+    solutions. `asperities` carry a part of the load; None: smooth surfaces.
+    ValueError for what is no contact.
     """
 
     load: float

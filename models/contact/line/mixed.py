@@ -38,8 +38,8 @@ class Bodies(NamedTuple):
 
 
 class Mixed(NamedTuple):
-    """Fields over the nodes: total pressure q (Pa) and that at the step's start, gap of the mean planes d (m),
-    p_a (Pa), dp_a/dd (Pa/m), dh/dd, what p lacks of q - p_a (Pa), and the sides for the Jacobian."""
+    """Fields over the nodes: total pressure q (Pa) and that at the step's start, gap d of the mean planes
+    (m), p_a (Pa), dp_a/dd (Pa/m), dh/dd, p - (q - p_a) (Pa) and the sides for the Jacobian."""
 
     total: Any
     total_start: Any
@@ -47,7 +47,7 @@ class Mixed(NamedTuple):
     asperities: Any
     stiffness: Any
     opening: Any
-    lack: Any
+    excess: Any
     sides: Any
 
 
@@ -92,18 +92,24 @@ def fluid_pressure(p: Any, fixed: Any, m: Mixed) -> None:
 
 
 @kernel
+def is_open(asperities: float, highest: float) -> bool:
+    """A cavitated node counts as without pressure."""
+    return asperities <= OPEN_SHARE * highest
+
+
+@kernel
 def fill_sides(p: Any, fixed: Any, highest: float, m: Mixed) -> None:
-    """Sides, and what p lacks, of a p that is not negative; open nodes lose what total pressure they have."""
+    """Sides, and how far p, which is not negative, is from q - p_a."""
     for i in range(p.shape[0]):
         m.sides[i] = fixed[i]
-        if fixed[i] != 0.0 and 0 < i < p.shape[0] - 1 and m.asperities[i] > OPEN_SHARE * highest:
+        if fixed[i] != 0.0 and 0 < i < p.shape[0] - 1 and not is_open(m.asperities[i], highest):
             m.sides[i] = TOUCHING
-        m.lack[i] = 0.0 if m.sides[i] == FREE else p[i] - (m.total[i] - m.asperities[i])
+        m.excess[i] = 0.0 if m.sides[i] == FREE else p[i] - (m.total[i] - m.asperities[i])
 
 
 @kernel
 def couple_asperities(A: Any, B: Any, m: Mixed, right: Any) -> None:
-    """A and B of the balance become those by q and d; `right`, what is left of it, loses what p lacks."""
+    """A and B of the balance become those by q and d, `right` what is asked of the changes."""
     n = right.shape[0]
     for i in range(n):
         if m.sides[i] == FREE:
@@ -112,10 +118,10 @@ def couple_asperities(A: Any, B: Any, m: Mixed, right: Any) -> None:
             for k in range(A.shape[0]):
                 A[k, i], B[k, i] = 0.0, 0.0
             A[2, i], B[2, i] = 1.0, -m.stiffness[i]
-            right[i] = m.lack[i]
+            right[i] = m.excess[i]
             continue
         for k in range(A.shape[0]):
             j = i + k - 2
             if 0 <= j < n:
-                right[i] += A[k, i] * m.lack[j]
+                right[i] += A[k, i] * m.excess[j]
                 B[k, i] = B[k, i] * m.opening[j] - A[k, i] * m.stiffness[j]

@@ -17,7 +17,7 @@ from ..fluid import Lubricant
 from .elimination import add_rows
 from .exchange import factorise_anew, serve, solve_exchanged
 from .hierarchical import BAND, Jacobian
-from .mixed import FREE, NEARER, OPEN_SHARE, Bodies, couple_asperities, fill_sides, fluid_pressure, touch
+from .mixed import FREE, NEARER, Bodies, couple_asperities, fill_sides, fluid_pressure, is_open, touch
 from .reynolds import Flow, balance, properties
 from .workspace import Workspace
 
@@ -194,10 +194,9 @@ def clip(p: Any, q: Any, highest: float, rough: bool, w: Workspace) -> bool:
             if rough:
                 q[i] = w.mixed.asperities[i]
             moved = True
-        elif rough and w.fixed[i] != 0.0 and q[i] != 0.0:
-            if w.mixed.asperities[i] <= OPEN_SHARE * highest:
-                q[i] = 0.0
-                moved = True
+        elif rough and w.fixed[i] != 0.0 and q[i] != 0.0 and is_open(w.mixed.asperities[i], highest):
+            q[i] = 0.0
+            moved = True
     return moved
 
 
