@@ -18,6 +18,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 # Taylor coefficients of an input: value and three derivatives, as the integrator takes them.
 COEFFICIENTS = 4
 
@@ -72,6 +74,16 @@ class Memory:
         self.t = self.u + inputs
         self.s = self.t + 1
         self.size = self.s + 1
+
+    def beginning(self) -> Any:
+        """The vector of a new instance."""
+        component = self.component
+        values = np.zeros(self.size)
+        values[: self.starts] = component.parameters.start
+        values[self.starts : self.inputs] = component.state.start[np.array(self.started, dtype=np.int64)]
+        values[self.inputs : self.inputs + component.inputs.size] = component.inputs.start
+        values[self.x : self.u] = component.state.start
+        return values
 
     def variables(self) -> tuple[Variable, ...]:
         """All variables in the order of their value references."""

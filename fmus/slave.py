@@ -56,19 +56,14 @@ def slave_class(component: Any, model_name: str, digest: str, failures: dict[int
     """The slave of `component`. `digest` identifies the code in saved states; `failures` says in words
     what a non-zero status of the component's step means."""
     memory = Memory(component)
-    template = np.zeros(memory.size)
-    template[: memory.starts] = component.parameters.start
     started = np.array(memory.started, dtype=np.int64)
-    template[memory.starts : memory.inputs] = component.state.start[started]
-    template[memory.x : memory.u] = component.state.start
-    template[memory.inputs : memory.inputs + component.inputs.size] = component.inputs.start
     identity = hashlib.sha256(f"{digest} {model_name} {sorted(component.structure.items())}".encode())
     fixed = frozenset(v.reference for v in memory.variables() if v.variability == "fixed")
     names = tuple(v.name for v in memory.variables())
     attributes = {
         "component": component,
         "memory": memory,
-        "template": template,
+        "template": memory.beginning(),
         "names": names,
         "fixed": fixed,
         "driven": frozenset(range(memory.inputs, memory.outputs)),

@@ -26,7 +26,7 @@ from .integrator import (
     taylor,
     work_size,
 )
-from .kernel import kernel
+from .kernel import kernel, shaped
 from .quadrature import make_interpolate, make_quadrature
 
 if TYPE_CHECKING:
@@ -232,7 +232,7 @@ def make_hybrid_advance(component: Component) -> Any:
         u = work[11 * n : 11 * n + m]
         rest = work[11 * n + m :]
         g0, g = rest[0:count], rest[count : 2 * count]
-        samples = rest[2 * count : (2 + points) * count].reshape((points, count))
+        samples = shaped(rest[2 * count : (2 + points) * count], (points, count))
         copy(start, x)
         s, micro, stalled, events = 0.0, h, 0, 0
         status = settle(t, s, x, U, u, p, g0)

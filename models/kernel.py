@@ -85,3 +85,29 @@ def _record_of(context: Any, vector: Any, dtype: Any) -> Any:
 record_of: Any = (
     numba.extending.intrinsic(_record_of) if COMPILED else lambda vector, dtype: vector.view(dtype)[0]
 )
+
+
+def _shaped(context: Any, vector: Any, shape: Any) -> Any:
+    """The array of that shape, row by row, that shares the vector's memory.
+
+    As `vector.reshape(shape)`, without the errors that numba compiles with it.
+    """
+    sizes = numba.types.UniTuple(numba.types.intp, len(shape))
+
+    def address(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        source = context.make_array(signature.args[0])(context, builder, arguments[0])
+        result = context.make_array(signature.return_type)(context, builder)
+        counts = numba.core.cgutils.unpack_tuple(builder, arguments[1])
+        strides = [source.itemsize]
+        for count in counts[:0:-1]:
+            strides.insert(0, builder.mul(count, strides[0]))
+        numba.np.arrayobj.populate_array(
+            result, data=source.data, shape=counts, strides=strides, itemsize=source.itemsize, meminfo=None
+        )
+        return result._getvalue()
+
+    return vector.copy(ndim=len(shape))(vector, sizes), address
+
+
+# shaped(vector, shape), in kernels only.
+shaped: Any = numba.extending.intrinsic(_shaped) if COMPILED else lambda vector, shape: vector.reshape(shape)

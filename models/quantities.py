@@ -59,13 +59,21 @@ class Quantity:
     def fault(self, name: str, value: float) -> str | None:
         """A message naming the quantity, its value and the allowed range, or None if it is allowed."""
         whole = not self.discrete or float(value).is_integer()
-        low = max(self.minimum, 0.0) if (self.boolean or self.choices) else self.minimum
-        high = 1.0 if self.boolean else (len(self.choices) - 1.0 if self.choices else self.maximum)
+        low, high = self.limits()
         inside = math.isfinite(value) and whole and low <= value <= high
         if inside and not (self.positive and value <= 0.0):
             return None
+        return f"{name} = {value:g}{self.requirement()}"
+
+    def limits(self) -> tuple[float, float]:
+        """Least and largest allowed value, also of truth values and choices."""
+        low = max(self.minimum, 0.0) if (self.boolean or self.choices) else self.minimum
+        return low, 1.0 if self.boolean else (len(self.choices) - 1.0 if self.choices else self.maximum)
+
+    def requirement(self) -> str:
+        """What follows a value in a message: its unit, its meaning and the allowed range."""
         unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{name} = {value:g}{unit} ({self.description}): must be {self.allowed()}"
+        return f"{unit} ({self.description}): must be {self.allowed()}"
 
 
 def per_element(start: float = 0.0) -> Vector:

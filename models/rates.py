@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .kernel import kernel
+from .kernel import kernel, shaped
 from .quantities import Layout
 
 # Half widths of the differences, in T, sixteenfold from one to the next. Of the fifth derivative the long
@@ -94,7 +94,7 @@ def make_rates(derivative: Any, output: Any, state: Layout, inputs: Layout, outp
     @kernel
     def rates(t: float, x: Any, u: Any, du: Any, p: Any, work: Any, yd: Any) -> None:
         f, xs, us = work[0:n], work[n : 2 * n], work[2 * n : 2 * n + m]
-        rest = work[2 * n + m : 2 * n + m + 6 * count].reshape((6, count))
+        rest = shaped(work[2 * n + m : 2 * n + m + 6 * count], (6, count))
         before, size = rest[0], rest[1]
         derivative(t, x, u, p, f)
         unit = 1.0 / pace(f, du)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..hybrid import MOST_EVENTS, hybrid_work_size, make_hybrid_advance
 from ..integrator import OK, TOO_MANY_EVENTS, copy, taylor
-from ..kernel import kernel, record_of
+from ..kernel import kernel, record_of, shaped
 from .equations import Mechanism
 from .flight import histories
 from .flight.bouncing import (
@@ -64,17 +64,17 @@ def parts(xi: float, extra: Any) -> Any:
     """Flow, position, scratch, key, and room for `flow.tabulate`, in the extra scratch."""
     flow = Flow(
         xi,
-        extra[:_CELLS].reshape((CELLS, 3, TERMS)),
-        extra[_CELLS:_ENDS].reshape((CELLS, 3, 2)),
-        extra[_ENDS:_BOUNDS].reshape((CELLS, 4)),
-        extra[_BOUNDS:_PRESSING].reshape((CELLS, 2, TERMS)),
+        shaped(extra[:_CELLS], (CELLS, 3, TERMS)),
+        shaped(extra[_CELLS:_ENDS], (CELLS, 3, 2)),
+        shaped(extra[_ENDS:_BOUNDS], (CELLS, 4)),
+        shaped(extra[_BOUNDS:_PRESSING], (CELLS, 2, TERMS)),
     )
     room = (
-        extra[_PRESSING:_SAMPLES].reshape((CELLS, COLUMNS)),
-        extra[_SAMPLES:_MODES].reshape((CELLS // 2, COLUMNS, 2)),
-        extra[_MODES:_SERIES].reshape((COLUMNS, TERMS)),
+        shaped(extra[_PRESSING:_SAMPLES], (CELLS, COLUMNS)),
+        shaped(extra[_SAMPLES:_MODES], (CELLS // 2, COLUMNS, 2)),
+        shaped(extra[_MODES:_SERIES], (COLUMNS, TERMS)),
     )
-    scratch = extra[_SERIES:_SCRATCH].reshape((SCRATCH_ROWS, TERMS))
+    scratch = shaped(extra[_SERIES:_SCRATCH], (SCRATCH_ROWS, TERMS))
     return flow, extra[_SCRATCH:_POSITION], scratch, extra[_POSITION:], room
 
 

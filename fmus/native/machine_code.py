@@ -1,0 +1,96 @@
+"""Shared libraries of a component for every platform, made on any one of them.
+
+LLVM, as numba has it, makes machine code of the translated kernels; the C compiler and linkers for all
+platforms come with the package `ziglang`.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import fmpy
+
+SHELL = Path(__file__).parent / "shell"
+FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
+
+
+@dataclass(frozen=True)
+class Platform:
+    """A processor and operating system, as LLVM, zig, FMI 2 and FMI 3 call it."""
+
+    triple: str
+    zig: str
+    fmi2: str
+    fmi3: str
+    suffix: str
+
+
+# FMI 2 has no names for the second and the last; these are in use (fmpy's among others).
+PLATFORMS: Mapping[str, Platform] = {
+    platform.fmi3: platform
+    for platform in (
+        Platform("x86_64-unknown-linux-gnu", "x86_64-linux-gnu.2.17", "linux64", "x86_64-linux", ".so"),
+        Platform("aarch64-unknown-linux-gnu", "aarch64-linux-gnu.2.17", "aarch64-linux", "aarch64-linux", ".so"),
+        Platform("x86_64-pc-windows-gnu", "x86_64-windows-gnu", "win64", "x86_64-windows", ".dll"),
+        Platform("x86_64-apple-macosx11.0.0", "x86_64-macos.11.0", "darwin64", "x86_64-darwin", ".dylib"),
+        Platform("arm64-apple-macosx11.0.0", "aarch64-macos.11.0", "aarch64-darwin", "aarch64-darwin", ".dylib"),
+    )
+}
+
+_C = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fno-sanitize=all", "-Wall", "-Wextra", "-Werror")
+
+
+class NativeBuildError(RuntimeError):
+    """The tools that make machine code are missing or failed; the message says which and why."""
+
+
+def shared_library(platform: Platform, kernels: str, tables: Mapping[str, str], name: str) -> bytes:
+    """The library `name` for a platform: kernels (LLVM's language) and tables in the shell."""
+    with tempfile.TemporaryDirectory(prefix="tribocosim-native-") as folder:
+        place = Path(folder)
+        (place / "kernels.o").write_bytes(_object_code(platform, kernels))
+        for file, text in tables.items():
+            (place / file).write_text(text, encoding="utf-8")
+        for source in SHELL.iterdir():
+            (place / source.name).write_bytes(source.read_bytes())
+        sources = sorted(path.name for path in place.glob("*.c"))
+        target = f"{name}{platform.suffix}"
+        _zig(
+            ["cc", "-target", platform.zig, *_C, "-shared", "-s", "-I.", f"-I{FMI_HEADERS}", *sources, "kernels.o"]
+            + ["-lm", "-o", target],
+            place,
+        )
+        return (place / target).read_bytes()
+
+
+def _zig(arguments: Sequence[str], folder: Path) -> None:
+    made = subprocess.run(
+        [sys.executable, "-m", "ziglang", *arguments], cwd=folder, capture_output=True, text=True
+    )
+    if "No module named ziglang" in made.stderr:
+        raise NativeBuildError("native FMUs need the package ziglang; install tribocosim[native]")
+    if made.returncode:
+        raise NativeBuildError(f"zig {' '.join(arguments)}: {made.stderr.strip()}")
+
+
+def _object_code(platform: Platform, kernels: str) -> bytes:
+    """Machine code of the kernels, optimised for the platform, with the same bits as numba's: no operation is
+    reordered or fused."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    machine = llvm.Target.from_triple(platform.triple).create_target_machine(opt=3, reloc="pic", codemodel="default")
+    module = llvm.parse_assembly(kernels)
+    module.triple = platform.triple
+    module.data_layout = str(machine.target_data)
+    tuning = llvm.create_pipeline_tuning_options(speed_level=2)
+    tuning.loop_vectorization = tuning.slp_vectorization = True
+    builder = llvm.create_pass_builder(machine, tuning)
+    builder.getModulePassManager().run(module, builder)
+    return machine.emit_object(module)

@@ -1,0 +1,356 @@
+/* FMI 2.0 for co-simulation over `unit`. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fmi2Functions.h"
+#include "unit.h"
+
+#define UNIT ((Unit *)c)
+/* Leaves with an error where there is no instance, or the call is not allowed now. */
+#define NEEDS(phases, call)                                              \
+    do {                                                                 \
+        if (!c || !unit_may(UNIT, phases, call)) return fmi2Error;       \
+    } while (0)
+#define SETTABLE (INSTANTIATED | INITIALIZING | STEPPING)
+#define READABLE (INITIALIZING | STEPPING | TERMINATED)
+#define ANY (INSTANTIATED | READABLE)
+/* Values that are converted at a time. */
+#define SOME 64
+
+static void tell(const Unit *unit, Status status, const char *category, const char *message)
+{
+    ((fmi2CallbackLogger)unit->callback)(unit->environment, unit->name, (fmi2Status)status, category, "%s", message);
+}
+
+const char *fmi2GetTypesPlatform(void)
+{
+    return fmi2TypesPlatform;
+}
+
+const char *fmi2GetVersion(void)
+{
+    return fmi2Version;
+}
+
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[])
+{
+    if (!c) return fmi2Error;
+    (void)count, (void)categories; /* all of them */
+    UNIT->logging = on;
+    return fmi2OK;
+}
+
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                              const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging)
+{
+    fmi2CallbackLogger say = functions ? functions->logger : NULL;
+    fmi2ComponentEnvironment environment = functions ? functions->componentEnvironment : NULL;
+    const char *fault = NULL;
+    Unit *unit;
+    (void)resources, (void)visible;
+    if (!name || !*name) fault = "the instance needs a name";
+    else if (!guid || strcmp(guid, TOKEN)) fault = "the guid must be " TOKEN ", that of modelDescription.xml";
+    else if (type != fmi2CoSimulation) fault = "this FMU is for co-simulation";
+    if (fault) {
+        if (say) say(environment, name ? name : "", fmi2Error, "logStatusError", "%s: %s", MODEL, fault);
+        return NULL;
+    }
+    unit = unit_new(name, say ? tell : NULL, environment, (void *)say, logging);
+    if (!unit && say) say(environment, name, fmi2Error, "logStatusError", "%s: out of memory", MODEL);
+    return unit;
+}
+
+void fmi2FreeInstance(fmi2Component c)
+{
+    unit_free(UNIT);
+}
+
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start,
+                               fmi2Boolean stop_defined, fmi2Real stop)
+{
+    NEEDS(INSTANTIATED, "fmi2SetupExperiment");
+    (void)tolerance_defined, (void)tolerance; /* the component keeps its own, which is tighter */
+    if (!isfinite(start)) return unit_say(UNIT, ERROR, "start time = %g s: must be finite", start);
+    if (stop_defined && !(stop >= start))
+        return unit_say(UNIT, ERROR, "stop time = %g s: must not be before the start time = %g s", stop, start);
+    UNIT->now.data[T_AT] = start;
+    UNIT->now.outputs_stale = true;
+    return fmi2OK;
+}
+
+fmi2Status fmi2EnterInitializationMode(fmi2Component c)
+{
+    NEEDS(INSTANTIATED, "fmi2EnterInitializationMode");
+    UNIT->now.phase = INITIALIZING;
+    return fmi2OK;
+}
+
+fmi2Status fmi2ExitInitializationMode(fmi2Component c)
+{
+    Status status;
+    NEEDS(INITIALIZING, "fmi2ExitInitializationMode");
+    status = unit_initialize(UNIT);
+    if (status == OK) UNIT->now.phase = STEPPING;
+    return status;
+}
+
+fmi2Status fmi2Terminate(fmi2Component c)
+{
+    NEEDS(STEPPING, "fmi2Terminate");
+    UNIT->now.phase = TERMINATED;
+    return fmi2OK;
+}
+
+fmi2Status fmi2Reset(fmi2Component c)
+{
+    NEEDS(ANY, "fmi2Reset");
+    unit_reset(UNIT);
+    return fmi2OK;
+}
+
+/* Variables */
+
+fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Real value[])
+{
+    NEEDS(READABLE, "fmi2GetReal");
+    return unit_get(UNIT, REAL, vr, count, value);
+}
+
+fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2Real value[])
+{
+    NEEDS(SETTABLE, "fmi2SetReal");
+    return unit_set(UNIT, REAL, vr, count, value);
+}
+
+static Status get_whole(Unit *unit, Kind kind, const fmi2ValueReference vr[], size_t count, int value[])
+{
+    double some[SOME];
+    for (size_t i = 0; i < count; i += SOME) {
+        size_t n = count - i < SOME ? count - i : SOME;
+        Status status = unit_get(unit, kind, vr ? vr + i : NULL, n, value ? some : NULL);
+        if (status != OK) return status;
+        for (size_t j = 0; j < n; j++) value[i + j] = (int)some[j];
+    }
+    return OK;
+}
+
+static Status set_whole(Unit *unit, Kind kind, const fmi2ValueReference vr[], size_t count, const int value[])
+{
+    double some[SOME];
+    for (size_t i = 0; i < count; i += SOME) {
+        size_t n = count - i < SOME ? count - i : SOME;
+        Status status;
+        for (size_t j = 0; value && j < n; j++) some[j] = kind == BOOLEAN ? value[i + j] != 0 : value[i + j];
+        status = unit_set(unit, kind, vr ? vr + i : NULL, n, value ? some : NULL);
+        if (status != OK) return status;
+    }
+    return OK;
+}
+
+fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Integer value[])
+{
+    NEEDS(READABLE, "fmi2GetInteger");
+    return get_whole(UNIT, INTEGER, vr, count, value);
+}
+
+fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2Integer value[])
+{
+    NEEDS(SETTABLE, "fmi2SetInteger");
+    return set_whole(UNIT, INTEGER, vr, count, value);
+}
+
+fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Boolean value[])
+{
+    NEEDS(READABLE, "fmi2GetBoolean");
+    return get_whole(UNIT, BOOLEAN, vr, count, value);
+}
+
+fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2Boolean value[])
+{
+    NEEDS(SETTABLE, "fmi2SetBoolean");
+    return set_whole(UNIT, BOOLEAN, vr, count, value);
+}
+
+static Status no_strings(const Unit *unit, size_t count)
+{
+    return count ? unit_say(unit, ERROR, "this FMU has no variables of type String") : OK;
+}
+
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2String value[])
+{
+    NEEDS(READABLE, "fmi2GetString");
+    (void)vr, (void)value;
+    return no_strings(UNIT, count);
+}
+
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2String value[])
+{
+    NEEDS(SETTABLE, "fmi2SetString");
+    (void)vr, (void)value;
+    return no_strings(UNIT, count);
+}
+
+/* Derivatives by time */
+
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+                                       const fmi2Integer order[], const fmi2Real value[])
+{
+    NEEDS(SETTABLE, "fmi2SetRealInputDerivatives");
+    if (count && (!vr || !order || !value)) return unit_set(UNIT, REAL, NULL, count, NULL);
+    for (size_t i = 0; i < count; i++) {
+        fmi2ValueReference derivative;
+        Status status;
+        if (vr[i] < INPUTS_AT || vr[i] >= INPUTS_AT + INPUTS)
+            return unit_say(UNIT, ERROR, "value reference %u is not an input", (unsigned)vr[i]);
+        if (order[i] < 1 || order[i] > 3)
+            return unit_say(UNIT, ERROR, "derivative %d of %s: must be 1, 2 or 3", order[i], variables[vr[i]].name);
+        derivative = vr[i] + (fmi2ValueReference)order[i] * INPUTS;
+        status = unit_set(UNIT, REAL, &derivative, 1, value + i);
+        if (status != OK) return status;
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+                                        const fmi2Integer order[], fmi2Real value[])
+{
+    NEEDS(READABLE, "fmi2GetRealOutputDerivatives");
+    if (count && (!vr || !order || !value)) return unit_get(UNIT, REAL, NULL, count, NULL);
+    for (size_t i = 0; i < count; i++) {
+        fmi2ValueReference rate = RATES_AT;
+        while (rate < RATES_AT + RATED && OUTPUTS_AT + (unsigned)rated[rate - RATES_AT] != vr[i]) rate++;
+        if (rate == RATES_AT + RATED)
+            return unit_say(UNIT, ERROR, "value reference %u is not a continuous output", (unsigned)vr[i]);
+        if (order[i] != 1)
+            return unit_say(UNIT, ERROR, "derivative %d of %s: must be 1", order[i], variables[vr[i]].name);
+        Status status = unit_get(UNIT, REAL, &rate, 1, value + i);
+        if (status != OK) return status;
+    }
+    return fmi2OK;
+}
+
+/* Saved states */
+
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
+{
+    NEEDS(ANY, "fmi2GetFMUstate");
+    if (!state) return unit_say(UNIT, ERROR, "no place for the state");
+    if (!*state) *state = malloc(sizeof(State));
+    if (!*state) return unit_say(UNIT, ERROR, "out of memory");
+    memcpy(*state, &UNIT->now, sizeof(State));
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state)
+{
+    NEEDS(ANY, "fmi2SetFMUstate");
+    if (!state) return unit_say(UNIT, ERROR, "no state is given");
+    memcpy(&UNIT->now, state, sizeof(State));
+    return fmi2OK;
+}
+
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
+{
+    NEEDS(ANY, "fmi2FreeFMUstate");
+    if (!state) return fmi2OK;
+    free(*state);
+    *state = NULL;
+    return fmi2OK;
+}
+
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size)
+{
+    NEEDS(ANY, "fmi2SerializedFMUstateSize");
+    if (!state || !size) return unit_say(UNIT, ERROR, "no state is given, or no place for its size");
+    *size = unit_saved_size();
+    return fmi2OK;
+}
+
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
+{
+    NEEDS(ANY, "fmi2SerializeFMUstate");
+    if (!state || !bytes) return unit_say(UNIT, ERROR, "no state is given, or no place for its bytes");
+    if (size < unit_saved_size())
+        return unit_say(UNIT, ERROR, "place for %zu bytes: must be at least %zu", size, unit_saved_size());
+    unit_save(state, (unsigned char *)bytes);
+    return fmi2OK;
+}
+
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
+{
+    State *read;
+    Status status;
+    NEEDS(ANY, "fmi2DeSerializeFMUstate");
+    if (!bytes || !state) return unit_say(UNIT, ERROR, "no bytes are given, or no place for the state");
+    read = *state ? *state : malloc(sizeof *read);
+    if (!read) return unit_say(UNIT, ERROR, "out of memory");
+    status = unit_restore(UNIT, read, (const unsigned char *)bytes, size);
+    if (status == OK) *state = read;
+    else if (!*state) free(read);
+    return status;
+}
+
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t unknowns,
+                                        const fmi2ValueReference known[], size_t knowns, const fmi2Real seed[],
+                                        fmi2Real sensitivity[])
+{
+    NEEDS(READABLE, "fmi2GetDirectionalDerivative");
+    (void)unknown, (void)unknowns, (void)known, (void)knowns, (void)seed, (void)sensitivity;
+    return unit_say(UNIT, ERROR, "directional derivatives are not provided");
+}
+
+/* Stepping */
+
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean no_set_state)
+{
+    NEEDS(STEPPING, "fmi2DoStep");
+    (void)no_set_state;
+    return unit_step(UNIT, time, step);
+}
+
+fmi2Status fmi2CancelStep(fmi2Component c)
+{
+    if (!c) return fmi2Error;
+    return unit_say(UNIT, ERROR, "fmi2CancelStep: steps are never pending");
+}
+
+fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value)
+{
+    (void)kind, (void)value;
+    if (!c) return fmi2Error;
+    return unit_say(UNIT, DISCARD, "fmi2GetStatus: steps are never pending");
+}
+
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value)
+{
+    NEEDS(STEPPING | TERMINATED, "fmi2GetRealStatus");
+    if (kind != fmi2LastSuccessfulTime || !value)
+        return unit_say(UNIT, DISCARD, "fmi2GetRealStatus: only fmi2LastSuccessfulTime is known");
+    *value = UNIT->now.data[T_AT];
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value)
+{
+    (void)kind, (void)value;
+    if (!c) return fmi2Error;
+    return unit_say(UNIT, DISCARD, "fmi2GetIntegerStatus: there is no such status");
+}
+
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value)
+{
+    NEEDS(STEPPING | TERMINATED, "fmi2GetBooleanStatus");
+    if (kind != fmi2Terminated || !value)
+        return unit_say(UNIT, DISCARD, "fmi2GetBooleanStatus: only fmi2Terminated is known");
+    *value = fmi2False; /* it never ends a run by itself */
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value)
+{
+    (void)kind, (void)value;
+    if (!c) return fmi2Error;
+    return unit_say(UNIT, DISCARD, "fmi2GetStringStatus: steps are never pending");
+}

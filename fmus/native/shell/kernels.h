@@ -1,0 +1,22 @@
+/* The component's kernels as machine code. Each writes into what its last pointers point to; the first two
+   arguments are numba's: room for a returned number, and for an exception, which kernels never raise.
+   The same signatures as in entries.py. */
+#ifndef KERNELS_H
+#define KERNELS_H
+
+#include <stdint.h>
+
+#define KERNEL(name, ...) int32_t kernel_##name(void *result, void **exception, __VA_ARGS__)
+
+KERNEL(step, double t, double h, double *x, const double *U, const double *p, const double *scale, double *work,
+       double *u, double *y);
+KERNEL(output, double t, const double *x, const double *u, const double *p, double *y);
+KERNEL(derivative, double t, const double *x, const double *u, const double *p, double *dx);
+KERNEL(energy, double t, const double *x, const double *u, const double *p, double *e);
+KERNEL(slopes, const double *U, double s, double *du);
+KERNEL(rates, double t, const double *x, const double *u, const double *du, const double *p, double *work,
+       double *yd);
+KERNEL(guards, double t, const double *x, const double *u, const double *p, double *g);
+KERNEL(transition, int64_t k, double t, double *x, const double *u, const double *p);
+
+#endif

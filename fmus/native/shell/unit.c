@@ -1,0 +1,297 @@
+#include "unit.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "kernels.h"
+
+/* A step must begin where the last one ended. Masters add up time in different ways, and a million additions
+   lose about 1e-10 of it; what is left over is far below any step that makes sense. */
+#define TIME_SLACK 1e-9
+#define STEP_SLACK 1e-6
+
+#define CALL(kernel, ...) kernel_##kernel(&(int64_t){0}, &(void *){NULL}, __VA_ARGS__)
+
+/* Life */
+
+Unit *unit_new(const char *name, Logger logger, void *environment, void *callback, bool logging)
+{
+    Unit *unit = calloc(1, sizeof *unit);
+    if (!unit) return NULL;
+    unit->name = malloc(strlen(name) + 1);
+    if (!unit->name) {
+        free(unit);
+        return NULL;
+    }
+    strcpy(unit->name, name);
+    unit->logger = logger;
+    unit->environment = environment;
+    unit->callback = callback;
+    unit->logging = logging;
+    unit_reset(unit);
+    return unit;
+}
+
+void unit_free(Unit *unit)
+{
+    if (unit) free(unit->name);
+    free(unit);
+}
+
+void unit_reset(Unit *unit)
+{
+    memset(&unit->now, 0, sizeof unit->now);
+    memcpy(unit->now.data, beginning, sizeof beginning);
+    /* Tables that kernels keep in their scratch say themselves what they are for; no result depends on them. */
+    memset(unit->work, 0, sizeof unit->work);
+    unit->now.phase = INSTANTIATED;
+    unit->now.outputs_stale = unit->now.energies_stale = unit->now.rates_stale = true;
+    unit->now.parameters_unchecked = true;
+}
+
+/* Messages */
+
+Status unit_say(const Unit *unit, Status status, const char *format, ...)
+{
+    static const char *const categories[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",
+                                             "logStatusFatal"};
+    char message[2048];
+    va_list arguments;
+    if (!unit->logger || (status < DISCARD && !unit->logging)) return status;
+    va_start(arguments, format);
+    vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    unit->logger(unit, status, categories[status], message);
+    return status;
+}
+
+bool unit_may(const Unit *unit, int phases, const char *call)
+{
+    static const char *const names[] = {"instantiation", "initialisation", "stepping", "an event", "continuous time",
+                                        "termination"};
+    int now = 0;
+    if (unit->now.phase & phases) return true;
+    while (!(unit->now.phase >> now & 1)) now++;
+    unit_say(unit, ERROR, "%s: not allowed %s %s", call, now == 0 || now == 5 ? "after" : "during", names[now]);
+    return false;
+}
+
+/* Ranges */
+
+static bool allowed(const Variable *variable, double value)
+{
+    if (!isfinite(value) || value < variable->low || value > variable->high) return false;
+    if (variable->kind != REAL && value != floor(value)) return false;
+    return !(variable->positive && value <= 0.0);
+}
+
+/* Adds the faults of `count` values to the message; false if there are none. */
+static bool faults(const Variable *variable, const double *values, int count, char *message, size_t size)
+{
+    size_t used = strlen(message);
+    bool any = false;
+    for (int i = 0; i < count; i++) {
+        if (allowed(&variable[i], values[i]) || used >= size) continue;
+        used += (size_t)snprintf(message + used, size - used, "%s%s = %g%s", used ? "; " : "", variable[i].name,
+                                 values[i], variable[i].allowed);
+        any = true;
+    }
+    return any;
+}
+
+/* Motion */
+
+/* Outputs of the values that are set, at the present time. */
+static void refresh(Unit *unit)
+{
+    double *data = unit->now.data;
+    if (unit->now.phase & (INSTANTIATED | INITIALIZING))
+        for (int i = 0; i < STARTED; i++) data[X_AT + started[i]] = data[STARTS_AT + i];
+    memcpy(data + U_AT, data + INPUTS_AT, INPUTS * sizeof *data);
+    data[S_AT] = 0.0;
+    CALL(output, data[T_AT], data + X_AT, data + U_AT, data, data + OUTPUTS_AT);
+    unit->now.outputs_stale = false;
+    unit->now.energies_stale = unit->now.rates_stale = true;
+}
+
+Status unit_initialize(Unit *unit)
+{
+    char message[1024] = "";
+    bool wrong = faults(variables, unit->now.data, PARAMETERS, message, sizeof message);
+    wrong |= faults(variables + STARTS_AT, unit->now.data + STARTS_AT, STARTED, message, sizeof message);
+    if (wrong) return unit_say(unit, ERROR, "%s", message);
+    refresh(unit);
+    unit->now.parameters_unchecked = false;
+    return OK;
+}
+
+static Status refused(Unit *unit, int status, double time, double step)
+{
+    const double *data = unit->now.data;
+    char message[1024] = "";
+    for (int end = 0; end < 2; end++) {
+        double u[INPUTS + 1], s = end ? step : 0.0;
+        const double *U = data + INPUTS_AT;
+        for (int i = 0; i < INPUTS; i++)
+            u[i] = U[i] + s * (U[INPUTS + i] + s * (U[2 * INPUTS + i] / 2.0 + s * U[3 * INPUTS + i] / 6.0));
+        if (faults(variables + INPUTS_AT, u, INPUTS, message, sizeof message)) break;
+    }
+    return unit_say(unit, DISCARD, "step from t = %.9g s by %g s: %s%s%s", time, step,
+                    status > 0 && status < FAILURES ? failures[status] : "it cannot be made", *message ? "; " : "",
+                    message);
+}
+
+Status unit_step(Unit *unit, double time, double step)
+{
+    double *data = unit->now.data, t = data[T_AT];
+    int64_t status = 0;
+    if (!(step >= 0.0)) return unit_say(unit, DISCARD, "step size = %g s: must not be negative", step);
+    if (!(fabs(time - t) <= TIME_SLACK * (1.0 + fabs(t)) + STEP_SLACK * step) || isinf(step))
+        return unit_say(unit, DISCARD, "step from t = %.12g s by %g s: must begin at %.12g s, where the state is, and be finite", time, step, t);
+    if (unit->now.parameters_unchecked) {
+        char message[1024] = "";
+        if (faults(variables, data, PARAMETERS, message, sizeof message))
+            return unit_say(unit, DISCARD, "%s", message);
+        unit->now.parameters_unchecked = false;
+    }
+    kernel_step(&status, &(void *){NULL}, time, step, data + X_AT, data + INPUTS_AT, data, nominal, unit->work,
+                data + U_AT, data + OUTPUTS_AT);
+    if (status) {
+        unit->now.outputs_stale = unit->now.energies_stale = unit->now.rates_stale = true;
+        return refused(unit, (int)status, time, step);
+    }
+    data[T_AT] = time + step;
+    data[S_AT] = step;
+    unit->now.outputs_stale = false;
+    unit->now.energies_stale = unit->now.rates_stale = true;
+    return OK;
+}
+
+/* Variables */
+
+static const char *const kinds[] = {"Real", "Integer", "Boolean", "Enumeration"};
+
+static bool passes(Kind kind, Kind variable)
+{
+    return kind == variable || (kind == INTEGER && variable == ENUMERATION);
+}
+
+/* Whether the references are of variables of that kind. */
+static bool known(const Unit *unit, Kind kind, const uint32_t *references, size_t count, const void *values)
+{
+    if (count && (!references || !values)) {
+        unit_say(unit, ERROR, "no place for %zu values", count);
+        return false;
+    }
+    for (size_t i = 0; i < count; i++) {
+        uint32_t at = references[i];
+        if (at >= VARIABLES) {
+            unit_say(unit, ERROR, "there is no value reference %u: must be below %d", (unsigned)at, VARIABLES);
+            return false;
+        }
+        if (!passes(kind, variables[at].kind)) {
+            unit_say(unit, ERROR, "%s is not of type %s but %s", variables[at].name, kinds[kind],
+                     kinds[variables[at].kind]);
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool settable(const Unit *unit, const Variable *variable, double value)
+{
+    if (variable->causality == OUTPUT || variable->causality == LOCAL)
+        unit_say(unit, ERROR, "%s is calculated: it cannot be set", variable->name);
+    else if (variable->fixed && !(unit->now.phase & (INSTANTIATED | INITIALIZING)))
+        unit_say(unit, ERROR, "%s is fixed: it cannot be set after initialisation", variable->name);
+    else if (!isfinite(value))
+        unit_say(unit, ERROR, "%s = %g: must be finite", variable->name, value);
+    else
+        return true;
+    return false;
+}
+
+Status unit_set(Unit *unit, Kind kind, const uint32_t *references, size_t count, const double *values)
+{
+    if (!known(unit, kind, references, count, values)) return ERROR;
+    for (size_t i = 0; i < count; i++)
+        if (!settable(unit, &variables[references[i]], values[i])) return ERROR;
+    for (size_t i = 0; i < count; i++) {
+        unit->now.data[references[i]] = values[i];
+        if (references[i] < INPUTS_AT) unit->now.parameters_unchecked = true;
+    }
+    unit->now.outputs_stale = true;
+    return OK;
+}
+
+/* Computes what is stale up to this reference. */
+static void ready(Unit *unit, uint32_t highest)
+{
+    State *now = &unit->now;
+    double *data = now->data;
+    if (highest < OUTPUTS_AT) return;
+    if (now->outputs_stale) refresh(unit);
+    if (highest >= ENERGIES_AT && now->energies_stale) {
+        CALL(energy, data[T_AT], data + X_AT, data + U_AT, data, data + ENERGIES_AT);
+        now->energies_stale = false;
+    }
+    if (highest >= RATES_AT && now->rates_stale) {
+        CALL(slopes, data + INPUTS_AT, data[S_AT], unit->slopes);
+        CALL(rates, data[T_AT], data + X_AT, data + U_AT, unit->slopes, data, unit->rates_work, unit->all_rates);
+        for (int i = 0; i < RATED; i++) data[RATES_AT + i] = unit->all_rates[rated[i]];
+        now->rates_stale = false;
+    }
+}
+
+Status unit_get(Unit *unit, Kind kind, const uint32_t *references, size_t count, double *values)
+{
+    uint32_t highest = 0;
+    if (!known(unit, kind, references, count, values)) return ERROR;
+    for (size_t i = 0; i < count; i++)
+        if (references[i] > highest) highest = references[i];
+    ready(unit, highest);
+    for (size_t i = 0; i < count; i++) values[i] = unit->now.data[references[i]];
+    return OK;
+}
+
+/* Saved states */
+
+static const char header[] = "tribocosim native state 1 " DIGEST;
+
+static uint64_t checksum(const unsigned char *bytes, size_t size)
+{
+    uint64_t sum = 14695981039346656037u; /* FNV-1a */
+    for (size_t i = 0; i < size; i++) sum = (sum ^ bytes[i]) * 1099511628211u;
+    return sum;
+}
+
+size_t unit_saved_size(void)
+{
+    return sizeof header + sizeof(State) + sizeof(uint64_t);
+}
+
+void unit_save(const State *state, unsigned char *bytes)
+{
+    uint64_t sum;
+    memcpy(bytes, header, sizeof header);
+    memcpy(bytes + sizeof header, state, sizeof *state);
+    sum = checksum(bytes, sizeof header + sizeof *state);
+    memcpy(bytes + sizeof header + sizeof *state, &sum, sizeof sum);
+}
+
+Status unit_restore(const Unit *unit, State *state, const unsigned char *bytes, size_t size)
+{
+    uint64_t sum;
+    if (size < sizeof header || memcmp(bytes, header, sizeof header))
+        return unit_say(unit, ERROR, "the saved state is not of this FMU and version");
+    if (size != unit_saved_size())
+        return unit_say(unit, ERROR, "the saved state is damaged: %zu bytes: must be %zu", size, unit_saved_size());
+    memcpy(&sum, bytes + sizeof header + sizeof *state, sizeof sum);
+    if (sum != checksum(bytes, sizeof header + sizeof *state))
+        return unit_say(unit, ERROR, "the saved state is damaged: its sum does not match");
+    memcpy(state, bytes + sizeof header, sizeof *state);
+    return OK;
+}

@@ -1,0 +1,90 @@
+/* One instance of the component: its memory, laid out as memory.py says, and what may be done with it.
+
+   What a call does is told in docs/fmus.md; it is the same as in the FMU that runs in Python (slave.py).
+   Nothing here knows a version of FMI. */
+#ifndef UNIT_H
+#define UNIT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef enum { REAL, INTEGER, BOOLEAN, ENUMERATION } Kind;
+typedef enum { PARAMETER, INPUT, OUTPUT, LOCAL } Causality;
+
+typedef struct {
+    const char *name;
+    Kind kind;
+    Causality causality;
+    bool fixed;          /* no longer set once the initialisation is over */
+    bool positive;       /* zero excluded */
+    double low, high;    /* of what may be set */
+    const char *allowed; /* follows the value in messages: unit, meaning, range */
+} Variable;
+
+#include "sizes.h"
+
+/* Of the component, generated from its metadata (tables.py). */
+extern const Variable variables[VARIABLES];
+extern const double beginning[SIZE]; /* the memory of a new instance */
+extern const double nominal[];       /* of the states */
+extern const int started[];          /* states that have start values */
+extern const int rated[];            /* outputs that have rates */
+extern const char *const failures[FAILURES];
+
+/* As the numbers of fmi2Status and fmi3Status. */
+enum { OK, WARNING, DISCARD, ERROR, FATAL };
+typedef int Status;
+
+/* As bits, so that a call can name the phases in which it is allowed. */
+typedef enum {
+    INSTANTIATED = 1,
+    INITIALIZING = 2,
+    STEPPING = 4,
+    EVENT = 8,
+    CONTINUOUS = 16,
+    TERMINATED = 32
+} Phase;
+
+/* The evolving data: a copy of it is a saved state. */
+typedef struct {
+    double data[SIZE];
+    Phase phase;
+    bool outputs_stale, energies_stale, rates_stale;
+    bool parameters_unchecked; /* set since they were looked at */
+} State;
+
+typedef struct Unit Unit;
+typedef void (*Logger)(const Unit *unit, Status status, const char *category, const char *message);
+
+struct Unit {
+    State now;
+    char *name;
+    Logger logger;
+    void *environment, *callback; /* the host's, for the logger */
+    bool logging;                 /* more than errors */
+    double work[WORK_SIZE], rates_work[RATES_WORK_SIZE], slopes[INPUTS + 1], all_rates[OUTPUTS + 1];
+};
+
+Unit *unit_new(const char *name, Logger logger, void *environment, void *callback, bool logging);
+void unit_free(Unit *unit);
+void unit_reset(Unit *unit);
+
+/* Tells the host; returns `status`. */
+Status unit_say(const Unit *unit, Status status, const char *format, ...);
+/* Whether a call is allowed now; says so if not. */
+bool unit_may(const Unit *unit, int phases, const char *call);
+
+Status unit_initialize(Unit *unit);                   /* at the end of the initialisation */
+Status unit_step(Unit *unit, double time, double step); /* DISCARD, and nothing changed, if it cannot be made */
+
+/* Values by reference. Nothing is set unless all can be. Kind: of the call, ENUMERATION passes for INTEGER. */
+Status unit_set(Unit *unit, Kind kind, const uint32_t *references, size_t count, const double *values);
+Status unit_get(Unit *unit, Kind kind, const uint32_t *references, size_t count, double *values);
+
+/* A saved state as bytes: what wrote it, the state, and a sum by which damage is seen. */
+size_t unit_saved_size(void);
+void unit_save(const State *state, unsigned char *bytes);
+Status unit_restore(const Unit *unit, State *state, const unsigned char *bytes, size_t size);
+
+#endif

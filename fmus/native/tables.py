@@ -1,0 +1,92 @@
+"""The metadata of a component as C: sizes, places in the memory, variables, start values."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable
+from typing import Any
+
+from models.integrator import FAILURES
+
+from ..memory import Memory, Variable
+
+_KINDS = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "Enumeration": "ENUMERATION"}
+
+
+def tables(component: Any, name: str, digest: str, token: str) -> dict[str, str]:
+    """Files in C by name. `digest` identifies the code in saved states, `token` the description."""
+    memory, variables = Memory(component), Memory(component).variables()
+    sizes = {
+        "PARAMETERS": component.parameters.size,
+        "STARTED": len(memory.started),
+        "STATES": component.state.size,
+        "INPUTS": component.inputs.size,
+        "OUTPUTS": component.outputs.size,
+        "RATED": len(memory.rated),
+        "GUARDS": component.events.count if component.events else 0,
+        "VARIABLES": memory.end_of_variables,
+        "WORK_SIZE": component.work_size,
+        "RATES_WORK_SIZE": component.rates_work_size,
+        "STARTS_AT": memory.starts,
+        "INPUTS_AT": memory.inputs,
+        "OUTPUTS_AT": memory.outputs,
+        "ENERGIES_AT": memory.energies,
+        "RATES_AT": memory.rates,
+        "X_AT": memory.x,
+        "U_AT": memory.u,
+        "T_AT": memory.t,
+        "S_AT": memory.s,
+        "SIZE": memory.size,
+        "FAILURES": max(FAILURES) + 1,
+    }
+    strings = {"MODEL": name, "TOKEN": token, "DIGEST": digest}
+    defined = {key: _string(text) for key, text in strings.items()} | sizes
+    arrays = (
+        _array("Variable", "variables", "VARIABLES", map(_variable, variables)),
+        _array("double", "beginning", "SIZE", map(_number, memory.beginning())),
+        _array("double", "nominal", "", map(_number, (*component.state.nominal, 1.0))),
+        _array("int", "started", "", map(str, (*memory.started, -1))),
+        _array("int", "rated", "", map(str, (*memory.rated, -1))),
+        _array("char *const", "failures", "FAILURES", (_string(FAILURES.get(i, "")) for i in range(max(FAILURES) + 1))),
+    )
+    return {
+        "sizes.h": "".join(f"#define {key} {value}\n" for key, value in defined.items()),
+        "tables.c": '#include <math.h>\n\n#include "unit.h"\n\n' + "\n".join(arrays) + "\n",
+    }
+
+
+def _array(kind: str, name: str, size: str, items: Iterable[str]) -> str:
+    return f"const {kind} {name}[{size}] = {{\n    " + ",\n    ".join(items) + "};"
+
+
+def _variable(variable: Variable) -> str:
+    quantity = variable.quantity
+    low, high = quantity.limits() if quantity else (-math.inf, math.inf)
+    parts = (
+        _string(variable.name),
+        _KINDS[variable.kind],
+        variable.causality.upper(),
+        _truth(variable.variability == "fixed"),
+        _truth(quantity is not None and quantity.positive),
+        _number(low),
+        _number(high),
+        _string(quantity.requirement() if quantity else ""),
+    )
+    return "{" + ", ".join(parts) + "}"
+
+
+def _string(text: str) -> str:
+    """A C literal. JSON's escapes are C's, and what is not ASCII stays as it is, in UTF-8."""
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _truth(value: bool) -> str:
+    return "true" if value else "false"
+
+
+def _number(value: float) -> str:
+    """The same double."""
+    if math.isinf(value):
+        return "INFINITY" if value > 0.0 else "-INFINITY"
+    return float(value).hex()

@@ -1,0 +1,109 @@
+"""A component's entries in LLVM's intermediate language, for any processor: `translated("camshaft", {})`.
+
+Compiled in a process of its own for a processor without peculiarities, so that every machine makes the same.
+What the code calls must be elementary mathematics or LLVM's own: kernels that allocate, raise or call Python
+are refused by name.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+# Of the C library; LLVM's intrinsics become calls of the same.
+MATHEMATICS = frozenset(
+    "acos acosh asin asinh atan atanh atan2 cbrt ceil cos cosh erf erfc exp exp2 expm1 fabs floor fma fmax fmin fmod hypot ldexp "
+    "log log10 log1p log2 pow round sin sinh sqrt tan tanh trunc tgamma lgamma memcpy memmove memset".split()
+)
+# numba counts references to arrays that own their memory; those that C hands in have none.
+_COUNTING = ("NRT_incref", "NRT_decref")
+_PLAIN_PROCESSOR = {
+    "NUMBA_CPU_NAME": "generic",
+    "NUMBA_CPU_FEATURES": "",
+    "NUMBA_LOOP_VECTORIZE": "0",  # left to the compiler of each platform
+    "NUMBA_SLP_VECTORIZE": "0",
+}
+
+
+class TranslationError(ValueError):
+    """A kernel does what machine code without Python cannot; the message says what."""
+
+
+def translated(name: str, structure: Mapping[str, int]) -> str:
+    """The entries of the component `name` with these sizes, as functions kernel_<entry>."""
+    sizes = [f"{key}={value}" for key, value in sorted(structure.items())]
+    root = Path(__file__).parents[2]
+    path = os.pathsep.join(filter(None, (str(root), os.environ.get("PYTHONPATH"))))
+    made = subprocess.run(
+        [sys.executable, "-m", __spec__.name, name, *sizes],
+        env=os.environ | _PLAIN_PROCESSOR | {"PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+    )
+    if made.returncode:
+        raise TranslationError(f"native code of {name}: {made.stderr.strip().splitlines()[-1]}")
+    return made.stdout
+
+
+def _translate(name: str, structure: Mapping[str, int]) -> str:
+    """As `translated`, in this process."""
+    import llvmlite.binding as llvm
+    import numba
+
+    from models.catalogue import CATALOGUE
+
+    from .entries import entries
+
+    whole = llvm.parse_assembly("")
+    symbols = {}
+    for entry in entries(CATALOGUE[name](**structure)):
+        compiled = numba.njit(
+            entry.signature, error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True
+        )(entry.function)
+        (overload,) = compiled.overloads.values()
+        symbols[overload.fndesc.mangled_name] = f"kernel_{entry.name}"
+        whole.link_in(llvm.parse_assembly(_without_counting(overload.library.get_llvm_str())))
+    for place in (*whole.functions, *whole.global_variables):
+        if not place.is_declaration and place.name not in symbols:
+            place.linkage = "internal"
+    _drop_unused(whole)
+    text = str(whole)
+    for symbol, plain in symbols.items():
+        text = re.sub(rf'@"?{re.escape(symbol)}"?(?=[\s(,])', f"@{plain}", text)
+    foreign = sorted(
+        f.name
+        for f in whole.functions
+        if f.is_declaration and not f.name.startswith("llvm.") and f.name not in MATHEMATICS
+    )
+    if foreign:
+        raise TranslationError(f"its kernels call {', '.join(foreign)}; they may call mathematics only")
+    lines = text.splitlines()
+    kept = (line for line in lines if not line.startswith(("target ", "source_filename", "; ModuleID")))
+    return "\n".join(kept) + "\n"
+
+
+def _without_counting(text: str) -> str:
+    """The module's text with empty functions in the place of those that count references."""
+    for name in _COUNTING:
+        body = rf"^define [^\n]*@{name}\(ptr [^\n]*\{{\n.*?^\}}"
+        text = re.sub(body, f"define linkonce_odr void @{name}(ptr %0) {{\n  ret void\n}}", text, flags=re.M | re.S)
+    return text
+
+
+def _drop_unused(module: object) -> None:
+    import llvmlite.binding as llvm
+
+    machine = llvm.Target.from_default_triple().create_target_machine()
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=0))
+    passes = llvm.create_new_module_pass_manager()
+    passes.add_global_dead_code_eliminate_pass()
+    passes.run(module, builder)
+
+
+if __name__ == "__main__":
+    sizes = (word.split("=") for word in sys.argv[2:])
+    print(_translate(sys.argv[1], {key: int(value) for key, value in sizes}), end="")
