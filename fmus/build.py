@@ -16,14 +16,14 @@ import zipfile
 from collections.abc import Mapping
 from importlib import metadata
 from pathlib import Path
-from typing import Any
 
 import pythonfmu
 
 from models.catalogue import CATALOGUE
+from models.component import Component
 from models.kernel import user_cache_directory
 
-from .description import GUID_PLACE, Experiment, Origin, model_description
+from .description import GUID_PLACE, PYTHON, Experiment, Origin, model_description
 from .documentation import page
 from .sources import digest_of, shipped
 
@@ -71,15 +71,21 @@ def build(name: str, destination: Path | None = None, structure: Mapping[str, in
     a reader sees the old or the new one. KeyError with the known names for an unknown one; ValueError for
     sizes that the component refuses.
     """
-    content = archive(name, structure)
-    if destination is None:
-        target = user_cache_directory() / "fmus" / f"{name}-{digest_of({'': content})[:16]}.fmu"
-        if target.is_file():
-            return target
-    else:
-        target = Path(destination)
-        if target.suffix != ".fmu":
-            target = target / f"{name}.fmu"
+    content = packed(content_of(name, structure))
+    if destination is not None:
+        return written(content, name, Path(destination))
+    target = cached(name, digest_of({"": content}))
+    return target if target.is_file() else written(content, name, target)
+
+
+def cached(name: str, digest: str) -> Path:
+    """Where the FMU made of what has this digest is kept."""
+    return user_cache_directory() / "fmus" / f"{name}-{digest[:16]}.fmu"
+
+
+def written(content: bytes, name: str, destination: Path) -> Path:
+    """The file at `destination`, or called `name`.fmu in that folder; it appears whole or not at all."""
+    target = destination if destination.suffix == ".fmu" else destination / f"{name}.fmu"
     target.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(prefix=f".{name}-", suffix=".part", dir=target.parent)
     try:
@@ -93,36 +99,28 @@ def build(name: str, destination: Path | None = None, structure: Mapping[str, in
     return target
 
 
-def default_structure(name: str) -> dict[str, int]:
-    """Sizes of the FMU that is built without any: `STRUCTURE` of its folder, the rest the component's own."""
-    return dict(getattr(importlib.import_module(f"fmus.{name}"), "STRUCTURE", {}))
+def default_structure(name: str, kind: str = "STRUCTURE") -> dict[str, int]:
+    """Sizes of the FMU that is built without any: `kind` of its folder, the rest the component's own."""
+    return dict(getattr(importlib.import_module(f"fmus.{name}"), kind, {}))
 
 
-def archive(name: str, structure: Mapping[str, int] | None = None) -> bytes:
-    """The bytes of the FMU."""
-    files = content_of(name, structure)
+def packed(files: Mapping[str, bytes]) -> bytes:
+    """The bytes of an FMU with these files."""
     buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as packed:
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for path in sorted(files, key=lambda path: (path != "modelDescription.xml", path)):
             entry = zipfile.ZipInfo(path, _EPOCH)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.create_system = 3  # Unix, wherever it is built
             entry.external_attr = 0o100644 << 16
-            packed.writestr(entry, files[path])
+            archive.writestr(entry, files[path])
     return buffer.getvalue()
 
 
 def content_of(name: str, structure: Mapping[str, int] | None = None) -> dict[str, bytes]:
     """The FMU's files by path."""
-    if name not in NAMES:
-        raise KeyError(f"FMU {name!r}: must be one of {', '.join(NAMES)}")
-    given = default_structure(name) if structure is None else structure
-    sizes = {key: int(value) for key, value in sorted(given.items())}
+    sizes, component = chosen(name, structure)
     factory = CATALOGUE[name]
-    try:
-        component = factory(**sizes)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"structure of {name}: {error}") from None
     package, code = shipped(factory)
     files = {f"resources/{path}": content for path, content in code.items()}
     script = _SCRIPT.format(
@@ -135,23 +133,45 @@ def content_of(name: str, structure: Mapping[str, int] | None = None) -> dict[st
     stem = f"{name}_{digest_of({package: script})[:16]}"
     files[f"resources/{stem}.py"] = script
     files["resources/slavemodule.txt"] = stem.encode()
-    files |= _binaries(name) | _documents(name, component)
-    experiment: Experiment = importlib.import_module(f"fmus.{name}").EXPERIMENT
-    xml = model_description(component, name, experiment, origin())
+    licence = metadata.distribution("pythonfmu").read_text("licenses/LICENSE") or ""
+    files["documentation/licenses/pythonfmu.txt"] = licence.encode()
+    files |= _binaries(name) | documents(name, component)
+    made_by = origin(f"PythonFMU {pythonfmu.__version__}")
+    xml = model_description(component, name, experiment(name), made_by, PYTHON)
     guid = uuid.UUID(digest_of(files | {"modelDescription.xml": xml.encode()})[:32])
     files["modelDescription.xml"] = xml.replace(GUID_PLACE, f"{{{guid}}}").encode()
     return files
 
 
-def origin() -> Origin:
-    """Who made the FMUs, from the metadata of this distribution."""
+def chosen(
+    name: str, structure: Mapping[str, int] | None, kind: str = "STRUCTURE"
+) -> tuple[dict[str, int], Component]:
+    """The sizes of an FMU, and the component with them; KeyError and ValueError as `build`."""
+    if name not in NAMES:
+        raise KeyError(f"FMU {name!r}: must be one of {', '.join(NAMES)}")
+    given = default_structure(name, kind) if structure is None else structure
+    sizes = {key: int(value) for key, value in sorted(given.items())}
+    try:
+        return sizes, CATALOGUE[name](**sizes)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"structure of {name}: {error}") from None
+
+
+def experiment(name: str) -> Experiment:
+    """What a tool offers to run first."""
+    offered: Experiment = importlib.import_module(f"fmus.{name}").EXPERIMENT
+    return offered
+
+
+def origin(tool: str) -> Origin:
+    """Who made the FMUs, from the metadata of this distribution; `tool` packed them."""
     version = metadata.version("tribocosim")
     return Origin(
         author="tribocosim developers",
         copyright=_license().splitlines()[2],
         license="MIT",
         version=version,
-        tool=f"tribocosim {version} with PythonFMU {pythonfmu.__version__}",
+        tool=f"tribocosim {version} with {tool}",
     )
 
 
@@ -170,13 +190,11 @@ def _binaries(name: str) -> dict[str, bytes]:
     return {f"binaries/{path.parent.name}/{name}{path.suffix}": path.read_bytes() for path in found}
 
 
-def _documents(name: str, component: Any) -> dict[str, bytes]:
+def documents(name: str, component: Component) -> dict[str, bytes]:
+    """What every FMU has for its readers."""
     folder = HERE / name
     return {
         "documentation/index.html": page((folder / "README.md").read_text("utf-8"), component).encode(),
         "documentation/licenses/LICENSE": _license().encode(),
-        "documentation/licenses/pythonfmu.txt": (
-            metadata.distribution("pythonfmu").read_text("licenses/LICENSE") or ""
-        ).encode(),
         "model.png": (folder / "model.png").read_bytes(),
     }

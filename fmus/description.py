@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
@@ -18,7 +19,8 @@ LOG_CATEGORIES = {
     "logAll": "All messages",
 }
 
-OPTIONS = {
+# Of an FMU that runs in Python.
+PYTHON = {
     "needsExecutionTool": "true",
     "canHandleVariableCommunicationStepSize": "true",
     "canInterpolateInputs": "false",
@@ -28,6 +30,12 @@ OPTIONS = {
     "canGetAndSetFMUstate": "true",
     "canSerializeFMUstate": "true",
     "providesDirectionalDerivative": "false",
+}
+# Of one that needs nothing but itself.
+NATIVE = PYTHON | {
+    "needsExecutionTool": "false",
+    "canInterpolateInputs": "true",
+    "maxOutputDerivativeOrder": "1",
 }
 
 GUID_PLACE = "{guid}"
@@ -54,7 +62,9 @@ class Origin:
     tool: str
 
 
-def model_description(component: Any, model_name: str, experiment: Experiment, origin: Origin) -> str:
+def model_description(
+    component: Any, model_name: str, experiment: Experiment, origin: Origin, abilities: Mapping[str, str]
+) -> str:
     """The XML text, with `GUID_PLACE` where the guid belongs."""
     memory = Memory(component)
     variables = memory.variables()
@@ -72,7 +82,7 @@ def model_description(component: Any, model_name: str, experiment: Experiment, o
         variableNamingConvention="structured",
         numberOfEventIndicators="0",
     )
-    SubElement(root, "CoSimulation", modelIdentifier=model_name, **OPTIONS)
+    SubElement(root, "CoSimulation", modelIdentifier=model_name, **abilities)
     _units(SubElement(root, "UnitDefinitions"), variables)
     _types(SubElement(root, "TypeDefinitions"), variables)
     categories = SubElement(root, "LogCategories")

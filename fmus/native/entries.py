@@ -36,9 +36,7 @@ def entries(component: Any) -> Iterator[Entry]:
     step, find_output, derivative = component.step, component.flat_output, component.flat_derivative
     find_energy, find_rates, find_slopes = component.flat_energy, component.flat_rates, component.input_rates
 
-    def entry_step(
-        t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any, u: Any, y: Any
-    ) -> int:
+    def entry_step(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any, u: Any, y: Any) -> int:
         return step(
             t,
             h,

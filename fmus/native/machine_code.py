@@ -9,7 +9,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,19 +30,26 @@ class Platform:
     suffix: str
 
 
-# FMI 2 has no names for the second and the last; these are in use (fmpy's among others).
-PLATFORMS: Mapping[str, Platform] = {
-    platform.fmi3: platform
-    for platform in (
-        Platform("x86_64-unknown-linux-gnu", "x86_64-linux-gnu.2.17", "linux64", "x86_64-linux", ".so"),
-        Platform("aarch64-unknown-linux-gnu", "aarch64-linux-gnu.2.17", "aarch64-linux", "aarch64-linux", ".so"),
-        Platform("x86_64-pc-windows-gnu", "x86_64-windows-gnu", "win64", "x86_64-windows", ".dll"),
-        Platform("x86_64-apple-macosx11.0.0", "x86_64-macos.11.0", "darwin64", "x86_64-darwin", ".dylib"),
-        Platform("arm64-apple-macosx11.0.0", "aarch64-macos.11.0", "aarch64-darwin", "aarch64-darwin", ".dylib"),
-    )
-}
+_LINUX, _WINDOWS, _MAC = (".so", "linux-gnu.2.17"), (".dll", "windows-gnu"), (".dylib", "macos.11.0")
 
-_C = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fno-sanitize=all", "-Wall", "-Wextra", "-Werror")
+
+def _platforms() -> Iterator[Platform]:
+    """FMI 2 has no names for those with ARM; these are in use (fmpy's among others)."""
+    for (suffix, zig), triple, *names in (
+        (_LINUX, "x86_64-unknown-linux-gnu", "linux64", "x86_64-linux"),
+        (_LINUX, "aarch64-unknown-linux-gnu", "aarch64-linux", "aarch64-linux"),
+        (_WINDOWS, "x86_64-pc-windows-gnu", "win64", "x86_64-windows"),
+        (_MAC, "x86_64-apple-macosx11.0.0", "darwin64", "x86_64-darwin"),
+        (_MAC, "arm64-apple-macosx11.0.0", "aarch64-darwin", "aarch64-darwin"),
+    ):
+        processor = names[1].partition("-")[0]
+        yield Platform(triple, f"{processor}-{zig}", *names, suffix)
+
+
+PLATFORMS: Mapping[str, Platform] = {platform.fmi3: platform for platform in _platforms()}
+
+_C = ["-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fno-sanitize=all"]
+_STRICT = ["-Wall", "-Wextra", "-Werror"]
 
 
 class NativeBuildError(RuntimeError):
@@ -60,11 +67,8 @@ def shared_library(platform: Platform, kernels: str, tables: Mapping[str, str], 
             (place / source.name).write_bytes(source.read_bytes())
         sources = sorted(path.name for path in place.glob("*.c"))
         target = f"{name}{platform.suffix}"
-        _zig(
-            ["cc", "-target", platform.zig, *_C, "-shared", "-s", "-I.", f"-I{FMI_HEADERS}", *sources, "kernels.o"]
-            + ["-lm", "-o", target],
-            place,
-        )
+        inputs = ["-I.", f"-I{FMI_HEADERS}", *sources, "kernels.o", "-lm"]
+        _zig(["cc", "-target", platform.zig, *_C, *_STRICT, "-shared", "-s", *inputs, "-o", target], place)
         return (place / target).read_bytes()
 
 
@@ -73,7 +77,7 @@ def _zig(arguments: Sequence[str], folder: Path) -> None:
         [sys.executable, "-m", "ziglang", *arguments], cwd=folder, capture_output=True, text=True
     )
     if "No module named ziglang" in made.stderr:
-        raise NativeBuildError("native FMUs need the package ziglang; install tribocosim[native]")
+        raise NativeBuildError("native FMUs need the package ziglang: pip install 'tribocosim[native]'")
     if made.returncode:
         raise NativeBuildError(f"zig {' '.join(arguments)}: {made.stderr.strip()}")
 
@@ -85,7 +89,8 @@ def _object_code(platform: Platform, kernels: str) -> bytes:
 
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    machine = llvm.Target.from_triple(platform.triple).create_target_machine(opt=3, reloc="pic", codemodel="default")
+    target = llvm.Target.from_triple(platform.triple)
+    machine = target.create_target_machine(opt=3, reloc="pic", codemodel="default")
     module = llvm.parse_assembly(kernels)
     module.triple = platform.triple
     module.data_layout = str(machine.target_data)

@@ -40,6 +40,7 @@ def tables(component: Any, name: str, digest: str, token: str) -> dict[str, str]
         "SIZE": memory.size,
         "FAILURES": max(FAILURES) + 1,
     }
+    messages = [FAILURES.get(status, "") for status in range(max(FAILURES) + 1)]
     strings = {"MODEL": name, "TOKEN": token, "DIGEST": digest}
     defined = {key: _string(text) for key, text in strings.items()} | sizes
     arrays = (
@@ -48,7 +49,7 @@ def tables(component: Any, name: str, digest: str, token: str) -> dict[str, str]
         _array("double", "nominal", "", map(_number, (*component.state.nominal, 1.0))),
         _array("int", "started", "", map(str, (*memory.started, -1))),
         _array("int", "rated", "", map(str, (*memory.rated, -1))),
-        _array("char *const", "failures", "FAILURES", (_string(FAILURES.get(i, "")) for i in range(max(FAILURES) + 1))),
+        _array("char *const", "failures", "FAILURES", map(_string, messages)),
     )
     return {
         "sizes.h": "".join(f"#define {key} {value}\n" for key, value in defined.items()),

@@ -15,10 +15,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 # Of the C library; LLVM's intrinsics become calls of the same.
-MATHEMATICS = frozenset(
-    "acos acosh asin asinh atan atanh atan2 cbrt ceil cos cosh erf erfc exp exp2 expm1 fabs floor fma fmax fmin fmod hypot ldexp "
-    "log log10 log1p log2 pow round sin sinh sqrt tan tanh trunc tgamma lgamma memcpy memmove memset".split()
-)
+_FUNCTIONS = """
+acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs floor fma fmax fmin
+fmod hypot ldexp lgamma log log10 log1p log2 memcpy memmove memset pow round sin sinh sqrt tan tanh tgamma trunc
+"""
+MATHEMATICS = frozenset(_FUNCTIONS.split())
 # numba counts references to arrays that own their memory; those that C hands in have none.
 _COUNTING = ("NRT_incref", "NRT_decref")
 _PLAIN_PROCESSOR = {
@@ -90,7 +91,8 @@ def _without_counting(text: str) -> str:
     """The module's text with empty functions in the place of those that count references."""
     for name in _COUNTING:
         body = rf"^define [^\n]*@{name}\(ptr [^\n]*\{{\n.*?^\}}"
-        text = re.sub(body, f"define linkonce_odr void @{name}(ptr %0) {{\n  ret void\n}}", text, flags=re.M | re.S)
+        empty = f"define linkonce_odr void @{name}(ptr %0) {{\n  ret void\n}}"
+        text = re.sub(body, empty, text, flags=re.MULTILINE | re.DOTALL)
     return text
 
 

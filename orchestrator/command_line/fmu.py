@@ -36,9 +36,16 @@ def fmu_build(
     structure: Annotated[
         list[str] | None, typer.Option(help="A structural size, e.g. coil_masses=8; may be repeated.")
     ] = None,
+    native: Annotated[
+        bool, typer.Option("--native", help="FMUs in machine code, which need no Python: NAME-native.fmu.")
+    ] = False,
+    platform: Annotated[
+        list[str] | None,
+        typer.Option(help="With --native: one to build for; may be repeated. [default: all]"),
+    ] = None,
 ) -> None:
     """Build FMUs."""
-    from fmus.build import NAMES, build
+    from fmus.build import NAMES
     from models.system import suggestion
 
     from ..errors import MistakeError
@@ -47,6 +54,8 @@ def fmu_build(
     sizes = dict(map(_size, structure)) if structure else None
     if sizes and len(names or NAMES) > 1:
         raise MistakeError("--structure: name the one component that has these sizes")
+    if platform and not native:
+        raise MistakeError("--platform: FMUs that run in Python are for all platforms; add --native")
     for name in names or NAMES:
         if name not in NAMES:
             raise MistakeError(f"no FMU {name!r}; {suggestion(name, NAMES)}")
@@ -55,9 +64,32 @@ def fmu_build(
         except ValueError as error:
             raise MistakeError(f"--structure: {error}") from None
         try:
-            print(build(name, out, sizes))
+            print(_native(name, out, sizes, platform) if native else _python(name, out, sizes))
         except OSError as error:
             raise MistakeError(f"{out}: cannot be written ({error.strerror}); choose another --out") from None
+
+
+def _python(name: str, out: Path, sizes: Mapping[str, int] | None) -> Path:
+    from fmus.build import build
+
+    return build(name, out, sizes)
+
+
+def _native(name: str, out: Path, sizes: Mapping[str, int] | None, platforms: list[str] | None) -> Path:
+    from fmus.native.fmu import build
+    from fmus.native.machine_code import PLATFORMS, NativeBuildError
+    from fmus.native.translate import TranslationError
+    from models.system import suggestion
+
+    from ..errors import MistakeError
+
+    for platform in platforms or ():
+        if platform not in PLATFORMS:
+            raise MistakeError(f"no platform {platform!r}; {suggestion(platform, PLATFORMS)}")
+    try:
+        return build(name, out, sizes, tuple(platforms or PLATFORMS))
+    except (NativeBuildError, TranslationError) as error:
+        raise MistakeError(str(error)) from None
 
 
 def _size(text: str) -> tuple[str, int]:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from fmus.build import _binaries, origin
-from fmus.description import GUID_PLACE, Experiment, model_description
+from fmus.description import GUID_PLACE, PYTHON, Experiment, model_description
 from models.component import Component
 
 _SCRIPT = """
@@ -31,7 +31,9 @@ def packed(factory: Callable[..., Component], folder: Path, **sizes: int) -> Pat
     component = factory(**sizes)
     name = component.name
     stem = "_".join([name, *(f"{key}{size}" for key, size in sizes.items())])
-    xml = model_description(component, name, Experiment(stop_time=1.0, step_size=1e-3), origin())
+    xml = model_description(
+        component, name, Experiment(stop_time=1.0, step_size=1e-3), origin("tests"), PYTHON
+    )
     script = _SCRIPT.format(module=factory.__module__, factory=factory.__name__, name=name, sizes=sizes)
     path = folder / f"{name}.fmu"
     with zipfile.ZipFile(path, "w") as archive:

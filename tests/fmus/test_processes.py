@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import models
-from fmus.build import archive, build, default_structure
+from fmus.build import build, content_of, default_structure, packed
 from fmus.validate import info
 
 from .conftest import Isolated, clean_environment
@@ -152,9 +152,9 @@ BUILD = "from fmus.build import build; print(build('flywheel'))"
 
 def test_same_sources_same_bytes() -> None:
     environment = clean_environment({"PYTHONHASHSEED": "1"})
-    code = "import sys; from fmus.build import archive; sys.stdout.buffer.write(archive('flywheel'))"
+    code = "import sys; from fmus.build import *; sys.stdout.buffer.write(packed(content_of('flywheel')))"
     other = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=True)
-    assert other.stdout == archive("flywheel")
+    assert other.stdout == packed(content_of("flywheel"))
 
 
 def test_builds_at_the_same_time(tmp_path: Path) -> None:

@@ -1,0 +1,81 @@
+"""Builds native FMUs: `build("camshaft")` gives the path of the packaged file."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+
+from models.catalogue import CATALOGUE
+from models.component import Component
+
+from .. import build as python_build
+from ..description import GUID_PLACE, NATIVE, model_description
+from ..sources import digest_of, shipped
+from .machine_code import FMI_HEADERS, PLATFORMS, SHELL, shared_library
+from .tables import tables
+from .translate import translated
+
+# What makes machine code; other versions may make other code.
+_TOOLS = ("numba", "llvmlite", "ziglang", "fmpy")
+
+
+def build(
+    name: str,
+    destination: Path | None = None,
+    structure: Mapping[str, int] | None = None,
+    platforms: Sequence[str] = tuple(PLATFORMS),
+) -> Path:
+    """Build the native FMU `name` for these platforms and return its path.
+
+    Otherwise as the build of the FMU that runs in Python; a file in a folder is called `name`-native.fmu.
+    TranslationError for kernels that need Python, NativeBuildError without the tools.
+    """
+    sizes, component = python_build.chosen(name, structure, "NATIVE_STRUCTURE")
+    label = f"{name}-native"
+    target = python_build.cached(label, _made_of(name, sizes, platforms))
+    if not target.is_file():
+        files = content_of(name, component, sizes, platforms)
+        python_build.written(python_build.packed(files), label, target)
+    if destination is None:
+        return target
+    return python_build.written(target.read_bytes(), label, Path(destination))
+
+
+def content_of(
+    name: str, component: Component, sizes: Mapping[str, int], platforms: Sequence[str]
+) -> dict[str, bytes]:
+    """The FMU's files by path."""
+    kernels = translated(name, sizes)
+    made_by = python_build.origin("LLVM and zig")
+    xml = model_description(component, name, python_build.experiment(name), made_by, NATIVE)
+    unnamed = {**tables(component, name, "", ""), "kernels.ll": kernels, "modelDescription.xml": xml}
+    digest = digest_of({**_shell(), **{path: text.encode() for path, text in unnamed.items()}})
+    token = f"{{{uuid.UUID(digest[:32])}}}"
+    named = tables(component, name, digest[:16], token)
+    files = python_build.documents(name, component)
+    files["modelDescription.xml"] = xml.replace(GUID_PLACE, token).encode()
+    for platform in map(PLATFORMS.__getitem__, platforms):
+        library = shared_library(platform, kernels, named, name)
+        files[f"binaries/{platform.fmi2}/{name}{platform.suffix}"] = library
+    return files
+
+
+def _made_of(name: str, sizes: Mapping[str, int], platforms: Sequence[str]) -> str:
+    """The digest of all that the FMU is made of."""
+    package, _ = shipped(CATALOGUE[name])
+    here = Path(__file__).parent
+    files = {f"fmus/{path.relative_to(here.parent)}": path.read_bytes() for path in here.parent.rglob("*.py")}
+    documents = {path.name: path.read_bytes() for path in (here.parent / name).iterdir() if path.is_file()}
+    versions = {tool: metadata.version(tool) for tool in (*_TOOLS, "tribocosim")}
+    said = f"{package} {sorted(sizes.items())} {sorted(platforms)} {versions}"
+    return digest_of(files | documents | dict(_shell()) | {"said": said.encode()})
+
+
+@cache
+def _shell() -> Mapping[str, bytes]:
+    """What is compiled besides the component: the shell, and the standard's headers."""
+    places = (*SHELL.iterdir(), *FMI_HEADERS.glob("*.h"))
+    return {f"shell/{path.name}": path.read_bytes() for path in places}

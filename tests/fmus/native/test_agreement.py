@@ -1,0 +1,23 @@
+"""A native FMU gives the numbers of the component to the last bit, where both use the same libm."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from fmus.build import NAMES, default_structure
+
+from ..conftest import Isolated
+from ..reference import Reference, schedule
+from ..test_agreement import STEP, STEPS, expected_of, replay
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_native_fmu_equals_component(
+    name: str, native_files: dict[str, Path], isolated: Isolated, tmp_path: Path
+) -> None:
+    """Outputs, their rates and energies; also between steps, and with steps of changing size."""
+    reference = Reference(name, **default_structure(name, "NATIVE_STRUCTURE"))
+    plan = schedule(reference.component, STEPS, STEP)
+    assert replay(isolated, native_files[name], plan, tmp_path) == expected_of(reference, plan)
