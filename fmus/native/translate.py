@@ -16,8 +16,9 @@ from pathlib import Path
 
 # Of the C library; LLVM's intrinsics become calls of the same.
 _FUNCTIONS = """
-acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs floor fma fmax fmin
-fmod hypot ldexp lgamma log log10 log1p log2 memcpy memmove memset pow round sin sinh sqrt tan tanh tgamma trunc
+acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs floor
+fma fmax fmin fmod hypot ldexp lgamma log log10 log1p log2 memcpy memmove memset pow round sin sinh sqrt
+tan tanh tgamma trunc
 """
 MATHEMATICS = frozenset(_FUNCTIONS.split())
 # numba counts references to arrays that own their memory; those that C hands in have none.

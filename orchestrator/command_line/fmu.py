@@ -41,7 +41,7 @@ def fmu_build(
     ] = False,
     platform: Annotated[
         list[str] | None,
-        typer.Option(help="With --native: one to build for; may be repeated. [default: all]"),
+        typer.Option(help="With --native: build for it; may be repeated. [default: all]"),
     ] = None,
 ) -> None:
     """Build FMUs."""
