@@ -100,7 +100,7 @@ def fill_matrix(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange, x: Any) -> N
     """Equations of the sources, transposed, rows scaled; `x` is the solution without sources."""
     low, high = int(h.extent[0]), int(h.extent[1])
     count, sides = int(e.count[0]), x.shape[0]
-    row, found = h.row[low:high], e.change[:count]
+    row, found = h.row[low:high], e.change
     for q in range(count):
         i = int(e.nodes[q])
         if fixed[i] == e.factored[i]:
@@ -119,7 +119,7 @@ def fill_matrix(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange, x: Any) -> N
             largest = 0.0
             for k in range(row.shape[0]):
                 largest = max(largest, abs(row[k]))
-            products(e.answers[:count, low:high], row, found)
+            products(e.answers[:count, low:high], row, found[:count])
             for r in range(count):
                 e.matrix[r, q] = found[r] / largest
             products(x[:, low:high], row, found[:sides])

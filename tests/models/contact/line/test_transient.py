@@ -109,6 +109,24 @@ def test_a_restored_state_goes_on_to_the_same_bits() -> None:
     np.testing.assert_array_equal(contact.x, first)
 
 
+@pytest.mark.parametrize("roughness", [0.0, 0.2e-6, 0.8e-6])
+@pytest.mark.parametrize("form", [0.0, 1.0])
+def test_a_state_in_other_scratch_memory_goes_on_to_the_same_bits(form: float, roughness: float) -> None:
+    """Nothing that steps before have left in it is read."""
+    forms = {"load_is_given": form, "roughness": roughness}
+    contact = Contact(**forms)
+    running = {**RUNNING, "applied_load": 300.0}
+    for _ in range(60):
+        assert contact.step(2e-5, **running) == OK
+    saved, at = contact.x.copy(), contact.t
+    braked = {**running, "entraining_velocity": lambda t: 2.0 - 8e3 * (t - at)}
+    other = Contact(**forms)
+    other.x[:], other.t = saved, at
+    for _ in range(20):
+        assert contact.step(2e-5, **braked) == other.step(2e-5, **braked) == OK
+    np.testing.assert_array_equal(contact.x, other.x)
+
+
 def test_how_a_step_is_cut_matters_little() -> None:
     """Within the tolerance of micro-steps, a ten-thousandth each."""
     whole, parts = settled(), settled()
