@@ -16,6 +16,7 @@ import numpy as np
 
 from ...kernel import kernel
 from ...quantities import Vector
+from ..elimination import invert
 from .grid import Mask
 from .reynolds import DOWNSTREAM, HERE, LEFT, RIGHT, UPSTREAM, UPSTREAM_2
 
@@ -38,40 +39,6 @@ def _row(by_p: Any, by_h: Any, own: Any, active: Any, i: int, row: Any) -> None:
             elif k == i + 1:
                 row[column] += by_p[DOWNSTREAM, i]
             column += 1
-
-
-@kernel
-def _invert(a: Any, n: int, order: Any) -> bool:
-    """a[:n, :n] in place, by Gauss and Jordan with row pivots; False where it is singular."""
-    for k in range(n):
-        pivot = k
-        for i in range(k + 1, n):
-            if abs(a[i, k]) > abs(a[pivot, k]):
-                pivot = i
-        order[k] = pivot
-        if not abs(a[pivot, k]) > 0.0:
-            return False
-        if pivot != k:
-            for m in range(n):
-                a[k, m], a[pivot, m] = a[pivot, m], a[k, m]
-        own = a[k, :n]
-        inverse = 1.0 / own[k]
-        own[k] = 1.0
-        for m in range(n):
-            own[m] *= inverse
-        for i in range(n):
-            factor = a[i, k]
-            if i != k and factor != 0.0:
-                other = a[i, :n]
-                other[k] = 0.0
-                for m in range(n):
-                    other[m] -= factor * own[m]
-    for k in range(n - 1, -1, -1):
-        pivot = order[k]
-        if pivot != k:
-            for i in range(n):
-                a[i, k], a[i, pivot] = a[i, pivot], a[i, k]
-    return True
 
 
 @kernel
@@ -103,7 +70,7 @@ def _inverses(
                         if place[k] >= 0:
                             back = inverses[j - 1, place[k], place[i]] * by_p[RIGHT, k, j - 1]
                             work[a, b] -= by_p[LEFT, i, j] * back
-        if not _invert(work, n, order):
+        if not invert(work, n, order):
             return False
         for a in range(n):
             for b in range(n):

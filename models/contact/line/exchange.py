@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from ...kernel import kernel
-from .elimination import add_rows, lu, products, solve_transposed
+from ..elimination import add_rows, invert, product
 from .hierarchical import Hierarchy, Jacobian, factorise, jacobian_row, solve_below
 
 # Right sides at once: of the balance and of the approach.
@@ -33,7 +33,7 @@ class Exchange(NamedTuple):
     count: Any
     matrix: Any
     wanted: Any
-    change: Any
+    sources: Any
     pivot: Any
 
 
@@ -100,7 +100,7 @@ def fill_matrix(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange, x: Any) -> N
     """Equations of the sources, transposed, rows scaled; `x` is the solution without sources."""
     low, high = int(h.extent[0]), int(h.extent[1])
     count, sides = int(e.count[0]), x.shape[0]
-    row, found = h.row[low:high], e.change
+    row = h.row[low:high]
     for q in range(count):
         i = int(e.nodes[q])
         if fixed[i] == e.factored[i]:
@@ -119,12 +119,10 @@ def fill_matrix(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange, x: Any) -> N
             largest = 0.0
             for k in range(row.shape[0]):
                 largest = max(largest, abs(row[k]))
-            products(e.answers[:count, low:high], row, found[:count])
             for r in range(count):
-                e.matrix[r, q] = found[r] / largest
-            products(x[:, low:high], row, found[:sides])
+                e.matrix[r, q] = product(e.answers[r, low:high], row) / largest
             for side in range(sides):
-                e.wanted[side, q] = (e.wanted[side, q] - found[side]) / largest
+                e.wanted[side, q] = (e.wanted[side, q] - product(x[side, low:high], row)) / largest
 
 
 @kernel
@@ -140,11 +138,12 @@ def solve_exchanged(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange, x: Any) 
     if count == 0:
         return
     fill_matrix(J, fixed, h, e, x)
-    lu(e.matrix, e.pivot, count)
+    invert(e.matrix, count, e.pivot)
     for side in range(x.shape[0]):
-        sources = e.wanted[side, :count]
-        solve_transposed(e.matrix, e.pivot, sources)
-        add_rows(x[side], sources, e.answers[:count])
+        sources = e.sources[:count]
+        sources[:] = 0.0
+        add_rows(sources, e.wanted[side, :count], e.matrix, 0, 0)
+        add_rows(x[side], sources, e.answers, 0, 0)
         for q in range(count):
             if fixed[int(e.nodes[q])] == 1.0:
                 x[side, int(e.nodes[q])] = 0.0

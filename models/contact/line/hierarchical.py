@@ -16,7 +16,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from ...kernel import kernel
-from .elimination import add_rows, lu, products, solve_transposed
+from ..elimination import add_rows, invert
 
 # Bands reach two nodes to each side.
 BAND = 5
@@ -53,25 +53,24 @@ class Hierarchy(NamedTuple):
     """Factors of a matrix of n rows: views into scratch memory.
 
     `extent`: first and last + 1 of the rows that are divided; the others are those of the unit matrix.
-    `scale` of the rows; `total`: sums over B's rows. `leaf` (leaves, size, size) and `capacity` (pairs,
-    2 RANK, 2 RANK) hold LU factors of the transposed, their rows exchanged as in `leaf_pivot` and
-    `capacity_pivot`. Level l pairs 2^l parents' halves: `left` (l, RANK, n) is U, then the halves' inverses
-    times U; `right` is V; `rank` (l, parents, 2) their columns in use.
+    `scale` of the rows; `total`: sums over B's rows. `leaf` (leaves, size, size): inverses, transposed.
+    Level l pairs 2^l parents' halves: `left` (l, RANK, n) is U, then the halves' inverses times U; `right`
+    (l, n, RANK) is V; `rank` (parents, 2) their columns in use and `capacity` (parents, 3, RANK, RANK) what
+    `couple` makes of them. The rest is scratch.
     """
 
     extent: Any
     scale: Any
     total: Any
     leaf: Any
-    leaf_pivot: Any
     left: Any
     right: Any
     rank: Any
     capacity: Any
-    capacity_pivot: Any
     coupling: Any
+    pivot: Any
+    rows: Any
     row: Any
-    column: Any
 
 
 def hierarchy_size(n: int) -> int:
@@ -79,8 +78,9 @@ def hierarchy_size(n: int) -> int:
     levels = levels_of(n)
     leaves = 2**levels
     size = n // leaves + 1
-    per_pair = (2 * RANK) ** 2 + 2 * RANK + 2
-    return 2 + 4 * n + leaves * size * (size + 1) + 2 * levels * n * RANK + leaves * per_pair + 2 * RANK
+    per_pair = 3 * RANK**2 + 2
+    per_node = 3 + RANK + 2 * levels * RANK
+    return 2 + per_node * n + leaves * (size**2 + per_pair) + 3 * RANK + max(size, RANK)
 
 
 @kernel
@@ -91,29 +91,23 @@ def hierarchy_in(work: Any, n: int) -> Hierarchy:
     size = n // leaves + 1
     extent = work[0:2]
     k = 2
-    scale, total, row, column = (
-        work[k : k + n], work[k + n : k + 2 * n], work[k + 2 * n : k + 3 * n], work[k + 3 * n : k + 4 * n],
-    )  # fmt: skip
-    k += 4 * n
+    scale, total, row = work[k : k + n], work[k + n : k + 2 * n], work[k + 2 * n : k + 3 * n]
+    k += 3 * n
+    rows = work[k : k + RANK * n].reshape((RANK, n))
+    k += RANK * n
     leaf = work[k : k + leaves * size * size].reshape((leaves, size, size))
     k += leaves * size * size
-    leaf_pivot = work[k : k + leaves * size].reshape((leaves, size))
-    k += leaves * size
     left = work[k : k + levels * n * RANK].reshape((levels, RANK, n))
     k += levels * n * RANK
-    right = work[k : k + levels * n * RANK].reshape((levels, RANK, n))
+    right = work[k : k + levels * n * RANK].reshape((levels, n, RANK))
     k += levels * n * RANK
     rank = work[k : k + 2 * leaves].reshape((leaves, 2))
     k += 2 * leaves
-    capacity = work[k : k + leaves * 4 * RANK * RANK].reshape((leaves, 2 * RANK, 2 * RANK))
-    k += leaves * 4 * RANK * RANK
-    capacity_pivot = work[k : k + leaves * 2 * RANK].reshape((leaves, 2 * RANK))
-    k += leaves * 2 * RANK
-    coupling = work[k : k + 2 * RANK]
-    return Hierarchy(
-        extent, scale, total, leaf, leaf_pivot, left, right, rank, capacity, capacity_pivot, coupling, row,
-        column,
-    )  # fmt: skip
+    capacity = work[k : k + leaves * 3 * RANK**2].reshape((leaves, 3, RANK, RANK))
+    k += leaves * 3 * RANK**2
+    coupling = work[k : k + 3 * RANK].reshape((3, RANK))
+    pivot = work[k + 3 * RANK : k + 3 * RANK + max(size, RANK)]
+    return Hierarchy(extent, scale, total, leaf, left, right, rank, capacity, coupling, pivot, rows, row)
 
 
 @kernel
@@ -172,7 +166,7 @@ def jacobian_column(j: int, low: int, high: int, J: Jacobian, total: Any, out: A
 
 @kernel
 def compress(low: int, high: int, first: int, last: int, J: Jacobian, h: Hierarchy, U: Any, V: Any) -> int:
-    """Rows low to high, columns first to last of J as U[:, rows]^T V[:, columns]; the rank (ACA, row pivots).
+    """Rows low to high, columns first to last of J as U[:, rows]^T V[columns]^T; the rank (ACA, row pivots).
 
     The first pivot row is the one next to the columns, where the block is largest.
     """
@@ -182,15 +176,14 @@ def compress(low: int, high: int, first: int, last: int, J: Jacobian, h: Hierarc
     scale = h.scale[low:high]
     while rank < RANK and tried < high - low:
         tried += 1
-        row, column = V[rank, first:last], U[rank, low:high]
+        row, column = h.rows[rank, first:last], U[rank, low:high]
         j, largest = first, 0.0
         # A cavitated node has nothing; the next one, away from the columns, then.
         if h.scale[i] != 0.0:
             jacobian_row(i, first, last, J, h.scale[i], row)
             for q in range(rank):
-                share, other = U[q, i], V[q, first:last]
-                for c in range(row.shape[0]):
-                    row[c] -= share * other[c]
+                h.coupling[0, q] = -U[q, i]
+            add_rows(row, h.coupling[0, :rank], h.rows, 0, first)
             for c in range(row.shape[0]):
                 if abs(row[c]) > largest:
                     j, largest = first + c, abs(row[c])
@@ -203,9 +196,8 @@ def compress(low: int, high: int, first: int, last: int, J: Jacobian, h: Hierarc
         for r in range(column.shape[0]):
             column[r] *= scale[r]
         for q in range(rank):
-            share, other = V[q, j], U[q, low:high]
-            for r in range(column.shape[0]):
-                column[r] -= share * other[r]
+            h.coupling[0, q] = -h.rows[q, j]
+        add_rows(column, h.coupling[0, :rank], U, 0, low)
         pivot = 1.0 / row[j - first]
         u2, v2 = 0.0, 0.0
         for r in range(column.shape[0]):
@@ -224,6 +216,9 @@ def compress(low: int, high: int, first: int, last: int, J: Jacobian, h: Hierarc
                 i, largest = low + r, abs(column[r])
         if largest == 0.0:
             break
+    for c in range(first, last):
+        for q in range(rank):
+            V[c, q] = h.rows[q, c]
     return rank
 
 
@@ -238,8 +233,11 @@ def solve_below(h: Hierarchy, level: int, x: Any, columns: int) -> None:
     leaves = 2**levels
     for part in range(leaves):
         low, high = bound(part, leaves, h), bound(part + 1, leaves, h)
+        found = h.row[low:high]
         for j in range(columns):
-            solve_transposed(h.leaf[part], h.leaf_pivot[part], x[j, low:high])
+            found[:] = 0.0
+            add_rows(found, x[j, low:high], h.leaf[part], 0, 0)
+            x[j, low:high] = found
     for above in range(levels - 1, level - 1, -1):
         parents = 2**above
         U, V = h.left[above], h.right[above]
@@ -249,15 +247,21 @@ def solve_below(h: Hierarchy, level: int, x: Any, columns: int) -> None:
             high = bound(parent + 1, parents, h)
             pair = parents + parent - 1
             upper, lower = int(h.rank[pair, 0]), int(h.rank[pair, 1])
-            z = h.coupling[: upper + lower]
+            to_upper, to_lower, inverse = h.capacity[pair, 0], h.capacity[pair, 1], h.capacity[pair, 2]
+            first, second, sent = h.coupling[0, :upper], h.coupling[1, :lower], h.coupling[2, :upper]
             for j in range(columns):
-                products(V[:upper, middle:high], x[j, middle:high], z[:upper])
-                products(V[:lower, low:middle], x[j, low:middle], z[upper:])
-                solve_transposed(h.capacity[pair], h.capacity_pivot[pair], z)
-                for p in range(z.shape[0]):
-                    z[p] = -z[p]
-                add_rows(x[j, low:middle], z[:upper], U[:upper, low:middle])
-                add_rows(x[j, middle:high], z[upper:], U[:lower, middle:high])
+                first[:], second[:], sent[:] = 0.0, 0.0, 0.0
+                add_rows(sent, x[j, middle:high], V, middle, 0)
+                add_rows(second, x[j, low:middle], V, low, 0)
+                add_rows(sent, second, to_upper, 0, 0)
+                add_rows(first, sent, inverse, 0, 0)
+                add_rows(second, first, to_lower, 0, 0)
+                for q in range(upper):
+                    first[q] = -first[q]
+                for q in range(lower):
+                    second[q] = -second[q]
+                add_rows(x[j, low:middle], first, U, 0, low)
+                add_rows(x[j, middle:high], second, U, 0, middle)
 
 
 @kernel
@@ -287,15 +291,26 @@ def fill_leaf(low: int, high: int, J: Jacobian, fixed: Any, h: Hierarchy, leaf: 
 def couple(
     low: int, middle: int, high: int, U: Any, V: Any, upper: int, lower: int, c: Any, pivot: Any
 ) -> None:
-    """Factors of the transposed of 1 + V^T U of two halves, U times the halves' inverses by now."""
-    for p in range(upper + lower):
-        for q in range(upper + lower):
-            c[p, q] = 1.0 if p == q else 0.0
+    """What is left of two halves' coupling, 1 + V^T U with U times the halves' inverses by now, once the
+    sources of the lower half are eliminated: `c` is minus what they bring to the upper half, minus what
+    those bring to the lower, and the inverse for the upper half's sources; all transposed.
+    """
+    to_upper, to_lower, inverse = c[0], c[1], c[2]
     for q in range(lower):
-        products(V[:upper, middle:high], U[q, middle:high], c[upper + q, :upper])
+        to_upper[q, :upper] = 0.0
+        add_rows(to_upper[q, :upper], U[q, middle:high], V, middle, 0)
+        for r in range(upper):
+            to_upper[q, r] = -to_upper[q, r]
     for q in range(upper):
-        products(V[:lower, low:middle], U[q, low:middle], c[q, upper : upper + lower])
-    lu(c, pivot, upper + lower)
+        to_lower[q, :lower] = 0.0
+        add_rows(to_lower[q, :lower], U[q, low:middle], V, low, 0)
+        for r in range(lower):
+            to_lower[q, r] = -to_lower[q, r]
+        inverse[q, :upper] = 0.0
+        add_rows(inverse[q, :upper], to_lower[q, :lower], to_upper, 0, 0)
+        for r in range(upper):
+            inverse[q, r] = (1.0 if q == r else 0.0) - inverse[q, r]
+    invert(inverse, upper, pivot)
 
 
 @kernel
@@ -318,7 +333,7 @@ def factorise(J: Jacobian, fixed: Any, h: Hierarchy) -> None:
     for part in range(leaves):
         low, high = bound(part, leaves, h), bound(part + 1, leaves, h)
         fill_leaf(low, high, J, fixed, h, h.leaf[part])
-        lu(h.leaf[part], h.leaf_pivot[part], high - low)
+        invert(h.leaf[part], high - low, h.pivot)
     for level in range(levels - 1, -1, -1):
         parents = 2**level
         U, V = h.left[level], h.right[level]
@@ -347,4 +362,4 @@ def factorise(J: Jacobian, fixed: Any, h: Hierarchy) -> None:
             high = bound(parent + 1, parents, h)
             pair = parents + parent - 1
             upper, lower = int(h.rank[pair, 0]), int(h.rank[pair, 1])
-            couple(low, middle, high, U, V, upper, lower, h.capacity[pair], h.capacity_pivot[pair])
+            couple(low, middle, high, U, V, upper, lower, h.capacity[pair], h.pivot)

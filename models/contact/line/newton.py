@@ -13,8 +13,8 @@ import math
 from typing import Any, NamedTuple
 
 from ...kernel import kernel
+from ..elimination import add_rows
 from ..fluid import Lubricant
-from .elimination import add_rows
 from .exchange import factorise_anew, serve, solve_exchanged
 from .hierarchical import BAND, Jacobian
 from .mixed import FREE, NEARER, Bodies, couple_asperities, fill_sides, fluid_pressure, is_open, touch
@@ -86,7 +86,7 @@ def fill_film(
         last -= 1
     for i in range(n):
         h[i] = 0.0
-    add_rows(h, p[first:last], w.D[first:last])
+    add_rows(h, p[first:last], w.D, first, 0)
     for i in range(n):
         h[i] = level + factor * h[i] - approach + (scale * w.X[i]) ** 2 / (2.0 * radius)
 
