@@ -32,7 +32,7 @@ def opened(path: Path) -> zipfile.ZipFile:
 def archive_faults(archive: zipfile.ZipFile) -> list[str]:
     """Entries that would be unpacked elsewhere, damage, and what is missing; a line each."""
     faults = [fault for entry in archive.infolist() if (fault := _entry_fault(entry))]
-    names = archive.namelist()
+    names = [name for name in archive.namelist() if not name.endswith("/")]  # folders do no harm
     faults += [
         f"{name}: is in the archive twice" for name in sorted({n for n in names if names.count(n) > 1})
     ]

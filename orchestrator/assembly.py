@@ -14,12 +14,23 @@ from models.integrator import INPUT_COEFFICIENTS
 from models.quantities import Layout, Quantity, Vector
 from models.system import Instance, System, suggestion
 
+from .abilities import check_abilities, check_foreign
 from .bonds import exchanged_bonds
+from .conversion import connectable, transformations
 from .energy.correction import Compensated, bond_inputs
 from .energy.counting import counting_structure
 from .energy.estimate import EstimatedComponent, Estimating, without_estimates
-from .participants import Participant, fmu, in_process, missing, signal_degrees, substepped
-from .scenario import ComponentTable, Scenario, ScenarioError, ends
+from .participants import (
+    Participant,
+    fmu,
+    in_own_process,
+    in_process,
+    missing,
+    signal_degrees,
+    substepped,
+    transformed,
+)
+from .scenario import ComponentTable, Scenario, ScenarioError, line_of
 from .values import numbers
 
 # Gives the FMU of a catalogue component with structural sizes.
@@ -29,13 +40,16 @@ Builder = Callable[[str, Mapping[str, int]], Path]
 def system_of(scenario: Scenario) -> System:
     """The scenario's system with its start values as given; ModelError or ScenarioError for faults."""
     instances = {name: _instance(table) for name, table in scenario.components.items()}
-    system = System(instances, [ends(line) for line in scenario.connections])
+    lines = list(map(line_of, scenario.connections))
+    seen = connectable(instances, lines, transformations(instances, lines))
+    system = System(seen, [(line.source, line.target) for line in lines])
     for name in scenario.tolerance:
         if name not in system.outputs.names:
             raise ScenarioError(f"tolerance.{name}: no such output; {suggestion(name, system.outputs.names)}")
     if scenario.start == "given":
         system.check_start(0.0, system.x0)
     check_master(scenario)
+    check_foreign(scenario)
     check_energy_estimator(scenario, system)
     if scenario.energy.correction and scenario.master.name != "jacobi":
         raise ScenarioError(
@@ -43,8 +57,9 @@ def system_of(scenario: Scenario) -> System:
             "miss nothing; use the master jacobi, or leave the correction out"
         )
     for name, table in scenario.components.items():
-        if table.participant.endswith(".fmu"):
+        if table.participant.endswith(".fmu") and not table.foreign:
             check_file(name, Path(table.participant), variables_used(name, system, scenario.start))
+    check_abilities(scenario)
     return system
 
 
@@ -155,7 +170,7 @@ def fmu_files(scenario: Scenario, build: Builder) -> dict[str, FmuFile]:
         own = table.participant == "fmu"
         counts = scenario.energy.ledger and table.made().samples
         structure = counting_structure(table.structure) if counts else table.structure
-        path = build(table.component, structure) if own else Path(table.participant)
+        path = build(table.component, structure) if own and table.component else Path(table.participant)
         files[name] = FmuFile(path, hashlib.sha256(path.read_bytes()).hexdigest())
     return files
 
@@ -209,13 +224,18 @@ def participants_of(
     Each comes from `made(name, make)`, which may wrap what `make()` gives.
     """
     participants: dict[str, Participant] = {}
+    instances = {name: _instance(table) for name, table in scenario.components.items()}
+    linear = transformations(instances, list(map(line_of, scenario.connections)))
     try:
         for name, instance in system.instances.items():
             if name in files:
-                make = partial(fmu, name, files[name].path, without_estimates(instance))
+                kind = in_own_process if scenario.components[name].process == "own" else fmu
+                make = partial(kind, name, files[name].path, without_estimates(instance))
             else:
                 make = partial(in_process, name, without_estimates(instance))
             participants[name] = made(name, make)
+            if name in linear:
+                participants[name] = transformed(participants[name], linear[name])
             if isinstance(instance.component, EstimatedComponent):
                 inputs = instance.component.inputs
                 cubic = dict.fromkeys(inputs.names, INPUT_COEFFICIENTS - 1)

@@ -61,6 +61,10 @@ class StalledError(LostParticipantError):
     """A call of the participant took longer than it may (`call_time_limit`)."""
 
 
+class EndedError(ParticipantError):
+    """A participant asks to end the simulation (fmi2Terminated, terminateSimulation of FMI 3)."""
+
+
 class UnstableCouplingError(RunError):
     """Exchanged values run away from their own prediction: the macro step is too large for the master."""
 

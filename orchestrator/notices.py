@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .abilities import unsynchronised
 from .scenario import Scenario
 
 
@@ -17,4 +18,4 @@ def notices(scenario: Scenario) -> list[str]:
         found.append(
             "energy.correction = true: nothing counts what it gives back; energy.ledger = true shows it"
         )
-    return found
+    return found + unsynchronised(scenario)

@@ -102,7 +102,8 @@ def _arrival(exchange: Exchange, i: int, following: int) -> Callable[[float], bo
 
 
 def _fmus(exchange: Exchange, order: Sequence[int]) -> list[FmuParticipant]:
-    """The FMUs of a pass; none where compiled code is off, or another kind is among them, or one wrapped."""
+    """The FMUs of a pass; none where compiled code is off, or another kind is among them, one wrapped, or one
+    whose calls compiled code cannot make."""
     units = [exchange.participants[i] for i in order]
-    fmus = [unit for unit in units if isinstance(unit, FmuParticipant)]
+    fmus = [unit for unit in units if isinstance(unit, FmuParticipant) and unit.compilable]
     return fmus if len(fmus) == len(units) and not numba.config.DISABLE_JIT else []

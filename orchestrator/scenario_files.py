@@ -194,10 +194,11 @@ def written(scenario: Scenario) -> str:
 
     content = scenario.model_dump(exclude_none=True)
     for name, table in scenario.components.items():
-        layout = table.made().parameters
-        values = {f.name: value_of(f.quantity, f.start) for f in layout.fields}
-        content["components"][name]["parameters"] = values | table.parameters
-        for empty in ("structure", "start", "inputs"):
-            if not content["components"][name][empty]:
+        if not table.foreign:  # whose file stands for its own defaults
+            layout = table.made().parameters
+            values = {f.name: value_of(f.quantity, f.start) for f in layout.fields}
+            content["components"][name]["parameters"] = values | table.parameters
+        for empty in ("structure", "parameters", "start", "inputs"):
+            if not content["components"][name].get(empty, True):
                 del content["components"][name][empty]
     return tomli_w.dumps(content)

@@ -27,8 +27,11 @@ def schema() -> dict[str, Any]:
     made["if"] = {"not": {"required": ["extends"]}}
     made["then"] = {"required": required}
     table = made["$defs"]["ComponentTable"]
-    table.pop("required")  # an extending file names an instance only
-    table["properties"]["component"]["enum"] = list(CATALOGUE)
+    component = table["properties"]["component"]
+    table["properties"]["component"] = {
+        "enum": list(CATALOGUE),
+        "description": component["description"],
+    }
     table["allOf"] = [
         {"if": {"properties": {"component": {"const": name}}, "required": ["component"]}, "then": _of(name)}
         for name in CATALOGUE

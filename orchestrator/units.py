@@ -7,6 +7,8 @@ import functools
 import re
 from typing import Any
 
+from .participants.description import Unit
+
 
 class UnitError(ValueError):
     """A text that is not a number with a unit of the wanted kind."""
@@ -21,6 +23,9 @@ COMMON = (
     *("deg", "rad", "mrad", "degree", "radian", "rpm", "rad/s", "deg/s", "r/min"),
     *("mm/s", "m/s", "km/h", "N/mm", "N/m", "kg.m2", "J", "kJ", "mJ", "W", "kW", "Hz", "kHz"),
 )
+
+# As pint calls the base units of FMI, in the order of its attributes.
+BASE = ("kilogram", "meter", "second", "ampere", "kelvin", "mole", "candela", "radian")
 
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 
@@ -49,11 +54,18 @@ def to_unit(text: str, unit: str) -> float:
     number, given = float(match[1]), match[2]
     if not given:
         return number
+    if not unit:
+        raise UnitError(f"{text!r}: the FMU does not say in which unit it is; write a plain number")
     try:
         units = _registry().Unit(_as_pint(given))
     except Exception:
         raise UnitError(f"{text!r}: {given!r} is not a known unit; {_remedy(given, unit)}") from None
-    wanted = _registry().Unit("" if unit == "1" else _as_pint(unit))
+    try:
+        wanted = _registry().Unit("" if unit == "1" else _as_pint(unit))
+    except Exception:
+        raise UnitError(
+            f"{text!r}: the FMU's unit {unit!r} is not known here; write a plain number in it"
+        ) from None
     if _kind(units) != _kind(wanted):
         needed = "a plain number" if unit == "1" else f"a unit like {unit}"
         raise UnitError(f"{text!r}: the unit {given} does not fit, {needed} is needed")
@@ -63,6 +75,18 @@ def to_unit(text: str, unit: str) -> float:
     if parts and abs(factor * parts - 1.0) < 1e-14:
         return number / parts
     return number * factor
+
+
+def in_base_units(unit: str) -> Unit | None:
+    """What the unit is in SI base units; None where it is not known, or not a multiple of them."""
+    try:
+        made = _registry().Unit("" if unit == "1" else _as_pint(unit))
+        factor, base = _registry().get_base_units(made)
+        powers = {name: float(power) for name, power in base._units.items()}
+    except Exception:
+        return None
+    exponents = tuple(int(powers.pop(name, 0.0)) for name in BASE)
+    return None if powers else Unit(exponents, float(factor), 0.0)
 
 
 def _remedy(given: str, unit: str) -> str:

@@ -1,9 +1,48 @@
-"""Participants of a co-simulation: FMUs and components in this process, behind one protocol."""
+"""Participants of a co-simulation: FMUs, in this process or one of their own, and components, behind one
+protocol."""
 
-from .fmu import FmuParticipant as fmu
-from .fmu import missing, signal_degrees
+from __future__ import annotations
+
+from pathlib import Path
+
+from models.system import Instance
+
+from .fmu import FmuParticipant, Given, missing, signal_degrees
+from .foreign import ForeignComponent, component_of_file
+from .in_own_process import InOwnProcess
 from .in_process import InProcessParticipant as in_process
 from .protocol import Participant
 from .substeps import Substepped as substepped
+from .transformed import Transformed as transformed
 
-__all__ = ["Participant", "fmu", "in_process", "missing", "signal_degrees", "substepped"]
+__all__ = [
+    "ForeignComponent",
+    "Participant",
+    "component_of_file",
+    "fmu",
+    "given",
+    "in_own_process",
+    "in_process",
+    "missing",
+    "signal_degrees",
+    "substepped",
+    "transformed",
+]
+
+
+def fmu(name: str, path: Path, instance: Instance) -> FmuParticipant:
+    """The FMU at `path` in the place of `instance`."""
+    return FmuParticipant(name, path, given(instance))
+
+
+def in_own_process(name: str, path: Path, instance: Instance) -> InOwnProcess:
+    """As `fmu`, in a process of its own."""
+    return InOwnProcess(name, path, given(instance))
+
+
+def given(instance: Instance) -> Given:
+    """What the FMU in the place of `instance` is asked for and given."""
+    component = instance.component
+    own = isinstance(component, ForeignComponent)
+    starts = {k if own else component.state.field(k).suffixed("_start"): v for k, v in instance.start.items()}
+    return Given(component.outputs.names, {**instance.parameters, **starts}, instance.inputs)

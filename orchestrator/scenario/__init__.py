@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from .component_table import ComponentTable
+from .connection import Line, ends, line_of
 from .fields import Written
 from .master_table import MasterTable
 from .messages import messages
-from .scenario import EnergyTable, Scenario, ScenarioError, elsewhere, ends, scenario_of
+from .scenario import EnergyTable, Scenario, ScenarioError, elsewhere, scenario_of
 from .step_control_table import CONVERGED
 
 __all__ = [
     "CONVERGED",
     "ComponentTable",
     "EnergyTable",
+    "Line",
     "MasterTable",
     "Scenario",
     "ScenarioError",
     "Written",
     "elsewhere",
     "ends",
+    "line_of",
     "messages",
     "scenario_of",
 ]

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Literal
+
 from pydantic import Field, ValidationInfo, field_validator
 
 from models.component import Component
 
 from ..errors import one_of
+from ..participants import component_of_file
 from ..values import Value, component_of, meanings
 from .fields import Table, Written
 
@@ -14,13 +18,21 @@ from .fields import Table, Written
 class ComponentTable(Table):
     """One component of the system. Values are in SI units, or texts with a unit ("8 mm")."""
 
-    component: str = Field(description="Name of the component in the catalogue")
-    structure: dict[str, int] = Field({}, description="Structural sizes, e.g. coil_masses")
     participant: str = Field(
         "fmu",
         description="fmu: the component's own FMU, built when needed; in-process: without FMI; or the "
-        "path of an .fmu file with the component's variables",
+        "path of an .fmu file: with the component's variables, or any other that stands for itself",
     )
+    process: Literal["shared", "own"] = Field(
+        "shared", description="own: the FMU runs in a process of its own, so that it cannot end the run's"
+    )
+    component: str | None = Field(
+        None,
+        description="Name of the component in the catalogue; left out for an .fmu file that stands for "
+        "itself",
+        validate_default=True,
+    )
+    structure: dict[str, int] = Field({}, description="Structural sizes, e.g. coil_masses")
     substeps: int = Field(
         1, description="Steps that it makes of every macro step", ge=1, le=10_000, strict=True
     )
@@ -35,19 +47,6 @@ class ComponentTable(Table):
     start: dict[str, Written] = Field({}, description="Start values of states")
     inputs: dict[str, Written] = Field({}, description="Constant values of inputs that nothing drives")
 
-    @field_validator("structure")
-    @classmethod
-    def _sizes(cls, structure: dict[str, int], info: ValidationInfo) -> dict[str, int]:
-        if "component" in info.data:
-            component_of(info.data["component"], tuple(sorted(structure.items())))
-        return structure
-
-    @field_validator("component")
-    @classmethod
-    def _known(cls, name: str) -> str:
-        component_of(name)
-        return name
-
     @field_validator("participant")
     @classmethod
     def _kind(cls, kind: str) -> str:
@@ -55,17 +54,57 @@ class ComponentTable(Table):
             return kind
         raise ValueError(f"{kind!r}: {one_of(('fmu', 'in-process'), kind)} (or the path of an .fmu file)")
 
+    @field_validator("process")
+    @classmethod
+    def _apart(cls, process: str, info: ValidationInfo) -> str:
+        if process == "own" and info.data.get("participant") == "in-process":
+            raise ValueError("'own': participant = 'in-process' is in this process; take participant = 'fmu'")
+        return process
+
+    @field_validator("component")
+    @classmethod
+    def _known(cls, name: str | None, info: ValidationInfo) -> str | None:
+        participant = info.data.get("participant", "")
+        if name is not None:
+            component_of(name)
+        elif participant.endswith(".fmu"):
+            component_of_file(Path(participant))
+        elif participant:
+            raise ValueError('missing; name one of the catalogue, or an FMU: participant = "FILE.fmu"')
+        return name
+
+    @field_validator("structure")
+    @classmethod
+    def _sizes(cls, structure: dict[str, int], info: ValidationInfo) -> dict[str, int]:
+        name = info.data.get("component")
+        if name is not None:
+            component_of(name, tuple(sorted(structure.items())))
+        elif structure and "component" in info.data:
+            raise ValueError("an FMU that stands for itself has the sizes it was made with; leave it out")
+        return structure
+
     @field_validator("parameters", "start", "inputs")
     @classmethod
     def _values(cls, values: dict[str, Value], info: ValidationInfo) -> dict[str, Value]:
-        if "component" not in info.data or "structure" not in info.data:
+        if not {"participant", "component", "structure"} <= set(info.data):
             return values  # the fault is already known
-        component = component_of(info.data["component"], tuple(sorted(info.data["structure"].items())))
+        component = _made(info.data["participant"], info.data["component"], info.data["structure"])
         layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
         kinds = {"parameters": "parameter", "start": "state", "inputs": "input"}
         assert info.field_name
         return meanings(layouts[info.field_name], values, kinds[info.field_name])
 
+    @property
+    def foreign(self) -> bool:
+        """Whether it is an FMU that stands for itself."""
+        return self.component is None
+
     def made(self) -> Component:
-        """The component with these sizes."""
-        return component_of(self.component, tuple(sorted(self.structure.items())))
+        """The component with these sizes, or the one that the FMU is."""
+        return _made(self.participant, self.component, self.structure)
+
+
+def _made(participant: str, component: str | None, structure: dict[str, int]) -> Component:
+    if component is None:
+        return component_of_file(Path(participant))
+    return component_of(component, tuple(sorted(structure.items())))

@@ -14,9 +14,10 @@ from ..stepping import ControlledSteps, FixedSteps
 from ..stepping.estimators import ESTIMATORS
 from ..values import Faults
 from .component_table import ComponentTable
+from .connection import line_of
 from .fields import Seconds, SecondsOr0, Table, Tolerance
 from .master_table import MasterTable
-from .messages import Location, messages
+from .messages import REMEDIES, Location, messages
 from .step_control_table import CONVERGED, EVENT_TOLERANCE, StepControlTable
 
 
@@ -72,8 +73,12 @@ class Scenario(Table):
     call_time_limit: Seconds | None = Field(
         None, description="Longest wall time of a participant's call; default: no limit"
     )
+    reference: ReferenceTable = ReferenceTable()
     tolerance: dict[str, Tolerance] = Field(
-        description="Largest relative RMS error allowed, by variable: contact.load = 1e-3", min_length=1
+        {},
+        validate_default=True,
+        description="Largest relative RMS error allowed, by variable: contact.load = 1e-3; at least one with "
+        "the reference",
     )
     master: MasterTable = MasterTable()
     step_control: StepControlTable | None = Field(None, description="Absent: steps of equal length")
@@ -82,10 +87,11 @@ class Scenario(Table):
         description="Locate events inside macro steps, by rollback, to this time (s, or a text with a unit); "
         "default: not with equal steps, to 1 ns with step control",
     )
-    reference: ReferenceTable = ReferenceTable()
     energy: EnergyTable = EnergyTable()
     components: dict[str, ComponentTable] = Field(description="The components by instance name", min_length=1)
-    connections: list[str] = Field([], description="Lines 'instance.output -> instance.input'")
+    connections: list[str] = Field(
+        [], description="Lines 'instance.output -> instance.input', or '... * factor + offset -> ...'"
+    )
 
     @field_validator("components")
     @classmethod
@@ -98,7 +104,14 @@ class Scenario(Table):
     @field_validator("connections")
     @classmethod
     def _arrows(cls, connections: list[str]) -> list[str]:
-        return [" -> ".join(ends(line)) for line in connections]
+        return [str(line_of(line)) for line in connections]
+
+    @field_validator("tolerance")
+    @classmethod
+    def _judged(cls, tolerance: dict[str, float], info: ValidationInfo) -> dict[str, float]:
+        if not tolerance and "reference" in info.data and info.data["reference"].enabled:
+            raise Faults(("", f": missing{REMEDIES['tolerance']}"))
+        return tolerance
 
     @field_validator("macro_step")
     @classmethod
@@ -178,14 +191,6 @@ def _of_option(line: str) -> tuple[str, str]:
     option, equals, rest = line.partition(" = ")
     named = equals and option.partition("[")[0].isidentifier()
     return (option, equals + rest) if named else ("", f": {line}")
-
-
-def ends(line: str) -> tuple[str, str]:
-    """Source and target of a connection's line; ValueError if it is not one."""
-    source, arrow, target = (part.strip() for part in line.partition("->"))
-    if not arrow or "." not in source or "." not in target:
-        raise ValueError(f"{line!r}: a connection is written 'instance.output -> instance.input'")
-    return source, target
 
 
 def scenario_of(content: dict[str, Any]) -> Scenario:

@@ -15,7 +15,7 @@ from orchestrator import fmu_passes
 from orchestrator.errors import RunError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import fmu
-from orchestrator.participants.fmi_calls import Calls
+from orchestrator.participants.fmi2 import Fmi2
 from orchestrator.signals import DEGREES
 from orchestrator.simulation import simulate
 
@@ -117,9 +117,9 @@ def test_the_same_error_after_the_same_steps(kind, vice, tmp_path, compiled):
 
 def test_the_interpreter_is_let_go_for_an_fmu_that_is_not_in_python(monkeypatch, compiled):
     """It takes it again itself, as these do whether or not it is held."""
-    addresses = Calls.addresses
+    addresses = Fmi2.addresses
     expected = run(GaussSeidel("hermite"), None, Wrapped)
-    monkeypatch.setattr(Calls, "addresses", lambda self: addresses(self) | {"in_python": 0})
+    monkeypatch.setattr(Fmi2, "addresses", lambda self: addresses(self) | {"in_python": 0})
     found = run(GaussSeidel("hermite"), None, lambda unit: unit)
     assert compiled.made >= 30
     np.testing.assert_array_equal(found[0], expected[0])

@@ -1,0 +1,105 @@
+"""What a scenario asks of its FMU files, and what they say that they can do."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+from .participants.description import Description, described
+from .scenario import Scenario, ScenarioError
+
+# Part of a step by which a time may miss a whole number of steps: far more than rounding.
+WHOLE = 1e-6
+
+
+def check_foreign(scenario: Scenario) -> None:
+    """ScenarioError where FMUs that stand for themselves are asked for what only equations give."""
+    foreign = [name for name, table in scenario.components.items() if table.foreign]
+    if not foreign:
+        return
+    named = f"{', '.join(foreign)}: FMUs from elsewhere, whose equations are not known here"
+    if scenario.reference.enabled:
+        raise ScenarioError(
+            f"reference.enabled = true: {named}, so that there is no reference; set reference.enabled = false"
+        )
+    if scenario.start == "equilibrium":
+        raise ScenarioError(f"start = 'equilibrium': {named}; set start = 'given'")
+
+
+def check_abilities(scenario: Scenario) -> None:
+    """ScenarioError where a given .fmu file cannot do what the scenario's steps need."""
+    files = {
+        name: Path(table.participant)
+        for name, table in scenario.components.items()
+        if table.participant.endswith(".fmu")
+    }
+    for name, path in files.items():
+        if fault := _fault(scenario, name, described(path)):
+            raise ScenarioError(f"components.{name}.participant: {path}: {fault}")
+    shared = Counter(
+        path.resolve() for name, path in files.items() if scenario.components[name].process == "shared"
+    )
+    for name, path in files.items():
+        if shared[path.resolve()] > 1 and described(path).once_per_process:
+            raise ScenarioError(
+                f"components.{name}.participant: {path}: can be there only once in a process "
+                f"(canBeInstantiatedOnlyOncePerProcess); set components.{name}.process = 'own'"
+            )
+
+
+def _fault(scenario: Scenario, name: str, about: Description) -> str:
+    """What keeps the FMU from taking part, with the remedy; empty if nothing does."""
+    table = scenario.components[name]
+    if scenario.master.made().implicit:
+        varied = f"the master {scenario.master.name}", "take the master jacobi or gauss_seidel"
+    elif scenario.step_control:
+        varied = "[step_control]", "leave it out"
+    elif scenario.event_tolerance:
+        varied = "event_tolerance", "leave it out"
+    else:
+        varied = None
+    if varied and not about.restorable:
+        return (
+            f"cannot be taken back (canGetAndSetFMUstate = false), as {varied[0]} has to; {varied[1]}, or "
+            "give another file"
+        )
+    lengths = (
+        "[step_control]" if scenario.step_control else "",
+        "event_tolerance" if scenario.event_tolerance else "",
+        f"components.{name}.retries" if table.retries else "",
+    )
+    cause = next(filter(None, lengths), "")
+    if not about.variable_step:
+        if cause:
+            return (
+                "takes steps of one length only (canHandleVariableCommunicationStepSize = false), and "
+                f"{cause} makes others; leave it out"
+            )
+        if _broken(scenario.stop_time, scenario.macro_step):
+            return (
+                "takes steps of one length only (canHandleVariableCommunicationStepSize = false), and "
+                f"stop_time = {scenario.stop_time:g} s is no whole number of macro_step = "
+                f"{scenario.macro_step:g} s; change one of them"
+            )
+    return ""
+
+
+def unsynchronised(scenario: Scenario) -> list[str]:
+    """A line for each FMU whose own steps (fixedInternalStepSize) do not end where macro steps do."""
+    found = []
+    for name, table in scenario.components.items():
+        if not table.participant.endswith(".fmu"):
+            continue
+        own, step = described(Path(table.participant)).fixed_step, scenario.macro_step / table.substeps
+        if own and (scenario.step_control or _broken(step, own)):
+            found.append(
+                f"components.{name}: moves by steps of {own:g} s (fixedInternalStepSize), which macro steps "
+                "do not end with, so that its outputs may be those of an earlier time; take a macro_step "
+                "that is a multiple of it"
+            )
+    return found
+
+
+def _broken(length: float, part: float) -> bool:
+    """Whether `length` is no whole number of parts."""
+    return abs(length / part - round(length / part)) > WHOLE or round(length / part) < 1

@@ -1,0 +1,206 @@
+"""What an FMU's modelDescription.xml says, alike for FMI 2.0 and FMI 3.0: every scalar by its name."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from fmpy import read_model_description
+
+VERSIONS = ("2.0", "3.0")
+REALS = ("Real", "Float64", "Float32")
+TRUTHS = ("Boolean",)
+WHOLE = (
+    *("Integer", "Enumeration"),
+    *("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64"),
+)
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A scalar: a variable, or an element of an array of `size`, its `place` counted row by row."""
+
+    name: str
+    type: str
+    reference: int
+    causality: str
+    variability: str
+    initial: str
+    description: str
+    unit: str  # empty: none is stated
+    minimum: float
+    maximum: float
+    nominal: float
+    start: float | None
+    derivative: str  # the name of the variable whose time derivative this is, or empty
+    place: int = 0
+    size: int = 1
+
+    @property
+    def numeric(self) -> bool:
+        """Whether its values are numbers or truth values."""
+        return self.type in REALS or self.discrete
+
+    @property
+    def discrete(self) -> bool:
+        """Whether its values are whole numbers or truth values."""
+        return self.type in WHOLE or self.type in TRUTHS
+
+
+@dataclass(frozen=True)
+class Unit:
+    """Value in SI base units = factor * value + offset; the base units' exponents."""
+
+    exponents: tuple[int, ...]
+    factor: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class Description:
+    """Of an FMU for co-simulation.
+
+    `variables` by name; `depends` gives, for each output, the inputs it depends on at the same instant, where
+    the file says it. `fixed_step` (s) is that of an FMU whose communication steps have to be multiples of it,
+    else 0. `start`, `stop` and `step` (s) are those of its default experiment.
+    """
+
+    version: str
+    model: str
+    text: str
+    token: str
+    identifier: str
+    variables: Mapping[str, Variable]
+    depends: Mapping[str, tuple[str, ...]]
+    units: Mapping[str, Unit]
+    restorable: bool
+    serialisable: bool
+    variable_step: bool
+    fixed_step: float
+    once_per_process: bool
+    start: float | None
+    stop: float | None
+    step: float | None
+
+    def named(self, causality: str) -> Iterator[Variable]:
+        """The numeric variables of this causality."""
+        return (v for v in self.variables.values() if v.causality == causality and v.numeric)
+
+
+class DescriptionError(ValueError):
+    """The file is no FMU that can take part; a message without the file's name."""
+
+
+def described(path: Path) -> Description:
+    """The description of the FMU at `path`; nothing of it is run. DescriptionError if it cannot take part."""
+    try:
+        found = _read(path)
+    except Exception as error:
+        raise DescriptionError(f"cannot be read as an FMU: {' '.join(str(error).split())}") from None
+    about = found.coSimulation
+    if about is None or found.fmiVersion not in VERSIONS:
+        raise DescriptionError("is not a co-simulation FMU of FMI 2.0 or 3.0")
+    experiment = found.defaultExperiment
+    return Description(
+        version=found.fmiVersion,
+        model=found.modelName,
+        text=found.description or "",
+        token=found.guid,
+        identifier=about.modelIdentifier,
+        variables={v.name: v for variable in found.modelVariables for v in _scalars(variable)},
+        depends=_dependencies(found),
+        units={unit.name: _base(unit.baseUnit) for unit in found.unitDefinitions if unit.baseUnit},
+        restorable=bool(about.canGetAndSetFMUstate),
+        serialisable=bool(about.canSerializeFMUstate),
+        variable_step=bool(about.canHandleVariableCommunicationStepSize),
+        fixed_step=float(about.fixedInternalStepSize or 0.0),
+        once_per_process=bool(about.canBeInstantiatedOnlyOncePerProcess),
+        **{
+            short: _number(getattr(experiment, name, None))
+            for short, name in {"start": "startTime", "stop": "stopTime", "step": "stepSize"}.items()
+        },
+    )
+
+
+def _read(path: Path) -> Any:
+    """fmpy's description; of a file with faults that do not keep it from being read, too."""
+    try:
+        return read_model_description(str(path))
+    except Exception as error:
+        with contextlib.suppress(Exception):
+            return read_model_description(str(path), validate=False)
+        raise error
+
+
+def _scalars(variable: Any) -> Iterator[Variable]:
+    """The variable, or the elements of the array that it is: x[1], x[2], or x[1,1], x[1,2]."""
+    shape = tuple(variable.shape or ())
+    size = math.prod(shape)
+    starts = _starts(variable, size)
+    declared = variable.declaredType
+    unit = variable.unit or (declared.unit if declared else None) or ""
+    limits = {key: _limit(variable, declared, key) for key in ("min", "max", "nominal")}
+    for place, index in enumerate(product(*(range(1, n + 1) for n in shape))):
+        yield Variable(
+            name=variable.name + (f"[{','.join(map(str, index))}]" if shape else ""),
+            type=variable.type,
+            reference=int(variable.valueReference),
+            causality=variable.causality or "local",
+            variability=variable.variability or "",
+            initial=variable.initial or "",
+            description=variable.description or "",
+            unit=unit,
+            minimum=-math.inf if limits["min"] is None else limits["min"],
+            maximum=math.inf if limits["max"] is None else limits["max"],
+            nominal=abs(limits["nominal"] or 1.0),
+            start=starts[place],
+            derivative=variable.derivative.name if variable.derivative is not None and not shape else "",
+            place=place,
+            size=size,
+        )
+
+
+def _limit(variable: Any, declared: Any, key: str) -> float | None:
+    found = _number(getattr(variable, key))
+    return _number(getattr(declared, key, None)) if found is None else found
+
+
+def _starts(variable: Any, size: int) -> list[float | None]:
+    """The start values of all elements; one that is no number, or not stated, is None."""
+    if variable.start is None or variable.type not in (*REALS, *WHOLE, *TRUTHS):
+        return [None] * size
+    words = str(variable.start).split()
+    if len(words) == 1:
+        words *= size
+    return [_number(word) for word in words] if len(words) == size else [None] * size
+
+
+def _number(text: Any) -> float | None:
+    if text is None:
+        return None
+    try:
+        return float({"true": "1", "false": "0"}.get(str(text), str(text)))
+    except ValueError:
+        return None
+
+
+def _dependencies(found: Any) -> dict[str, tuple[str, ...]]:
+    """Of the outputs that state them, elements of arrays each by its name."""
+    depends = {}
+    for unknown in found.outputs:
+        if unknown.variable is None or unknown.dependencies is None:
+            continue
+        inputs = [v for v in unknown.dependencies if v is not None and v.causality == "input"]
+        names = tuple(v.name for one in inputs for v in _scalars(one))
+        depends |= {v.name: names for v in _scalars(unknown.variable)}
+    return depends
+
+
+def _base(unit: Any) -> Unit:
+    exponents = tuple(int(getattr(unit, name)) for name in ("kg", "m", "s", "A", "K", "mol", "cd", "rad"))
+    return Unit(exponents, float(unit.factor), float(unit.offset))

@@ -1,0 +1,213 @@
+"""An FMU in a process of its own: whatever it does there, the run and its results stay.
+
+One message goes there and one comes back for each step, with inputs and outputs as raw doubles; what is rare
+is written as JSON. A process that ends, by whatever signal or exit, is a `LostParticipantError`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from models.quantities import Vector
+
+from .. import errors
+from ..errors import DiscardedStepError, LostParticipantError, ParticipantError
+from .description import described
+from .fmu import Given
+from .messages import ADVANCE, CALL, FAILED, READ, TIMES, receive, send
+
+# How long a process may take to end by itself (s), once it has nothing left to do.
+PATIENCE_S = 5.0
+
+Saved = int  # the process's number of a state
+
+
+class InOwnProcess:
+    """Implements `Participant` for the FMU at `path`, by a `FmuParticipant` in another process."""
+
+    def __init__(self, name: str, path: Path, given: Given) -> None:
+        self.name = name
+        self._process = _started()
+        self._lost = False
+        self._doing = "start"
+        self.restorable = described(path).restorable
+        try:
+            asked = asdict(given) | {"outputs": list(given.outputs)}
+            self._call("made", name=name, path=str(path), given=asked)
+        except BaseException:
+            self.close()
+            raise
+
+    def _ask(self, kind: bytes, *parts: Any) -> bytes:
+        """The answer to a message; its error if it failed there."""
+        try:
+            send(self._process.stdin, kind, *parts)
+            answer, content = receive(self._process.stdout)
+        except (OSError, EOFError):
+            self._end()
+        except BaseException:
+            self._lost = True  # interrupted between a message and its answer
+            raise
+        if answer == FAILED:
+            self._raise(json.loads(content))
+        return content
+
+    def _call(self, method: str, **arguments: Any) -> Any:
+        self._doing = method.replace("_", " ")
+        return json.loads(self._ask(CALL, json.dumps({"method": method, **arguments}).encode()))
+
+    def _raise(self, said: dict[str, Any]) -> NoReturn:
+        kind = getattr(errors, said["kind"], ParticipantError)
+        if kind is DiscardedStepError:
+            raise DiscardedStepError(said["message"], said["reached"])
+        raise kind(said["message"])
+
+    def _end(self) -> NoReturn:
+        """Raise what is known of a process that is no more."""
+        self._lost = True
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(PATIENCE_S)
+        raise LostParticipantError(
+            f"{self.name}: its process ended {_how(self._process.returncode)} in the {self._doing}; look at "
+            "the FMU, its inputs and parameters; what was recorded before is kept"
+        )
+
+    def connect(
+        self,
+        input_names: Sequence[str],
+        inputs: Vector,
+        output_names: Sequence[str],
+        outputs: Vector,
+        rates: Vector,
+    ) -> Sequence[bool]:
+        self._inputs, self._outputs, self._rates = inputs, outputs, rates
+        self._fresh = self._written = False
+        rated: list[bool] = self._call(
+            "connect",
+            inputs=list(input_names),
+            rows=len(inputs),
+            outputs=list(output_names),
+            rated=bool(rates.size),
+        )
+        self._rated = np.array(rated, dtype=bool)
+        return rated
+
+    def initialise(self, start_time: float, stop_time: float) -> None:
+        self._call("initialise", times=[start_time, stop_time])
+        self._fresh = False
+
+    def finish_initialisation(self) -> None:
+        self._call("finish_initialisation")
+        self._fresh = False
+
+    def write(self) -> None:
+        # It goes there with the next step or reading.
+        self._written, self._fresh = True, False
+
+    def advance(self, time: float, step: float) -> None:
+        self._doing = f"step from t = {time:.9g} s by {step:g} s"
+        self._fresh = False
+        self._take(self._ask(ADVANCE, TIMES.pack(time, step), self._given()))
+
+    def read(self) -> None:
+        if not self._fresh:
+            self._doing = "reading of outputs"
+            self._take(self._ask(READ, self._given()))
+        count = self._outputs.size
+        self._outputs[:] = self._taken[:count]
+        if self._rates.size:
+            self._rates[self._rated] = self._taken[count:][self._rated]
+
+    def _given(self) -> bytes:
+        """The inputs, if they have been written since the last message."""
+        written, self._written = self._written, False
+        return self._inputs.tobytes() if written else b""
+
+    def _take(self, content: bytes) -> None:
+        self._taken = np.frombuffer(content)
+        self._fresh = True
+
+    def read_all(self, values: Vector) -> None:
+        if self._written:
+            self.read()
+        values[:] = self._call("read_all", size=len(values))
+
+    def save(self) -> Saved:
+        saved: Saved = self._call("save")
+        return saved
+
+    def restore(self, saved: Saved) -> None:
+        self._call("restore", number=saved)
+        self._fresh = self._written = False
+
+    def release(self, saved: Saved) -> None:
+        if not self._lost:  # else it is gone with all that it had
+            self._call("release", number=saved)
+
+    def to_bytes(self, saved: Saved) -> bytes:
+        return bytes.fromhex(self._call("to_bytes", number=saved))
+
+    def from_bytes(self, data: bytes) -> Saved:
+        saved: Saved = self._call("from_bytes", data=data.hex())
+        return saved
+
+    def close(self) -> None:
+        process = self._process
+        if process.poll() is None and not self._lost:
+            with contextlib.suppress(errors.RunError, subprocess.TimeoutExpired):
+                self._call("close")
+                process.wait(PATIENCE_S)
+        self._lost = True
+        if process.poll() is None:
+            process.kill()
+        process.wait()
+        for pipe in (process.stdin, process.stdout):
+            with contextlib.suppress(OSError):
+                pipe.close()  # type: ignore[union-attr]
+
+
+def _how(status: int | None) -> str:
+    if status is None:
+        return "its connection"
+    if status >= 0:
+        return f"with exit status {status}"
+    try:
+        return f"by {signal.Signals(-status).name}"
+    except ValueError:
+        return f"by signal {-status}"
+
+
+def _started() -> subprocess.Popen[bytes]:
+    """Ctrl-C, which the terminal sends to both, is not for it."""
+    path = os.pathsep.join(filter(None, [*sys.path, os.environ.get("PYTHONPATH", "")]))
+    with _without_interrupts():
+        return subprocess.Popen(
+            [sys.executable, "-c", f"from {__package__}.process import main; main()"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            bufsize=0,
+            env={**os.environ, "PYTHONPATH": path},
+        )
+
+
+@contextlib.contextmanager
+def _without_interrupts() -> Iterator[None]:
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

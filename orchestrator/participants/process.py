@@ -1,0 +1,129 @@
+"""The process of one FMU: it does what `InOwnProcess` asks on standard input, and answers on standard output.
+
+What the FMU itself prints goes to standard error. The process ends when its input does.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from models.quantities import Vector
+
+from ..errors import DiscardedStepError, RunError
+from .fmu import FmuParticipant, Given
+from .messages import ADVANCE, CALL, DONE, FAILED, READ, TIMES, receive, send
+
+_DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
+
+
+class Server:
+    """Carries out messages for the participant that the first one makes."""
+
+    unit: FmuParticipant
+    inputs: Vector
+    outputs: Vector
+    rates: Vector
+
+    def __init__(self) -> None:
+        self._states: dict[int, Any] = {}
+        self._number = 0
+
+    def carry_out(self, kind: bytes, content: bytes) -> bytes:
+        """The answer to a message."""
+        if kind == ADVANCE:
+            self._give(content[TIMES.size :])
+            self.unit.advance(*TIMES.unpack(content[: TIMES.size]))
+            return self._taken()
+        if kind == READ:
+            self._give(content)
+            return self._taken()
+        assert kind == CALL
+        asked = json.loads(content)
+        return json.dumps(getattr(self, asked.pop("method"))(**asked)).encode()
+
+    def _give(self, values: bytes) -> None:
+        if values:
+            self.inputs.ravel()[:] = np.frombuffer(values)
+            self.unit.write()
+
+    def _taken(self) -> bytes:
+        self.unit.read()
+        return self.outputs.tobytes() + self.rates.tobytes()
+
+    def made(self, name: str, path: str, given: dict[str, Any]) -> None:
+        self.unit = FmuParticipant(name, Path(path), Given(**given))
+
+    def connect(self, inputs: list[str], rows: int, outputs: list[str], rated: bool) -> list[bool]:
+        self.inputs = np.zeros((rows, len(inputs)))
+        self.outputs = np.zeros(len(outputs))
+        self.rates = np.zeros(len(outputs) if rated else 0)
+        return [
+            bool(one) for one in self.unit.connect(inputs, self.inputs, outputs, self.outputs, self.rates)
+        ]
+
+    def initialise(self, times: list[float]) -> None:
+        self.unit.initialise(*times)
+
+    def finish_initialisation(self) -> None:
+        self.unit.finish_initialisation()
+
+    def read_all(self, size: int) -> list[float]:
+        values = np.zeros(size)
+        self.unit.read_all(values)
+        return values.tolist()
+
+    def save(self) -> int:
+        return self._kept(self.unit.save())
+
+    def _kept(self, state: Any) -> int:
+        self._number += 1
+        self._states[self._number] = state
+        return self._number
+
+    def restore(self, number: int) -> None:
+        self.unit.restore(self._states[number])
+
+    def release(self, number: int) -> None:
+        self.unit.release(self._states.pop(number))
+
+    def to_bytes(self, number: int) -> str:
+        return self.unit.to_bytes(self._states[number]).hex()
+
+    def from_bytes(self, data: str) -> int:
+        return self._kept(self.unit.from_bytes(bytes.fromhex(data)))
+
+    def close(self) -> None:
+        self.unit.close()
+
+
+def main() -> None:
+    """Serve until standard input ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGKILL)
+    asked = os.fdopen(os.dup(0), "rb", buffering=0)
+    answers = os.fdopen(os.dup(1), "wb", buffering=0)
+    os.dup2(2, 1)  # what the FMU prints must not come among the answers
+    server = Server()
+    while True:
+        try:
+            kind, content = receive(asked)
+        except EOFError:
+            break
+        try:
+            answer = DONE, server.carry_out(kind, content)
+        except Exception as error:
+            known = type(error).__name__ if isinstance(error, RunError) else "ParticipantError"
+            reached = error.reached if isinstance(error, DiscardedStepError) else None
+            said = {"kind": known, "message": str(error), "reached": reached}
+            answer = FAILED, json.dumps(said).encode()
+        send(answers, *answer)
+    os._exit(0)  # some FMUs abort where their library is taken down

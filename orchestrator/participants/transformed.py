@@ -1,0 +1,68 @@
+"""A participant with inputs that are linear functions of what they are connected to: other units, gains."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from models.quantities import Vector
+
+from .protocol import Participant
+
+
+@dataclass(frozen=True)
+class Linear:
+    """factor * value + offset."""
+
+    factor: float = 1.0
+    offset: float = 0.0
+
+
+class Transformed:
+    """Implements `Participant` by `participant`, with `transformations` of inputs, by name."""
+
+    def __init__(self, participant: Participant, transformations: Mapping[str, Linear]) -> None:
+        self.name = participant.name
+        self.restorable = participant.restorable
+        self._participant = participant
+        self._transformations = transformations
+        # What isn't changed here are the participant's own functions, not methods around them.
+        self.initialise = participant.initialise
+        self.finish_initialisation = participant.finish_initialisation
+        self.advance = participant.advance
+        self.read_all = participant.read_all
+        self.save = participant.save
+        self.restore = participant.restore
+        self.release = participant.release
+        self.close = participant.close
+
+    def connect(
+        self,
+        input_names: Sequence[str],
+        inputs: Vector,
+        output_names: Sequence[str],
+        outputs: Vector,
+        rates: Vector,
+    ) -> Sequence[bool]:
+        none = Linear()
+        own = [self._transformations.get(name, none) for name in input_names]
+        self._factors = np.array([linear.factor for linear in own])
+        self._offsets = np.array([linear.offset for linear in own])
+        self._given, self._made = inputs, np.zeros_like(inputs)
+        rated = self._participant.connect(input_names, self._made, output_names, outputs, rates)
+        self.read, self._write = self._participant.read, self._participant.write
+        return rated
+
+    def write(self) -> None:
+        np.multiply(self._given, self._factors, out=self._made)
+        self._made[0] += self._offsets
+        self._write()
+
+    def to_bytes(self, saved: Any) -> bytes:
+        return self._participant.to_bytes(saved)
+
+    def from_bytes(self, data: bytes) -> Any:
+        return self._participant.from_bytes(data)

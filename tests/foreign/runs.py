@@ -1,0 +1,49 @@
+"""Runs of scenarios with FMUs from elsewhere."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from orchestrator.report import Reporter
+from orchestrator.run import run
+from orchestrator.scenario import Scenario, scenario_of
+from orchestrator.summary import Summary
+
+
+def scenario(components: Mapping[str, Mapping[str, Any]], **changes: Any) -> Scenario:
+    """A second of these FMUs, in steps of 10 ms."""
+    tables = {
+        "name": "foreign",
+        "stop_time": 1.0,
+        "macro_step": 0.01,
+        "checkpoint_every": 0,
+        "start": "given",
+        "reference": {"enabled": False},
+        "components": {
+            name: {**table, "participant": str(table["participant"])} for name, table in components.items()
+        },
+    }
+    return scenario_of(tables | changes)
+
+
+def never(name: str, structure: object) -> Path:
+    raise AssertionError(f"{name} has to be given")
+
+
+def ran(one: Scenario, out: Path) -> tuple[Summary, dict[str, np.ndarray]]:
+    """Its summary, and the recorded columns by name."""
+    summary = run(one, out, never, Reporter(), figures=False)
+    assert (out / "coupled.csv").exists(), summary.message
+    return summary, recorded(out)
+
+
+def recorded(out: Path) -> dict[str, np.ndarray]:
+    """The columns of a run's coupled.csv."""
+    with (out / "coupled.csv").open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    return dict(zip(header, np.array(rows, dtype=float).T, strict=True))

@@ -1,0 +1,255 @@
+"""FMUs from elsewhere, of both versions of FMI, take part as what they are, here or in their own process."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from fmpy import simulate_fmu
+
+from orchestrator.exchange import Exchange
+from orchestrator.participants import component_of_file
+from orchestrator.scenario import ScenarioError
+
+from .c_fmus import fmu
+from .runs import ran, scenario
+
+VERSIONS, PROCESSES = (2, 3), ("shared", "own")
+EPSILON = 2.0**-52
+
+
+@pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.parametrize("version", VERSIONS)
+def test_decay_is_the_closed_form(version: int, process: str, tmp_path: Path) -> None:
+    """Of a given rate from a given start: a rounding for each of 100 steps, of product and exponential."""
+    path = fmu("dahlquist", version, tmp_path)
+    table = {"participant": path, "process": process, "parameters": {"k": 3.0}, "start": {"x": 0.5}}
+    summary, found = ran(scenario({"decay": table}), tmp_path / "out")
+    assert summary.complete
+    assert summary.exit_status == 4
+    np.testing.assert_allclose(found["decay.x"], 0.5 * np.exp(-3.0 * found["time"]), rtol=200 * EPSILON)
+
+
+@pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.parametrize("version", VERSIONS)
+def test_an_fmu_alone_does_what_it_does_in_another_master(version: int, process: str, tmp_path: Path) -> None:
+    """Names with dots and brackets; to the last bit."""
+    path = fmu("ball", version, tmp_path)
+    changed = {"e": 0.8, "body.h": 2.0}
+    table = {
+        "participant": path,
+        "process": process,
+        "parameters": {"e": 0.8},
+        "start": {"body.h": 2.0},
+    }
+    _, found = ran(scenario({"ball": table}), tmp_path / "out")
+    expected = simulate_fmu(
+        path, stop_time=1.0, output_interval=0.01, start_values=changed, fmi_type="CoSimulation"
+    )
+    for name in ("body.h", "body.v"):
+        np.testing.assert_array_equal(found[f"ball.{name}"], expected[name])
+
+
+def coupled(version: int, process: str, tmp_path: Path, **changes: Any) -> dict[str, np.ndarray]:
+    """A driven oscillator and a ball whose velocity drives it."""
+    files = {name: fmu(name, version, tmp_path) for name in ("vanderpol", "ball")}
+    tables = {name: {"participant": path, "process": process} for name, path in files.items()}
+    out = tmp_path / f"{process}{len(list(tmp_path.iterdir()))}"
+    lines = ["ball.body.v * 1 -> vanderpol.force"]
+    summary, found = ran(scenario(tables, connections=lines, **changes), out)
+    assert summary.complete, summary.message
+    return found
+
+
+MASTERS: dict[str, dict[str, Any]] = {
+    "jacobi": {"master": {"name": "jacobi", "extrapolation": "linear"}},
+    "gauss_seidel": {"master": {"name": "gauss_seidel", "extrapolation": "quadratic"}},
+    "iterated": {"master": {"name": "iterated", "extrapolation": "hermite"}},
+    "control": {
+        "master": {"name": "jacobi", "extrapolation": "linear"},
+        "step_control": {"estimator": "step_doubling", "relative": 1e-2, "minimum_step": 1e-9},
+        "stop_time": 0.3,
+    },
+}
+
+
+@pytest.mark.parametrize("master", MASTERS)
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_process_of_its_own_changes_no_bit(version: int, master: str, tmp_path: Path) -> None:
+    """Whatever the master saves, restores and exchanges."""
+    shared, own = (coupled(version, process, tmp_path, **MASTERS[master]) for process in PROCESSES)
+    assert shared.keys() == own.keys()
+    for name in shared:
+        np.testing.assert_array_equal(own[name], shared[name])
+
+
+def test_both_versions_of_fmi_give_the_same(tmp_path: Path) -> None:
+    """The models are the same C; calls of FMI 2.0 are made by compiled code."""
+    one, other = (coupled(version, "shared", tmp_path, **MASTERS["gauss_seidel"]) for version in VERSIONS)
+    for name in one:
+        np.testing.assert_array_equal(one[name], other[name])
+
+
+@pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.parametrize("version", VERSIONS)
+def test_whole_numbers_and_truth_values_are_exchanged(version: int, process: str, tmp_path: Path) -> None:
+    stair, through = fmu("stair", version, tmp_path), fmu("feedthrough", version, tmp_path)
+    tables = {
+        "stair": {"participant": stair, "process": process},
+        "first": {
+            "participant": through,
+            "process": process,
+            "parameters": {"count": 3, "negate": True, "offset": 0.5},
+            "inputs": {"real in": 2.0},
+        },
+        "second": {"participant": through, "process": process},
+    }
+    lines = [
+        "stair.counter -> first.whole_in",
+        "first.whole_out -> second.whole_in",
+        "first.truth_out -> second.truth_in",
+        "first.real out -> second.real in",
+    ]
+    one = scenario(tables, connections=lines, stop_time=3.0, macro_step=0.25, master={"name": "jacobi"})
+    _, found = ran(one, tmp_path / "out")
+    counted = np.floor(found["time"] + 1e-9)
+    np.testing.assert_array_equal(found["stair.counter"], counted)
+    # Held inputs: what comes in over two connections is two steps old.
+    np.testing.assert_array_equal(found["first.whole_out"][1:], 3 + counted[:-1])
+    np.testing.assert_array_equal(found["second.whole_out"][2:], 3 + counted[:-2])
+    np.testing.assert_array_equal(found["second.truth_out"], 1.0)
+    np.testing.assert_array_equal(found["second.real out"], 2.5)
+
+
+@pytest.mark.parametrize("process", PROCESSES)
+def test_arrays_are_their_elements(process: str, tmp_path: Path) -> None:
+    """y = A x with dx/dt = u, set and connected element by element; the others start as they do."""
+    tables = {
+        "vector": {
+            "participant": fmu("vector", 3, tmp_path),
+            "process": process,
+            "parameters": {"x0[2]": 5.0, "A[1,2]": 10.0},
+            "inputs": {"u[1]": 1.0},
+        },
+        "decay": {"participant": fmu("dahlquist", 3, tmp_path), "parameters": {"k": 0.0}},
+    }
+    one = scenario(tables, connections=["decay.x * 2 -> vector.u[2]"])
+    _, found = ran(one, tmp_path / "out")
+    t = found["time"]
+    # A hundred additions of h u.
+    np.testing.assert_allclose(found["vector.y[1]"], (1.0 + t) + 10.0 * (5.0 + 2.0 * t), rtol=200 * EPSILON)
+    np.testing.assert_allclose(found["vector.y[2]"], 5.0 + 2.0 * t, rtol=200 * EPSILON)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_units_are_converted_where_both_ends_state_them(version: int, tmp_path: Path) -> None:
+    """m to mm, degC to K; an input that states none takes the number as it is."""
+    shaft, through = fmu("shaft", version, tmp_path), fmu("feedthrough", version, tmp_path)
+    tables = {
+        "meter": {"participant": through, "inputs": {"real in": 0.25}},
+        "one": {"participant": shaft},
+        "other": {"participant": shaft},
+    }
+    lines = ["meter.real out -> one.height", "one.air -> other.wall", "one.speed -> other.bare"]
+    one = scenario(tables, connections=lines, master={"name": "jacobi", "extrapolation": "hold"})
+    _, found = ran(one, tmp_path / "out")
+    np.testing.assert_allclose(found["one.reached"], 250.0, rtol=2 * EPSILON)
+    np.testing.assert_allclose(found["other.felt"], 293.15, rtol=2 * EPSILON)
+    np.testing.assert_array_equal(found["other.given"][1:], found["one.speed"][:-1])
+
+
+def test_a_factor_takes_the_numbers_as_they_are(tmp_path: Path) -> None:
+    shaft = fmu("shaft", 3, tmp_path)
+    tables = {"one": {"participant": shaft}, "other": {"participant": shaft}}
+    one = scenario(tables, connections=["one.air * 0.5 - 3 -> other.height"])
+    assert one.connections == ["one.air * 0.5 - 3.0 -> other.height"]
+    _, found = ran(one, tmp_path / "out")
+    np.testing.assert_array_equal(found["other.reached"], 7.0)
+
+
+def test_a_step_that_returns_early_is_gone_on_with(tmp_path: Path) -> None:
+    early, whole = (
+        ran(scenario({"decay": {"participant": fmu(name, 3, tmp_path)}}), tmp_path / name)[1]["decay.x"]
+        for name in ("early", "dahlquist")
+    )
+    np.testing.assert_allclose(early, whole, rtol=400 * EPSILON)
+
+
+def test_the_declared_derivative_is_the_rate(tmp_path: Path) -> None:
+    """By which Hermite signals have their fourth order."""
+    component = component_of_file(fmu("ball", 2, tmp_path))
+    assert component.outputs.names == ("body.h", "body.v")
+    rated = []
+    attached = Exchange.initialise
+
+    def initialise(self: Exchange, *times: float) -> None:
+        rated.append(dict(zip(map(str, self.sources), self.rated, strict=True)))
+        attached(self, *times)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Exchange, "initialise", initialise)
+        tables = {name: {"participant": fmu(name, 2, tmp_path)} for name in ("ball", "vanderpol")}
+        lines = ["ball.body.h * 1 -> vanderpol.force"]
+        master = {"name": "gauss_seidel", "extrapolation": "hermite"}
+        ran(scenario(tables, connections=lines, master=master), tmp_path / "out")
+    assert rated == [{"ball.body.h": True}]
+
+
+def test_the_shortest_scenario_is_a_file(tmp_path: Path) -> None:
+    component = component_of_file(fmu("feedthrough", 3, tmp_path))
+    assert component.parameters.names == ("offset", "count", "negate")
+    assert component.feedthrough["real out"] == ("real in",)
+    assert component.inputs.field("real in").quantity.unit == "m"
+    one = scenario(
+        {"through": {"participant": fmu("feedthrough", 3, tmp_path), "inputs": {"real in": "8 mm"}}}
+    )
+    assert one.components["through"].inputs == {"real in": 8e-3}
+
+
+REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
+    "unknown parameter": ("dahlquist", {"own": {"parameters": {"K": 1.0}}}, r"\.K: no such parameter"),
+    "unit of nothing": (
+        "dahlquist",
+        {"own": {"parameters": {"k": "8 mm"}}},
+        r"does not say in which unit it is; write a plain number",
+    ),
+    "fraction": ("feedthrough", {"own": {"parameters": {"count": 1.5}}}, r"count = 1\.5 .*must be"),
+    "structure": ("dahlquist", {"own": {"structure": {"n": 3}}}, r"structure: an FMU that stands for itself"),
+    "reference": (
+        "dahlquist",
+        {"reference": {"enabled": True}, "tolerance": {"one.x": 1e-3}},
+        "set reference.enabled = false",
+    ),
+    "equilibrium": ("dahlquist", {"start": "equilibrium"}, r"set start = 'given'"),
+    "unit": ("shaft", {"connections": ["one.speed -> one.height"]}, r"unit r/min does not fit mm"),
+    "kind": ("feedthrough", {"connections": ["one.real out -> one.whole_in"]}, "takes whole numbers"),
+    "not restorable": ("rigid", {"master": {"name": "iterated"}}, r"canGetAndSetFMUstate = false.*jacobi"),
+    "control": ("rigid", {"step_control": {}}, r"\[step_control\].*leave it out"),
+    "located": ("rigid", {"event_tolerance": 1e-6}, "event_tolerance.*leave it out"),
+    "retried": ("rigid", {"own": {"retries": 2}}, "one length only.*retries makes others"),
+    "last step": ("rigid", {"macro_step": 0.3}, "no whole number of macro_step = 0.3 s"),
+    "arrow": ("dahlquist", {"connections": ["one.x * 2 -> k"]}, r"or with numbers"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_an_fmu_cannot_do_is_refused_before_the_run(case: str, tmp_path: Path) -> None:
+    name, changes, said = REFUSED[case]
+    own = changes.pop("own", {}) if "own" in (changes := dict(changes)) else {}
+    table = {"participant": fmu(name, 2, tmp_path), **own}
+    with pytest.raises(ValueError, match=said):
+        ran(scenario({"one": table}, **changes), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_two_of_an_fmu_that_fills_its_process_take_processes_of_their_own(tmp_path: Path) -> None:
+    path = fmu("single", 2, tmp_path)
+    twice = {"one": {"participant": path}, "other": {"participant": path}}
+    with pytest.raises(ScenarioError, match=r"only once in a process.*set components\.\w+\.process = 'own'"):
+        ran(scenario(twice), tmp_path / "out")
+    twice["other"] = {"participant": path, "process": "own"}
+    summary, found = ran(scenario(twice), tmp_path / "out")
+    assert summary.complete
+    np.testing.assert_array_equal(found["one.x"], found["other.x"])
