@@ -173,14 +173,14 @@ def next_scale(x: Any, radius: float, time_step: float, bodies: Bodies) -> float
 @kernel
 def begin(x: Any, u: Any, p: Any, bodies: Bodies, X: Any) -> None:
     """Hertz's pressure over a film of film_thickness."""
-    film, radius = x.film_thickness, u.radius_of_curvature
+    between, radius = mean_plane_gap(x.film_thickness, bodies.roughness), u.radius_of_curvature
     if p.load_is_given != 0.0:
         load = max(u.applied_load, p.film_load_floor)
-        x.rigid_approach = deflection(load, radius, bodies.length, bodies.compliance) - film
-        gap = film
+        x.rigid_approach = deflection(load, radius, bodies.length, bodies.compliance) - between
+        gap = between
     else:
         x.rigid_approach = u.approach - u.retreat
-        load = load_of(x.rigid_approach + film, radius, bodies.length, bodies.compliance)
-        gap = film if load > 0.0 else -x.rigid_approach
+        load = load_of(x.rigid_approach + between, radius, bodies.length, bodies.compliance)
+        gap = between if load > 0.0 else -x.rigid_approach
     x.grid_scale = wanted_scale(load / bodies.length, gap, radius, bodies)
     place_film(load, gap, radius, bodies, X, x.grid_scale, x.pressure, x.film)

@@ -15,7 +15,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from ...kernel import kernel
-from ..asperities import APART, below, gap_at, pressure_under, separation_of
+from ..asperities import APART, below, gap_at, mean_gap, pressure_under, separation_of
 
 # A cavitated node whose asperities press less than this share of the highest pressure counts as open: a
 # thousandth of what Newton's method leaves.
@@ -77,8 +77,16 @@ def fill_total(p: Any, h: Any, bodies: Bodies, q: Any) -> None:
 
 
 @kernel
+def film_of(gap: float, roughness: float) -> float:
+    """The mean gap (m) of rough surfaces whose mean planes are `gap` (m) apart."""
+    if gap >= APART * roughness:
+        return gap
+    return roughness * mean_gap(gap / roughness)
+
+
+@kernel
 def mean_plane_gap(film: float, roughness: float) -> float:
-    """The gap of the mean planes (m) under a film of the mean gap; of smooth surfaces that itself."""
+    """Its inverse: the gap of the mean planes (m) under a film (m)."""
     if film >= APART * roughness:
         return film
     return roughness * separation_of(film / roughness)

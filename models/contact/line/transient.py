@@ -21,7 +21,7 @@ from ..asperities import pressure_under
 from ..fluid import Lubricant
 from ..hertz import deflection, half_width, load_of, maximum_pressure
 from .hierarchical import BAND, Jacobian
-from .mixed import BALANCED, FREE, Bodies, fill_total
+from .mixed import BALANCED, FREE, Bodies, fill_total, film_of, mean_plane_gap
 from .newton import Found, Task, deflection_factors, forget_factors, line_load_of, newton, solve
 from .reynolds import Flow, balance, cell, properties
 from .workspace import Workspace
@@ -140,26 +140,27 @@ def highest(p: Any) -> float:
 
 @kernel
 def place_film(
-    load: float, film: float, radius: float, bodies: Bodies, X: Any, scale: float, p: Any, h: Any
+    load: float, gap: float, radius: float, bodies: Bodies, X: Any, scale: float, p: Any, h: Any
 ) -> None:
-    """Hertz's pressure under `load` (N) over a film of that thickness, p what asperities leave of it: a start
-    that needs no solution."""
+    """Hertz's pressure under `load` (N) over a gap (of the mean planes, m) of that size, p what asperities
+    leave of it: a start that needs no solution."""
     b = half_width(load, radius, bodies.length, bodies.compliance)
     p0 = maximum_pressure(load, radius, bodies.length, bodies.compliance)
     for i in range(p.shape[0]):
         x = abs(scale * X[i])
         if x < b:
             p[i] = p0 * math.sqrt(1.0 - (x / b) ** 2)
-            h[i] = film
+            h[i] = gap
         elif b > 0.0:
             s = x / b
             root = math.sqrt(s * s - 1.0)
             p[i] = 0.0
-            h[i] = film + b * b / (2.0 * radius) * (s * root - math.log(s + root))
+            h[i] = gap + b * b / (2.0 * radius) * (s * root - math.log(s + root))
         else:
             p[i] = 0.0
-            h[i] = film + x * x / (2.0 * radius)
+            h[i] = gap + x * x / (2.0 * radius)
         if bodies.roughness > 0.0:
+            h[i] = film_of(h[i], bodies.roughness)
             p[i] = max(p[i] - pressure_under(h[i], bodies.roughness, bodies.asperity_scale).pressure, 0.0)
 
 
@@ -228,13 +229,13 @@ def solved(
             copy(p, w.p_start)
             copy(w.mixed.total, w.mixed.total_start)
         else:
-            film, radius = central(w.h_start), task.drive.radius
+            gap, radius = mean_plane_gap(central(w.h_start), bodies.roughness), task.drive.radius
             load = task.line_load * bodies.length
             if load < 0.0:
-                load = load_of(approach + film, radius, bodies.length, bodies.compliance)
+                load = load_of(approach + gap, radius, bodies.length, bodies.compliance)
             else:
-                approach = deflection(load, radius, bodies.length, bodies.compliance) - film
-            place_film(load, film, radius, bodies, w.X, task.scale, p, h)
+                approach = deflection(load, radius, bodies.length, bodies.compliance) - gap
+            place_film(load, gap, radius, bodies, w.X, task.scale, p, h)
             fill_total(p, h, bodies, w.mixed.total)
         found = newton(p, h, approach, task, bodies, fluid, old, w)
     return found
