@@ -21,14 +21,15 @@ SOLVED = "line_transient"
 
 @dataclass(frozen=True)
 class FilmHistory:
-    """Fields of n instants: central and minimum film (m), highest pressure (Pa), load of the pressure (N),
-    scale of the grid (m); `pressure` (Pa), `film` (m) and `x` (m), (n, nodes)."""
+    """Fields of n instants: central and minimum film (m), highest pressure (Pa), load (N) and what of it
+    asperities carry (N), scale of the grid (m); oil's `pressure` (Pa), `film` (m) and `x` (m), (n, nodes)."""
 
     times: Vector
     film_thickness: Vector
     minimum_film_thickness: Vector
     maximum_pressure: Vector
     load: Vector
+    asperity_load: Vector
     grid_scale: Vector
     x: Vector
     pressure: Vector
@@ -134,6 +135,7 @@ def _observed(times: Vector, states: Vector, component: FieldContact, work: Vect
         minimum_film_thickness=column("least_film"),
         maximum_pressure=column("highest_pressure"),
         load=column("field_load"),
+        asperity_load=column("field_asperity_load"),
         grid_scale=scale,
         x=scale[:, None] * component.nodes_of(work)[None, :],
         pressure=field("pressure"),
