@@ -65,7 +65,7 @@ def counting(plain: Component) -> CountingComponent:
         "feedthrough": {**plain.feedthrough, STORED_ENERGY: plain.inputs.names},
         "structure": {**plain.structure, "energies": 1},
     }
-    return CountingComponent(**attributes, plain=plain)
+    return (plain.counting_class or CountingComponent)(**attributes, plain=plain)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,9 +129,17 @@ class CountingComponent(Component):
     @cached_property
     def advance(self) -> Any:
         """That of the component, with the integrals beside it."""
-        plain, powers = self.plain, _INNER + len(self.bonds)
-        beside = replace(plain, sample=self._sample(), extra_work=self.work_size - _own_work(plain))
-        advance, energy = beside.advance, plain.flat_energy
+        return self.with_integrals(self.sampled.advance)
+
+    @cached_property
+    def sampled(self) -> Component:
+        """The component, which samples its powers."""
+        extra = self.work_size - _own_work(self.plain)
+        return replace(self.plain, sample=self._sample(), extra_work=extra)
+
+    def with_integrals(self, advance: Any) -> Any:
+        """`advance`, a kernel of `sampled`, with the integrals beside it."""
+        plain, powers, energy = self.plain, _INNER + len(self.bonds), self.plain.flat_energy
         n, m, base = plain.state.size, plain.inputs.size, plain.work_size
 
         @kernel

@@ -203,6 +203,11 @@ class Component:
         """How the motion of what is no ODE is solved together with that of others; None if it cannot be."""
         return None
 
+    @property
+    def counting_class(self) -> Any:
+        """The class that counts energies of components of this kind; None: `bonds.CountingComponent`."""
+        return None
+
     @cached_property
     def step(self) -> Any:
         """step(t, h, x, U, p, scale, work, u, y) -> status.

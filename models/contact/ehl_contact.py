@@ -15,7 +15,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
-from ..bonds import counting
+from ..bonds import counts_energies
 from ..component import Component, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector
@@ -316,20 +316,14 @@ def check(p: ContactParameters) -> list[str]:
     return []
 
 
-def ehl_contact(nodes: int = 0, energies: int = 0) -> Component:
+@counts_energies
+def ehl_contact(nodes: int = 0) -> Component:
     """The lubricated line contact, compliant or in adherence form.
 
-    `nodes` of a pressure field, which the film model line_transient needs; 0: none. With `energies` it
-    counts them. ValueError for a number of nodes that cannot be, and for both.
+    `nodes` of a pressure field, which the film model line_transient needs; 0: none. ValueError for a number
+    of nodes that cannot be.
     """
-    if nodes and energies:
-        raise ValueError(
-            f"nodes = {nodes}: a contact with a pressure field does not count its energies; switch the "
-            "energy ledger off"
-        )
-    if nodes:
-        return with_field(_formula_contact(), nodes)
-    return counting(_formula_contact()) if energies else _formula_contact()
+    return with_field(_formula_contact(), nodes) if nodes else _formula_contact()
 
 
 def _formula_contact() -> Component:

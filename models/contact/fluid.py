@@ -95,6 +95,15 @@ def density_slope(p: float, fluid: Lubricant) -> float:
     return 0.0
 
 
+@kernel
+def enthalpy(p: float, fluid: Lubricant) -> float:
+    """Integral of dp/(rho/rho0) from zero (J/m3): what it takes to bring oil into the pressure p (Pa)."""
+    if fluid.density_law == DOWSON_HIGGINSON:
+        share = 1.0 / _DENSEST
+        return share * (p + _DENSITY_PRESSURE * (1.0 - share) * math.log1p(_DENSEST * p / _DENSITY_PRESSURE))
+    return p
+
+
 # Arguments beyond which sinh and cosh are exp/2, and exp does not overflow.
 _LARGEST_SHEAR = 50.0
 

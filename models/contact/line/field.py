@@ -26,6 +26,7 @@ from ...rates import make_rates
 from ..films import FILMS
 from ..fluid import lubricant_of
 from ..mixed_lubrication import film_ratio
+from .energies import grid_of, make_field_energy
 from .field_state import (
     FOLLOWED,
     begin,
@@ -55,11 +56,47 @@ _POWER = -1.0 / 3.0
 _SAFETY = 0.8
 
 
+@kernel
+def _nothing(weight: float, t: float, s: float, x: Any, U: Any, u: Any, p: Any, work: Any) -> None:
+    return
+
+
+@kernel
+def _slope(U: Any, s: float, j: int) -> float:
+    """The rate of input j at s after the start."""
+    return float(U[1, j] + s * (U[2, j] + s * U[3, j] / 2.0))
+
+
 def make_field_advance(component: FieldContact) -> Any:
-    """advance(t, h, x, U, p, scale, work) -> status, of a contact whose film is solved for."""
+    """advance(t, h, x, U, p, scale, work) -> status, of a contact whose film is solved for.
+
+    Samples (see `quadrature`) are taken at both stages of every micro-step, with the weights of the method.
+    """
     nodes, n = component.structure["nodes"], component.state.size
     X, P = component.state.dtype, component.parameters.dtype
     INPUTS, m = component.inputs.dtype, component.inputs.size
+    solver, radius = workspace_size(nodes), component.inputs.index("radius_of_curvature")
+    sampled, sample = component.sample is not None, component.sample or _nothing
+    start_field = make_field_start(component)
+
+    @kernel
+    def take_sample(
+        t: float, s: float, length: float, made: Any, rate: float, x: Any, U: Any, u: Any, p: Any, w: Any,
+        middle: Any, work: Any,
+    ) -> None:  # fmt: skip
+        """Of the first stage of a micro-step that began with x, s after the start."""
+        at = s + GAMMA * length
+        taylor(U, at, u)
+        copy(middle, x)
+        state, given, parameters = record_of(middle, X), record_of(u, INPUTS), record_of(p, P)
+        state.grid_scale += GAMMA * (made.scale - state.grid_scale)
+        state.rigid_approach = made.middle_approach
+        state.approach_rate = rate
+        state.curvature_rate = -_slope(U, at, radius) / given.radius_of_curvature**2
+        copy(state.pressure, w.p_middle)
+        copy(state.film, w.h_middle)
+        observe(state, given, parameters, bodies_of(parameters), w)
+        sample((1.0 - GAMMA) * length, t, at, middle, U, u, p, work)
 
     @kernel
     def advance(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any) -> int:
@@ -68,23 +105,18 @@ def make_field_advance(component: FieldContact) -> Any:
         # Vectors of their own: numba would compile the whole solver once more for those of a record.
         seen, rest = work[n + m : n + m + FOLLOWED], work[n + m + FOLLOWED :]
         pressure, film, slope = rest[:nodes], rest[nodes : 2 * nodes], rest[2 * nodes : 3 * nodes]
-        w = workspace_in(rest[3 * nodes :], nodes)
+        w = workspace_in(rest[3 * nodes : 3 * nodes + solver], nodes)
         if not h > 0.0:
             return OK
         copy(start, x)
         state, given = record_of(x, X), record_of(u, INPUTS)
         bodies, fluid = bodies_of(parameters), lubricant_of(parameters)
         taylor(U, 0.0, u)
-        if state.grid_scale == 0.0:
-            begin(state, given, parameters, bodies, w.X)
-            observe(state, given, parameters, bodies, w)
-            remember(state, 0.0, seen)
+        start_field(x, U, p, work)
         s, micro, before = 0.0, h, math.inf
         copy(pressure, state.pressure)
         copy(film, state.film)
         copy(slope, state.slope)
-        load, stored = state.field_load, state.elastic_energy
-        approach = state.rigid_approach if parameters.load_is_given != 0.0 else given.approach - given.retreat
         while s < h:
             # Not a small rest at the end: rates are differences over the last lengths.
             last = s + micro >= h
@@ -105,11 +137,22 @@ def make_field_advance(component: FieldContact) -> Any:
             jumped = length <= JUMP_TIME and STAYS * before < made.error < math.inf
             if made.error <= 1.0 or jumped:
                 before = math.inf
-                s = h if last else s + length
+                rate = (made.middle_approach - state.rigid_approach) / (GAMMA * length)
+                if sampled:
+                    middle = rest[3 * nodes + solver : 3 * nodes + solver + n]
+                    take_sample(t, s, length, made, rate, x, U, u, p, w, middle, work)
+                    taylor(U, s + length, u)
+                state.approach_rate = (made.approach - state.rigid_approach) / (GAMMA * length)
+                state.approach_rate -= (1.0 - GAMMA) / GAMMA * rate
+                state.curvature_rate = -_slope(U, s + length, radius) / given.radius_of_curvature**2
                 state.grid_scale, state.rigid_approach = made.scale, made.approach
                 copy(state.pressure, pressure)
                 copy(state.film, film)
                 observe(state, given, parameters, bodies, w)
+                if sampled:
+                    sample(GAMMA * length, t, s + length, x, U, u, p, work)
+                    taylor(U, s + length, u)
+                s = h if last else s + length
                 remember(state, length if made.error <= 1.0 else 0.0, seen)
                 micro = length * min(3.0, _SAFETY * max(made.error, 1e-3) ** _POWER)
                 continue
@@ -122,11 +165,30 @@ def make_field_advance(component: FieldContact) -> Any:
                 return NOT_CONVERGED
             micro = length * (max(0.2, _SAFETY * made.error**_POWER) if made.error < 1e300 else 0.5)
         copy(state.slope, slope)
-        work_in = 0.5 * (state.field_load + load) * (state.rigid_approach - approach)
-        state.film_power = (state.elastic_energy - stored - work_in) / h
         return OK
 
     return advance
+
+
+def make_field_start(component: FieldContact) -> Any:
+    """start(x, U, p, work): the field begins where it has not, as with the first step."""
+    nodes, n, m = component.structure["nodes"], component.state.size, component.inputs.size
+    X, P, INPUTS = component.state.dtype, component.parameters.dtype, component.inputs.dtype
+    before = n + m + FOLLOWED + 3 * nodes
+    after = before + workspace_size(nodes)
+
+    @kernel
+    def start(x: Any, U: Any, p: Any, work: Any) -> None:
+        state, parameters, u = record_of(x, X), record_of(p, P), work[n : n + m]
+        if state.grid_scale == 0.0:
+            w = workspace_in(work[before:after], nodes)
+            taylor(U, 0.0, u)
+            given, bodies = record_of(u, INPUTS), bodies_of(parameters)
+            begin(state, given, parameters, bodies, w.X)
+            observe(state, given, parameters, bodies, w)
+            remember(state, 0.0, work[n + m : n + m + FOLLOWED])
+
+    return start
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,16 +243,26 @@ class FieldContact(Component):
 
     @cached_property
     def flat_energy(self) -> Any:
-        """Of the field, once it has begun."""
-        energy, n = self.plain.flat_energy, self.plain.state.size
-        X, P = self.state.dtype, self.parameters.dtype
+        """Of the field, also of the one that will begin."""
+        energy, n, grid = self.plain.flat_energy, self.plain.state.size, grid_of(self.structure["nodes"])
+        solved = make_field_energy(grid)
+        X, U, P = self.state.dtype, self.inputs.dtype, self.parameters.dtype
+
+        @kernel
+        def begun(x: Any, u: Any, p: Any, e: Any) -> None:
+            state, given, parameters = record_of(x, X), record_of(u, U), record_of(p, P)
+            if state.grid_scale == 0.0:
+                begin(state, given, parameters, bodies_of(parameters), grid)
+                state.curvature = 1.0 / given.radius_of_curvature
+            solved(state, given, parameters, e)
 
         @kernel
         def field_energy(t: float, x: Any, u: Any, p: Any, e: Any) -> None:
-            energy(t, x[:n], u, p, e)
-            state = record_of(x, X)
-            if record_of(p, P).film_model == LINE_TRANSIENT and state.grid_scale > 0.0:
-                e[0], e[1], e[2] = state.elastic_energy, 0.0, state.film_power
+            if record_of(p, P).film_model == LINE_TRANSIENT:
+                # A record does not keep the vector alive that it is of; an argument does.
+                begun(x.copy(), u, p, e)
+            else:
+                energy(t, x[:n], u, p, e)
 
         return field_energy
 
@@ -219,7 +291,7 @@ class FieldContact(Component):
 
         def advance(t: float, h: float, x: Vector, U: Vector, p: Vector, scale: Vector, work: Vector) -> int:
             if p[film_model] == LINE_TRANSIENT:
-                return int(self._solving(t, h, x, U, p, scale, work))
+                return int(self.solving(t, h, x, U, p, scale, work))
             return int(plain.advance(t, h, x[:n], U, p, scale[:n], work))
 
         return advance
@@ -242,7 +314,7 @@ class FieldContact(Component):
         ) -> int:
             if p[film_model] != LINE_TRANSIENT:
                 return int(plain.step(t, h, x[:n], U, p, scale[:n], work, u, y))
-            status = self._solving(t, h, x, U, p, scale, work)
+            status = self.solving(t, h, x, U, p, scale, work)
             taylor(U, h, u)
             self.flat_output(t + h, x, u, p, y)
             return int(status)
@@ -250,7 +322,8 @@ class FieldContact(Component):
         return step
 
     @cached_property
-    def _solving(self) -> Any:
+    def solving(self) -> Any:
+        """`advance` as a kernel, of a film that is solved for."""
         return make_field_advance(self)
 
     @cached_property
@@ -261,6 +334,13 @@ class FieldContact(Component):
         """Where the nodes stand, in scales of the grid; from scratch in which a step has been made."""
         return np.asarray(workspace_in(work[self._scratch_before :], self.structure["nodes"]).X)
 
+    @property
+    def counting_class(self) -> Any:
+        """See `counting_field`."""
+        from .counting_field import CountingField  # it builds on this module
+
+        return CountingField
+
     @cached_property
     def implicit(self) -> ImplicitSteps:
         """See `implicit_field`."""
@@ -270,8 +350,8 @@ class FieldContact(Component):
 
     @property
     def work_size(self) -> int:
-        """A copy of the state and the inputs, and the solver's scratch: more than the formula needs."""
-        return self._scratch_before + workspace_size(self.structure["nodes"])
+        """Copies of the state, the inputs, and the solver's scratch: more than the formula needs."""
+        return self._scratch_before + workspace_size(self.structure["nodes"]) + self.state.size
 
     @property
     def _scratch_before(self) -> int:
@@ -288,8 +368,6 @@ def with_field(plain: Component, nodes: int) -> FieldContact:
         "state": with_field_state(plain.state, nodes),
         "structure": {"nodes": nodes},
         "check": lambda parameters: (),
-        # The field is no ODE, and its steps take no samples of powers.
         "ode": False,
-        "samples": False,
     }
     return FieldContact(**attributes, plain=plain)

@@ -16,7 +16,7 @@ from ..friction import profile_friction
 from ..hertz import compliance_of, deflection, load_of
 from ..mixed_lubrication import surfaces_of, traction_of
 from .differences import INSTANTS, follow, rate_of, restart, second_derivative_of
-from .mixed import Bodies, fill_total, mean_plane_gap
+from .mixed import Bodies, fill_total
 from .newton import line_load_of
 from .reynolds import Flow
 from .transient import Drives, central, grid_scale_after, highest, least, place_film, wanted_scale
@@ -42,10 +42,6 @@ def with_field_state(plain: Layout, nodes: int) -> Layout:
         film_rate: Annotated[
             float, Quantity("m/s", "rate of the central film", nominal=1e-3, internal=True)
         ] = 0.0
-        elastic_energy: Annotated[float, Quantity("J", "energy of deflection", internal=True)] = 0.0
-        film_power: Annotated[
-            float, Quantity("W", "power of the film on the surfaces, mean of the last step", internal=True)
-        ] = 0.0
         field_asperity_load: Annotated[
             float, Quantity("N", "load on asperities", nominal=500.0, internal=True)
         ] = 0.0
@@ -54,6 +50,11 @@ def with_field_state(plain: Layout, nodes: int) -> Layout:
             float, Quantity("N", "friction of asperities", nominal=20.0, internal=True)
         ] = 0.0
         rigid_approach: Annotated[float, Quantity("m", "approach of the bodies", internal=True)] = 0.0
+        approach_rate: Annotated[
+            float, Quantity("m/s", "its rate where the load is given", internal=True)
+        ] = 0.0
+        curvature: Annotated[float, Quantity("1/m", "1/R of the gap", nominal=50.0, internal=True)] = 0.0
+        curvature_rate: Annotated[float, Quantity("1/(m.s)", "its rate", nominal=50.0, internal=True)] = 0.0
         grid_scale: Annotated[float, Quantity("m", "scale of the grid; 0: not begun", internal=True)] = 0.0
         pressure: Annotated[
             Any, Quantity("Pa", "pressure over the nodes", nominal=1e8, internal=True, size="nodes")
@@ -99,21 +100,10 @@ def drives_of(u: Any, p: Any, approach: float) -> Drives:
 
 
 @kernel
-def deflection_energy(x: Any, radius: float, bodies: Bodies, w: Workspace) -> float:
-    """Half the integral of the total pressure, in w, times the bodies' deflection (J)."""
-    total = 0.0
-    for i in range(x.pressure.shape[0]):
-        gap = mean_plane_gap(x.film[i], bodies.roughness)
-        deflected = gap + x.rigid_approach - (x.grid_scale * w.X[i]) ** 2 / (2.0 * radius)
-        total += w.weight[i] * w.mixed.total[i] * deflected
-    return 0.5 * total * x.grid_scale * bodies.length
-
-
-@kernel
 def observe(x: Any, u: Any, p: Any, bodies: Bodies, w: Workspace) -> None:
     """The numbers that outputs need, from pressure and film: load, films, and what rubs."""
     fill_total(x.pressure, x.film, bodies, w.mixed.total)
-    x.elastic_energy = deflection_energy(x, u.radius_of_curvature, bodies, w)
+    x.curvature = 1.0 / u.radius_of_curvature
     x.field_load = line_load_of(w.mixed.total, w.weight, x.grid_scale) * bodies.length
     x.film_thickness = central(x.film)
     x.least_film = least(x.film)

@@ -2,7 +2,7 @@
 
 Carried are the masses of the volumes, the grid's scale, which follows the contact as
 d(scale)/dt = (wanted scale - scale)/GRID_TIME (the law that `transient` takes step by step), and, for rates,
-central film, elastic energy and approach.
+central film, curvature and approach.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .transient import GRID_TIME, aimed_scale, central, masses
 from .workspace import workspace_in, workspace_size
 
 # Behind the masses.
-_SCALE, _FILM, _ENERGY, _APPROACH = range(4)
+_SCALE, _FILM, _CURVATURE, _APPROACH = range(4)
 
 
 def implicit_field(component: Any) -> ImplicitSteps:
@@ -52,7 +52,7 @@ def implicit_field(component: Any) -> ImplicitSteps:
         masses(state.pressure, state.film, state.grid_scale, lubricant_of(record_of(p, P)), w, q[:nodes])
         rest = q[nodes:]
         rest[_SCALE], rest[_FILM] = state.grid_scale, state.film_thickness
-        rest[_ENERGY], rest[_APPROACH] = state.elastic_energy, state.rigid_approach
+        rest[_CURVATURE], rest[_APPROACH] = state.curvature, state.rigid_approach
 
     @kernel
     def stage(x: Any, u: Any, p: Any, base: Any, interval: float, work: Any) -> int:
@@ -82,8 +82,8 @@ def implicit_field(component: Any) -> ImplicitSteps:
         state.grid_scale, state.rigid_approach = scale, found.approach
         observe(state, given, constants, bodies, w)
         state.film_rate = (state.film_thickness - before[_FILM]) / interval
-        stored = (state.elastic_energy - before[_ENERGY]) / interval
-        state.film_power = stored - state.field_load * (found.approach - before[_APPROACH]) / interval
+        state.curvature_rate = (state.curvature - before[_CURVATURE]) / interval
+        state.approach_rate = (found.approach - before[_APPROACH]) / interval
         return OK
 
     return ImplicitSteps(nodes + 4, solver + 2 * nodes, needed, start, carry, stage)

@@ -49,11 +49,13 @@ class Drives(NamedTuple):
 
 
 class Stepped(NamedTuple):
-    """approach (m) and grid scale (m) after the step; error over the tolerance (nan or inf: failed)."""
+    """approach (m) and grid scale (m) after the step; error over the tolerance (nan or inf: failed). At
+    GAMMA of the step the approach was `middle_approach`, pressure and film w.p_middle and w.h_middle."""
 
     approach: float
     scale: float
     error: float
+    middle_approach: float
 
 
 @kernel
@@ -273,13 +275,16 @@ def step(
     task = Task(half_scale, rate, middle.flow, middle.line_load, GAMMA * time_step)
     found = solved(p, h, middle.approach, task, bodies, fluid, w.mass_start, w)
     if found.error != 0.0:
-        return Stepped(found.approach, half_scale, math.inf)
+        return Stepped(found.approach, half_scale, math.inf, found.approach)
     masses(p, h, half_scale, fluid, w, w.mass_middle)
+    copy(w.p_middle, p)
+    copy(w.h_middle, h)
+    middle_approach = found.approach
     for i in range(n):
         w.base[i] = w.mass_start[i] + (1.0 - GAMMA) / GAMMA * (w.mass_middle[i] - w.mass_start[i])
         if w.base[i] < 0.0:
             # The film shrinks too much within the step: cavities would balance less than nothing.
-            return Stepped(found.approach, half_scale, math.inf)
+            return Stepped(found.approach, half_scale, math.inf, found.approach)
     # The second stage begins where the first leads to.
     for i in range(n):
         alone = p[i] == q[i]
@@ -291,8 +296,8 @@ def step(
     task = Task(new_scale, rate, end.flow, end.line_load, GAMMA * time_step)
     found = solved(p, h, guess, task, bodies, fluid, w.base, w)
     if found.error != 0.0:
-        return Stepped(found.approach, new_scale, math.inf)
+        return Stepped(found.approach, new_scale, math.inf, middle_approach)
     for i in range(n):
         slope[i] = (q[i] - q_start[i]) / time_step
     error = estimate(p, h, new_scale, time_step, given, bodies, fluid, w)
-    return Stepped(found.approach, new_scale, error / tolerance)
+    return Stepped(found.approach, new_scale, error / tolerance, middle_approach)

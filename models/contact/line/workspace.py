@@ -17,7 +17,7 @@ from .reynolds import Nodes
 
 _FIELDS = 8
 # Vectors besides the grid's two and the properties: those listed in Workspace after `nodes`.
-_VECTORS = 14
+_VECTORS = 16
 # Of Mixed.
 _MIXED = 8
 # Says that grid and matrix are filled.
@@ -42,6 +42,8 @@ class Workspace(NamedTuple):
     h_start: Any
     slope_start: Any
     mass_start: Any
+    p_middle: Any
+    h_middle: Any
     mass_middle: Any
     base: Any
     rate_start: Any
@@ -88,5 +90,5 @@ def workspace_in(work: Any, n: int) -> Workspace:
     mixed = Mixed(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7])
     return Workspace(
         X, weight, D, nodes, f[8], f[21], A, B, f[9], solution, f[10], f[11], f[12], f[13], f[14], f[15],
-        f[16], f[17], f[18], f[19], f[20], hierarchy_in(work[k:], n), exchange, mixed,
+        f[16], f[17], f[18], f[19], f[20], f[22], f[23], hierarchy_in(work[k:], n), exchange, mixed,
     )  # fmt: skip

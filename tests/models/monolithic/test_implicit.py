@@ -115,14 +115,16 @@ def test_the_reference_publishes_the_difference_of_its_methods() -> None:
 
 
 def test_energies_close_per_component() -> None:
-    """Of the field's: what the surfaces give it goes into deflection and into the film."""
+    """To the methods' error; the field's (see `energies`) to that of its 51 nodes, measured 0.12 % of what the
+    film loses (smooth: 0.12 %, with 101 nodes 0.03 %, with 201 0.004 %)."""
     found = solve(ringing(), TIMES, longest_step=8e-6)
     received = sum(balance.received for balance in found.energy.values())
     largest = max(np.ptp(balance.received) for balance in found.energy.values())
     assert largest > 1e-6
     assert np.max(np.abs(received)) < 1e-12 * largest
     for name, balance in found.energy.items():
-        assert np.max(np.abs(balance.residual)) < 1e-3 * largest, name
+        size = 3.0 * np.ptp(balance.dissipated) if name == "contact" else largest
+        assert np.max(np.abs(balance.residual)) < 1e-3 * size, name
 
 
 def test_steps_reach_all_instants_and_grow_slowly() -> None:

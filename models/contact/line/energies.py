@@ -1,0 +1,171 @@
+"""Energies of a contact whose film is solved for: what it stores, loses and is given.
+
+The gap is h = -A + kappa x^2/2 + v with the approach A of the bodies, the curvature kappa = 1/R and the
+deflection v = K p. Times the load W is the integral of p, K is symmetric, and so
+
+    W dA/dt = d/dt (integral of p v/2) - integral of p dh/dt + dkappa/dt integral of p x^2/2
+
+v has an arbitrary constant, in two dimensions; it is here the one by which A is defined, so that the load is
+conjugate to A and W dA/dt does not depend on it. The oil has the elastic energy e(p) per mass, with
+de = p/rho^2 drho, and the enthalpy H = e + p/rho = integral of dp/rho. Reynolds' balance times H, over the
+film (a cavity has H = 0, whatever oil it gains):
+
+    d/dt (integral of rho e h) = - integral of p dh/dt + u integral of h dp/dx
+                                 - integral of h^3/(12 eta) (dp/dx)^2
+
+Together: what is stored, in the bodies and in the compressed oil, grows by W dA/dt, by the work of the
+surfaces that drag oil up the pressure and by that of a changing curvature, less what the pressure's flow
+loses. Nothing of p dh/dt is left: it only passes from bodies to oil. Sliding gives what the film's shear and
+the asperities' friction lose at once.
+
+All of this is exact for the finite volumes of `reynolds` with H at their nodes, but for the deflection at
+nodes (K is symmetric to the square of their distance only) and for the motion of the grid, likewise.
+
+Rough surfaces deflect under p + p_a and come closer by their mean planes' gap d, by which the asperities
+store the integral of p_a. The oil has only the mean gap h > d to leave: what its pressure p does where
+asperities take the room, integral of p d(h - d)/dt, goes to nobody in that model and stays unaccounted; it
+is noticed where films are thinner than three roughnesses, and comes back as they part.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...component import DISSIPATED_POWER, SOURCE_POWER, STORED
+from ...kernel import kernel
+from ...quantities import Vector
+from ..asperities import below, pressure_under
+from ..fluid import Lubricant, density_ratio, enthalpy, lubricant_of
+from .field_state import bodies_of
+from .grid import place_nodes
+from .hierarchical import BAND
+from .mixed import Bodies, mean_plane_gap
+from .reynolds import Flow, Nodes, balance, cell, properties
+
+_FIELDS = 8
+# Vectors besides those of Nodes and the two bands: nodes' enthalpy, no masses, and two balances.
+_VECTORS = 4
+
+
+def grid_of(nodes: int) -> Vector:
+    """X of the nodes."""
+    X = np.zeros(nodes)
+    place_nodes(X)
+    return X
+
+
+class Touching(NamedTuple):
+    """Of asperities: gap of the mean planes (m), pressure (Pa) and elastic energy per area (J/m2)."""
+
+    gap: float
+    pressure: float
+    energy: float
+
+
+@kernel
+def asperities_at(film: float, bodies: Bodies) -> Touching:
+    """Under a film of that mean gap.
+
+    Their energy is the integral of p_a over the gap d from here outwards, S sigma 2/7 F_7/2; as F_7/2 =
+    5/2 F_3/2 - lambda F_5/2 (integrate s phi(s) by parts) and F_5/2' = -5/2 F_3/2, it is
+    -2/7 (sigma^2 dp_a/dd + d p_a).
+    """
+    if bodies.roughness == 0.0:
+        return Touching(film, 0.0, 0.0)
+    gap = mean_plane_gap(film, bodies.roughness)
+    pressed = pressure_under(film, bodies.roughness, bodies.asperity_scale)
+    stiffness = pressed.slope * below(gap / bodies.roughness)
+    energy = -2.0 / 7.0 * (bodies.roughness**2 * stiffness + gap * pressed.pressure)
+    return Touching(gap, pressed.pressure, energy)
+
+
+@kernel
+def oil_energy(p: float, h: float, fluid: Lubricant) -> float:
+    """rho e h, the elastic energy of the oil per area (J/m2)."""
+    return h * (density_ratio(p, fluid) * enthalpy(p, fluid) - p)
+
+
+@kernel
+def stored(x: Any, u: Any, p: Any, X: Any, fluid: Lubricant, bodies: Bodies) -> float:
+    """Energy of bodies and oil (J).
+
+    Where approach and radius of the inputs are not those of the state, they jumped: the film has no time to
+    change, and the bodies take the jump up under the pressure that there was.
+    """
+    a = x.grid_scale
+    moved = u.approach - u.retreat - x.rigid_approach if p.load_is_given == 0.0 else 0.0
+    bent = 1.0 / u.radius_of_curvature - x.curvature
+    total = 0.0
+    for i in range(1, X.shape[0] - 1):
+        square = (a * X[i]) ** 2 / 2.0
+        rough = asperities_at(x.film[i], bodies)
+        deflected = rough.gap + x.rigid_approach - x.curvature * square
+        by_jump = moved - bent * square
+        elastic = (x.pressure[i] + rough.pressure) * (0.5 * deflected + by_jump) + rough.energy
+        total += a * cell(X, i) * (elastic + oil_energy(x.pressure[i], x.film[i], fluid))
+    return total * bodies.length
+
+
+@kernel
+def shape_power(x: Any, X: Any, bodies: Bodies) -> float:
+    """What a curvature that changes does to the contact (W): it falls where surfaces come closer."""
+    total = 0.0
+    for i in range(1, X.shape[0] - 1):
+        pressure = x.pressure[i] + asperities_at(x.film[i], bodies).pressure
+        total += pressure * X[i] ** 2 * cell(X, i)
+    return -0.5 * x.curvature_rate * x.grid_scale**3 * total * bodies.length
+
+
+@kernel
+def flow_powers(
+    x: Any, u: Any, X: Any, fluid: Lubricant, bodies: Bodies, f: Nodes, bands: Any, room: Any
+) -> tuple[float, float]:
+    """What the pressure's flow loses, and what the surfaces give that drag oil along (W).
+
+    From two balances of the volumes, with the surfaces' velocity and without: summed up by parts, flows
+    times differences of H. `f`, `bands` (2, BAND, n) and `room` (_VECTORS, n) are scratch.
+    """
+    n = X.shape[0]
+    pressure, film, none, residual = room[0], room[1], room[2], room[3]
+    for i in range(n):
+        pressure[i], film[i], none[i] = x.pressure[i], x.film[i], 0.0
+    properties(pressure, film, fluid, f)
+    lost, left = 0.0, 0.0
+    for driven in range(2):
+        velocity = u.entraining_velocity if driven == 1 else 0.0
+        flow = Flow(velocity, u.sliding_velocity, u.radius_of_curvature)
+        balance(X, x.grid_scale, 0.0, pressure, film, f, flow, fluid, none, math.inf, residual,
+                bands[0], bands[1])  # fmt: skip
+        total = 0.0
+        for i in range(1, n - 1):
+            total += enthalpy(pressure[i], fluid) * residual[i]
+        if driven == 1:
+            left = total
+        else:
+            lost = total
+    return lost * bodies.length, (lost - left) * bodies.length
+
+
+def make_field_energy(X: Vector) -> Any:
+    """energy(x, u, p, e) of records, as `Component.energy`, on the nodes X; takes its scratch when asked."""
+    nodes = X.size
+
+    @kernel
+    def field_energy(x: Any, u: Any, p: Any, e: Any) -> None:
+        bodies, fluid = bodies_of(p), lubricant_of(p)
+        r = np.empty((_FIELDS + _VECTORS, nodes))
+        f = Nodes(r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7])
+        bands = np.empty((2, BAND, nodes))
+        lost, dragged = flow_powers(x, u, X, fluid, bodies, f, bands, r[_FIELDS:])
+        rubbed = (x.field_shear + x.field_boundary_friction) * u.sliding_velocity
+        e[STORED] = stored(x, u, p, X, fluid, bodies)
+        e[DISSIPATED_POWER] = lost + rubbed
+        e[SOURCE_POWER] = dragged + rubbed + shape_power(x, X, bodies)
+        if p.load_is_given != 0.0:
+            # The bodies approach as they must, and not as inputs say by which the bonds count.
+            e[SOURCE_POWER] += x.field_load * (x.approach_rate - u.approach_rate + u.retreat_rate)
+
+    return field_energy
