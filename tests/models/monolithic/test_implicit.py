@@ -115,8 +115,8 @@ def test_the_reference_publishes_the_difference_of_its_methods() -> None:
 
 
 def test_energies_close_per_component() -> None:
-    """To the methods' error; the field's (see `energies`) to that of its 51 nodes, measured 0.12 % of what the
-    film loses (smooth: 0.12 %, with 101 nodes 0.03 %, with 201 0.004 %)."""
+    """To the methods' error; the field's (see `energies`) to that of its nodes, measured 0.12 % of what the
+    film loses with 51 (101: 0.03 %; smooth surfaces and 201: 0.004 %)."""
     found = solve(ringing(), TIMES, longest_step=8e-6)
     received = sum(balance.received for balance in found.energy.values())
     largest = max(np.ptp(balance.received) for balance in found.energy.values())
