@@ -36,6 +36,7 @@ NATIVE = PYTHON | {
     "needsExecutionTool": "false",
     "canInterpolateInputs": "true",
     "maxOutputDerivativeOrder": "1",
+    "providesDirectionalDerivative": "true",
 }
 
 GUID_PLACE = "{guid}"

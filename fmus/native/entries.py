@@ -27,6 +27,11 @@ class Entry:
     smooth: bool = False
 
 
+def smooth(component: Any) -> list[str]:
+    """Names of the entries that have a directional derivative."""
+    return [entry.name for entry in entries(component) if entry.smooth]
+
+
 def entries(component: Any) -> Iterator[Entry]:
     """Those of a component; guards and transition only where it has events."""
     n, m = component.state.size, component.inputs.size

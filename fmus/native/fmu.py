@@ -14,6 +14,8 @@ from models.component import Component
 from .. import build as python_build
 from ..description import GUID_PLACE, NATIVE, model_description
 from ..sources import digest_of, shipped
+from .differentiate import differentiated
+from .entries import smooth
 from .machine_code import FMI_HEADERS, PLATFORMS, SHELL, shared_library
 from .tables import tables
 from .translate import translated
@@ -48,10 +50,11 @@ def content_of(
     name: str, component: Component, sizes: Mapping[str, int], platforms: Sequence[str]
 ) -> dict[str, bytes]:
     """The FMU's files by path."""
-    kernels = translated(name, sizes)
+    plain = translated(name, sizes)
+    kernels = [plain, differentiated(plain, smooth(component))]
     made_by = python_build.origin("LLVM and zig")
     xml = model_description(component, name, python_build.experiment(name), made_by, NATIVE)
-    unnamed = {**tables(component, name, "", ""), "kernels.ll": kernels, "modelDescription.xml": xml}
+    unnamed = {**tables(component, name, "", ""), "kernels.ll": "".join(kernels), "modelDescription.xml": xml}
     digest = digest_of({**_shell(), **{path: text.encode() for path, text in unnamed.items()}})
     token = f"{{{uuid.UUID(digest[:32])}}}"
     named = tables(component, name, digest[:16], token)

@@ -15,6 +15,8 @@ from pathlib import Path
 
 import fmpy
 
+from .differentiate import llvm
+
 SHELL = Path(__file__).parent / "shell"
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
 
@@ -56,8 +58,8 @@ class NativeBuildError(RuntimeError):
     """The tools that make machine code are missing or failed; the message says which and why."""
 
 
-def shared_library(platform: Platform, kernels: str, tables: Mapping[str, str], name: str) -> bytes:
-    """The library `name` for a platform: kernels (LLVM's language) and tables in the shell."""
+def shared_library(platform: Platform, kernels: Sequence[str], tables: Mapping[str, str], name: str) -> bytes:
+    """The library `name` for a platform: kernels (modules in LLVM's language) and tables in the shell."""
     with tempfile.TemporaryDirectory(prefix="tribocosim-native-") as folder:
         place = Path(folder)
         (place / "kernels.o").write_bytes(_object_code(platform, kernels))
@@ -82,20 +84,19 @@ def _zig(arguments: Sequence[str], folder: Path) -> None:
         raise NativeBuildError(f"zig {' '.join(arguments)}: {made.stderr.strip()}")
 
 
-def _object_code(platform: Platform, kernels: str) -> bytes:
+def _object_code(platform: Platform, kernels: Sequence[str]) -> bytes:
     """Machine code of the kernels, optimised for the platform, with the same bits as numba's: no operation is
     reordered or fused."""
-    import llvmlite.binding as llvm
-
-    llvm.initialize_all_targets()
-    llvm.initialize_all_asmprinters()
-    target = llvm.Target.from_triple(platform.triple)
+    binding = llvm()
+    target = binding.Target.from_triple(platform.triple)
     machine = target.create_target_machine(opt=3, reloc="pic", codemodel="default")
-    module = llvm.parse_assembly(kernels)
+    module = binding.parse_assembly(kernels[0])
+    for other in kernels[1:]:
+        module.link_in(binding.parse_assembly(other))
     module.triple = platform.triple
     module.data_layout = str(machine.target_data)
-    tuning = llvm.create_pipeline_tuning_options(speed_level=2)
+    tuning = binding.create_pipeline_tuning_options(speed_level=2)
     tuning.loop_vectorization = tuning.slp_vectorization = True
-    builder = llvm.create_pass_builder(machine, tuning)
+    builder = binding.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(module, builder)
     return machine.emit_object(module)

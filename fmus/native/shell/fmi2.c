@@ -21,7 +21,12 @@
 
 static void tell(const Unit *unit, Status status, const char *category, const char *message)
 {
-    ((fmi2CallbackLogger)unit->callback)(unit->environment, unit->name, (fmi2Status)status, category, "%s", message);
+    char format[2 * MESSAGE]; /* hosts print it, or show it as it is */
+    char *end = format;
+    for (; *message; *end++ = *message++)
+        if (*message == '%') *end++ = '%';
+    *end = 0;
+    ((fmi2CallbackLogger)unit->callback)(unit->environment, unit->name, (fmi2Status)status, category, format);
 }
 
 const char *fmi2GetTypesPlatform(void)
@@ -54,11 +59,11 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     else if (!guid || strcmp(guid, TOKEN)) fault = "the guid must be " TOKEN ", that of modelDescription.xml";
     else if (type != fmi2CoSimulation) fault = "this FMU is for co-simulation";
     if (fault) {
-        if (say) say(environment, name ? name : "", fmi2Error, "logStatusError", "%s: %s", MODEL, fault);
+        if (say) say(environment, name ? name : "", fmi2Error, "logStatusError", fault);
         return NULL;
     }
     unit = unit_new(name, say ? tell : NULL, environment, (void *)say, logging);
-    if (!unit && say) say(environment, name, fmi2Error, "logStatusError", "%s: out of memory", MODEL);
+    if (!unit && say) say(environment, name, fmi2Error, "logStatusError", "out of memory");
     return unit;
 }
 
@@ -297,8 +302,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         fmi2Real sensitivity[])
 {
     NEEDS(READABLE, "fmi2GetDirectionalDerivative");
-    (void)unknown, (void)unknowns, (void)known, (void)knowns, (void)seed, (void)sensitivity;
-    return unit_say(UNIT, ERROR, "directional derivatives are not provided");
+    return unit_directional(UNIT, unknown, unknowns, known, knowns, seed, sensitivity);
 }
 
 /* Stepping */

@@ -19,4 +19,14 @@ KERNEL(rates, double t, const double *x, const double *u, const double *du, cons
 KERNEL(guards, double t, const double *x, const double *u, const double *p, double *g);
 KERNEL(transition, int64_t k, double t, double *x, const double *u, const double *p);
 
+/* Their directional derivatives: after each argument the one of its change, after the result its change. */
+#define TANGENT(name)                                                                                          \
+    int32_t tangent_##name(void *result, void **exception, double t, double dt, const double *x,               \
+                           const double *dx, const double *u, const double *du, const double *p,               \
+                           const double *dp, double *value, double *change)
+
+TANGENT(output);
+TANGENT(derivative);
+TANGENT(guards);
+
 #endif

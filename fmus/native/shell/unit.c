@@ -58,7 +58,7 @@ Status unit_say(const Unit *unit, Status status, const char *format, ...)
 {
     static const char *const categories[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",
                                              "logStatusFatal"};
-    char message[2048];
+    char message[MESSAGE];
     va_list arguments;
     if (!unit->logger || (status < DISCARD && !unit->logging)) return status;
     va_start(arguments, format);
@@ -227,8 +227,7 @@ Status unit_set(Unit *unit, Kind kind, const uint32_t *references, size_t count,
     return OK;
 }
 
-/* Computes what is stale up to this reference. */
-static void ready(Unit *unit, uint32_t highest)
+void unit_ready(Unit *unit, uint32_t highest)
 {
     State *now = &unit->now;
     double *data = now->data;
@@ -252,7 +251,7 @@ Status unit_get(Unit *unit, Kind kind, const uint32_t *references, size_t count,
     if (!known(unit, kind, references, count, values)) return ERROR;
     for (size_t i = 0; i < count; i++)
         if (references[i] > highest) highest = references[i];
-    ready(unit, highest);
+    unit_ready(unit, highest);
     for (size_t i = 0; i < count; i++) values[i] = unit->now.data[references[i]];
     return OK;
 }

@@ -54,6 +54,8 @@ typedef struct {
     bool parameters_unchecked; /* set since they were looked at */
 } State;
 
+#define MESSAGE 2048 /* longest text, with its end */
+
 typedef struct Unit Unit;
 typedef void (*Logger)(const Unit *unit, Status status, const char *category, const char *message);
 
@@ -81,6 +83,12 @@ Status unit_step(Unit *unit, double time, double step); /* DISCARD, and nothing 
 /* Values by reference. Nothing is set unless all can be. Kind: of the call, ENUMERATION passes for INTEGER. */
 Status unit_set(Unit *unit, Kind kind, const uint32_t *references, size_t count, const double *values);
 Status unit_get(Unit *unit, Kind kind, const uint32_t *references, size_t count, double *values);
+
+/* Computes what is stale of the variables up to this reference. */
+void unit_ready(Unit *unit, uint32_t highest);
+/* The changes of unknown variables when known ones change, by the first derivative. */
+Status unit_directional(Unit *unit, const uint32_t *unknown, size_t unknowns, const uint32_t *known, size_t knowns,
+                        const double *changes, double *result);
 
 /* A saved state as bytes: what wrote it, the state, and a sum by which damage is seen. */
 size_t unit_saved_size(void);
