@@ -51,32 +51,25 @@ def lubricant_of(p: Any) -> Lubricant:
 
 
 @kernel
-def log_viscosity_ratio(p: float, fluid: Lubricant) -> float:
-    """ln(eta/eta0) at the pressure p >= 0 (Pa)."""
+def log_viscosity(p: float, fluid: Lubricant) -> tuple[float, float]:
+    """ln(eta/eta0) at the pressure p >= 0 (Pa), and its derivative (1/Pa)."""
+    slope = fluid.pressure_viscosity
     if fluid.viscosity_law == ROELANDS:
+        if p == 0.0:
+            return 0.0, slope
         z, p_r = fluid.roelands_exponent, fluid.roelands_pressure
-        return min(fluid.pressure_viscosity * p_r / z * ((1.0 + p / p_r) ** z - 1.0), _LARGEST_EXPONENT)
+        more = 1.0 + p / p_r
+        power = more**z
+        return min(slope * p_r / z * (power - 1.0), _LARGEST_EXPONENT), slope * power / more
     if fluid.viscosity_law == BARUS:
-        return min(fluid.pressure_viscosity * p, _LARGEST_EXPONENT)
-    return 0.0
-
-
-@kernel
-def log_viscosity_slope(p: float, fluid: Lubricant) -> float:
-    """d ln(eta)/dp (1/Pa)."""
-    if fluid.viscosity_law == ROELANDS:
-        return fluid.pressure_viscosity * (1.0 + p / fluid.roelands_pressure) ** (
-            fluid.roelands_exponent - 1.0
-        )
-    if fluid.viscosity_law == BARUS:
-        return fluid.pressure_viscosity
-    return 0.0
+        return min(slope * p, _LARGEST_EXPONENT), slope
+    return 0.0, 0.0
 
 
 @kernel
 def viscosity_at(p: float, fluid: Lubricant) -> float:
     """eta(p) in Pa s."""
-    return fluid.viscosity * math.exp(log_viscosity_ratio(p, fluid))
+    return fluid.viscosity * math.exp(log_viscosity(p, fluid)[0])
 
 
 @kernel

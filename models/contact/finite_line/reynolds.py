@@ -27,7 +27,7 @@ import numpy as np
 
 from ...kernel import kernel
 from ...quantities import Vector
-from ..fluid import Lubricant, density_ratio, density_slope, log_viscosity_ratio, log_viscosity_slope
+from ..fluid import Lubricant, density_ratio, density_slope, log_viscosity
 from .grid import Grid
 
 # Whose value a cell's balance depends on: the places of a stencil.
@@ -63,8 +63,8 @@ def _at_nodes(p: Any, h: Any, wedge: float, unit: float, fluid: Any, at: Any) ->
             pressure = unit * p[i, j]
             rho = density_ratio(pressure, fluid)
             slope = unit * density_slope(pressure, fluid)
-            at[_LOG_FLUIDITY, i, j] = -log_viscosity_ratio(pressure, fluid)
-            at[_LOG_FLUIDITY_SLOPE, i, j] = -unit * log_viscosity_slope(pressure, fluid)
+            log_eta, by_pressure = log_viscosity(pressure, fluid)
+            at[_LOG_FLUIDITY, i, j], at[_LOG_FLUIDITY_SLOPE, i, j] = -log_eta, -unit * by_pressure
             at[_RHO, i, j] = rho / wedge
             at[_RHO_SLOPE, i, j] = slope / wedge
             at[_FLOW, i, j] = rho * h[i, j]

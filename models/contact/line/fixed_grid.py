@@ -20,7 +20,7 @@ from ..hertz import deflection
 from .grid import REACH, fill_kernel_matrix, place_nodes
 from .mixed import Bodies, fill_total
 from .newton import Task, fill_film, forget_factors, newton
-from .reynolds import Flow
+from .reynolds import Flow, properties
 from .transient import masses, place_film
 from .workspace import Workspace, workspace_in, workspace_size
 
@@ -121,7 +121,8 @@ def steady_on_grid(
     failures, iterations = 0, 0
     approach = math.nan
     while True:
-        masses(p, h, scale, fluid, w, mass)
+        properties(p, h, fluid, w.nodes)
+        masses(scale, w, mass)
         mass[1:-1] -= squeeze * step * 0.5 * scale * w.nodes.rho[1:-1] * (w.X[2:] - w.X[:-2])
         trial_p, trial_h = p.copy(), h.copy()
         before = w.mixed.total

@@ -18,6 +18,7 @@ from .field import LINE_TRANSIENT
 from .field_state import begin, bodies_of, drives_of, observe
 from .mixed import fill_total
 from .newton import Task, forget_factors, line_load_of, newton
+from .reynolds import properties
 from .transient import GRID_TIME, aimed_scale, central, masses
 from .workspace import workspace_in, workspace_size
 
@@ -49,7 +50,8 @@ def implicit_field(component: Any) -> ImplicitSteps:
     def carry(x: Any, u: Any, p: Any, work: Any, q: Any) -> None:
         state = record_of(x, X)
         w = workspace_in(work, nodes)
-        masses(state.pressure, state.film, state.grid_scale, lubricant_of(record_of(p, P)), w, q[:nodes])
+        properties(state.pressure, state.film, lubricant_of(record_of(p, P)), w.nodes)
+        masses(state.grid_scale, w, q[:nodes])
         rest = q[nodes:]
         rest[_SCALE], rest[_FILM] = state.grid_scale, state.film_thickness
         rest[_CURVATURE], rest[_APPROACH] = state.curvature, state.rigid_approach

@@ -16,19 +16,10 @@ import math
 from typing import Any, NamedTuple
 
 from ...kernel import kernel
-from ..fluid import (
-    Lubricant,
-    density_ratio,
-    density_slope,
-    log_viscosity_ratio,
-    log_viscosity_slope,
-    thinning,
-)
+from ..fluid import Lubricant, density_ratio, density_slope, log_viscosity, thinning
 
 # Relative to which the difference of logarithms of fluidity is small: its mean is then a series.
 _SMALL = 1e-3
-# exp() of larger differences would overflow; trials of Newton's method may have them.
-_STEEP = 300.0
 
 
 class Flow(NamedTuple):
@@ -41,7 +32,7 @@ class Flow(NamedTuple):
 
 class Nodes(NamedTuple):
     """Fields over the nodes and their derivatives, filled by `properties`: mass = rho h and its derivative
-    by p; flow = rho h^3/12 with derivatives by p and h; ln(eta/eta0) and its derivative."""
+    by p; flow = rho h^3/12 with derivatives by p and h; ln(eta/eta0), its derivative, and eta0/eta."""
 
     mass: Any
     mass_p: Any
@@ -51,6 +42,7 @@ class Nodes(NamedTuple):
     flow_h: Any
     log_eta: Any
     log_eta_p: Any
+    fluidity: Any
 
 
 @kernel
@@ -65,22 +57,21 @@ def properties(p: Any, h: Any, fluid: Lubricant, f: Nodes) -> None:
         f.flow[i] = rho * cube
         f.flow_p[i] = slope * cube
         f.flow_h[i] = rho * h[i] ** 2 / 4.0
-        f.log_eta[i] = log_viscosity_ratio(p[i], fluid)
-        f.log_eta_p[i] = log_viscosity_slope(p[i], fluid)
+        f.log_eta[i], f.log_eta_p[i] = log_viscosity(p[i], fluid)
+        f.fluidity[i] = math.exp(-f.log_eta[i])
 
 
 @kernel
-def mean_fluidity(first: float, second: float) -> tuple[float, float, float]:
-    """Logarithmic mean of exp(-first) and exp(-second), and its derivatives by both."""
-    d = min(second - first, _STEEP)
-    base = math.exp(-first)
+def mean_fluidity(difference: float, first: float, second: float) -> tuple[float, float, float]:
+    """Logarithmic mean of first and second = first exp(-difference), and its derivatives by the logarithms
+    of their inverses."""
+    d = difference
     if abs(d) < _SMALL:
-        mean = base * (1.0 - d / 2.0 + d * d / 6.0)
-        by_second = base * (-0.5 + d / 3.0 - d * d / 8.0)
+        mean = first * (1.0 - d / 2.0 + d * d / 6.0)
+        by_second = first * (-0.5 + d / 3.0 - d * d / 8.0)
     else:
-        decayed = math.exp(-max(d, -_STEEP))
-        mean = base * (1.0 - decayed) / d
-        by_second = base * (d * decayed - (1.0 - decayed)) / (d * d)
+        mean = (first - second) / d
+        by_second = (second - mean) / d
     return mean, -mean - by_second, by_second
 
 
@@ -126,7 +117,9 @@ def balance(
             far = near
         length = scale * (X[i + 1] - X[i])
         gradient = (p[i + 1] - p[i]) / length
-        mean, by_first, by_second = mean_fluidity(f.log_eta[i], f.log_eta[i + 1])
+        mean, by_first, by_second = mean_fluidity(
+            f.log_eta[i + 1] - f.log_eta[i], f.fluidity[i], f.fluidity[i + 1]
+        )
         if fluid.eyring_stress > 0.0:
             eta = fluid.viscosity / mean
             factor = thinning(eta, 0.5 * (h[i] + h[i + 1]), gradient, drive.sliding, fluid.eyring_stress)

@@ -173,10 +173,9 @@ def foretold(p: float, slope: float, time_step: float) -> float:
 
 
 @kernel
-def masses(p: Any, h: Any, scale: float, fluid: Lubricant, w: Workspace, out: Any) -> None:
-    """rho h times the volumes (m^2)."""
-    n = p.shape[0]
-    properties(p, h, fluid, w.nodes)
+def masses(scale: float, w: Workspace, out: Any) -> None:
+    """rho h times the volumes (m^2), of the film that `properties` saw last."""
+    n = out.shape[0]
     out[0] = 0.0
     out[n - 1] = 0.0
     for i in range(1, n - 1):
@@ -185,12 +184,11 @@ def masses(p: Any, h: Any, scale: float, fluid: Lubricant, w: Workspace, out: An
 
 @kernel
 def estimate(
-    p: Any, h: Any, scale: float, time_step: float, given: bool, bodies: Bodies, fluid: Lubricant,
-    w: Workspace,
+    p: Any, h: Any, scale: float, time_step: float, given: bool, bodies: Bodies, w: Workspace
 ) -> float:  # fmt: skip
     """Error of load (if the approach is given) or central film, relative, by the factors of the end."""
     n = p.shape[0]
-    masses(p, h, scale, fluid, w, w.estimate)
+    masses(scale, w, w.estimate)
     for i in range(n):
         first = (w.mass_middle[i] - w.mass_start[i]) / GAMMA
         last = (w.estimate[i] - w.base[i]) / GAMMA
@@ -260,7 +258,8 @@ def step(
     half_scale = scale + GAMMA * (new_scale - scale)
     for i in range(n):
         w.p_start[i], w.h_start[i], w.slope_start[i] = p[i], h[i], slope[i]
-    masses(p, h, scale, fluid, w, w.mass_start)
+    properties(p, h, fluid, w.nodes)
+    masses(scale, w, w.mass_start)
     # The rate at the start is what flows in.
     balance(
         w.X, scale, rate, p, h, w.nodes, start.flow, fluid, w.mass_start, math.inf, w.rate_start, w.A, w.B
@@ -276,7 +275,7 @@ def step(
     found = solved(p, h, middle.approach, task, bodies, fluid, w.mass_start, w)
     if found.error != 0.0:
         return Stepped(found.approach, half_scale, math.inf, found.approach)
-    masses(p, h, half_scale, fluid, w, w.mass_middle)
+    masses(half_scale, w, w.mass_middle)
     copy(w.p_middle, p)
     copy(w.h_middle, h)
     middle_approach = found.approach
@@ -299,5 +298,5 @@ def step(
         return Stepped(found.approach, new_scale, math.inf, middle_approach)
     for i in range(n):
         slope[i] = (q[i] - q_start[i]) / time_step
-    error = estimate(p, h, new_scale, time_step, given, bodies, fluid, w)
+    error = estimate(p, h, new_scale, time_step, given, bodies, w)
     return Stepped(found.approach, new_scale, error / tolerance, middle_approach)

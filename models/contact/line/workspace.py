@@ -15,7 +15,7 @@ from .hierarchical import BAND, Hierarchy, hierarchy_in, hierarchy_size
 from .mixed import Mixed
 from .reynolds import Nodes
 
-_FIELDS = 8
+_FIELDS = 9
 # Vectors besides the grid's two and the properties: those listed in Workspace after `nodes`.
 _VECTORS = 16
 # Of Mixed.
@@ -85,10 +85,10 @@ def workspace_in(work: Any, n: int) -> Workspace:
     k += SIDES * n
     exchange = exchange_in(work[k:], n)
     k += exchange_size(n)
-    f = fields
-    nodes = Nodes(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7])
+    f, v = fields, fields[_FIELDS:]
+    nodes = Nodes(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8])
     mixed = Mixed(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7])
     return Workspace(
-        X, weight, D, nodes, f[8], f[21], A, B, f[9], solution, f[10], f[11], f[12], f[13], f[14], f[15],
-        f[16], f[17], f[18], f[19], f[20], f[22], f[23], hierarchy_in(work[k:], n), exchange, mixed,
+        X, weight, D, nodes, v[0], v[13], A, B, v[1], solution, v[2], v[3], v[4], v[5], v[6], v[7],
+        v[8], v[9], v[10], v[11], v[12], v[14], v[15], hierarchy_in(work[k:], n), exchange, mixed,
     )  # fmt: skip

@@ -89,14 +89,16 @@ def test_hertz_pressure_flattens_the_bodies():
 )
 def test_mean_fluidity_is_the_exact_mean_of_an_exponential(first, second):
     """Integral of exp(-e) from one to the other, over the way; its derivatives by differences."""
-    mean, by_first, by_second = mean_fluidity(first, second)
+
+    def mean_of(first, second):
+        return mean_fluidity(second - first, math.exp(-first), math.exp(-second))
+
+    mean, by_first, by_second = mean_of(first, second)
     exact = quad(lambda s: math.exp(-(first + s * (second - first))), 0.0, 1.0, epsrel=1e-12)[0]
     assert mean == pytest.approx(exact, rel=1e-8)
     d = 1e-4
     for slope, a, b in ((by_first, d, 0.0), (by_second, 0.0, d)):
-        difference = (mean_fluidity(first + a, second + b)[0] - mean_fluidity(first - a, second - b)[0]) / (
-            2 * d
-        )
+        difference = (mean_of(first + a, second + b)[0] - mean_of(first - a, second - b)[0]) / (2 * d)
         assert slope == pytest.approx(difference, rel=1e-6, abs=1e-9 * mean)
 
 
