@@ -16,7 +16,7 @@ from ..friction import profile_friction
 from ..hertz import compliance_of, deflection, load_of
 from ..mixed_lubrication import surfaces_of, traction_of
 from .differences import INSTANTS, follow, rate_of, restart, second_derivative_of
-from .mixed import Bodies, fill_total
+from .mixed import Bodies, fill_total, mean_plane_gap
 from .newton import line_load_of
 from .reynolds import Flow
 from .transient import Drives, central, grid_scale_after, highest, least, place_film, wanted_scale
