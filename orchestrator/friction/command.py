@@ -37,7 +37,7 @@ def friction(
     cams = cams_of(scenario)
     if contact and contact not in cams:
         raise MistakeError(
-            f"--contact {contact}: must be one of {', '.join(cams) or 'none: there is no cam'}"
+            f"--contact {contact}: must be one of {', '.join(cams) or 'none'}, which slide under a cam"
         )
     if not cams:
         raise MistakeError(f"{folder}: no contact takes its sliding_velocity from a camshaft")

@@ -134,8 +134,9 @@ def _bars(ax: Axes, steps: Steps, values: Vector, kinds: Kinds) -> None:
 def _lengths(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
     _bars(ax, steps, steps.length, kinds)
     low, high = float(steps.length.min()), float(steps.length.max())
-    ax.set_yscale("log")
+    # Limits first: those of a scale that fits itself to one value alone would be a single number.
     ax.set_ylim(low / 1.6, high * 3.0)  # room for the marks of rejected attempts
+    ax.set_yscale("log")
     ax.set_ylabel("Step length (s)")
     _rejected(ax, steps)
     # Bins of a tenth at least, the first about the shortest: lengths that are equal to rounding are one bar.
@@ -169,8 +170,8 @@ def _errors(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
     ax.axhline(1.0, color="#444444", lw=0.8)
     top = max(3.0, 2.0 * float(shown.max()))
     low = max(SMALLEST, 0.3 * float(np.quantile(shown, 0.005)))
-    ax.set_yscale("log")
     ax.set_ylim(low, top)
+    ax.set_yscale("log")
     ax.set_ylabel("Error / allowed")
     _sums(sums, np.clip(shown, low, top), np.geomspace(low, top, 31), kinds)
 
