@@ -90,6 +90,14 @@ def _converted(
     """None where the system has to judge, which knows one spelling of each unit."""
     if given_units is None and wanted_units is None:
         return None
+    return linear_between(given, given_units or {}, wanted, wanted_units or {})
+
+
+def linear_between(
+    given: str, given_units: Mapping[str, Unit], wanted: str, wanted_units: Mapping[str, Unit]
+) -> Linear | None:
+    """From one unit to the other, each by these definitions or as it is generally known; None where they
+    do not fit, or are not known."""
     if not given or not wanted:
         return Linear()  # an FMU that does not say what it means
     one, other = _base(given, given_units), _base(wanted, wanted_units)
@@ -100,5 +108,5 @@ def _converted(
     return Linear(one.factor / other.factor, (one.offset - other.offset) / other.factor)
 
 
-def _base(unit: str, units: Mapping[str, Unit] | None) -> Unit | None:
-    return (units or {}).get(unit) or in_base_units(unit)
+def _base(unit: str, units: Mapping[str, Unit]) -> Unit | None:
+    return units.get(unit) or in_base_units(unit)

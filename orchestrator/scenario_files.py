@@ -18,6 +18,7 @@ from models.system import suggestion
 
 from .masters import MASTERS
 from .scenario import Scenario, ScenarioError, elsewhere, scenario_of
+from .ssp import contents as contents_of_package
 from .values import value_of
 
 SHIPPED = Path(__file__).parent / "scenarios"
@@ -37,10 +38,11 @@ def find(name: str | Path, beside: Path | None = None) -> Path:
         return path
     if path.is_dir():
         raise ScenarioError(f"{path}: is a folder; give {_in_folder(path)}")
-    if path.suffix == ".toml":
+    if path.suffix in (".toml", ".ssp"):
         raise ScenarioError(f"{path}: no such scenario file; {_beside(path)}")
     raise ScenarioError(
-        f"no scenario {str(name)!r}; {suggestion(str(name), shipped())} (or give the path of a .toml file)"
+        f"no scenario {str(name)!r}; {suggestion(str(name), shipped())} (or give the path of a .toml or .ssp "
+        "file)"
     )
 
 
@@ -89,7 +91,7 @@ def contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
     path = path.resolve()
     if path in chain:
         raise ScenarioError(f"{path.name}: extends itself ({' -> '.join(p.name for p in (*chain, path))})")
-    content = _read(path)
+    content = contents_of_package(path) if path.suffix == ".ssp" else _read(path)
     base = content.pop("extends", None)
     content.setdefault("name", path.stem)
     _resolve_paths(content, path.parent)
@@ -186,6 +188,18 @@ def keys_of(path: str) -> list[str]:
     keys = path.split(".")
     depth = min(3 if keys[0] == "components" else 1, len(keys) - 1)
     return [*keys[:depth], ".".join(keys[depth:])]
+
+
+def stated(scenario: Scenario, folder: Path) -> str:
+    """The scenario as TOML with what differs from the defaults; its FMUs are named from `folder` on."""
+    import tomli_w
+
+    content = scenario.model_dump(exclude_defaults=True)
+    for table in content["components"].values():
+        path = Path(table.get("participant", ""))
+        if path.is_relative_to(folder):
+            table["participant"] = path.relative_to(folder).as_posix()
+    return tomli_w.dumps(content)
 
 
 def written(scenario: Scenario) -> str:

@@ -17,6 +17,7 @@ from .friction import friction_of_run
 from .reproduce import reproduce_source
 from .run import resume_run, run_scenario
 from .scenarios import scenarios
+from .ssp import ssp_export, ssp_import
 from .study import run_study
 
 app = typer.Typer(
@@ -39,6 +40,11 @@ fmus.command("build")(fmu_build)
 fmus.command("validate")(fmu_validate)
 fmus.command("info")(fmu_info)
 app.add_typer(fmus, name="fmu")
+
+packages = typer.Typer(help="Exchange scenarios with other tools.", no_args_is_help=True)
+packages.command("export")(ssp_export)
+packages.command("import")(ssp_import)
+app.add_typer(packages, name="ssp")
 
 benchmarks = typer.Typer(help="Measure masters, ours and other tools'.", no_args_is_help=True)
 benchmarks.command("coupling")(benchmark_coupling)

@@ -1,0 +1,60 @@
+"""tribocosim ssp."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .fmu import built
+from .reported import reported
+
+
+@reported
+def ssp_export(
+    scenario: Annotated[str, typer.Argument(help="A shipped scenario, or the path of a .toml file.")],
+    out: Annotated[Path | None, typer.Option(help="The file. [default: SCENARIO.ssp]")] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario, as for run."),
+    ] = None,
+) -> None:
+    """Write a scenario as an SSP package with its FMUs, for other tools."""
+    from ..errors import MistakeError
+    from ..scenario_files import load
+    from ..ssp import export
+
+    loaded = load(scenario, set_ or [])
+    target = out or Path(f"{loaded.name}.ssp")
+    if target.suffix != ".ssp":
+        raise MistakeError(f"{target}: the file of a package ends in .ssp; give --out {target}.ssp")
+    try:
+        export(loaded, target, built)
+    except OSError as error:
+        raise MistakeError(f"{target}: cannot be written ({error.strerror}); choose another --out") from None
+    print(target)
+
+
+@reported
+def ssp_import(
+    file: Annotated[Path, typer.Argument(help="The .ssp file.")],
+    out: Annotated[Path | None, typer.Option(help="The folder. [default: the file's name]")] = None,
+) -> None:
+    """Write an SSP package as a scenario file with its FMUs, to be changed; `run` takes packages too."""
+    from ..errors import MistakeError
+    from ..scenario import scenario_of
+    from ..scenario_files import find, stated
+    from ..ssp import unpacked
+
+    source = find(file)
+    folder = out or Path(file.stem)
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise MistakeError(f"{folder}: is not an empty folder; choose another --out")
+    try:
+        scenario = scenario_of(unpacked(source, folder))
+        target = folder / f"{scenario.name}.toml"
+        target.write_text(stated(scenario, folder), "utf-8")
+    except OSError as error:
+        raise MistakeError(f"{folder}: cannot be written ({error.strerror}); choose another --out") from None
+    print(target)

@@ -1,0 +1,266 @@
+"""A scenario as an SSP: its FMUs, how they are connected, their values, and what only this program knows.
+
+Values that the scenario states are in one parameter set for each component; the states of the equilibrium
+that it starts from, which other tools cannot find, in another. What SSP has no place for (master, tolerances,
+outputs) is an annotation.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from models.quantities import Quantity
+from models.system import Instance, System
+
+from .. import assembly
+from ..participants import given
+from ..participants.description import REALS, TRUTHS, Description, Variable, described
+from ..scenario import Scenario, line_of
+from .names import FMU_TYPE, OMSIMULATOR, OSP, OURS, RESOURCES, STRUCTURE, VALUES_TYPE, document, make
+
+# So that the same scenario gives the same bytes.
+_DATE = (1980, 1, 1, 0, 0, 0)
+
+
+@dataclass(frozen=True)
+class Packed:
+    """The FMU of a component: its place in the archive, its bytes, what it says."""
+
+    source: str
+    content: bytes
+    about: Description
+
+    @property
+    def sha256(self) -> str:
+        return hashlib.sha256(self.content).hexdigest()
+
+
+def export(scenario: Scenario, target: Path, build: assembly.Builder) -> None:
+    """Write the scenario to `target`; ScenarioError or ModelError for one that cannot be run."""
+    system = assembly.system_of(scenario)
+    fmus = _packed(scenario, build)
+    files = {fmu.source: fmu.content for fmu in fmus.values()}
+    bindings: dict[str, list[str]] = {name: [] for name in scenario.components}
+    resting = scenario.start == "equilibrium"
+    started = assembly.at_start(scenario, system) if resting else system
+    for name, instance in system.instances.items():
+        stated = _stated(instance)
+        rest = given(started.instances[name]).values if resting else {}
+        computed = {key: value for key, value in rest.items() if key not in instance.parameters}
+        for suffix, values in (("", stated), (START, computed)):
+            if values:
+                path = f"{RESOURCES}/{name}{suffix}.ssv"
+                files[path] = _parameter_set(SET, values, fmus[name].about, instance)
+                bindings[name].append(path)
+    files = {STRUCTURE: document(_structure(scenario, system, fmus, bindings)), **files}
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path, content in files.items():
+            archive.writestr(zipfile.ZipInfo(path, _DATE), content, zipfile.ZIP_DEFLATED)
+
+
+# The name of all parameter sets: ecos applies those of the one name that it is asked for.
+SET = "values"
+# What the files of parameter sets with computed states end in.
+START = ".equilibrium"
+
+
+def _packed(scenario: Scenario, build: assembly.Builder) -> dict[str, Packed]:
+    """Every component's FMU; equal files once."""
+    places: dict[str, str] = {}
+    packed = {}
+    for name, table in scenario.components.items():
+        given_file = table.participant.endswith(".fmu") or table.component is None
+        path = Path(table.participant) if given_file else build(str(table.component), table.structure)
+        content = path.read_bytes()
+        stem = path.stem if given_file else str(table.component)
+        digest = hashlib.sha256(content).hexdigest()
+        if digest not in places:
+            taken = sum(place.startswith(f"{RESOURCES}/{stem}.") for place in places.values())
+            places[digest] = f"{RESOURCES}/{stem}.{taken}.fmu" if taken else f"{RESOURCES}/{stem}.fmu"
+        packed[name] = Packed(places[digest], content, described(path))
+    return packed
+
+
+def _stated(instance: Instance) -> dict[str, float]:
+    """The values that the scenario states, by the FMU's variables."""
+    asked = given(instance)
+    return {**asked.values, **asked.inputs}
+
+
+def _parameter_set(name: str, values: Mapping[str, float], about: Description, instance: Instance) -> bytes:
+    root = make(None, "ssv:ParameterSet", version="1.0", name=name)
+    parameters = make(root, "ssv:Parameters")
+    for key, value in values.items():
+        parameter = make(parameters, "ssv:Parameter", name=key)
+        kind, written = _written(about.variables[key], _quantity(instance, key), value)
+        make(parameter, f"ssv:{kind}", value=written)
+    return document(root)
+
+
+def _quantity(instance: Instance, name: str) -> Quantity | None:
+    layout = instance.component.parameters
+    return layout.field(name).quantity if name in layout else None
+
+
+def _written(variable: Variable, quantity: Quantity | None, value: float) -> tuple[str, Any]:
+    """Type and value of a parameter."""
+    if variable.type in REALS:
+        return "Real", float(value)
+    if variable.type in TRUTHS:
+        return "Boolean", bool(value)
+    if quantity is not None and quantity.choices:
+        return "Enumeration", quantity.choices[int(value)]
+    return "Integer", int(value)
+
+
+def _structure(
+    scenario: Scenario, system: System, fmus: Mapping[str, Packed], bindings: Mapping[str, list[str]]
+) -> Any:
+    root = make(
+        None,
+        "ssd:SystemStructureDescription",
+        version="1.0",
+        name=scenario.name,
+        description=scenario.description or None,
+        generationTool="tribocosim",
+    )
+    whole = make(root, "ssd:System", name="system")
+    elements = make(whole, "ssd:Elements")
+    driven = {str(connection.target) for connection in system.connections}
+    enumerations: dict[str, tuple[str, ...]] = {}
+    for name, instance in system.instances.items():
+        fmu = fmus[name]
+        component = make(
+            elements,
+            "ssd:Component",
+            name=name,
+            type=FMU_TYPE,
+            source=fmu.source,
+            implementation="CoSimulation",
+        )
+        connectors = make(component, "ssd:Connectors")
+        for variable in fmu.about.variables.values():
+            if kind := _kind(name, variable, driven, instance):
+                connector = make(connectors, "ssd:Connector", name=variable.name, kind=kind)
+                _type(connector, variable, _quantity(instance, variable.name), enumerations)
+        if bindings[name]:
+            sets = make(component, "ssd:ParameterBindings")
+            for path in bindings[name]:
+                make(sets, "ssd:ParameterBinding", type=VALUES_TYPE, source=path)
+    if system.connections:
+        connections = make(whole, "ssd:Connections")
+        for text in scenario.connections:
+            _connection(connections, text)
+    _omsimulator(whole, scenario)
+    if enumerations:
+        listed = make(root, "ssd:Enumerations")
+        for name, items in enumerations.items():
+            one = make(listed, "ssc:Enumeration", name=name)
+            for number, item in enumerate(items):
+                make(one, "ssc:Item", name=item, value=number)
+    _units(root, fmus)
+    experiment = make(root, "ssd:DefaultExperiment", startTime=0.0, stopTime=scenario.stop_time)
+    _osp(experiment, scenario)
+    annotation = make(make(root, "ssd:Annotations"), "ssc:Annotation", type=OURS)
+    settings = make(annotation, "tribocosim:Settings")
+    settings.text = json.dumps(_settings(scenario, fmus), ensure_ascii=False)
+    return root
+
+
+def _kind(name: str, variable: Variable, driven: set[str], instance: Instance) -> str:
+    """A connector's kind; empty for variables that have none. An input that nothing drives would be set to
+    zero by some tools if it were shown."""
+    if not variable.numeric or variable.variability == "constant":
+        return ""
+    if variable.causality == "input":
+        return "input" if f"{name}.{variable.name}" in driven else ""
+    return {"output": "output", "parameter": "parameter"}.get(variable.causality, "")
+
+
+def _type(
+    connector: Any, variable: Variable, quantity: Quantity | None, enumerations: dict[str, tuple[str, ...]]
+) -> None:
+    if variable.type in REALS:
+        make(connector, "ssc:Real", unit=variable.unit or None)
+    elif variable.type in TRUTHS:
+        make(connector, "ssc:Boolean")
+    elif quantity is not None and quantity.choices:
+        enumerations[variable.name] = quantity.choices
+        make(connector, "ssc:Enumeration", name=variable.name)
+    else:
+        make(connector, "ssc:Integer")
+
+
+def _connection(parent: Any, text: str) -> None:
+    line = line_of(text)
+    changed = line.factor is not None or line.offset is not None
+    (start, out), (end, into) = (port.split(".", 1) for port in (line.source, line.target))
+    connection = make(
+        parent,
+        "ssd:Connection",
+        startElement=start,
+        startConnector=out,
+        endElement=end,
+        endConnector=into,
+        suppressUnitConversion=True if changed else None,
+    )
+    if changed:
+        make(connection, "ssc:LinearTransformation", factor=line.factor, offset=line.offset)
+
+
+def _units(root: Any, fmus: Mapping[str, Packed]) -> None:
+    units = {name: unit for fmu in fmus.values() for name, unit in fmu.about.units.items()}
+    used = {v.unit for fmu in fmus.values() for v in fmu.about.variables.values()}
+    if not used & set(units):
+        return
+    listed = make(root, "ssd:Units")
+    names = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+    for name in sorted(used & set(units)):
+        unit = units[name]
+        base = {key: power for key, power in zip(names, unit.exponents, strict=True) if power}
+        make(
+            make(listed, "ssc:Unit", name=name),
+            "ssc:BaseUnit",
+            **base,
+            factor=None if unit.factor == 1.0 else unit.factor,
+            offset=unit.offset or None,
+        )
+
+
+def _omsimulator(system: Any, scenario: Scenario) -> None:
+    annotation = make(make(system, "ssd:Annotations"), "ssc:Annotation", type=OMSIMULATOR)
+    information = make(make(annotation, "oms:Annotations"), "oms:SimulationInformation")
+    make(
+        information,
+        "oms:FixedStepMaster",
+        description="oms-ma",
+        stepSize=scenario.macro_step,
+        absoluteTolerance=1e-4,
+        relativeTolerance=1e-4,
+    )
+
+
+def _osp(experiment: Any, scenario: Scenario) -> None:
+    annotation = make(make(experiment, "ssd:Annotations"), "ssc:Annotation", type=OSP)
+    make(make(annotation, "osp:Algorithm"), "osp:FixedStepAlgorithm", baseStepSize=scenario.macro_step)
+
+
+def _settings(scenario: Scenario, fmus: Mapping[str, Packed]) -> dict[str, Any]:
+    """What SSP has no place for; and by which FMUs a component's own may take its place again."""
+    content: dict[str, Any] = scenario.model_dump(exclude_none=True)
+    for key in ("connections", "stop_time"):
+        del content[key]
+    for name, table in content["components"].items():
+        for key in ("parameters", "start", "inputs"):
+            table.pop(key, None)
+        if table["participant"].endswith(".fmu"):
+            del table["participant"]
+        else:
+            table["sha256"] = fmus[name].sha256
+    return content

@@ -1,0 +1,54 @@
+"""Names of the standard: namespaces, files, kinds; and of annotations, ours and other tools'."""
+
+from __future__ import annotations
+
+from typing import Any
+from xml.etree import ElementTree
+
+STRUCTURE, RESOURCES = "SystemStructure.ssd", "resources"
+FMU_TYPE = "application/x-fmu-sharedlibrary"
+VALUES_TYPE = "application/x-ssp-parameter-set"
+
+_SSP = "http://ssp-standard.org/SSP1/"
+NAMESPACES = {
+    "ssd": _SSP + "SystemStructureDescription",
+    "ssc": _SSP + "SystemStructureCommon",
+    "ssv": _SSP + "SystemStructureParameterValues",
+    "ssm": _SSP + "SystemStructureParameterMapping",
+    "ssb": _SSP + "SystemStructureSignalDictionary",
+    # Steps of other tools' masters: OMSimulator's, and that of libcosim and ecos.
+    "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
+    "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
+    "tribocosim": "urn:tribocosim:scenario:1",
+}
+# Types of the annotations.
+OURS, OMSIMULATOR, OSP = "tribocosim", "org.openmodelica", "com.opensimulationplatform"
+
+for _prefix, _uri in NAMESPACES.items():
+    ElementTree.register_namespace(_prefix, _uri)
+
+
+def tag(name: str) -> str:
+    """ssd:System as ElementTree writes it."""
+    prefix, _, local = name.partition(":")
+    return f"{{{NAMESPACES[prefix]}}}{local}"
+
+
+def make(parent: Any, name: str, /, **attributes: Any) -> Any:
+    """A child of `parent`, if there is one, with attributes: numbers to the last bit; None leaves one out."""
+    written = {key: _text(value) for key, value in attributes.items() if value is not None}
+    if parent is None:
+        return ElementTree.Element(tag(name), written)
+    return ElementTree.SubElement(parent, tag(name), written)
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def document(root: Any) -> bytes:
+    """The file of an element."""
+    ElementTree.indent(root)
+    return bytes(ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)) + b"\n"

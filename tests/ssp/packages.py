@@ -1,0 +1,100 @@
+"""SSP packages as other tools write them."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from .schemas import assert_valid
+
+HEAD = (
+    'xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon" '
+    'xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues" '
+    'xmlns:ssm="http://ssp-standard.org/SSP1/SystemStructureParameterMapping" '
+    'xmlns:ssb="http://ssp-standard.org/SSP1/SystemStructureSignalDictionary" '
+    'xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"'
+)
+
+
+def package(
+    path: Path, elements: str, connections: str = "", *, inside: str = "", after: str = "",
+    files: Mapping[str, bytes | str] | None = None, experiment: str = 'stopTime="1"', dictionaries: str = "",
+) -> Path:  # fmt: skip
+    """A package whose system has these elements and connections; `inside` comes before its elements, `after`
+    the system. Checked against the schema."""
+    joined = f"<ssd:Connections>{connections}</ssd:Connections>" if connections else ""
+    text = (
+        f'<ssd:SystemStructureDescription {HEAD} version="1.0" name="other">'
+        f'<ssd:System name="root">{inside}<ssd:Elements>{elements}</ssd:Elements>{joined}{dictionaries}'
+        f"</ssd:System>{after}"
+        f"<ssd:DefaultExperiment {experiment}/></ssd:SystemStructureDescription>"
+    )
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("SystemStructure.ssd", text)
+        for name, content in (files or {}).items():
+            archive.writestr(name, content)
+    assert_valid(path)
+    return path
+
+
+def component(name: str, source: str, connectors: Mapping[str, str], bound: str = "") -> str:
+    """A component: kinds of its connectors, each with a unit after it if it has one ("input m")."""
+    bindings = f"<ssd:ParameterBindings>{bound}</ssd:ParameterBindings>" if bound else ""
+    return (
+        f'<ssd:Component name="{name}" type="application/x-fmu-sharedlibrary" '
+        f'source="resources/{source}.fmu">'
+        f"<ssd:Connectors>{''.join(connector(*one) for one in connectors.items())}</ssd:Connectors>{bindings}"
+        "</ssd:Component>"
+    )
+
+
+def connector(name: str, kind: str) -> str:
+    kind, _, unit = kind.partition(" ")
+    stated = f' unit="{unit}"' if unit else ""
+    return f'<ssd:Connector name="{name}" kind="{kind}"><ssc:Real{stated}/></ssd:Connector>'
+
+
+def connection(start: str, end: str, inside: str = "", more: str = "") -> str:
+    """From "element.connector" or, of the system itself, ".connector", to another."""
+    ends = []
+    for side, port in (("start", start), ("end", end)):
+        element, _, name = port.partition(".")
+        own = f'{side}Element="{element}" ' if element else ""
+        ends.append(f'{own}{side}Connector="{name}"')
+    return f"<ssd:Connection {' '.join(ends)} {more}>{inside}</ssd:Connection>"
+
+
+def linear(factor: float, offset: float = 0.0) -> str:
+    return f'<ssc:LinearTransformation factor="{factor!r}" offset="{offset!r}"/>'
+
+
+def parameters(values: Mapping[str, str]) -> str:
+    """A parameter set; values as XML: Real value="1"."""
+    inside = "".join(f'<ssv:Parameter name="{k}"><ssv:{v}/></ssv:Parameter>' for k, v in values.items())
+    return (
+        f'<ssv:ParameterSet {HEAD} version="1.0" name="set"><ssv:Parameters>{inside}</ssv:Parameters>'
+        "</ssv:ParameterSet>"
+    )
+
+
+def binding(values: Mapping[str, str], mapping: str = "", more: str = "") -> str:
+    """An inline parameter binding."""
+    mapped = (
+        f'<ssd:ParameterMapping><ssm:ParameterMapping version="1.0">{mapping}</ssm:ParameterMapping>'
+        "</ssd:ParameterMapping>"
+        if mapping
+        else ""
+    )
+    return (
+        f"<ssd:ParameterBinding {more}><ssd:ParameterValues>{parameters(values)}</ssd:ParameterValues>"
+        f"{mapped}</ssd:ParameterBinding>"
+    )
+
+
+def bindings(*bound: str) -> str:
+    return f"<ssd:ParameterBindings>{''.join(bound)}</ssd:ParameterBindings>"
+
+
+def connectors(kinds: Mapping[str, str]) -> str:
+    return f"<ssd:Connectors>{''.join(connector(*one) for one in kinds.items())}</ssd:Connectors>"

@@ -1,0 +1,241 @@
+"""SSPs of other tools with FMUs from elsewhere run here, and mean what the standard says."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.scenario_files import load
+from tests.foreign.c_fmus import fmu
+from tests.foreign.runs import ran
+from tests.orchestrator.test_command_line import tribocosim
+
+from .packages import (
+    binding,
+    bindings,
+    component,
+    connection,
+    connectors,
+    linear,
+    package,
+    parameters,
+)
+
+DECAY = {"x": "output", "k": "parameter"}
+VECTOR = {"u[1]": "input", "u[2]": "input", "y[1]": "output", "y[2]": "output"}
+THROUGH = {"real in": "input m", "real out": "output m", "offset": "parameter"}
+SHAFT = {"height": "input mm", "reached": "output mm", "speed": "output r/min"}
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> dict[str, bytes]:
+    """The FMUs of a package, of both versions of FMI."""
+    given = {}
+    for name, version in (("dahlquist", 2), ("feedthrough", 3), ("shaft", 2), ("vector", 3)):
+        given[f"resources/{name}.fmu"] = fmu(name, version, tmp_path).read_bytes()
+    return given
+
+
+def lines(path: Path) -> list[str]:
+    return load(path).connections
+
+
+def test_a_package_runs_as_it_is(tmp_path: Path, files: dict[str, bytes]) -> None:
+    """With the values of an external parameter set; steps are those of the FMUs' experiments."""
+    bound = '<ssd:ParameterBinding source="resources/set.ssv"/>'
+    files["resources/set.ssv"] = parameters({"k": 'Real value="3"', "x": 'Real value="0.5"'}).encode()
+    path = package(tmp_path / "a.ssp", component("decay", "dahlquist", DECAY, bound), files=files)
+    one = load(path)
+    assert (one.stop_time, one.macro_step, one.start, one.reference.enabled) == (1.0, 0.01, "given", False)
+    assert one.master.name == "jacobi"
+    summary, found = ran(one, tmp_path / "out")
+    assert summary.complete
+    np.testing.assert_allclose(found["decay.x"], 0.5 * np.exp(-3.0 * found["time"]), rtol=1e-13)
+
+
+def test_connections_pass_through_nested_systems(tmp_path: Path, files: dict[str, bytes]) -> None:
+    """With a transformation at each border: one after the other."""
+    inner = (
+        f'<ssd:System name="in-side">{connectors({"a": "input", "b": "output"})}<ssd:Elements>'
+        + component("thru", "feedthrough", {"real in": "input", "real out": "output"})
+        + "</ssd:Elements><ssd:Connections>"
+        + connection(".a", "thru.real in", linear(2.0, 1.0))
+        + connection("thru.real out", ".b")
+        + "</ssd:Connections></ssd:System>"
+    )
+    path = package(
+        tmp_path / "a.ssp",
+        component("decay", "dahlquist", DECAY) + inner + component("vector", "vector", VECTOR),
+        connection("decay.x", "in-side.a", linear(3.0, -1.0))
+        + connection("in-side.b", "vector.u[2]", linear(10.0)),
+        files=files,
+    )
+    one = load(path)
+    assert list(one.components) == ["decay", "in_side_thru", "vector"]
+    assert one.connections == [
+        "decay.x * 6.0 - 1.0 -> in_side_thru.real in",
+        "in_side_thru.real out * 10.0 -> vector.u[2]",
+    ]
+    _, found = ran(one, tmp_path / "out")
+    x = found["decay.x"]
+    np.testing.assert_allclose(found["in_side_thru.real out"][1:], 6.0 * x[:-1] - 1.0, rtol=1e-14)
+
+
+def test_units_are_converted_then_transformed(tmp_path: Path, files: dict[str, bytes]) -> None:
+    """m to mm, then 2 x + 1: `the value is already converted to the target unit` (SSP 1.0, factor)."""
+    units = (
+        '<ssd:Units><ssc:Unit name="m"><ssc:BaseUnit m="1"/></ssc:Unit>'
+        '<ssc:Unit name="mm"><ssc:BaseUnit m="1" factor="0.001"/></ssc:Unit></ssd:Units>'
+    )
+    given = component("thru", "feedthrough", THROUGH, binding({"real in": 'Real value="0.25"'}))
+    elements = given + "".join(component(f"shaft{i}", "shaft", SHAFT) for i in range(4))
+    path = package(
+        tmp_path / "a.ssp",
+        elements,
+        connection("thru.real out", "shaft0.height")
+        + connection("thru.real out", "shaft1.height", linear(2.0, 1.0))
+        + connection("thru.real out", "shaft2.height", linear(2.0, 1.0), 'suppressUnitConversion="true"')
+        + connection("thru.real out", "shaft3.height", "", 'suppressUnitConversion="true"'),
+        after=units,
+        files=files,
+    )
+    _, found = ran(load(path), tmp_path / "out")
+    for i, expected in enumerate((250.0, 501.0, 1.5, 0.25)):
+        np.testing.assert_allclose(found[f"shaft{i}.reached"], expected, rtol=1e-14)
+
+
+def test_values_come_by_every_way(tmp_path: Path, files: dict[str, bytes]) -> None:
+    """Inner ones give way to outer ones; mapped with a factor; by a path; by a connector of the system; with
+    a prefix; in another unit."""
+    units = '<ssd:Units><ssc:Unit name="mm"><ssc:BaseUnit m="1" factor="0.001"/></ssc:Unit></ssd:Units>'
+    mapped = '<ssm:MappingEntry source="rate" target="one.k">' + linear(2.0, 0.5) + "</ssm:MappingEntry>"
+    inside = connectors({"start": "parameter"}) + bindings(
+        binding({"rate": 'Real value="1.5"', "unused": 'Real value="9"'}, mapped),
+        binding({"two.k": 'Real value="4"', "start": 'Real value="0.125"'}),
+        binding({"k": 'Real value="7"'}, more='prefix="three."'),
+        binding({"thru.real in": 'Real value="250" unit="mm"', "thru.count": 'Integer value="3"'}),
+        binding({"thru.negate": 'Boolean value="true"'}),
+    )
+    own = binding({"k": 'Real value="99"', "x": 'Real value="2"'})
+    elements = "".join(component(name, "dahlquist", DECAY, own) for name in ("one", "two", "three"))
+    path = package(
+        tmp_path / "a.ssp",
+        elements + component("thru", "feedthrough", THROUGH),
+        connection(".start", "two.x"),
+        inside=inside,
+        after=units,
+        files=files,
+    )
+    tables = load(path).components
+    assert {name: tables[name].parameters for name in ("one", "two", "three")} == {
+        "one": {"k": 3.5},
+        "two": {"k": 4.0},
+        "three": {"k": 7.0},
+    }
+    assert [tables[name].start["x"] for name in ("one", "two", "three")] == [2.0, 0.125, 2.0]
+    assert tables["thru"].inputs == {"real in": 0.25}
+    assert tables["thru"].parameters == {"count": 3.0, "negate": True}
+
+
+def test_signals_go_by_dictionaries(tmp_path: Path, files: dict[str, bytes]) -> None:
+    def reference(name: str, kinds: dict[str, str]) -> str:
+        return (
+            f'<ssd:SignalDictionaryReference name="{name}" dictionary="bus">{connectors(kinds)}'
+            "</ssd:SignalDictionaryReference>"
+        )
+
+    dictionary = (
+        '<ssd:SignalDictionaries><ssd:SignalDictionary name="bus"><ssb:SignalDictionary version="1.0">'
+        '<ssb:DictionaryEntry name="s"><ssc:Real/></ssb:DictionaryEntry></ssb:SignalDictionary>'
+        "</ssd:SignalDictionary></ssd:SignalDictionaries>"
+    )
+    elements = component("decay", "dahlquist", DECAY) + component("vector", "vector", VECTOR)
+    path = package(
+        tmp_path / "a.ssp",
+        elements + reference("to", {"s": "inout"}) + reference("from", {"s": "inout"}),
+        connection("decay.x", "to.s") + connection("from.s", "vector.u[1]"),
+        dictionaries=dictionary,
+        files=files,
+    )
+    assert lines(path) == ["decay.x -> vector.u[1]"]
+
+
+def test_a_package_is_written_as_a_scenario(tmp_path: Path, files: dict[str, bytes]) -> None:
+    path = package(tmp_path / "a.ssp", component("decay", "dahlquist", DECAY), files=files)
+    done = tribocosim("ssp", "import", str(path), "--out", str(tmp_path / "folder"))
+    assert done.returncode == 0, done.stderr
+    written = tmp_path / "folder" / "other.toml"
+    assert 'participant = "resources/dahlquist.fmu"' in written.read_text()
+    one, other = load(path), load(written)
+    plain = {"components": {}}
+    assert one.model_copy(update=plain) == other.model_copy(update=plain)
+
+
+REFUSED = {
+    "start": ({"experiment": 'startTime="1" stopTime="2"'}, r"startTime = 1 s: runs begin at 0"),
+    "type": ({"replace": ("x-fmu-sharedlibrary", "x-ssp-definition")}, "components are FMUs here"),
+    "elsewhere": ({"replace": ("resources/dahlquist", "https://host/dahlquist")}, "not in this package"),
+    "outside": ({"replace": ("resources/dahlquist", "../dahlquist")}, "not in this package"),
+    "lost": ({"replace": ("resources/dahlquist", "resources/other")}, r"other.fmu is not in the package"),
+    "text": ({"bound": binding({"k": 'String value="much"'})}, "k is a String, which scenarios do not take"),
+    "unknown": ({"bound": binding({"K": 'Real value="1"'})}, r"no parameter, input or start value 'K'"),
+    "unit": ({"bound": binding({"real in": 'Real value="1" unit="K"'}), "units": True}, "K does not fit"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_is_not_supported_is_refused_by_name(case: str, tmp_path: Path, files: dict[str, bytes]) -> None:
+    how, said = REFUSED[case]
+    how = dict(how)
+    old, new = how.pop("replace", ("", ""))
+    bound = how.pop("bound", "")
+    kelvin = '<ssd:Units><ssc:Unit name="K"><ssc:BaseUnit K="1"/></ssc:Unit></ssd:Units>'
+    after = kelvin if how.pop("units", False) else ""
+    fits = "feedthrough" if case == "unit" else "dahlquist"
+    element = component("decay", fits, THROUGH if case == "unit" else DECAY, bound).replace(old, new)
+    path = package(tmp_path / "a.ssp", element, files=files, after=after, **how)
+    with pytest.raises(ValueError, match=said):
+        load(path)
+
+
+TRANSFORMED = (
+    '<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="false"/>'
+    "</ssc:BooleanMappingTransformation>"
+)
+CONNECTIONS = {
+    "mapped": (connection("decay.x", "vector.u[1]", TRANSFORMED), "only linear transformations"),
+    "twice": (2 * connection("decay.x", "vector.u[1]"), "two sources"),
+    "nobody": (connection("decoy.x", "vector.u[1]"), "names no element 'decoy'"),
+    "parameter": (connection("vector.y[1]", "decay.k"), "only inputs are connected here"),
+}
+
+
+@pytest.mark.parametrize("case", CONNECTIONS)
+def test_connections_that_are_not_supported_are_refused(
+    case: str, tmp_path: Path, files: dict[str, bytes]
+) -> None:
+    connected, said = CONNECTIONS[case]
+    elements = component("decay", "dahlquist", DECAY) + component("vector", "vector", VECTOR)
+    path = package(tmp_path / "a.ssp", elements, connected, files=files)
+    with pytest.raises(ValueError, match=said):
+        load(path)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [(b"no archive", "so not an SSP"), (b"", "so not an SSP")],
+)
+def test_what_is_no_package_is_refused(content: bytes, said: str, tmp_path: Path) -> None:
+    (tmp_path / "a.ssp").write_bytes(content)
+    with pytest.raises(ValueError, match=said):
+        load(tmp_path / "a.ssp")
+
+
+def test_a_package_without_structure_is_refused(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "a.ssp", "w") as archive:
+        archive.writestr("readme.txt", "hello")
+    with pytest.raises(ValueError, match=r"SystemStructure\.ssd is missing, so this is not an SSP"):
+        load(tmp_path / "a.ssp")

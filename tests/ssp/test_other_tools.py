@@ -1,0 +1,128 @@
+"""Other tools run our packages, and come to what our own simplest master comes to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.oscillators.exact import two_masses
+from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
+from orchestrator.assembly import fmu_files, participants_of, system_of
+from orchestrator.command_line.fmu import built
+from orchestrator.masters import Jacobi
+from orchestrator.scenario import Scenario
+from orchestrator.scenario_files import load
+from orchestrator.simulation import simulate
+from orchestrator.ssp import export
+from tests.fmus.conftest import Isolated, isolated
+from tests.fmus.test_importers import available
+from tests.orchestrator.recorder import Recorder
+
+__all__ = ["isolated"]
+
+STEPS, STEP = 100, 2e-3
+# As in the scenario.
+FIRST = CoupledMassParameters(mass=5.0, stiffness=0.0, damping=0.0, coupling_damping=0.0)
+SECOND = SprungMassParameters(mass=1.0, stiffness=0.0, damping=0.0)
+START = np.array([1.0, 0.0, 0.0, 0.0])
+NAMES = ["position", "velocity"]
+
+LIBCOSIM = """
+import zipfile
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimObserver import CosimObserver
+
+zipfile.ZipFile({path!r}).extractall("package")
+execution = CosimExecution.from_ssp_file("package")  # with the step of the package
+observer = CosimObserver.create_last_value()
+execution.add_observer(observer)
+assert execution.step(step_count={steps})
+found = []
+for name in ("first", "second"):
+    index = execution.slave_index_from_instance_name(name)
+    references = {{v.name.decode(): v.reference for v in execution.slave_variables(index)}}
+    found += observer.last_real_values(index, [references[name] for name in {names}])
+report(found)
+"""
+
+# ecos applies the parameter sets of a name that it is given.
+ECOS = """
+from ecospy import EcosSimulation
+
+with EcosSimulation(step_size={step}, ssp_path={path!r}) as simulation:
+    assert simulation.init(parameter_set="values")
+    simulation.step({steps})
+    report([simulation.get_real(part + "::" + name) for part in ("first", "second") for name in {names}])
+"""
+
+# fmpy's loop sets parameters only where it is given them, records a step too early, and begins with inputs
+# that are zero.
+FMPY = """
+import zipfile
+from fmpy.ssp.simulation import simulate_ssp
+from fmpy.ssp.ssd import ParameterSet, Parameter, read_ssv
+
+values = ParameterSet()
+for part in ("first", "second"):
+    with zipfile.ZipFile({path!r}) as archive:
+        archive.extract("resources/" + part + ".ssv")
+    for one in read_ssv("resources/" + part + ".ssv").parameters:
+        values.parameters.append(Parameter(name=part + "." + one.name, type=one.type, value=one.value))
+rows = []
+for step in ({step}, {step} / 2, {step} / 4):
+    found = simulate_ssp({path!r}, stop_time={stop} + step / 2, step_size=step, parameter_set=values)
+    assert abs(found["time"][-1] - {stop}) < step / 2
+    rows.append([float(found[part + "." + name][-1]) for part in ("first", "second") for name in {names}])
+report(rows)
+"""
+
+
+@pytest.fixture(scope="module")
+def scenario() -> Scenario:
+    return load("two-masses", [f"macro_step={STEP}", f"stop_time={STEPS * STEP}"])
+
+
+@pytest.fixture(scope="module")
+def package(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("package") / "two-masses.ssp"
+    export(scenario, path, built)
+    return path
+
+
+@pytest.fixture(scope="module")
+def expected(scenario: Scenario) -> list[float]:
+    """After these steps of Jacobi's master with held inputs, over our own FMUs."""
+    system, recorder = system_of(scenario), Recorder()
+    units = participants_of(scenario, system, fmu_files(scenario, built), lambda name, make: make())
+    try:
+        simulate(system, units, Jacobi("hold"), STEP, STEPS * STEP, [recorder])
+    finally:
+        for unit in units.values():
+            unit.close()
+    return [recorder[f"{part}.{name}"][-1] for part in ("first", "second") for name in NAMES]
+
+
+@pytest.mark.parametrize(
+    ("tool", "code"), [("libcosimpy", LIBCOSIM), ("ecospy", ECOS)], ids=["libcosim", "ecos"]
+)
+def test_another_tool_comes_to_the_same(
+    tool: str, code: str, package: Path, expected: list[float], isolated: Isolated
+) -> None:
+    """To the times of steps, which some count in nanoseconds or add up: 1e-9 of a value that moves by itself
+    in a second."""
+    if not available(tool):
+        pytest.skip(f"{tool} cannot be imported here (ecospy needs Debian's libtbb12)")
+    found = isolated(code.format(path=str(package), steps=STEPS, step=STEP, names=NAMES))
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
+def test_fmpys_loop_converges_to_the_same(package: Path, isolated: Isolated) -> None:
+    """With the first order of held inputs: halving its step halves what is missing of the exact motion."""
+    stop = STEPS * STEP
+    rows = isolated(FMPY.format(path=str(package), step=STEP, stop=stop, names=NAMES))
+    truth = two_masses(np.array([stop]), FIRST, SECOND, START)[0]
+    missed = [np.abs(np.array(row) - truth).max() for row in rows]
+    orders = np.log2(np.array(missed[:-1]) / missed[1:])
+    np.testing.assert_allclose(orders, 1.0, atol=0.1)

@@ -1,0 +1,146 @@
+"""A scenario that goes out as an SSP and comes back is the same scenario."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from orchestrator.command_line.fmu import built
+from orchestrator.scenario import Scenario, scenario_of
+from orchestrator.scenario_files import contents, load, override, shipped
+from orchestrator.ssp import export
+
+from .schemas import assert_valid
+
+# They find an equilibrium of many instances, or of a pressure field.
+SLOW = ("valve-train-16v", "engine-16v", "valve-train-ehl", "valve-train-ehl-sweep", "engine-ehl")
+NAMES = [pytest.param(name, marks=pytest.mark.long if name in SLOW else ()) for name in shipped()]
+
+
+def round_trip(scenario: Scenario, folder: Path) -> Scenario:
+    export(scenario, folder / "made.ssp", built)
+    return load(folder / "made.ssp")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_shipped_scenario_comes_back(name: str, tmp_path: Path) -> None:
+    scenario = load(name)
+    back = round_trip(scenario, tmp_path)
+    assert back == scenario
+    # Which says nothing of the order, by which some masters go.
+    assert list(back.components) == list(scenario.components)
+    assert_valid(tmp_path / "made.ssp")
+
+
+POSITIVE = st.floats(1e-12, 1e12, allow_nan=False)
+CHANGES = st.fixed_dictionaries(
+    {},
+    optional={
+        "stop_time": st.floats(1e-2, 1e6),
+        "description": st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), max_size=30),
+        "master": st.sampled_from(
+            [
+                {"name": "jacobi", "extrapolation": "hermite"},
+                {"name": "gauss_seidel", "order": ["second", "first"]},
+                {"name": "iterated", "tolerance": 1e-7, "acceleration": "aitken"},
+            ]
+        ),
+        "event_tolerance": st.floats(1e-12, 1e-6),
+        "energy": st.fixed_dictionaries({"ledger": st.booleans()}),
+        "reference": st.fixed_dictionaries({"tolerance": st.floats(1e-14, 0.5)}),
+        "tolerance": st.dictionaries(
+            st.sampled_from(["first.position", "second.velocity", "first.force"]), POSITIVE, min_size=1
+        ),
+    },
+)
+TABLES = st.fixed_dictionaries(
+    {},
+    optional={
+        "substeps": st.integers(1, 50),
+        "retries": st.integers(0, 9),
+        "process": st.sampled_from(["shared", "own"]),
+        "participant": st.sampled_from(["fmu", "in-process"]),
+        "start": st.dictionaries(st.sampled_from(["position", "velocity"]), st.floats(-1e9, 1e9)),
+        "parameters": st.dictionaries(st.sampled_from(["mass", "stiffness", "damping"]), POSITIVE),
+    },
+).filter(lambda table: not (table.get("process") == "own" and table.get("participant") == "in-process"))
+
+
+@given(changes=CHANGES, first=TABLES, second=TABLES)
+@settings(
+    max_examples=30,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+def test_whatever_is_changed_comes_back_to_the_last_bit(
+    changes: dict[str, Any], first: dict[str, Any], second: dict[str, Any], tmp_path: Path
+) -> None:
+    content: dict[str, Any] = contents(shipped()["two-masses"]) | changes
+    content.pop("step_control", None)
+    for name, table in (("first", first), ("second", second)):
+        own = content["components"][name]
+        content["components"][name] = own | {"participant": "in-process"} | table
+    scenario = scenario_of(content)
+    assert round_trip(scenario, tmp_path) == scenario
+
+
+def test_the_same_scenario_is_the_same_file(tmp_path: Path) -> None:
+    digests = set()
+    for name in ("one.ssp", "other.ssp"):
+        export(load("two-masses"), tmp_path / name, built)
+        digests.add(hashlib.sha256((tmp_path / name).read_bytes()).hexdigest())
+    assert len(digests) == 1
+
+
+def test_a_value_changed_in_the_package_is_changed_in_the_scenario(tmp_path: Path) -> None:
+    """What other tools edit: values and connections are those of the standard's files, not a copy of ours."""
+    made, edited = tmp_path / "made.ssp", tmp_path / "edited.ssp"
+    export(load("two-masses"), made, built)
+    with zipfile.ZipFile(made) as archive, zipfile.ZipFile(edited, "w") as target:
+        for name in archive.namelist():
+            content = archive.read(name)
+            if name == "resources/first.ssv":
+                assert b'value="5.0"' in content
+                content = content.replace(b'value="5.0"', b'value="6.5"')
+            target.writestr(name, content)
+    assert load(edited).components["first"].parameters["mass"] == 6.5
+
+
+def test_another_fmu_in_the_package_is_taken_for_what_it_is(tmp_path: Path) -> None:
+    """By its checksum; the component's own is built anew."""
+    made, edited = tmp_path / "made.ssp", tmp_path / "edited.ssp"
+    export(load("two-masses"), made, built)
+    with zipfile.ZipFile(made) as archive, zipfile.ZipFile(edited, "w") as target:
+        for name in archive.namelist():
+            content = archive.read(name)
+            if name == "resources/sprung_mass.fmu":
+                content += b"\0"  # still the same archive
+            target.writestr(name, content)
+    tables = load(edited).components
+    assert tables["first"].participant == "fmu"
+    assert tables["second"].participant.endswith("resources/sprung_mass.fmu")
+    assert tables["second"].component == "sprung_mass"
+
+
+def test_settings_are_changed_as_those_of_a_scenario(tmp_path: Path) -> None:
+    export(load("two-masses"), tmp_path / "made.ssp", built)
+    changed = load(tmp_path / "made.ssp", ["macro_step=1 ms", "components.first.parameters.mass=7 kg"])
+    expected = contents(shipped()["two-masses"])
+    for text in ("macro_step=1 ms", "components.first.parameters.mass=7 kg"):
+        override(expected, text)
+    assert changed == scenario_of(expected)
+
+
+def test_settings_are_readable_json(tmp_path: Path) -> None:
+    export(load("valve-train"), tmp_path / "made.ssp", built)
+    with zipfile.ZipFile(tmp_path / "made.ssp") as archive:
+        text = archive.read("SystemStructure.ssd").decode()
+    start, end = text.index("<tribocosim:Settings>") + 21, text.index("</tribocosim:Settings>")
+    assert json.loads(text[start:end].replace("&gt;", ">"))["master"]["name"] == "gauss_seidel"
