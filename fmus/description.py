@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
@@ -31,11 +31,21 @@ PYTHON = {
     "canSerializeFMUstate": "true",
     "providesDirectionalDerivative": "false",
 }
-# Of one that needs nothing but itself.
+# Of one that needs nothing but itself, and of the same where the host integrates.
 NATIVE = PYTHON | {
     "needsExecutionTool": "false",
     "canInterpolateInputs": "true",
     "maxOutputDerivativeOrder": "1",
+    "providesDirectionalDerivative": "true",
+}
+
+EXCHANGE = {
+    "needsExecutionTool": "false",
+    "completedIntegratorStepNotNeeded": "false",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canNotUseMemoryManagementFunctions": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
     "providesDirectionalDerivative": "true",
 }
 
@@ -64,11 +74,20 @@ class Origin:
 
 
 def model_description(
-    component: Any, model_name: str, experiment: Experiment, origin: Origin, abilities: Mapping[str, str]
+    component: Any,
+    model_name: str,
+    experiment: Experiment,
+    origin: Origin,
+    abilities: Mapping[str, str],
+    exchange: Mapping[str, str] | None = None,
 ) -> str:
-    """The XML text, with `GUID_PLACE` where the guid belongs."""
+    """The XML text, with `GUID_PLACE` where the guid belongs.
+
+    `abilities` in co-simulation, and in model exchange, where that is possible.
+    """
     memory = Memory(component)
-    variables = memory.variables()
+    variables = (*memory.variables(), *(memory.motion() if exchange else ()))
+    index = {v.reference: i for i, v in enumerate(variables, 1)}
     root = Element(
         "fmiModelDescription",
         fmiVersion="2.0",
@@ -81,8 +100,10 @@ def model_description(
         license=origin.license,
         generationTool=origin.tool,
         variableNamingConvention="structured",
-        numberOfEventIndicators="0",
+        numberOfEventIndicators=str(component.events.count if exchange and component.events else 0),
     )
+    if exchange:
+        SubElement(root, "ModelExchange", modelIdentifier=model_name, **exchange)
     SubElement(root, "CoSimulation", modelIdentifier=model_name, **abilities)
     _units(SubElement(root, "UnitDefinitions"), variables)
     _types(SubElement(root, "TypeDefinitions"), variables)
@@ -99,8 +120,8 @@ def model_description(
     )
     listed = SubElement(root, "ModelVariables")
     for variable in variables:
-        _scalar(listed, variable)
-    _structure(SubElement(root, "ModelStructure"), component, variables)
+        _scalar(listed, variable, index)
+    _structure(SubElement(root, "ModelStructure"), component, variables, index)
     indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
 
@@ -163,7 +184,7 @@ def _unit_attributes(variable: Variable) -> dict[str, str]:
     return attributes
 
 
-def _scalar(parent: Element, variable: Variable) -> None:
+def _scalar(parent: Element, variable: Variable, index: Mapping[int, int]) -> None:
     element = SubElement(
         parent,
         "ScalarVariable",
@@ -193,7 +214,7 @@ def _scalar(parent: Element, variable: Variable) -> None:
     if variable.kind == "Real" and quantity is not None and quantity.nominal != 1.0:
         attributes["nominal"] = _number(quantity.nominal)
     if variable.rate_of is not None:
-        attributes["derivative"] = str(variable.rate_of + 1)
+        attributes["derivative"] = str(index[variable.rate_of])
     if variable.start is not None:
         if variable.kind == "Boolean":
             attributes["start"] = "true" if variable.start else "false"
@@ -202,30 +223,45 @@ def _scalar(parent: Element, variable: Variable) -> None:
     SubElement(element, variable.kind, attributes)
 
 
-def _structure(parent: Element, component: Any, variables: tuple[Variable, ...]) -> None:
+def _structure(
+    parent: Element, component: Any, variables: tuple[Variable, ...], place: Mapping[int, int]
+) -> None:
     """Outputs depend on the inputs that their feedthrough names and, at the start, on the parameters.
 
     A rate goes along with the state, whose derivative may depend on every input, and with the slopes of the
     inputs that its output names.
     """
-    index = {v.name: v.reference + 1 for v in variables if v.causality == "input"}
+    inputs = {v.name: place[v.reference] for v in variables if v.causality == "input"}
     names = {v.reference: v.name for v in variables}
-    given = [v.reference + 1 for v in variables if v.causality == "parameter"]
-    outputs, unknowns = SubElement(parent, "Outputs"), SubElement(parent, "InitialUnknowns")
-    for variable in variables:
-        if variable.causality != "output":
-            continue
+    given = [place[v.reference] for v in variables if v.causality == "parameter"]
+    rates = [v for v in variables if v.causality == "local" and v.rate_of is not None]
+    states = [place[v.rate_of] for v in rates if v.rate_of is not None]
+    known: dict[int, list[int]] = {}
+    for variable in (v for v in variables if v.causality == "output"):
         if variable.rate_of is None:
-            inputs = sorted(index[name] for name in component.feedthrough.get(variable.name, ()))
+            through = component.feedthrough.get(variable.name, ())
         else:
             direct = component.feedthrough.get(names[variable.rate_of], ())
             slopes = (component.inputs.field(name).suffixed("_der1") for name in direct)
-            inputs = sorted(index[name] for name in (*component.inputs.names, *slopes))
-        for place, known in ((outputs, inputs), (unknowns, given + inputs)):
-            SubElement(
-                place,
-                "Unknown",
-                index=str(variable.reference + 1),
-                dependencies=" ".join(map(str, known)),
-                dependenciesKind=" ".join(["dependent"] * len(known)),
-            )
+            through = (*component.inputs.names, *slopes)
+        known[place[variable.reference]] = sorted(inputs[name] for name in through)
+    outputs = SubElement(parent, "Outputs")
+    for index, through in known.items():
+        _unknown(outputs, index, through + states)
+    if rates:
+        derivatives = SubElement(parent, "Derivatives")
+        for variable in rates:
+            _unknown(derivatives, place[variable.reference])
+    starts = SubElement(parent, "InitialUnknowns")
+    for index, through in known.items():
+        _unknown(starts, index, given + through)
+    for index in sorted([*states, *(place[v.reference] for v in rates)]):
+        _unknown(starts, index)
+
+
+def _unknown(parent: Element, index: int, dependencies: Sequence[int] | None = None) -> None:
+    """What is calculated, from these; without them, from everything."""
+    element = SubElement(parent, "Unknown", index=str(index))
+    if dependencies is not None:
+        element.attrib["dependencies"] = " ".join(map(str, dependencies))
+        element.attrib["dependenciesKind"] = " ".join(["dependent"] * len(dependencies))

@@ -85,6 +85,24 @@ class Memory:
         values[self.x : self.u] = component.state.start
         return values
 
+    def states(self) -> tuple[Variable, ...]:
+        """All states, in their places: hosts of native FMUs that integrate by themselves know the continuous
+        ones."""
+        fields = enumerate(self.component.state.fields, self.x)
+        return tuple(_variable(f"state.{f.name}", i, "local", f) for i, f in fields)
+
+    def motion(self) -> tuple[Variable, ...]:
+        """The continuous states, and then their derivatives, which have places after all else."""
+        states = [v for v in self.states() if v.variability == "continuous" and not v.quantity.internal]
+        fields = self.component.state.fields
+        rates = [
+            _rate(
+                f"der({v.name})", fields[v.reference - self.x], self.size + v.reference - self.x, v.reference
+            )
+            for v in states
+        ]
+        return (*states, *rates)
+
     def variables(self) -> tuple[Variable, ...]:
         """All variables in the order of their value references."""
         component = self.component
@@ -106,7 +124,8 @@ class Memory:
         for i, (name, unit, text) in enumerate(ENERGIES, self.energies):
             found.append(Variable(name, i, "Real", "local", "continuous", None, unit, text))
         for i, rated in enumerate(self.rated, self.rates):
-            found.append(_rate(component.outputs.fields[rated], i, self.outputs + rated))
+            field = component.outputs.fields[rated]
+            found.append(_rate(f"der({field.name})", field, i, self.outputs + rated, "output"))
         names = [v.name for v in found]
         if twice := sorted({name for name in names if names.count(name) > 1}):
             raise ValueError(f"{component.name}: more than one variable is called {', '.join(twice)}")
@@ -136,7 +155,7 @@ def _variable(
         kind,
         causality,
         variability or ("discrete" if quantity.discrete else "continuous"),
-        None if causality == "output" else field.start,
+        None if causality in ("output", "local") else field.start,
         quantity.unit,
         prefix + quantity.description,
         quantity,
@@ -160,16 +179,16 @@ def _derivative(field: Any, reference: int, order: int) -> Variable:
     )
 
 
-def _rate(field: Any, reference: int, output: int) -> Variable:
+def _rate(name: str, field: Any, reference: int, rate_of: int, causality: str = "local") -> Variable:
     return Variable(
-        f"der({field.name})",
+        name,
         reference,
         "Real",
-        "output",
+        causality,
         "continuous",
         None,
         field.quantity.unit,
         f"derivative of {field.name} by time",
         derivative_order=1,
-        rate_of=output,
+        rate_of=rate_of,
     )

@@ -12,7 +12,7 @@ from models.catalogue import CATALOGUE
 from models.component import Component
 
 from .. import build as python_build
-from ..description import GUID_PLACE, NATIVE, model_description
+from ..description import EXCHANGE, GUID_PLACE, NATIVE, model_description
 from ..sources import digest_of, shipped
 from .differentiate import differentiated
 from .entries import smooth
@@ -53,7 +53,7 @@ def content_of(
     plain = translated(name, sizes)
     kernels = [plain, differentiated(plain, smooth(component))]
     made_by = python_build.origin("LLVM and zig")
-    xml = model_description(component, name, python_build.experiment(name), made_by, NATIVE)
+    xml = model_description(component, name, python_build.experiment(name), made_by, NATIVE, EXCHANGE)
     unnamed = {**tables(component, name, "", ""), "kernels.ll": "".join(kernels), "modelDescription.xml": xml}
     digest = digest_of({**_shell(), **{path: text.encode() for path, text in unnamed.items()}})
     token = f"{{{uuid.UUID(digest[:32])}}}"

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+from models.component import NO_EVENT
 from models.integrator import FAILURES
 
 from ..memory import Memory, Variable
@@ -16,8 +17,9 @@ _KINDS = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "Enumerati
 
 def tables(component: Any, name: str, digest: str, token: str) -> dict[str, str]:
     """Files in C by name. `digest` identifies the code in saved states, `token` the description."""
-    memory, variables = Memory(component), Memory(component).variables()
-    sizes = {
+    memory = Memory(component)
+    continuous = [v.reference - memory.x for v in memory.motion() if v.rate_of is None]
+    sizes: dict[str, int | str] = {
         "PARAMETERS": component.parameters.size,
         "STARTED": len(memory.started),
         "STATES": component.state.size,
@@ -38,16 +40,23 @@ def tables(component: Any, name: str, digest: str, token: str) -> dict[str, str]
         "T_AT": memory.t,
         "S_AT": memory.s,
         "SIZE": memory.size,
+        "CONTINUOUS_STATES": len(continuous),
+        "DX_AT": memory.size,
+        "NO_EVENT": _number(NO_EVENT),
         "FAILURES": max(FAILURES) + 1,
     }
+    if component.next_event:
+        sizes["NEXT_EVENT_AT"] = memory.outputs + component.outputs.index(component.next_event)
+    variables = [*memory.variables(), *memory.states()]
     messages = [FAILURES.get(status, "") for status in range(max(FAILURES) + 1)]
     strings = {"MODEL": name, "TOKEN": token, "DIGEST": digest}
     defined = {key: _string(text) for key, text in strings.items()} | sizes
     arrays = (
-        _array("Variable", "variables", "VARIABLES", map(_variable, variables)),
+        _array("Variable", "variables", "VARIABLES + STATES", map(_variable, variables)),
         _array("double", "beginning", "SIZE", map(_number, memory.beginning())),
         _array("double", "nominal", "", map(_number, (*component.state.nominal, 1.0))),
         _array("int", "started", "", map(str, (*memory.started, -1))),
+        _array("int", "continuous", "", map(str, (*continuous, -1))),
         _array("int", "rated", "", map(str, (*memory.rated, -1))),
         _array("char *const", "failures", "FAILURES", map(_string, messages)),
     )

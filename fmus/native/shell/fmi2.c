@@ -1,21 +1,11 @@
-/* FMI 2.0 for co-simulation over `unit`. */
+/* FMI 2.0 over `unit`: what co-simulation needs, and what model exchange has in common with it. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "fmi2Functions.h"
-#include "unit.h"
+#include "fmi2.h"
 
-#define UNIT ((Unit *)c)
-/* Leaves with an error where there is no instance, or the call is not allowed now. */
-#define NEEDS(phases, call)                                              \
-    do {                                                                 \
-        if (!c || !unit_may(UNIT, phases, call)) return fmi2Error;       \
-    } while (0)
-#define SETTABLE (INSTANTIATED | INITIALIZING | STEPPING)
-#define READABLE (INITIALIZING | STEPPING | TERMINATED)
-#define ANY (INSTANTIATED | READABLE)
 /* Values that are converted at a time. */
 #define SOME 64
 
@@ -57,13 +47,13 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     (void)resources, (void)visible;
     if (!name || !*name) fault = "the instance needs a name";
     else if (!guid || strcmp(guid, TOKEN)) fault = "the guid must be " TOKEN ", that of modelDescription.xml";
-    else if (type != fmi2CoSimulation) fault = "this FMU is for co-simulation";
     if (fault) {
         if (say) say(environment, name ? name : "", fmi2Error, "logStatusError", fault);
         return NULL;
     }
     unit = unit_new(name, say ? tell : NULL, environment, (void *)say, logging);
     if (!unit && say) say(environment, name, fmi2Error, "logStatusError", "out of memory");
+    if (unit) unit->exchange = type == fmi2ModelExchange;
     return unit;
 }
 
@@ -97,13 +87,13 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c)
     Status status;
     NEEDS(INITIALIZING, "fmi2ExitInitializationMode");
     status = unit_initialize(UNIT);
-    if (status == OK) UNIT->now.phase = STEPPING;
+    if (status == OK) UNIT->now.phase = UNIT->exchange ? EVENT : STEPPING;
     return status;
 }
 
 fmi2Status fmi2Terminate(fmi2Component c)
 {
-    NEEDS(STEPPING, "fmi2Terminate");
+    NEEDS(MOVING, "fmi2Terminate");
     UNIT->now.phase = TERMINATED;
     return fmi2OK;
 }

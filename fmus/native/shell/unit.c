@@ -174,6 +174,13 @@ Status unit_step(Unit *unit, double time, double step)
 
 static const char *const kinds[] = {"Real", "Integer", "Boolean", "Enumeration"};
 
+const Variable *unit_variable(uint32_t reference)
+{
+    if (reference < VARIABLES + STATES) return &variables[reference];
+    if (reference >= DX_AT && reference < DX_AT + STATES) return &variables[VARIABLES + reference - DX_AT];
+    return NULL;
+}
+
 static bool passes(Kind kind, Kind variable)
 {
     return kind == variable || (kind == INTEGER && variable == ENUMERATION);
@@ -187,14 +194,13 @@ static bool known(const Unit *unit, Kind kind, const uint32_t *references, size_
         return false;
     }
     for (size_t i = 0; i < count; i++) {
-        uint32_t at = references[i];
-        if (at >= VARIABLES) {
-            unit_say(unit, ERROR, "there is no value reference %u: must be below %d", (unsigned)at, VARIABLES);
+        const Variable *variable = unit_variable(references[i]);
+        if (!variable) {
+            unit_say(unit, ERROR, "there is no value reference %u", (unsigned)references[i]);
             return false;
         }
-        if (!passes(kind, variables[at].kind)) {
-            unit_say(unit, ERROR, "%s is not of type %s but %s", variables[at].name, kinds[kind],
-                     kinds[variables[at].kind]);
+        if (!passes(kind, variable->kind)) {
+            unit_say(unit, ERROR, "%s is not of type %s but %s", variable->name, kinds[kind], kinds[variable->kind]);
             return false;
         }
     }
@@ -218,7 +224,7 @@ Status unit_set(Unit *unit, Kind kind, const uint32_t *references, size_t count,
 {
     if (!known(unit, kind, references, count, values)) return ERROR;
     for (size_t i = 0; i < count; i++)
-        if (!settable(unit, &variables[references[i]], values[i])) return ERROR;
+        if (!settable(unit, unit_variable(references[i]), values[i])) return ERROR;
     for (size_t i = 0; i < count; i++) {
         unit->now.data[references[i]] = values[i];
         if (references[i] < INPUTS_AT) unit->now.parameters_unchecked = true;
@@ -252,7 +258,9 @@ Status unit_get(Unit *unit, Kind kind, const uint32_t *references, size_t count,
     for (size_t i = 0; i < count; i++)
         if (references[i] > highest) highest = references[i];
     unit_ready(unit, highest);
-    for (size_t i = 0; i < count; i++) values[i] = unit->now.data[references[i]];
+    if (highest >= DX_AT) unit_all_derivatives(unit, unit->dx);
+    for (size_t i = 0; i < count; i++)
+        values[i] = references[i] < DX_AT ? unit->now.data[references[i]] : unit->dx[references[i] - DX_AT];
     return OK;
 }
 

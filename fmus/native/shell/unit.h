@@ -25,11 +25,12 @@ typedef struct {
 #include "sizes.h"
 
 /* Of the component, generated from its metadata (tables.py). */
-extern const Variable variables[VARIABLES];
+extern const Variable variables[VARIABLES + STATES]; /* and the states, for hosts that integrate */
 extern const double beginning[SIZE]; /* the memory of a new instance */
 extern const double nominal[];       /* of the states */
 extern const int started[];          /* states that have start values */
 extern const int rated[];            /* outputs that have rates */
+extern const int continuous[];       /* states that are no modes or counts */
 extern const char *const failures[FAILURES];
 
 /* As the numbers of fmi2Status and fmi3Status. */
@@ -65,7 +66,8 @@ struct Unit {
     Logger logger;
     void *environment, *callback; /* the host's, for the logger */
     bool logging;                 /* more than errors */
-    double work[WORK_SIZE], rates_work[RATES_WORK_SIZE], slopes[INPUTS + 1], all_rates[OUTPUTS + 1];
+    bool exchange;                /* the host integrates */
+    double work[WORK_SIZE], rates_work[RATES_WORK_SIZE], slopes[INPUTS + 1], all_rates[OUTPUTS + 1], dx[STATES + 1];
 };
 
 Unit *unit_new(const char *name, Logger logger, void *environment, void *callback, bool logging);
@@ -89,6 +91,19 @@ void unit_ready(Unit *unit, uint32_t highest);
 /* The changes of unknown variables when known ones change, by the first derivative. */
 Status unit_directional(Unit *unit, const uint32_t *unknown, size_t unknowns, const uint32_t *known, size_t knowns,
                         const double *changes, double *result);
+
+/* A variable by its reference, also a state or the derivative of one; NULL if there is none. */
+const Variable *unit_variable(uint32_t reference);
+
+/* In model exchange: continuous states, their rates and sizes, what indicates events, and events. */
+void unit_get_states(const Unit *unit, double *x);
+Status unit_set_states(Unit *unit, const double *x);
+void unit_derivatives(Unit *unit, double *dx);
+void unit_all_derivatives(Unit *unit, double *dx); /* of modes and counts, too */
+void unit_indicators(Unit *unit, double *g);
+bool unit_event_is_due(Unit *unit); /* a guard has fallen, perhaps unseen, between two looks of the host */
+/* Performs the events that are due. `changed`: states were; `next`: the time of the next known one, or INFINITY. */
+Status unit_events(Unit *unit, bool *changed, double *next);
 
 /* A saved state as bytes: what wrote it, the state, and a sum by which damage is seen. */
 size_t unit_saved_size(void);

@@ -1,0 +1,59 @@
+"""Model exchange: a host that integrates native FMUs by itself finds the motion that their own steps make."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+
+from fmus.build import NAMES
+from fmus.validate import validate
+
+# What the host's integrator is asked for; errors of many steps add up.
+TOLERANCE = 1e-9
+
+MOTIONS = {
+    "camshaft": ({"flexible": True, "drive_speed": 100.0, "contact_load": 300.0}, 0.02),
+    "valve_spring": ({"position_start": 0.003, "load": 500.0}, 0.01),
+    "flywheel": ({"drive_torque": 1.0}, 0.2),
+    "coupled_mass": ({"position_start": 1.0}, 1.0),
+    # Chatter ends by sliding before its flights are shorter than a host's steps.
+    "slider_crank": ({"crank_speed": 100.0, "psi_start": 5e-4, "sliding_threshold": 5e-3}, 0.2),
+}
+
+
+def simulated(fmu: Path, kind: str, start: dict, stop: float, names: list[str]) -> np.ndarray:
+    """The outputs by the host's own steps, or by the FMU's."""
+    return fmpy.simulate_fmu(
+        str(fmu),
+        fmi_type=kind,
+        start_values=start,
+        stop_time=stop,
+        output_interval=stop / 100.0,
+        relative_tolerance=TOLERANCE,
+        output=names,
+        record_events=False,
+    )
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_the_hosts_integrator_finds_the_same_motion(name: str, native_files: dict[str, Path]) -> None:
+    """Outputs at the end, and everywhere but about impacts, whose instants differ."""
+    start, stop = MOTIONS[name]
+    described = fmpy.read_model_description(str(native_files[name]))
+    names = [u.variable.name for u in described.outputs if not u.variable.name.startswith("der(")]
+    host, own = (
+        simulated(native_files[name], kind, start, stop, names) for kind in ("ModelExchange", "CoSimulation")
+    )
+    for output in names:
+        differences = np.abs(host[output].astype(float) - own[output].astype(float))
+        size = np.abs(own[output].astype(float)).max() + 1e-12
+        assert np.median(differences) <= 1e4 * TOLERANCE * size, output
+        assert differences[-1] <= 1e5 * TOLERANCE * size, output
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_validators_find_nothing(name: str, native_files: dict[str, Path]) -> None:
+    assert validate(native_files[name]) == []
