@@ -44,8 +44,8 @@ from .grid import place_nodes
 from .hierarchical import BAND
 from .mixed import Bodies, mean_plane_gap
 from .reynolds import Flow, Nodes, balance, cell, properties
+from .workspace import FIELDS, nodes_in
 
-_FIELDS = 9
 # Vectors besides those of Nodes and the two bands: nodes' enthalpy, no masses, and two balances.
 _VECTORS = 4
 
@@ -156,10 +156,9 @@ def make_field_energy(X: Vector) -> Any:
     @kernel
     def field_energy(x: Any, u: Any, p: Any, e: Any) -> None:
         bodies, fluid = bodies_of(p), lubricant_of(p)
-        r = np.empty((_FIELDS + _VECTORS, nodes))
-        f = Nodes(r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8])
+        r = np.empty((FIELDS + _VECTORS, nodes))
         bands = np.empty((2, BAND, nodes))
-        lost, dragged = flow_powers(x, u, X, fluid, bodies, f, bands, r[_FIELDS:])
+        lost, dragged = flow_powers(x, u, X, fluid, bodies, nodes_in(r), bands, r[FIELDS:])
         rubbed = (x.field_shear + x.field_boundary_friction) * u.sliding_velocity
         e[STORED] = stored(x, u, p, X, fluid, bodies)
         e[DISSIPATED_POWER] = lost + rubbed

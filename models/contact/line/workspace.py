@@ -15,7 +15,7 @@ from .hierarchical import BAND, Hierarchy, hierarchy_in, hierarchy_size
 from .mixed import Mixed
 from .reynolds import Nodes
 
-_FIELDS = 9
+FIELDS = len(Nodes._fields)
 # Vectors besides the grid's two and the properties: those listed in Workspace after `nodes`.
 _VECTORS = 16
 # Of Mixed.
@@ -56,9 +56,15 @@ class Workspace(NamedTuple):
     mixed: Mixed
 
 
+@kernel
+def nodes_in(f: Any) -> Nodes:
+    """The first FIELDS rows of f."""
+    return Nodes(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8])
+
+
 def workspace_size(n: int) -> int:
     """Elements of scratch that `workspace_in` needs."""
-    rows = 2 + n + _FIELDS + _VECTORS + _MIXED + 2 * BAND + SIDES
+    rows = 2 + n + FIELDS + _VECTORS + _MIXED + 2 * BAND + SIDES
     return 1 + rows * n + hierarchy_size(n) + exchange_size(n)
 
 
@@ -73,8 +79,8 @@ def workspace_in(work: Any, n: int) -> Workspace:
         place_nodes(X)
         fill_kernel_matrix(X, weight, D)
         work[0] = n + _FILLED
-    fields = work[k : k + (_FIELDS + _VECTORS) * n].reshape((_FIELDS + _VECTORS, n))
-    k += (_FIELDS + _VECTORS) * n
+    fields = work[k : k + (FIELDS + _VECTORS) * n].reshape((FIELDS + _VECTORS, n))
+    k += (FIELDS + _VECTORS) * n
     m = work[k : k + _MIXED * n].reshape((_MIXED, n))
     k += _MIXED * n
     A = work[k : k + BAND * n].reshape((BAND, n))
@@ -85,8 +91,8 @@ def workspace_in(work: Any, n: int) -> Workspace:
     k += SIDES * n
     exchange = exchange_in(work[k:], n)
     k += exchange_size(n)
-    f, v = fields, fields[_FIELDS:]
-    nodes = Nodes(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8])
+    f, v = fields, fields[FIELDS:]
+    nodes = nodes_in(f)
     mixed = Mixed(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7])
     return Workspace(
         X, weight, D, nodes, v[0], v[13], A, B, v[1], solution, v[2], v[3], v[4], v[5], v[6], v[7],
