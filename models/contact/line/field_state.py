@@ -16,7 +16,7 @@ from ..friction import profile_friction
 from ..hertz import compliance_of, deflection, load_of
 from ..mixed_lubrication import surfaces_of, traction_of
 from .differences import INSTANTS, follow, rate_of, restart, second_derivative_of
-from .mixed import Bodies, fill_total, mean_plane_gap
+from .mixed import Bodies, fill_total, film_of, mean_plane_gap
 from .newton import line_load_of
 from .reynolds import Flow
 from .transient import Drives, central, grid_scale_after, highest, least, place_film, wanted_scale
@@ -172,5 +172,5 @@ def begin(x: Any, u: Any, p: Any, bodies: Bodies, X: Any) -> None:
         x.rigid_approach = u.approach - u.retreat
         load = load_of(x.rigid_approach + between, radius, bodies.length, bodies.compliance)
         gap = between if load > 0.0 else -x.rigid_approach
-    x.grid_scale = wanted_scale(load / bodies.length, gap, radius, bodies)
+    x.grid_scale = wanted_scale(load / bodies.length, film_of(gap, bodies.roughness), radius, bodies)
     place_film(load, gap, radius, bodies, X, x.grid_scale, x.pressure, x.film)

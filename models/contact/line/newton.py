@@ -34,6 +34,8 @@ SLOW = 0.5
 # An iteration may shrink the film to this share, and so the pressures above HIGH of the largest: steep flanks
 # of pressure that move would otherwise leave cavities in the middle of the film that never close.
 LEAST_SHARE = 0.2
+# Pressures times compliance beyond this are of no elastic body: iterations that run away there may end.
+MOST_STRAIN = 1.0
 HIGH = 0.05
 
 
@@ -280,7 +282,7 @@ def newton(
             touch(bodies, w.mixed, h)
             fluid_pressure(p, w.fixed, w.mixed)
         before, error = error, largest / (TOLERANCE * highest)
-        if not math.isfinite(error):
+        if not math.isfinite(error) or highest * bodies.compliance > MOST_STRAIN:
             return Found(approach, math.inf, iteration)
         slow = error > SLOW * before
         # What is left after a correction is that times the rate at which they shrink, but not by factors of

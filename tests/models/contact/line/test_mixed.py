@@ -358,3 +358,28 @@ def test_sharing_by_a_formula_is_near_that_of_the_solved_film(velocity, rough):
     more = (film.asperity_load - model.asperity_load) / LOAD
     assert (0.0 if rough == COARSE else -0.08) < more < (0.15 if rough == COARSE else 0.0)
     assert model.film < film.central_film
+
+
+@pytest.mark.parametrize("roughness", [0.2e-6, 3e-6])
+def test_random_walks_between_rough_surfaces_are_made(roughness):
+    """Jerks of approach up to 11 um within 1 us to 0.5 ms, from mean planes that overlap: none is
+    discarded, no film is nothing, and asperities bear no more than the load.
+
+    Newton's method runs away from some of the guesses.
+    """
+    draw = np.random.default_rng(7)
+    contact = Contact(roughness=roughness)
+    at = {"approach": 0.3e-6, "entraining_velocity": 1.0, "radius_of_curvature": 0.02}
+    for _ in range(100):
+        to = {
+            "approach": draw.uniform(-3e-6, 8e-6),
+            "entraining_velocity": draw.choice([0.0, 1e-3, draw.uniform(-3.0, 3.0)]),
+            "radius_of_curvature": draw.uniform(0.005, 0.05),
+        }
+        h, t = 10.0 ** draw.uniform(-6.0, -3.3), contact.t
+        ramps = {k: lambda s, a=at[k], b=to[k], h=h, t=t: a + (b - a) * (s - t) / h for k in at}
+        assert contact.step(h, **ramps) == OK
+        at = to
+        assert contact["minimum_film_thickness"] > 0.0
+        assert 0.0 <= contact["asperity_load"] <= contact["load"] * (1.0 + 1e-6)
+        assert contact["load"] < 2e4
