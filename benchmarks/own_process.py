@@ -1,0 +1,64 @@
+"""What a step of an FMU costs in the run's process and in one of its own.
+
+A macro step of `two-masses`, Jacobi with held inputs. Wall time, for the processes work in turn.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+
+from models.quantities import Vector
+from orchestrator.assembly import fmu_files, participants_of, system_of
+from orchestrator.command_line.fmu import built
+from orchestrator.masters import Jacobi
+from orchestrator.scenario_files import load
+from orchestrator.simulation import simulate
+from orchestrator.stepping import Step
+
+from .measure import medians
+
+STEPS = 2_000
+
+
+class WallClock:
+    """An observer that takes the wall time of the stepping, `elapsed` (s)."""
+
+    def begin(self, names: Sequence[str]) -> None:
+        pass
+
+    def observe(self, time_: float, outputs: Callable[[], Vector], step: Step) -> None:
+        if step.length == 0.0:
+            self._began = time.perf_counter()
+
+    def end(self, complete: bool, message: str) -> None:
+        self.elapsed = time.perf_counter() - self._began
+
+
+def seconds(process: str) -> float:
+    """Of a macro step with both FMUs there."""
+    parts = ("first", "second")
+    scenario = load("two-masses", [f"components.{part}.process={process}" for part in parts])
+    step, clock = scenario.macro_step, WallClock()
+    units = participants_of(
+        scenario, system := system_of(scenario), fmu_files(scenario, built), lambda name, make: make()
+    )
+    try:
+        simulate(system, units, Jacobi("hold"), step, STEPS * step, [clock])
+    finally:
+        for unit in units.values():
+            unit.close()
+    return clock.elapsed / STEPS
+
+
+def rows() -> list[tuple[str, str]]:
+    """Figures for the report."""
+    found = medians({process: lambda process=process: seconds(process) for process in ("shared", "own")})
+    each = (found["own"] - found["shared"]) / 2
+    return [
+        ("own process: a macro step of two FMUs in the run's process", f"{1e6 * found['shared']:.1f} us"),
+        (
+            "own process: the same in a process for each",
+            f"{1e6 * found['own']:.1f} us ({1e6 * each:.1f} us more for each FMU)",
+        ),
+    ]
