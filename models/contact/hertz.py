@@ -59,12 +59,20 @@ def deflection(load: float, radius: float, length: float, compliance: float) -> 
 
 @kernel
 def load_of(delta: float, radius: float, length: float, compliance: float) -> float:
-    """The load W >= 0 whose deflection is `delta`, by Newton's method to rounding; 0 for delta <= 0."""
+    """The load W >= 0 whose deflection is `delta`, by Newton's method to rounding; 0 for delta <= 0.
+
+    The deflection rises with the load up to where b = 2 L exp(-1/2): no line contact any more, and no load
+    has a larger one. Beyond b = L, where it is L^2 (ln 2 + 1/2)/(2 R), the load goes on along the tangent.
+    """
     if delta <= 0.0:
         return 0.0
     c = _log_factor(radius, length, compliance)
     target = delta * math.pi * length / (2.0 * compliance)
-    # W (c - ln(W)/2) is increasing and concave where b << L: Newton from the left converges monotonically.
+    widest = math.pi * length**3 / (4.0 * radius * compliance)
+    edge = c - 0.5 * math.log(widest)
+    if target >= widest * edge:
+        return widest + (target - widest * edge) / (edge - 0.5)
+    # W (c - ln(W)/2) is increasing and concave: Newton from the left converges monotonically.
     load = target / c if target < 1.0 else target / max(c - 0.5 * math.log(target), 1.0)
     for _ in range(60):
         log_term = c - 0.5 * math.log(load)

@@ -38,6 +38,7 @@ from .field_state import (
     remember,
     with_field_state,
 )
+from .leap import leap
 from .transient import GAMMA, step
 from .workspace import workspace_in, workspace_size
 
@@ -48,9 +49,10 @@ FEWEST_NODES = 51
 # a film that begins as no film would be needs 0.1 us at first, whatever the step.
 SMALLEST_SHARE = 2.0**-16
 SMALLEST_STEP = 1e-9
-# A step a fifth as long should have a hundredth of the error; if it keeps this share, and is as short as this
-# (s), that is of a jump. The error of longer ones may stay where they all pass over how a film settles.
-STAYS, JUMP_TIME = 0.5, 1e-6
+# A step that fails and is as short as this (s) is made by the implicit Euler method, right over a jump. One a
+# fifth as long should have a twenty-fifth of the error: if it keeps this share, the error is of the jump, as
+# is what is left of it in the shortest step, up to a share of load and film.
+JUMP_TIME, STAYS, JUMP_ERROR = 1e-7, 0.5, 0.01
 # Micro-steps grow and shrink with the error to this power (local error of order 3), aiming below it.
 _POWER = -1.0 / 3.0
 _SAFETY = 0.8
@@ -126,41 +128,56 @@ def make_field_advance(component: FieldContact) -> Any:
             taylor(U, s + 0.5 * length, u)
             new_scale = next_scale(state, given.radius_of_curvature, length, bodies)
             taylor(U, s + GAMMA * length, u)
-            at_middle = drives_of(given, parameters, state.rigid_approach)
+            foretold = state.rigid_approach + GAMMA * length * state.approach_rate
+            at_middle = drives_of(given, parameters, foretold)
             taylor(U, s + length, u)
             at_end = drives_of(given, parameters, state.rigid_approach)
             made = step(
                 pressure, film, slope, state.grid_scale, new_scale, length,
                 at_start, at_middle, at_end, parameters.field_tolerance, bodies, fluid, w,
             )  # fmt: skip
-            # An error that stays as steps get shorter is that of a jump, which no step resolves.
-            jumped = length <= JUMP_TIME and STAYS * before < made.error < math.inf
+            leapt = length <= JUMP_TIME and not made.error <= 1.0
+            if leapt:
+                made = leap(
+                    pressure, film, slope, state.grid_scale, new_scale, length,
+                    at_end, parameters.field_tolerance, bodies, fluid, w,
+                )  # fmt: skip
+            shortest = length <= min(SMALLEST_SHARE * h, SMALLEST_STEP)
+            jumped = leapt and (
+                STAYS * before < made.error < math.inf
+                or (shortest and made.error * parameters.field_tolerance <= JUMP_ERROR)
+            )
             if made.error <= 1.0 or jumped:
                 before = math.inf
-                rate = (made.middle_approach - state.rigid_approach) / (GAMMA * length)
-                if sampled:
-                    middle = rest[3 * nodes + solver : 3 * nodes + solver + n]
-                    take_sample(t, s, length, made, rate, x, U, u, p, w, middle, work)
-                    taylor(U, s + length, u)
-                state.approach_rate = (made.approach - state.rigid_approach) / (GAMMA * length)
-                state.approach_rate -= (1.0 - GAMMA) / GAMMA * rate
+                if leapt:
+                    state.approach_rate = (made.approach - state.rigid_approach) / length
+                else:
+                    rate = (made.middle_approach - state.rigid_approach) / (GAMMA * length)
+                    if sampled:
+                        middle = rest[3 * nodes + solver : 3 * nodes + solver + n]
+                        take_sample(t, s, length, made, rate, x, U, u, p, w, middle, work)
+                        taylor(U, s + length, u)
+                    state.approach_rate = (made.approach - state.rigid_approach) / (GAMMA * length)
+                    state.approach_rate -= (1.0 - GAMMA) / GAMMA * rate
                 state.curvature_rate = -_slope(U, s + length, radius) / given.radius_of_curvature**2
                 state.grid_scale, state.rigid_approach = made.scale, made.approach
                 copy(state.pressure, pressure)
                 copy(state.film, film)
                 observe(state, given, parameters, bodies, w)
                 if sampled:
-                    sample(GAMMA * length, t, s + length, x, U, u, p, work)
+                    sample(length if leapt else GAMMA * length, t, s + length, x, U, u, p, work)
                     taylor(U, s + length, u)
                 s = h if last else s + length
-                remember(state, length if made.error <= 1.0 else 0.0, seen)
+                if leapt:
+                    state.approach_rate = 0.0
+                remember(state, 0.0 if leapt else length, seen)
                 micro = length * min(3.0, _SAFETY * max(made.error, 1e-3) ** _POWER)
                 continue
             before = made.error
             copy(pressure, w.p_start)
             copy(film, w.h_start)
             copy(slope, w.slope_start)
-            if length <= min(SMALLEST_SHARE * h, SMALLEST_STEP):
+            if shortest:
                 copy(x, start)
                 return NOT_CONVERGED
             micro = length * (max(0.2, _SAFETY * made.error**_POWER) if made.error < 1e300 else 0.5)

@@ -187,21 +187,31 @@ def estimate(
     p: Any, h: Any, scale: float, time_step: float, given: bool, bodies: Bodies, w: Workspace
 ) -> float:  # fmt: skip
     """Error of load (if the approach is given) or central film, relative, by the factors of the end."""
-    n = p.shape[0]
     masses(scale, w, w.estimate)
-    for i in range(n):
+    for i in range(p.shape[0]):
         first = (w.mass_middle[i] - w.mass_start[i]) / GAMMA
         last = (w.estimate[i] - w.base[i]) / GAMMA
         wet = w.mixed.sides[i] == BALANCED and w.p_start[i] > 0.0
         at_start = -w.rate_start[i] * time_step if wet else first
-        miss = _ERROR_START * at_start + _ERROR_MIDDLE * first + _ERROR_END * last
+        w.estimate[i] = _ERROR_START * at_start + _ERROR_MIDDLE * first + _ERROR_END * last
+    return error_of(p, h, scale, GAMMA * time_step, given, bodies, w)
+
+
+@kernel
+def error_of(
+    p: Any, h: Any, scale: float, interval: float, given: bool, bodies: Bodies, w: Workspace
+) -> float:
+    """What the errors of mass in w.estimate (m^2) make of the load (if the approach is given) or of the
+    central film, relative; `interval` (s): that of the implicit step whose factors are in w."""
+    n = p.shape[0]
+    factor, offset = deflection_factors(scale, bodies)
+    for i in range(n):
         w.solution[0, i], w.solution[1, i] = 0.0, 0.0
         if w.mixed.sides[i] == BALANCED:
-            w.solution[0, i] = miss / (GAMMA * time_step)
+            w.solution[0, i] = w.estimate[i] / interval
         if w.mixed.sides[i] != FREE:
             for k in range(BAND):
                 w.solution[1, i] += w.B[k, i]
-    factor, offset = deflection_factors(scale, bodies)
     change = solve(w, Jacobian(w.A, w.B, w.D, w.weight, factor, offset), scale, 0.0, given)
     load, film, i = 0.0, 0.0, n // 2
     for j in range(n):
@@ -239,6 +249,12 @@ def solved(
             fill_total(p, h, bodies, w.mixed.total)
         found = newton(p, h, approach, task, bodies, fluid, old, w)
     return found
+
+
+@kernel
+def foretold_approach(start: float, middle: float) -> float:
+    """A guess of the approach (m) at a step's end, from its start and its first stage."""
+    return start + (middle - start) / GAMMA
 
 
 @kernel
@@ -291,7 +307,7 @@ def step(
         if alone:
             p[i] = q[i]
     given = end.line_load < 0.0
-    guess = end.approach if given else found.approach
+    guess = end.approach if given else foretold_approach(start.approach, found.approach)
     task = Task(new_scale, rate, end.flow, end.line_load, GAMMA * time_step)
     found = solved(p, h, guess, task, bodies, fluid, w.base, w)
     if found.error != 0.0:

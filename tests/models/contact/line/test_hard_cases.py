@@ -176,14 +176,60 @@ def test_an_open_contact_at_rest_stays_open_whatever_its_gap(step: float) -> Non
         assert contact["load"] < 1e-6
 
 
-def test_jumps_are_survived_or_refused_without_a_trace() -> None:
-    """Of load, velocity and radius at once, as no mechanism makes them."""
+JUMPS_OF_LOAD = [(500.0, 3.0), (500.0, 0.0), (2000.0, 50.0), (3000.0, 1.0), (3.0, 500.0), (1.0, 3000.0)]
+
+
+def jumped(form: float, before: float, after: float, length: float, **parameters: float) -> Contact:
+    """A contact that ran under one load, or approach, for 2 ms and for the `length` (s) under another."""
+    contact, name = Contact(load_is_given=form, **parameters), "applied_load" if form else "approach"
+    running = {"entraining_velocity": 1.0, "radius_of_curvature": RADIUS}
+    for _ in range(100):
+        assert contact.step(2e-5, **{name: before}, **running) == OK
+    assert contact.step(length, **{name: after}, **running) == OK
+    whole(contact)
+    return contact
+
+
+@pytest.mark.parametrize(("before", "after"), JUMPS_OF_LOAD)
+@pytest.mark.parametrize("length", [1e-6, 1e-4])
+def test_jumps_of_a_given_load_are_made(before: float, after: float, length: float) -> None:
+    """Whatever steps the error control takes: a hundredth of the tolerance gives the same film."""
+    found = jumped(1.0, before, after, length)
+    fine = jumped(1.0, before, after, length, field_tolerance=1e-6)
+    # Some tens of micro-steps of field_tolerance = 1e-4 each; measured 0.3 % at most.
+    assert found["film_thickness"] == pytest.approx(fine["film_thickness"], rel=1e-2)
+
+
+def test_the_oil_under_a_falling_load_stays_where_it_is() -> None:
+    """In no time no oil flows: under a load that falls at once the bodies part, but not in the middle,
+    where pressure is left and the film is the old one."""
+    loaded = jumped(1.0, 500.0, 500.0, 1e-9)
+    relieved = jumped(1.0, 500.0, 250.0, 1e-9)
+    pressed = relieved.field("pressure") > 0.1 * np.max(relieved.field("pressure"))
+    assert 5 < np.count_nonzero(pressed) < np.count_nonzero(loaded.field("pressure") > 0.0)
+    # Oil that expands by 1/K = 0.6/GPa times the 0.1 GPa or so of pressure that it loses.
+    np.testing.assert_allclose(relieved.field("film")[pressed], loaded.field("film")[pressed], rtol=0.06)
+
+
+@pytest.mark.parametrize(("opening", "length"), [(20e-6, 1e-6), (20e-6, 1e-5), (1e-6, 1e-7)])
+def test_a_contact_torn_open_carries_no_load(opening: float, length: float) -> None:
+    """Cavities have no oil that could be squeezed: what load there is comes from entrainment, less than
+    Martin's load of rigid bodies."""
+    contact = jumped(0.0, 0.3e-6, -opening, length)
+    assert contact["load"] < 4.9 * 0.036 * RADIUS * 12e-3 / opening
+    assert contact["film_thickness"] == pytest.approx(opening, abs=5e-9 * contact["load"] + 1e-12)
+
+
+@pytest.mark.parametrize("form", [0.0, 1.0], ids=["approach", "load"])
+def test_jumps_are_survived_or_refused_without_a_trace(form: float) -> None:
+    """Of all inputs at once, as no mechanism makes them."""
     random, refused = np.random.default_rng(5), 0
-    contact = Contact(load_is_given=1.0)
-    for _ in range(150):
+    contact = Contact(load_is_given=form)
+    for _ in range(60):
         before = contact.x.copy()
         status = contact.step(
             10.0 ** random.uniform(-6.0, -3.5),
+            approach=random.uniform(-20e-6, 4e-6),
             applied_load=random.choice([0.0, random.uniform(1.0, 3000.0)]),
             entraining_velocity=random.choice([0.0, random.uniform(-5.0, 5.0)]),
             radius_of_curvature=RADIUS * random.uniform(0.7, 1.4),
@@ -194,8 +240,9 @@ def test_jumps_are_survived_or_refused_without_a_trace() -> None:
             refused += 1
         else:
             whole(contact)
-    # Seen: about one in fifty.
-    assert refused < 15
+    # Seen with other seeds: none of 450 with the load given, one in a hundred with the approach given, where
+    # a radius that jumps up leaves the oil less room than it needs.
+    assert refused <= (0 if form else 3)
 
 
 def walked(steps: list[tuple[float, ...]], form: float, nodes: int = NODES, **parameters: float) -> None:

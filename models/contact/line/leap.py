@@ -1,0 +1,47 @@
+"""A micro-step over a jump of what drives the film, by the implicit Euler method.
+
+A load, approach or radius that jumps moves the bodies in no time; no oil flows meanwhile, gaps that open
+cavitate, and what pressure is left is that of bodies pressed on the oil that there was. One implicit step
+from before to after the jump finds that, in the limit of no time exactly. SDIRK2 does not: from where its
+first stage is it goes on at the rate that led there, so that a gap which sprang open would open 2.4 times as
+far, and the oil to close it again is not there.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ...integrator import copy
+from ...kernel import kernel
+from ..fluid import Lubricant
+from .mixed import Bodies
+from .newton import Task, forget_factors
+from .transient import Drives, Stepped, error_of, masses, solved
+from .workspace import Workspace
+
+
+@kernel
+def leap(
+    p: Any, h: Any, slope: Any, scale: float, new_scale: float, time_step: float, end: Drives,
+    tolerance: float, bodies: Bodies, fluid: Lubricant, w: Workspace,
+) -> Stepped:  # fmt: skip
+    """As `step`, which has been tried before from the same start. No pressure is foretold after it.
+
+    The error is that of first order in what goes on steadily; it vanishes with the step, the jump has none.
+    """
+    copy(p, w.p_start)
+    copy(h, w.h_start)
+    copy(w.mixed.total, w.mixed.total_start)
+    forget_factors(w)
+    task = Task(new_scale, (new_scale - scale) / time_step, end.flow, end.line_load, time_step)
+    found = solved(p, h, end.approach, task, bodies, fluid, w.mass_start, w)
+    if found.error != 0.0:
+        return Stepped(found.approach, new_scale, math.inf, found.approach)
+    masses(new_scale, w, w.estimate)
+    for i in range(p.shape[0]):
+        slope[i] = 0.0
+        at_start = -w.rate_start[i] * time_step
+        w.estimate[i] = 0.5 * (w.estimate[i] - w.mass_start[i] - at_start) if w.p_start[i] > 0.0 else 0.0
+    error = error_of(p, h, new_scale, time_step, end.line_load < 0.0, bodies, w)
+    return Stepped(found.approach, new_scale, error / tolerance, found.approach)
