@@ -29,8 +29,8 @@ def contact(halvings: int) -> Alone:
 
 
 def test_a_step_that_no_cut_can_save_is_made_as_far_as_it_goes_and_leaves_no_trace() -> None:
-    """The radius falls through zero at a third of the step: its first quarter is made, and told. Taken back by
-    the master, what follows has the bits of a contact that was never asked, with retries or without."""
+    """The radius falls through zero at a third of the step: its first quarter is made, and told. When the
+    master took it back, what follows has the bits of a contact that was never asked, with retries or not."""
     asked, spared, plain = contact(2), contact(2), contact(0)
     for one in (asked, spared, plain):
         for k in range(3):
