@@ -41,7 +41,7 @@ def rows() -> list[tuple[str, str]]:
     Timed.seconds = []
     with tempfile.TemporaryDirectory() as folder, mock.patch.object(coupled_run, "Checkpoints", Timed):
         summary = run(
-            loaded, Path(folder), lambda name, structure: build(name, structure=structure),
+            loaded, Path(folder), lambda name, structure, kind: build(name, structure=structure),
             Reporter(Console(quiet=True)), figures=False,
         )  # fmt: skip
     # Without those of the start and the end, where there is less to write.

@@ -30,11 +30,11 @@ from .participants import (
     substepped,
     transformed,
 )
-from .scenario import ComponentTable, Scenario, ScenarioError, line_of
+from .scenario import BUILT, ComponentTable, Scenario, ScenarioError, line_of
 from .values import numbers
 
-# Gives the FMU of a catalogue component with structural sizes.
-Builder = Callable[[str, Mapping[str, int]], Path]
+# Gives the FMU of a catalogue component with structural sizes, of a kind that is built ("fmu", "native").
+Builder = Callable[[str, Mapping[str, int], str], Path]
 
 
 def system_of(scenario: Scenario) -> System:
@@ -167,10 +167,12 @@ def fmu_files(scenario: Scenario, build: Builder) -> dict[str, FmuFile]:
     for name, table in scenario.components.items():
         if table.participant == "in-process":
             continue
-        own = table.participant == "fmu"
+        own = table.participant in BUILT
         counts = scenario.energy.ledger and table.made().samples
         structure = counting_structure(table.structure) if counts else table.structure
-        path = build(table.component, structure) if own and table.component else Path(table.participant)
+        path = Path(table.participant)
+        if own and table.component:
+            path = build(table.component, structure, table.participant)
         files[name] = FmuFile(path, hashlib.sha256(path.read_bytes()).hexdigest())
     return files
 

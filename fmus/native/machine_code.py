@@ -6,6 +6,7 @@ platforms come with the package `ziglang`.
 
 from __future__ import annotations
 
+import platform
 import subprocess
 import sys
 import tempfile
@@ -48,7 +49,20 @@ def _platforms() -> Iterator[Platform]:
         yield Platform(triple, f"{processor}-{zig}", *names, suffix)
 
 
-PLATFORMS: Mapping[str, Platform] = {platform.fmi3: platform for platform in _platforms()}
+PLATFORMS: Mapping[str, Platform] = {place.fmi3: place for place in _platforms()}
+
+_SYSTEMS = {"win32": "windows"}
+_PROCESSORS = {"AMD64": "x86_64", "arm64": "aarch64"}
+
+
+def this_platform() -> str:
+    """The name of the platform that this process runs on; NativeBuildError if it is none of them."""
+    machine = platform.machine()
+    name = f"{_PROCESSORS.get(machine, machine)}-{_SYSTEMS.get(sys.platform, sys.platform)}"
+    if name not in PLATFORMS:
+        raise NativeBuildError(f"no native FMUs for {name}: there are {', '.join(PLATFORMS)}")
+    return name
+
 
 _C = ["-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fno-sanitize=all"]
 _STRICT = ["-Wall", "-Wextra", "-Werror"]
@@ -58,20 +72,20 @@ class NativeBuildError(RuntimeError):
     """The tools that make machine code are missing or failed; the message says which and why."""
 
 
-def shared_library(platform: Platform, kernels: Sequence[str], tables: Mapping[str, str], name: str) -> bytes:
+def shared_library(place: Platform, kernels: Sequence[str], tables: Mapping[str, str], name: str) -> bytes:
     """The library `name` for a platform: kernels (modules in LLVM's language) and tables in the shell."""
     with tempfile.TemporaryDirectory(prefix="tribocosim-native-") as folder:
-        place = Path(folder)
-        (place / "kernels.o").write_bytes(_object_code(platform, kernels))
+        here = Path(folder)
+        (here / "kernels.o").write_bytes(_object_code(place, kernels))
         for file, text in tables.items():
-            (place / file).write_text(text, encoding="utf-8")
+            (here / file).write_text(text, encoding="utf-8")
         for source in SHELL.iterdir():
-            (place / source.name).write_bytes(source.read_bytes())
-        sources = sorted(path.name for path in place.glob("*.c"))
-        target = f"{name}{platform.suffix}"
+            (here / source.name).write_bytes(source.read_bytes())
+        sources = sorted(path.name for path in here.glob("*.c"))
+        target = f"{name}{place.suffix}"
         inputs = ["-I.", f"-I{FMI_HEADERS}", *sources, "kernels.o", "-lm"]
-        _zig(["cc", "-target", platform.zig, *_C, *_STRICT, "-shared", "-s", *inputs, "-o", target], place)
-        return (place / target).read_bytes()
+        _zig(["cc", "-target", place.zig, *_C, *_STRICT, "-shared", "-s", *inputs, "-o", target], here)
+        return (here / target).read_bytes()
 
 
 def _zig(arguments: Sequence[str], folder: Path) -> None:
@@ -84,16 +98,16 @@ def _zig(arguments: Sequence[str], folder: Path) -> None:
         raise NativeBuildError(f"zig {' '.join(arguments)}: {made.stderr.strip()}")
 
 
-def _object_code(platform: Platform, kernels: Sequence[str]) -> bytes:
+def _object_code(place: Platform, kernels: Sequence[str]) -> bytes:
     """Machine code of the kernels, optimised for the platform, with the same bits as numba's: no operation is
     reordered or fused."""
     binding = llvm()
-    target = binding.Target.from_triple(platform.triple)
+    target = binding.Target.from_triple(place.triple)
     machine = target.create_target_machine(opt=3, reloc="pic", codemodel="default")
     module = binding.parse_assembly(kernels[0])
     for other in kernels[1:]:
         module.link_in(binding.parse_assembly(other))
-    module.triple = platform.triple
+    module.triple = place.triple
     module.data_layout = str(machine.target_data)
     tuning = binding.create_pipeline_tuning_options(speed_level=2)
     tuning.loop_vectorization = tuning.slp_vectorization = True

@@ -11,14 +11,16 @@ import typer
 from .reported import reported
 
 
-def built(name: str, structure: Mapping[str, int]) -> Path:
-    """The packaged component, built if it isn't in the cache."""
+def built(name: str, structure: Mapping[str, int], kind: str) -> Path:
+    """The packaged component, run by Python or `native`, built if it isn't in the cache."""
     from fmus.build import build
     from models.kernel import user_cache_directory
 
     from ..errors import RunError
 
     try:
+        if kind == "native":
+            return _native_here(name, structure)
         return build(name, structure=structure)
     except OSError as error:
         raise RunError(
@@ -27,6 +29,19 @@ def built(name: str, structure: Mapping[str, int]) -> Path:
         ) from None
     except (KeyError, ValueError) as error:
         raise RunError(f"building the FMU {name}: {error.args[-1] if error.args else error}") from None
+
+
+def _native_here(name: str, structure: Mapping[str, int]) -> Path:
+    from fmus.native.fmu import build
+    from fmus.native.machine_code import NativeBuildError, this_platform
+    from fmus.native.translate import TranslationError
+
+    from ..errors import RunError
+
+    try:
+        return build(name, structure=structure, platforms=[this_platform()])
+    except (NativeBuildError, TranslationError) as error:
+        raise RunError(f"building the native FMU {name}: {error}") from None
 
 
 @reported

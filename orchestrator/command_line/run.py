@@ -23,6 +23,9 @@ def run_scenario(
             help="Change the scenario, e.g. components.camshaft.parameters.lift='9 mm'.",
         ),
     ] = None,
+    native: Annotated[
+        bool, typer.Option("--native", help="Take FMUs in machine code where the scenario has them built.")
+    ] = False,
     master: Annotated[str | None, typer.Option(help="Use another master.")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
     no_figures: Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")] = False,
@@ -38,7 +41,13 @@ def run_scenario(
     from ..scenario_files import find, load
 
     overrides = [f"master.name={master}"] if master else []
-    loaded = load(scenario, overrides + (set_ or []))
+    overrides += set_ or []
+    loaded = load(scenario, overrides)
+    if native:
+        built_ones = [name for name, table in loaded.components.items() if table.participant == "fmu"]
+        loaded = load(
+            scenario, [*overrides, *(f"components.{name}.participant=native" for name in built_ones)]
+        )
     folder = out or Path("results") / loaded.name
     spare(find(scenario), loaded, folder)
     summary = run(loaded, folder, built, Reporter(), overwrite, figures=not no_figures)

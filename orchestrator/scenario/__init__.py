@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .component_table import ComponentTable
+from .component_table import BUILT, ComponentTable
 from .connection import Line, ends, line_of
 from .fields import Written
 from .master_table import MasterTable
@@ -11,6 +11,7 @@ from .scenario import EnergyTable, Scenario, ScenarioError, elsewhere, scenario_
 from .step_control_table import CONVERGED
 
 __all__ = [
+    "BUILT",
     "CONVERGED",
     "ComponentTable",
     "EnergyTable",

@@ -14,14 +14,18 @@ from ..participants import component_of_file
 from ..values import Value, component_of, meanings
 from .fields import Table, Written
 
+BUILT = ("fmu", "native")
+KINDS = (*BUILT, "in-process")
+
 
 class ComponentTable(Table):
     """One component of the system. Values are in SI units, or texts with a unit ("8 mm")."""
 
     participant: str = Field(
         "fmu",
-        description="fmu: the component's own FMU, built when needed; in-process: without FMI; or the "
-        "path of an .fmu file: with the component's variables, or any other that stands for itself",
+        description="fmu: the component's own FMU, built when needed; native: the same in machine code; "
+        "in-process: without FMI; or the path of an .fmu file: with the component's variables, or any other "
+        "that stands for itself",
     )
     process: Literal["shared", "own"] = Field(
         "shared", description="own: the FMU runs in a process of its own, so that it cannot end the run's"
@@ -50,9 +54,9 @@ class ComponentTable(Table):
     @field_validator("participant")
     @classmethod
     def _kind(cls, kind: str) -> str:
-        if kind in ("fmu", "in-process") or kind.endswith(".fmu"):
+        if kind in KINDS or kind.endswith(".fmu"):
             return kind
-        raise ValueError(f"{kind!r}: {one_of(('fmu', 'in-process'), kind)} (or the path of an .fmu file)")
+        raise ValueError(f"{kind!r}: {one_of(KINDS, kind)} (or the path of an .fmu file)")
 
     @field_validator("process")
     @classmethod

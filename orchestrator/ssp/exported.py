@@ -21,7 +21,7 @@ from models.system import Instance, System
 from .. import assembly
 from ..participants import given
 from ..participants.description import REALS, TRUTHS, Description, Variable, described
-from ..scenario import Scenario, line_of
+from ..scenario import ComponentTable, Scenario, line_of
 from .names import FMU_TYPE, OMSIMULATOR, OSP, OURS, RESOURCES, STRUCTURE, VALUES_TYPE, document, make
 
 # So that the same scenario gives the same bytes.
@@ -70,13 +70,22 @@ SET = "values"
 START = ".equilibrium"
 
 
+def _kind(table: ComponentTable) -> str:
+    """Of the FMU that is built; a package has one for every component."""
+    return "fmu" if table.participant == "in-process" else table.participant
+
+
 def _packed(scenario: Scenario, build: assembly.Builder) -> dict[str, Packed]:
     """Every component's FMU; equal files once."""
     places: dict[str, str] = {}
     packed = {}
     for name, table in scenario.components.items():
         given_file = table.participant.endswith(".fmu") or table.component is None
-        path = Path(table.participant) if given_file else build(str(table.component), table.structure)
+        path = (
+            Path(table.participant)
+            if given_file
+            else build(str(table.component), table.structure, _kind(table))
+        )
         content = path.read_bytes()
         stem = path.stem if given_file else str(table.component)
         digest = hashlib.sha256(content).hexdigest()

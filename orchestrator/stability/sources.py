@@ -60,7 +60,7 @@ def _participant(scenario: Scenario, system: System, name: str, build: Builder |
         return fmu(name, Path(table.participant), instance)
     if table.participant == "in-process" or build is None:
         return in_process(name, instance)
-    return fmu(name, build(table.component, table.structure), instance)
+    return fmu(name, build(table.component, table.structure, table.participant), instance)
 
 
 def by_responses(made: Mapping[str, Linearisation]) -> dict[str, Responses]:

@@ -71,6 +71,6 @@ def errors_of(problem: CouplingProblem, times: Vector, values: Vector) -> dict[s
 def fmu_files(problem: CouplingProblem, build: assembly.Builder) -> dict[str, assembly.FmuFile]:
     """The FMU of every instance."""
     return {
-        name: assembly.FmuFile(Path(build(i.component.name, i.component.structure)), "")
+        name: assembly.FmuFile(Path(build(i.component.name, i.component.structure, "fmu")), "")
         for name, i in problem.system.instances.items()
     }

@@ -31,7 +31,7 @@ def scenario(components: Mapping[str, Mapping[str, Any]], **changes: Any) -> Sce
     return scenario_of(tables | changes)
 
 
-def never(name: str, structure: object) -> Path:
+def never(name: str, structure: object, kind: str) -> Path:
     raise AssertionError(f"{name} has to be given")
 
 

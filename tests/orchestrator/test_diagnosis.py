@@ -256,7 +256,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     parts = ("flywheel", "camshaft", "valve_spring", "contact")
     changes = [f"components.{name}.participant=in-process" for name in parts]
     scenario = load("valve-train-controlled", ["stop_time=1 ms", "reference.enabled=false", *changes])
-    run(scenario, out, lambda name, structure: Path(), Reporter())
+    run(scenario, out, lambda name, structure, kind: Path(), Reporter())
     return out
 
 

@@ -100,7 +100,7 @@ def folder(tmp_path_factory):
             *(f"components.{name}.participant=in-process" for name in load("valve-train").components),
         ],
     )
-    run(scenario, out, lambda name, structure: Path(), Reporter(), figures=False)
+    run(scenario, out, lambda name, structure, kind: Path(), Reporter(), figures=False)
     return out
 
 

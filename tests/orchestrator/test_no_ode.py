@@ -56,7 +56,7 @@ def scenario(layer: str, **changes: object) -> Scenario:
     return scenario_of(tables | changes)
 
 
-def never(name: str, structure: object) -> Path:
+def never(name: str, structure: object, kind: str) -> Path:
     raise AssertionError(f"{name} is in process")
 
 

@@ -275,7 +275,7 @@ def test_the_documented_studies_are_possible(tmp_path: Path) -> None:
     for number, text in enumerate(studies):
         file = tmp_path / f"{number}.toml"
         file.write_text(text)
-        assert len(load(str(file), lambda name, structure: Path()).points) == (6, 2)[number]
+        assert len(load(str(file), lambda name, structure, kind: Path()).points) == (6, 2)[number]
 
 
 def test_the_documented_function_is_studied_where_the_command_is_called(tmp_path: Path) -> None:

@@ -31,7 +31,7 @@ def quarter_car():
 
 @pytest.fixture(scope="module")
 def files(quarter_car):
-    return fmu_files(quarter_car, lambda name, structure: build(name, structure=structure))
+    return fmu_files(quarter_car, lambda name, structure, kind: build(name, structure=structure))
 
 
 def test_errors_at_the_samples_ask_for_the_truth_beside_them_only(quarter_car):
