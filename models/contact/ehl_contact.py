@@ -84,7 +84,7 @@ class ContactParameters:
         float, Quantity("1", "constant C of the squeeze term (K 10)", nominal=100.0, positive=True)
     ] = 96.775
     film_load_floor: Annotated[
-        float, Quantity("N", "least load that the film formula is given", positive=True)
+        float, Quantity("N", "least load that the film is computed for", positive=True)
     ] = 1.0
     contact_damping: Annotated[
         float, Quantity("N.s/m", "damping c of the contact at the reference load", nominal=1e3, minimum=0.0)

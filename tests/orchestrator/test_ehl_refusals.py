@@ -123,8 +123,8 @@ def test_the_coupling_of_a_field_is_not_analysed() -> None:
 
 
 def test_the_engines_walls_run_with_solved_films() -> None:
-    """Sliding on the upper wall: its film under the wall's force, the lower one's under the least load, and
-    both within the clearance; half the step gives the same films."""
+    """Sliding on the upper wall: its film under the wall's force; the lower one shows no load over a film of
+    the least load; both within the clearance; half the step gives the same films."""
     scenario = load("engine-ehl")
     system = assembly.at_start(scenario, assembly.system_of(scenario))
     fine, coarse = (recorded(system, GaussSeidel("quadratic"), step, 2e-4) for step in (1e-6, 2e-6))
@@ -137,6 +137,6 @@ def test_the_engines_walls_run_with_solved_films() -> None:
         # Measured 5e-6 and 4.3e-4: the lower film, without load, grows fastest from its start.
         assert film[-1] == pytest.approx(fine[f"{wall}.film_thickness"][-1], rel=1e-3)
         force = coarse[f"slider_crank.{wall}_force"][1:]
-        assert coarse[f"{wall}.load"][2:] == pytest.approx(np.maximum(force, floor)[1:], rel=1e-2)
+        assert coarse[f"{wall}.load"][2:] == pytest.approx(force[1:], rel=1e-2)
     assert coarse["slider_crank.upper_wall_force"][-1] > floor
     assert coarse["slider_crank.lower_wall_force"][-1] == 0.0

@@ -114,8 +114,9 @@ def _engine() -> Row:
         f"steps; minimum films: {parts}",
         (REFUSALS + "test_the_engines_walls_run_with_solved_films",),
         command=f'tribocosim run engine-ehl --set "{ENGINE}"',
-        short="impacts and fields together have no monolithic reference; the walls' loads are given and "
-        "count as at least `film_load_floor`; only the beginning is run here (a revolution takes minutes)."
+        short="impacts and fields together have no monolithic reference; the walls' loads are given, and "
+        "films below `film_load_floor` are those of it; only the beginning is run here (a revolution takes "
+        "minutes)."
         if found["complete"]
         else "not met.",
     )

@@ -105,8 +105,8 @@ def _forms() -> Row:
             TESTS + "test_a_restored_state_goes_on_to_the_same_bits",
             "models/contact/line/test_hard_cases.py::test_macro_steps_of_any_length_give_one_motion",
         ),
-        short="without any load the form with the load given has no film (the bodies would part), so a load "
-        "counts as at least `film_load_floor`, in the outputs too.",
+        short="without any load the form with the load given has no film (the bodies would part): it keeps "
+        "that of `film_load_floor`; load, pressure and friction are shown as none.",
     )
 
 

@@ -31,6 +31,7 @@ from .field_state import (
     FOLLOWED,
     begin,
     bodies_of,
+    carried_share,
     drives_of,
     fill_rates,
     next_scale,
@@ -237,24 +238,26 @@ class FieldContact(Component):
         """Of the field, once it has begun."""
         output, n = self.plain.flat_output, self.plain.state.size
         X, P, Y = self.state.dtype, self.parameters.dtype, self.outputs.dtype
+        INPUTS = self.inputs.dtype
 
         @kernel
         def field_output(t: float, x: Any, u: Any, p: Any, y: Any) -> None:
             output(t, x[:n], u, p, y)
             state, shown = record_of(x, X), record_of(y, Y)
             if record_of(p, P).film_model == LINE_TRANSIENT and state.grid_scale > 0.0:
-                shown.load = state.field_load
+                share = carried_share(record_of(u, INPUTS), record_of(p, P))
+                shown.load = share * state.field_load
                 shown.film_thickness = state.film_thickness
                 shown.minimum_film_thickness = state.least_film
                 shown.squeeze_velocity = state.film_rate
-                shown.maximum_pressure = state.highest_pressure
-                shown.asperity_load = state.field_asperity_load
+                shown.maximum_pressure = share * state.highest_pressure
+                shown.asperity_load = share * state.field_asperity_load
                 shown.film_ratio = film_ratio(state.film_thickness, record_of(p, P).roughness)
-                shown.viscous_friction = state.field_shear
-                shown.boundary_friction = state.field_boundary_friction
-                shown.friction_force = state.field_shear + state.field_boundary_friction
+                shown.viscous_friction = share * state.field_shear
+                shown.boundary_friction = share * state.field_boundary_friction
+                shown.friction_force = shown.viscous_friction + shown.boundary_friction
                 shown.damping_margin = 1.0
-                shown.separated = 1.0 if state.field_load <= 0.0 else 0.0
+                shown.separated = 1.0 if shown.load <= 0.0 else 0.0
 
         return field_output
 

@@ -100,6 +100,18 @@ def drives_of(u: Any, p: Any, approach: float) -> Drives:
 
 
 @kernel
+def carried_share(u: Any, p: Any) -> float:
+    """The load over that which the film is solved for: less than 1 for a load below film_load_floor.
+
+    Without load there is no film to solve for, as the bodies part at once; they keep that of the floor. Of
+    the forces on it, and the pressure, outputs show this share: nothing without load, all at the floor.
+    """
+    if p.load_is_given == 0.0:
+        return 1.0
+    return min(max(u.applied_load, 0.0) / p.film_load_floor, 1.0)
+
+
+@kernel
 def observe(x: Any, u: Any, p: Any, bodies: Bodies, w: Workspace) -> None:
     """The numbers that outputs need, from pressure and film: load, films, and what rubs."""
     fill_total(x.pressure, x.film, bodies, w.mixed.total)

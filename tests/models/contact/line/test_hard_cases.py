@@ -211,6 +211,21 @@ def test_the_oil_under_a_falling_load_stays_where_it_is() -> None:
     np.testing.assert_allclose(relieved.field("film")[pressed], loaded.field("film")[pressed], rtol=0.06)
 
 
+def test_a_load_below_the_floor_is_shown_as_what_it_is() -> None:
+    """The film is that of the floor; of load, pressure and friction there is the share that the load is."""
+    shown = {}
+    drive = {"entraining_velocity": 1.0, "sliding_velocity": 0.5, "radius_of_curvature": RADIUS}
+    for load in (0.0, 10.0, 20.0):
+        contact = Contact(load_is_given=1.0, film_load_floor=20.0)
+        for _ in range(20):
+            assert contact.step(2e-5, applied_load=load, **drive) == OK
+        assert contact["load"] == pytest.approx(load, rel=1e-6)
+        assert contact["separated"] == float(load == 0.0)
+        shown[load] = [contact[name] for name in ("maximum_pressure", "friction_force", "film_thickness")]
+    assert shown[0.0] == [0.0, 0.0, shown[20.0][2]]
+    assert shown[10.0] == pytest.approx([0.5 * shown[20.0][0], 0.5 * shown[20.0][1], shown[20.0][2]])
+
+
 @pytest.mark.parametrize(("opening", "length"), [(20e-6, 1e-6), (20e-6, 1e-5), (1e-6, 1e-7)])
 def test_a_contact_torn_open_carries_no_load(opening: float, length: float) -> None:
     """Cavities have no oil that could be squeezed: what load there is comes from entrainment, less than
