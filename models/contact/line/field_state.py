@@ -10,10 +10,10 @@ from typing import Annotated, Any
 
 from ...kernel import kernel
 from ...quantities import Layout, Quantity, per_element
-from ..asperities import pressure_scale
+from ..asperities import dry_separation, pressure_scale
 from ..fluid import lubricant_of
 from ..friction import profile_friction
-from ..hertz import compliance_of, deflection, load_of
+from ..hertz import compliance_of, deflection, load_of, maximum_pressure
 from ..mixed_lubrication import surfaces_of, traction_of
 from .differences import INSTANTS, follow, rate_of, restart, second_derivative_of
 from .mixed import Bodies, fill_total, film_of, mean_plane_gap
@@ -178,6 +178,11 @@ def begin(x: Any, u: Any, p: Any, bodies: Bodies, X: Any) -> None:
     between, radius = mean_plane_gap(x.film_thickness, bodies.roughness), u.radius_of_curvature
     if p.load_is_given != 0.0:
         load = max(u.applied_load, p.film_load_floor)
+        if bodies.roughness > 0.0:
+            # No film presses rough surfaces closer than they come dry.
+            pressure = maximum_pressure(load, radius, bodies.length, bodies.compliance)
+            dry = dry_separation(pressure, surfaces_of(p), bodies.compliance)
+            between = max(between, dry * bodies.roughness)
         x.rigid_approach = deflection(load, radius, bodies.length, bodies.compliance) - between
         gap = between
     else:
