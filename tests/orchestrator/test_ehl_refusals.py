@@ -134,8 +134,8 @@ def test_the_engines_walls_run_with_solved_films() -> None:
         film = coarse[f"{wall}.film_thickness"][1:]
         assert np.all(film > 0.0)
         assert np.all(film < 1e-4)
-        # Measured 5e-6 and 4.3e-4: the lower film, without load, grows fastest from its start.
-        assert film[-1] == pytest.approx(fine[f"{wall}.film_thickness"][-1], rel=1e-3)
+        # Measured up to 2.6e-3: films grow fast from starts that asperities press on.
+        assert film[-1] == pytest.approx(fine[f"{wall}.film_thickness"][-1], rel=5e-3)
         force = coarse[f"slider_crank.{wall}_force"][1:]
         assert coarse[f"{wall}.load"][2:] == pytest.approx(force[1:], rel=1e-2)
     assert coarse["slider_crank.upper_wall_force"][-1] > floor
