@@ -6,14 +6,27 @@ from collections import Counter
 from pathlib import Path
 
 from .participants.description import Description, described
-from .scenario import Scenario, ScenarioError
+from .scenario import Scenario, ScenarioError, line_of
 
 # Part of a step by which a time may miss a whole number of steps: far more than rounding.
 WHOLE = 1e-6
 
 
 def check_foreign(scenario: Scenario) -> None:
-    """ScenarioError where FMUs that stand for themselves are asked for what only equations give."""
+    """ScenarioError where FMUs that stand for themselves, or connections that change values, are asked for
+    what only a system's equations give."""
+    wanted = (
+        ("reference.enabled = true", "set reference.enabled = false")
+        if scenario.reference.enabled
+        else ("start = 'equilibrium'", "set start = 'given'")
+    )
+    if scenario.reference.enabled or scenario.start == "equilibrium":
+        for line in map(line_of, scenario.connections):
+            if line.factor is not None or line.offset is not None:
+                raise ScenarioError(
+                    f"{wanted[0]}: the connection {str(line)!r} changes values, which the equations of the "
+                    f"system do not know; {wanted[1]}, or connect variables as they are"
+                )
     foreign = [name for name, table in scenario.components.items() if table.foreign]
     if not foreign:
         return

@@ -30,7 +30,8 @@ from .participants import (
     substepped,
     transformed,
 )
-from .scenario import BUILT, ComponentTable, Scenario, ScenarioError, line_of
+from .participants.transformed import Linear
+from .scenario import BUILT, ComponentTable, Line, Scenario, ScenarioError, line_of
 from .values import numbers
 
 # Gives the FMU of a catalogue component with structural sizes, of a kind that is built ("fmu", "native").
@@ -39,8 +40,7 @@ Builder = Callable[[str, Mapping[str, int], str], Path]
 
 def system_of(scenario: Scenario) -> System:
     """The scenario's system with its start values as given; ModelError or ScenarioError for faults."""
-    instances = {name: _instance(table) for name, table in scenario.components.items()}
-    lines = list(map(line_of, scenario.connections))
+    instances, lines = _written(scenario)
     seen = connectable(instances, lines, transformations(instances, lines))
     system = System(seen, [(line.source, line.target) for line in lines])
     for name in scenario.tolerance:
@@ -61,6 +61,24 @@ def system_of(scenario: Scenario) -> System:
             check_file(name, Path(table.participant), variables_used(name, system, scenario.start))
     check_abilities(scenario)
     return system
+
+
+def _written(scenario: Scenario) -> tuple[dict[str, Instance], list[Line]]:
+    """Instances and connections as the scenario has them, before units are converted."""
+    instances = {name: _instance(table) for name, table in scenario.components.items()}
+    return instances, list(map(line_of, scenario.connections))
+
+
+def check_as_they_are(scenario: Scenario) -> None:
+    """ScenarioError where a connection changes values, of which the system's equations know nothing."""
+    changed = transformations(*_written(scenario))
+    for name, inputs in changed.items():
+        for variable, linear in inputs.items():
+            if linear != Linear():
+                raise ScenarioError(
+                    f"{name}.{variable}: its connection has a factor, an offset or converts units, which is "
+                    "not known to the analysis; connect variables of one unit as they are"
+                )
 
 
 def check_master(scenario: Scenario) -> None:
@@ -226,8 +244,7 @@ def participants_of(
     Each comes from `made(name, make)`, which may wrap what `make()` gives.
     """
     participants: dict[str, Participant] = {}
-    instances = {name: _instance(table) for name, table in scenario.components.items()}
-    linear = transformations(instances, list(map(line_of, scenario.connections)))
+    linear = transformations(*_written(scenario))
     try:
         for name, instance in system.instances.items():
             if name in files:
@@ -236,8 +253,6 @@ def participants_of(
             else:
                 make = partial(in_process, name, without_estimates(instance))
             participants[name] = made(name, make)
-            if name in linear:
-                participants[name] = transformed(participants[name], linear[name])
             if isinstance(instance.component, EstimatedComponent):
                 inputs = instance.component.inputs
                 cubic = dict.fromkeys(inputs.names, INPUT_COEFFICIENTS - 1)
@@ -248,6 +263,8 @@ def participants_of(
                 participants[name] = substepped(participants[name], table.substeps, table.retries)
             if scenario.energy.correction:
                 participants[name] = Compensated(participants[name], bond_inputs(instance.component))
+            if name in linear:
+                participants[name] = transformed(participants[name], linear[name])
     except BaseException:
         for participant in participants.values():
             participant.close()

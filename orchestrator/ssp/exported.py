@@ -70,7 +70,7 @@ SET = "values"
 START = ".equilibrium"
 
 
-def _kind(table: ComponentTable) -> str:
+def _built_kind(table: ComponentTable) -> str:
     """Of the FMU that is built; a package has one for every component."""
     return "fmu" if table.participant == "in-process" else table.participant
 
@@ -84,7 +84,7 @@ def _packed(scenario: Scenario, build: assembly.Builder) -> dict[str, Packed]:
         path = (
             Path(table.participant)
             if given_file
-            else build(str(table.component), table.structure, _kind(table))
+            else build(str(table.component), table.structure, _built_kind(table))
         )
         content = path.read_bytes()
         stem = path.stem if given_file else str(table.component)
@@ -155,7 +155,7 @@ def _structure(
         )
         connectors = make(component, "ssd:Connectors")
         for variable in fmu.about.variables.values():
-            if kind := _kind(name, variable, driven, instance):
+            if kind := _connector_kind(name, variable, driven, instance):
                 connector = make(connectors, "ssd:Connector", name=variable.name, kind=kind)
                 _type(connector, variable, _quantity(instance, variable.name), enumerations)
         if bindings[name]:
@@ -182,7 +182,7 @@ def _structure(
     return root
 
 
-def _kind(name: str, variable: Variable, driven: set[str], instance: Instance) -> str:
+def _connector_kind(name: str, variable: Variable, driven: set[str], instance: Instance) -> str:
     """A connector's kind; empty for variables that have none. An input that nothing drives would be set to
     zero by some tools if it were shown."""
     if not variable.numeric or variable.variability == "constant":

@@ -23,6 +23,7 @@ from ..scenario import Line, ScenarioError
 from ..values import component_of
 from .exported import START
 from .names import NAMESPACES, OURS, STRUCTURE
+from .schema import schema_fault
 from .structure import Path as Place
 from .structure import Port, Structure, structure_of, way
 from .values import Stated, values_of
@@ -36,12 +37,18 @@ def contents(path: Path) -> dict[str, Any]:
     digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
     folder = user_cache_directory() / "ssp" / digest
     if not folder.is_dir():
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder.parent) as made:
-            whole = Path(made, "whole")
-            _unpack(path, whole)
-            if not folder.is_dir():
-                whole.rename(folder)
+        try:
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=folder.parent) as made:
+                whole = Path(made, "whole")
+                _unpack(path, whole)
+                if not folder.is_dir():
+                    whole.rename(folder)
+        except OSError as error:
+            raise ScenarioError(
+                f"{path}: {folder.parent} cannot be written ({error.strerror}); set TRIBOCOSIM_CACHE to a "
+                "folder that can"
+            ) from None
     return _content(path.name, folder)
 
 
@@ -69,6 +76,17 @@ def _unpack(path: Path, folder: Path) -> None:
 
 
 def _content(name: str, folder: Path) -> dict[str, Any]:
+    try:
+        return _read(name, folder)
+    except ScenarioError:
+        raise
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        # Something is missing or is no number; what, the schema says better.
+        fault = schema_fault(folder) or f"{type(error).__name__}: {error}"
+        raise ScenarioError(f"{name}: not as SSP 1.0 has it: {fault}; correct it") from None
+
+
+def _read(name: str, folder: Path) -> dict[str, Any]:
     file = folder / STRUCTURE
     if not file.is_file():
         raise ScenarioError(f"{name}: {STRUCTURE} is missing, so this is not an SSP; give another file")

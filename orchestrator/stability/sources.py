@@ -9,7 +9,7 @@ from pathlib import Path
 
 from models.system import System
 
-from ..assembly import Builder
+from ..assembly import Builder, check_as_they_are
 from ..participants import Participant, fmu, in_process
 from ..scenario import Scenario, ScenarioError
 from .linearisation import Equations, Linearisation
@@ -24,8 +24,10 @@ def linearisations(
     equations.
 
     `every`: all as they would take part in a run, by their responses. Participants live as long as the
-    block. ScenarioError for one that cannot save its state, or that has a field.
+    block. ScenarioError for one that cannot save its state, or that has a field, and for connections that
+    change values.
     """
+    check_as_they_are(scenario)
     with ExitStack() as stack:
         made: dict[str, Linearisation] = {}
         for name, table in scenario.components.items():

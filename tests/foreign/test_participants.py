@@ -9,9 +9,14 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 
+from orchestrator.assembly import system_of
 from orchestrator.exchange import Exchange
 from orchestrator.participants import component_of_file
-from orchestrator.scenario import ScenarioError
+from orchestrator.participants.fmu import Given
+from orchestrator.participants.in_own_process import InOwnProcess
+from orchestrator.scenario import ScenarioError, scenario_of
+from orchestrator.scenario_files import contents, shipped
+from orchestrator.stability.sources import linearisations
 
 from .c_fmus import fmu
 from .runs import ran, scenario
@@ -83,6 +88,31 @@ def test_a_process_of_its_own_changes_no_bit(version: int, master: str, tmp_path
     assert shared.keys() == own.keys()
     for name in shared:
         np.testing.assert_array_equal(own[name], shared[name])
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_serialised_state_goes_on_in_another_process(version: int, tmp_path: Path) -> None:
+    """As a resumed run has it."""
+    path, rows = fmu("vanderpol", version, tmp_path), []
+    units = [InOwnProcess("one", path, Given(["x", "v"], {"mu": 2.0})) for _ in range(2)]
+    try:
+        for unit in units:
+            unit.connect(["force"], np.ones((1, 1)), ["x", "v"], outputs := np.zeros(2), np.zeros(0))
+            unit.initialise(0.0, 1.0)
+            unit.finish_initialisation()
+            unit.write()
+        units[0].advance(0.0, 0.25)
+        data = units[0].to_bytes(units[0].save())
+        units[1].restore(units[1].from_bytes(data))
+        for unit in units:
+            unit.write()
+            unit.advance(0.25, 0.25)
+            unit.read_all(outputs)
+            rows.append(outputs.tolist())
+    finally:
+        for unit in units:
+            unit.close()
+    assert rows[0] == rows[1]
 
 
 def test_both_versions_of_fmi_give_the_same(tmp_path: Path) -> None:
@@ -242,6 +272,31 @@ def test_what_an_fmu_cannot_do_is_refused_before_the_run(case: str, tmp_path: Pa
     with pytest.raises(ValueError, match=said):
         ran(scenario({"one": table}, **changes), tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("changes", "remedy"),
+    [
+        ({}, "set reference.enabled = false, or connect"),
+        ({"reference": {"enabled": False}, "start": "equilibrium"}, "set start = 'given', or connect"),
+    ],
+)
+def test_what_the_equations_do_not_know_is_refused_with_them(changes: dict[str, Any], remedy: str) -> None:
+    """A reference without the factor would judge another system."""
+    content = contents(shipped()["two-masses"]) | changes
+    content["connections"] = ["first.force * 2 -> second.force"]
+    with pytest.raises(ScenarioError, match=f"changes values, which the equations .* do not know; {remedy}"):
+        system_of(scenario_of(content))
+
+
+def test_what_an_analysis_does_not_know_is_refused(tmp_path: Path) -> None:
+    shaft = fmu("shaft", 2, tmp_path)
+    one = scenario({"one": {"participant": shaft}}, connections=["one.air -> one.wall"])
+    with (
+        pytest.raises(ScenarioError, match=r"one\.wall: its connection .* not known to the analysis"),
+        linearisations(one, system_of(one), None),
+    ):
+        pass
 
 
 def test_two_of_an_fmu_that_fills_its_process_take_processes_of_their_own(tmp_path: Path) -> None:

@@ -224,6 +224,38 @@ def test_connections_that_are_not_supported_are_refused(
         load(path)
 
 
+LINE = r"SystemStructure\.ssd, line 1: .*"
+DAMAGED = {
+    "number": ('factor="2.0"', 'factor="two"', LINE),
+    "name": ('startConnector="x"', "", LINE),
+    # Parameter sets inside the file have another schema, which its own does not call.
+    "value": ('value="3"', 'value="three"', "could not convert string to float: 'three'"),
+    "unit": ('factor="0.001"', 'factor="milli"', LINE),
+    "end": ('stopTime="1"', 'stopTime="late"', LINE),
+}
+
+
+@pytest.mark.parametrize("case", DAMAGED)
+def test_what_is_not_as_the_schema_has_it_is_refused_with_its_line(
+    case: str, tmp_path: Path, files: dict[str, bytes]
+) -> None:
+    units = '<ssd:Units><ssc:Unit name="mm"><ssc:BaseUnit m="1" factor="0.001"/></ssc:Unit></ssd:Units>'
+    elements = component("decay", "dahlquist", DECAY, binding({"k": 'Real value="3"'}))
+    elements += component("vector", "vector", VECTOR)
+    connected = connection("decay.x", "vector.u[1]", linear(2.0))
+    path = package(tmp_path / "a.ssp", elements, connected, files=files, after=units)
+    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(tmp_path / "b.ssp", "w") as target:
+        for name in archive.namelist():
+            content = archive.read(name)
+            if name.endswith(".ssd"):
+                old, new = (text.encode() for text in DAMAGED[case][:2])
+                assert old in content
+                content = content.replace(old, new)
+            target.writestr(name, content)
+    with pytest.raises(ValueError, match=rf"b\.ssp: not as SSP 1\.0 has it: .*{DAMAGED[case][2]}; correct"):
+        load(tmp_path / "b.ssp")
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [(b"no archive", "so not an SSP"), (b"", "so not an SSP")],
