@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from benchmarks.line_contact import Turn, over_event
+from benchmarks.line_contact import Turn, over_event, over_turn
 from models.contact.line.workspace import workspace_size
 
 from .table import Row
@@ -19,18 +19,24 @@ NODES = (101, 301, 701, 1501, 3001)
 # The event is dear: shorter stretches of it where there are many nodes.
 MANY, LAST, SHORT_LAST = 1000, 225.0, 115.0
 TURN, REPEATS = 1.0, 3
+# That of the FMU unless told otherwise (m).
+ROUGHNESS = 0.2e-6
 
 
 def rows() -> Iterator[Row]:
     found = {nodes: over_event(nodes, LAST if nodes < MANY else SHORT_LAST) for nodes in NODES}
     for nodes, (promised, dense) in PROMISED.items():
-        spent = min(found[nodes][0], over_event(nodes, LAST)[0])
+        event = min(found[nodes][0], over_event(nodes, LAST)[0])
+        smooth, rough = (min(over_turn(nodes, sigma) for _ in range(REPEATS)) for sigma in (0.0, ROUGHNESS))
+        slow = [f"the cam's event alone takes {event:.2f}"] if event > promised else []
+        slow += [f"rough surfaces take {rough:.2f}"] if rough > promised else []
         yield Row(
             f"transient step at {nodes} nodes: {promised:g} ms or less on average over the cam cycle (a "
             f"plain dense Newton took {dense:g} ms)",
-            f"{nodes} nodes, 0.1°: {spent:.2f} ms of processor time",
+            f"{nodes} nodes, 0.1°: {smooth:.2f} ms of processor time over the cycle, {event:.2f} over the "
+            f"event; {rough:.2f} over the cycle with a roughness of {1e6 * ROUGHNESS:g} µm",
             command=COMMAND,
-            short="" if spent <= promised else "not met.",
+            short=("; ".join(slow) + " ms.") if slow else "",
         )
     yield _growth(found)
     yield _revolution()
