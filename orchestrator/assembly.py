@@ -263,7 +263,7 @@ def participants_of(
                 participants[name] = substepped(participants[name], table.substeps, table.retries)
             if scenario.energy.correction:
                 participants[name] = Compensated(participants[name], bond_inputs(instance.component))
-            if name in linear:
+            if any(one != Linear() for one in linear.get(name, {}).values()):
                 participants[name] = transformed(participants[name], linear[name])
     except BaseException:
         for participant in participants.values():

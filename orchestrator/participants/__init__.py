@@ -7,10 +7,11 @@ from pathlib import Path
 
 from models.system import Instance
 
-from .fmu import FmuParticipant, Given, missing, signal_degrees
+from .fmu import FmuParticipant, Given
 from .foreign import ForeignComponent, component_of_file
 from .in_own_process import InOwnProcess
 from .in_process import InProcessParticipant as in_process
+from .offers import missing, signal_degrees
 from .protocol import Participant
 from .substeps import Substepped as substepped
 from .transformed import Transformed as transformed

@@ -14,15 +14,16 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from .standard import WARNING
+from .standard import DISCARD, WARNING
 
 # Addresses of the functions, of the component, and of the references and numbers that are given to it and
 # taken from it; how many these are. Where the FMU is in Python, the interpreter is not let go for its calls.
+# One of FMI 3 tells of its step in the memory `told`: event, end, early return (a byte each), at 8 the time.
 CALLS = np.dtype(
     [
         (name, np.int64)
         for name in (
-            "component", "in_python", "set_real", "do_step", "get_real",
+            "component", "in_python", "fmi3", "told", "set_real", "do_step", "get_real",
             "given", "given_references", "given_count",
             "taken", "taken_references", "taken_count",
         )
@@ -52,6 +53,17 @@ def _call_reals(typing: Any, function: Any, component: Any, references: Any, cou
 
 
 @intrinsic
+def _call_reals3(typing: Any, function: Any, component: Any, references: Any, count: Any, memory: Any) -> Any:
+    """fmi3SetFloat64 or fmi3GetFloat64, of scalars: as many values as references."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        called = _function(builder, arguments[0], *["address"] * 5)
+        return builder.call(called, [*arguments[1:], arguments[3]])
+
+    return types.int32(*[types.int64] * 5), generate
+
+
+@intrinsic
 def _call_step(typing: Any, function: Any, component: Any, time: Any, step: Any, no_rollback: Any) -> Any:
     """fmi2DoStep."""
 
@@ -62,9 +74,41 @@ def _call_step(typing: Any, function: Any, component: Any, time: Any, step: Any,
     return types.int32(types.int64, types.int64, types.float64, types.float64, types.int32), generate
 
 
+@intrinsic
+def _call_step3(typing: Any, function: Any, component: Any, time: Any, step: Any, yes: Any, told: Any) -> Any:
+    """fmi3DoStep."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        called = _function(builder, arguments[0], "address", "double", "double", "int", *["address"] * 4)
+        places = [builder.add(arguments[5], ir.IntType(64)(offset)) for offset in (0, 1, 2, 8)]
+        return builder.call(called, [*arguments[1:5], *places])
+
+    return types.int32(
+        types.int64, types.int64, types.float64, types.float64, types.int32, types.int64
+    ), generate
+
+
+@intrinsic
+def _byte(typing: Any, address: Any) -> Any:
+    """What is at this address."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        place = builder.inttoptr(arguments[0], ir.IntType(8).as_pointer())
+        return builder.load(place)
+
+    return types.uint8(types.int64), generate
+
+
 # Other threads, an FMU's own too, may need the interpreter meanwhile.
 _let_go = types.ExternalFunction("PyEval_SaveThread", types.intp())
 _take_again = types.ExternalFunction("PyEval_RestoreThread", types.void(types.intp))
+
+
+@numba.njit(cache=True)
+def _transferred(fmu: Any, function: int, references: int, count: int, memory: int) -> int:
+    if fmu.fmi3:
+        return _call_reals3(function, fmu.component, references, count, memory)
+    return _call_reals(function, fmu.component, references, count, memory)
 
 
 @numba.njit(cache=True)
@@ -72,20 +116,31 @@ def _reals(fmu: Any, function: int, references: int, count: int, memory: int) ->
     if count == 0:
         return 0
     if fmu.in_python:
-        return _call_reals(function, fmu.component, references, count, memory)
+        return _transferred(fmu, function, references, count, memory)
     thread = _let_go()
-    status = _call_reals(function, fmu.component, references, count, memory)
+    status = _transferred(fmu, function, references, count, memory)
     _take_again(thread)
     return status
 
 
 @numba.njit(cache=True)
-def _step(fmu: Any, time: float, step: float) -> int:
+def _stepped(fmu: Any, time: float, step: float) -> int:
     yes = numba.int32(1)
+    if fmu.fmi3:
+        status = _call_step3(fmu.do_step, fmu.component, time, step, yes, fmu.told)
+        # To ask for the end, or to come back early, is not to have made the step.
+        if status <= WARNING and (_byte(fmu.told + 1) != 0 or _byte(fmu.told + 2) != 0):
+            return numba.int32(DISCARD)
+        return status
+    return _call_step(fmu.do_step, fmu.component, time, step, yes)
+
+
+@numba.njit(cache=True)
+def _step(fmu: Any, time: float, step: float) -> int:
     if fmu.in_python:
-        return _call_step(fmu.do_step, fmu.component, time, step, yes)
+        return _stepped(fmu, time, step)
     thread = _let_go()
-    status = _call_step(fmu.do_step, fmu.component, time, step, yes)
+    status = _stepped(fmu, time, step)
     _take_again(thread)
     return status
 

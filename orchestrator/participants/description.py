@@ -66,8 +66,9 @@ class Description:
     """Of an FMU for co-simulation.
 
     `variables` by name; `depends` gives, for each output, the inputs it depends on at the same instant, where
-    the file says it. `fixed_step` (s) is that of an FMU whose communication steps have to be multiples of it,
-    else 0. `start`, `stop` and `step` (s) are those of its default experiment.
+    the file says it. `fixed_step` (s) is that of an FMU that moves by equal steps, else 0; one that
+    `returns_early` may come back from a step before its end, one that `interpolates` takes derivatives of
+    inputs by the standard's call. `start`, `stop` and `step` (s) are those of its default experiment.
     """
 
     version: str
@@ -82,6 +83,8 @@ class Description:
     serialisable: bool
     variable_step: bool
     fixed_step: float
+    returns_early: bool
+    interpolates: bool
     once_per_process: bool
     start: float | None
     stop: float | None
@@ -119,6 +122,8 @@ def described(path: Path) -> Description:
         serialisable=bool(about.canSerializeFMUstate),
         variable_step=bool(about.canHandleVariableCommunicationStepSize),
         fixed_step=float(about.fixedInternalStepSize or 0.0),
+        returns_early=bool(about.mightReturnEarlyFromDoStep or about.canReturnEarlyAfterIntermediateUpdate),
+        interpolates=bool(about.canInterpolateInputs) and found.fmiVersion == "2.0",
         once_per_process=bool(about.canBeInstantiatedOnlyOncePerProcess),
         **{
             short: _number(getattr(experiment, name, None))

@@ -107,6 +107,8 @@ class Fmi2:
         return {key: address.value or 0 for key, address in found.items()} | {
             "component": self._handle.value or 0,
             "in_python": int(self._in_python),
+            "fmi3": 0,
+            "told": 0,
         }
 
     def setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
@@ -126,6 +128,20 @@ class Fmi2:
 
         def transfer(kept: Any = (references, values)) -> None:  # keeps the memory alive
             status = call(handle, wanted, count, memory)
+            if status > WARNING:
+                fail(status)
+
+        return transfer
+
+    def input_derivatives(
+        self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
+    ) -> Callable[[], None]:
+        call, handle = self._function("fmi2SetRealInputDerivatives"), self._handle
+        wanted, memory = ctypes.c_void_p(references.ctypes.data), ctypes.c_void_p(values.ctypes.data)
+        count, order = ctypes.c_size_t(len(references)), ctypes.c_void_p(orders.ctypes.data)
+
+        def transfer(kept: Any = (references, orders, values)) -> None:  # keeps the memory alive
+            status = call(handle, wanted, count, order, memory)
             if status > WARNING:
                 fail(status)
 

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 from fmpy import fmi3
 from fmpy.fmi3 import FMU3Slave
 
@@ -20,6 +22,8 @@ from .standard import DISCARD, WARNING
 
 # As fmi3Int64 is called by what holds it.
 HELD = {"Enumeration": "Int64"}
+# Bytes of what a step tells.
+ENDED, EARLY = 1, 2
 # Returns on the way through one step, before it counts as one that does not get on.
 MAXIMUM_RETURNS = 10_000
 
@@ -36,14 +40,19 @@ class Fmi3:
             modelIdentifier=description.identifier,
             instanceName=name,
         )
-        self._reached: float | None = None
-        self._ended = False
+        self._early = description.returns_early
+        # What a step tells: event, end, early return (a byte each); at 8 the time that it has reached.
+        self._told = np.zeros(2)
 
     def instantiate(self, log: Callable[[int, bytes], None]) -> None:
         self._slave.instantiate(
             loggingOn=True, logMessage=lambda environment, status, category, message: log(status, message)
         )
-        self._library, self._handle = self._slave.dll, ctypes.c_void_p(self._slave.component)
+        # As FMI 2.0's: one that is in Python keeps the interpreter in its calls.
+        self._in_python = Path(self._slave.unzipDirectory, "resources", "slavemodule.txt").is_file()
+        own = self._slave.dll
+        self._library = ctypes.PyDLL(None, handle=own._handle) if self._in_python else own
+        self._handle = ctypes.c_void_p(self._slave.component)
         self._save = self._function("fmi3GetFMUState")
         self._restore = self._function("fmi3SetFMUState")
         self._release = self._function("fmi3FreeFMUState")
@@ -98,7 +107,16 @@ class Fmi3:
         return function
 
     def addresses(self) -> dict[str, int]:
-        return {}
+        if self._early:  # which compiled code does not go on from
+            return {}
+        functions = {"set_real": "fmi3SetFloat64", "do_step": "fmi3DoStep", "get_real": "fmi3GetFloat64"}
+        found = {key: ctypes.cast(self._library[name], ctypes.c_void_p) for key, name in functions.items()}
+        return {key: address.value or 0 for key, address in found.items()} | {
+            "component": self._handle.value or 0,
+            "in_python": int(self._in_python),
+            "fmi3": 1,
+            "told": self._told.ctypes.data,
+        }
 
     def setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
         return self._reals("fmi3SetFloat64", references, values, fail)
@@ -122,35 +140,39 @@ class Fmi3:
 
         return transfer
 
+    def input_derivatives(
+        self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
+    ) -> Callable[[], None]:
+        raise NotImplementedError("FMI 3 has no such call")
+
     def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         call, handle = self._function("fmi3DoStep"), self._handle
         yes, begin, duration = ctypes.c_bool(True), ctypes.c_double(), ctypes.c_double()
-        event, ended, early, last = ctypes.c_bool(), ctypes.c_bool(), ctypes.c_bool(), ctypes.c_double()
-        told = [ctypes.byref(one) for one in (event, ended, early, last)]
+        told, at = self._told, self._told.ctypes.data
+        places = [ctypes.c_void_p(at + offset) for offset in (0, 1, 2, 8)]
+        marks = told[:1].view(np.uint8)
 
         def advance(time: float, step: float) -> None:
             end = time + step
             begin.value, duration.value = time, step
             for _ in range(MAXIMUM_RETURNS):
-                status = call(handle, begin, duration, yes, *told)
-                self._ended = ended.value
-                if status <= WARNING and not (early.value or ended.value):
+                status = call(handle, begin, duration, yes, *places)
+                if status <= WARNING and not (marks[ENDED] or marks[EARLY]):
                     return
-                if status > WARNING or ended.value:
+                if status > WARNING or marks[ENDED]:
                     break
-                begin.value, duration.value = last.value, end - last.value
+                begin.value, duration.value = told[1], end - told[1]
                 if duration.value <= 0.0:
                     return
-            self._reached = last.value if early.value or status == DISCARD or ended.value else None
             fail(max(status, DISCARD), time, step)
 
         return advance
 
     def reached(self) -> float | None:
-        return self._reached
+        return float(self._told[1])
 
     def ended(self) -> bool:
-        return self._ended
+        return bool(self._told[:1].view(np.uint8)[ENDED])
 
     def save(self, state: ctypes.c_void_p) -> int:
         return self._save(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
-import difflib
 import shutil
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
@@ -15,7 +14,7 @@ from typing import Any, NoReturn
 import numpy as np
 from fmpy import extract
 
-from models.quantities import Field, Layout, Quantity, Vector
+from models.quantities import Vector
 from models.system import suggestion
 
 from ..errors import (
@@ -29,9 +28,10 @@ from ..errors import (
 )
 from .binding import Elements, array_of
 from .compiled import SET, STEP
-from .description import REALS, DescriptionError, Variable, described
+from .description import REALS, Variable, described
 from .fmi2 import Fmi2
 from .fmi3 import Fmi3
+from .offers import derivative
 from .standard import DISCARD, FATAL, STATUS, WARNING, Standard
 
 REMEDY = "look at its inputs and parameters, reduce macro_step or use the iterated master"
@@ -47,43 +47,11 @@ class Given:
     inputs: Mapping[str, float] = field(default_factory=dict)
 
 
-def missing(path: Path, names: Iterable[str]) -> list[str]:
-    """What keeps the FMU at `path` from being a participant with these variables; nothing of it is run."""
-    try:
-        description = described(path)
-    except DescriptionError as error:
-        return [str(error)]
-    known = list(description.variables)
-    absent = [name for name in names if name not in known]
-    model = f"the FMU of {description.model} has no variable"
-    return [f"{model} {name!r}{_nearest(name, known)}" for name in absent]
-
-
-def signal_degrees(path: Path, inputs: Layout) -> dict[str, int]:
-    """The degree of the polynomial that the FMU at `path` follows, by input; 0: it holds the value."""
-    known = described(path).variables
-
-    def degree(name: str) -> int:
-        absent = (k for k in range(1, 4) if derivative(name, k) not in known)
-        return next(absent, 4) - 1
-
-    return {name: degree(name) for name in inputs.names}
-
-
-def derivative(name: str, order: int) -> str:
-    """The name of the input that takes the derivative of that order of the input `name`."""
-    return Field(name, Quantity("1", ""), 0.0).suffixed(f"_der{order}")
-
-
-def _nearest(name: str, known: Sequence[str]) -> str:
-    close = difflib.get_close_matches(name, known, n=1)
-    return f" (has it {close[0]}?)" if close else ""
-
-
 class FmuParticipant:
     """Implements `Participant` for the FMU at `path`.
 
-    Inputs follow a polynomial over the step where the FMU offers `<input>_der1`, `_der2`; others are held.
+    Inputs follow a polynomial over the step where the FMU offers `<input>_der1`, `_der2`, or the standard's
+    call for derivatives (canInterpolateInputs of FMI 2.0); others are held.
     Whole numbers and truth values are exchanged as the nearest number.
     Rates are those of outputs for which the FMU has an output or local variable that it declares to be
     their `derivative`, and of discrete outputs.
@@ -98,7 +66,7 @@ class FmuParticipant:
         self._asked = given
         # The last ones: an FMU that says something in every step must not fill the memory.
         self._messages: deque[str] = deque(maxlen=20)
-        self._instantiated = False
+        self._instantiated = self._stepping = False
         self._fatal = False
         try:
             self._description = described(path)
@@ -202,12 +170,41 @@ class FmuParticipant:
         whole = len(found) == inputs.size and elements.plain
         self._set = elements.setting(self._setting_failed, inputs.ravel() if whole else None)
         self.write = self._set.transfer if whole else self._write_picked
+        self._interpolate(input_names, inputs)
         self._all = Elements(self._fmi, self._variables, map(self._variable, self._asked.outputs)).getting(
             self._reading_failed
         )
         rated = self._bind_read(output_names, outputs, rates)
-        self.compilable = bool(self._fmi.addresses()) and elements.plain and self._get.plain
+        plain = elements.plain and self._get.plain and not self._interpolated
+        self.compilable = bool(self._fmi.addresses()) and plain
         return rated
+
+    def _interpolate(self, names: Sequence[str], inputs: Vector) -> None:
+        """Have derivatives set by the standard's call for inputs without variables for them."""
+        self._interpolated = [
+            column
+            for column, name in enumerate(names)
+            if self._description.interpolates
+            and len(inputs) > 1
+            and self._variable(name).type in self._fmi.real_types
+            and derivative(name, 1) not in self._variables
+        ]
+        if not self._interpolated:
+            return
+        columns, count = self._interpolated, len(inputs) - 1
+        references = np.array([self._variable(names[c]).reference for c in columns] * count, dtype=np.uintc)
+        orders = np.repeat(np.arange(1, count + 1, dtype=np.intc), len(columns))
+        slopes = np.zeros(len(references))
+        send = self._fmi.input_derivatives(references, orders, slopes, self._setting_failed)
+        write = self.write
+
+        def write_all() -> None:
+            write()
+            if self._stepping:  # before that the standard has no such call
+                slopes[:] = inputs[1:, columns].ravel()
+                send()
+
+        self.write = write_all
 
     def _bind_read(self, output_names: Sequence[str], outputs: Vector, rates: Vector) -> Sequence[bool]:
         """Bind outputs and rates to one call; for each output, whether its rate is given."""
@@ -261,6 +258,7 @@ class FmuParticipant:
     def finish_initialisation(self) -> None:
         with self._naming("initialise"):
             self._fmi.exit_initialization()
+        self._stepping = True
 
     def _write_picked(self) -> None:
         self._set.give(self._inputs[self.picked])

@@ -49,6 +49,13 @@ class Standard(Protocol):
         """As `setter`, the other way."""
         ...
 
+    def input_derivatives(
+        self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
+    ) -> Callable[[], None]:
+        """A function that sets the inputs' derivatives of these orders (int) to what is in `values`; for FMUs
+        that say that they interpolate."""
+        ...
+
     def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         """A function that steps from a time by a length; `fail` gets these as well, after the status.
 

@@ -143,6 +143,12 @@ MODELS = {
         "for (int i = 0; i < 2; i++) (&$y)[i] = (&$A)[2 * i] * (&$x0)[0] + (&$A)[2 * i + 1] * (&$x0)[1];",
         depends={"y": ()},
     ),
+    # dy/dt = u, exactly for inputs that are cubics.
+    "integral": Model(
+        (V("y", "output"), V("u", "input"), V("u1"), V("u2"), V("u3")),
+        "$y += h * ($u + h / 2 * ($u1 + h / 3 * ($u2 + h / 4 * $u3)));",
+        abilities='canGetAndSetFMUstate="true" canInterpolateInputs="true" ',
+    ),
     "shaft": Model(
         (V("speed", "output", 0.0, unit="r/min"), V("height", "input", unit="mm"),
          V("reached", "output", unit="mm"),
@@ -172,6 +178,7 @@ for _name, _code in VICES.items():
 MODELS["early"] = Model(
     MODELS["dahlquist"].variables,
     "if (h > 6e-3) { $x *= exp(-$k * h / 2); m->reached = t + h / 2; return EARLY; } " + EXPONENTIAL,
+    abilities='mightReturnEarlyFromDoStep="true" ',
 )
 MODELS["rigid"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, abilities="", variable_step=False)
 MODELS["single"] = Model(

@@ -127,7 +127,12 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
     return fmi2Error;
 }
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                                       const fmi2Integer o[], const fmi2Real x[]) { return fmi2Error; }
+                                       const fmi2Integer o[], const fmi2Real x[]) {
+    /* The variables after an input are its derivatives. */
+    if (!((Instance *)c)->initialised) return fmi2Error;
+    for (size_t i = 0; i < n; i++) ((Instance *)c)->v[r[i] + o[i]] = x[i];
+    return fmi2OK;
+}
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
                                         const fmi2Integer o[], fmi2Real x[]) { return fmi2Error; }
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_rollback) {

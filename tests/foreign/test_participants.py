@@ -11,6 +11,7 @@ from fmpy import simulate_fmu
 
 from orchestrator.assembly import system_of
 from orchestrator.exchange import Exchange
+from orchestrator.fmu_passes import FmuPass
 from orchestrator.participants import component_of_file
 from orchestrator.participants.fmu import Given
 from orchestrator.participants.in_own_process import InOwnProcess
@@ -115,9 +116,16 @@ def test_a_serialised_state_goes_on_in_another_process(version: int, tmp_path: P
     assert rows[0] == rows[1]
 
 
-def test_both_versions_of_fmi_give_the_same(tmp_path: Path) -> None:
-    """The models are the same C; calls of FMI 2.0 are made by compiled code."""
-    one, other = (coupled(version, "shared", tmp_path, **MASTERS["gauss_seidel"]) for version in VERSIONS)
+@pytest.mark.parametrize("master", ["jacobi", "gauss_seidel"])
+def test_both_versions_of_fmi_give_the_same(
+    master: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The models are the same C; compiled code makes the calls of both."""
+    made = []
+    run_pass = FmuPass.__call__
+    monkeypatch.setattr(FmuPass, "__call__", lambda *arguments: (made.append(1), run_pass(*arguments))[1])
+    one, other = (coupled(version, "shared", tmp_path, **MASTERS[master]) for version in VERSIONS)
+    assert len(made) >= 200
     for name in one:
         np.testing.assert_array_equal(one[name], other[name])
 
@@ -205,6 +213,29 @@ def test_a_step_that_returns_early_is_gone_on_with(tmp_path: Path) -> None:
         for name in ("early", "dahlquist")
     )
     np.testing.assert_allclose(early, whole, rtol=400 * EPSILON)
+
+
+@pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.parametrize(("signal", "order"), [("hold", 1), ("linear", 2), ("quadratic", 3)])
+def test_inputs_follow_signals_by_the_standards_call(
+    signal: str, order: int, process: str, tmp_path: Path
+) -> None:
+    """The integral of exp(-t) by an FMU that takes derivatives of its input: the signal's order."""
+    tables = {
+        "decay": {"participant": fmu("dahlquist", 2, tmp_path)},
+        "integral": {"participant": fmu("integral", 2, tmp_path), "process": process},
+    }
+    missed = []
+    for step in (0.02, 0.01):
+        one = scenario(
+            tables,
+            connections=["decay.x -> integral.u"],
+            macro_step=step,
+            master={"name": "jacobi", "extrapolation": signal},
+        )
+        _, found = ran(one, tmp_path / f"{step}")
+        missed.append(np.abs(found["integral.y"] - (1.0 - np.exp(-found["time"]))).max())
+    assert np.log2(missed[0] / missed[1]) == pytest.approx(order, abs=0.1)
 
 
 def test_the_declared_derivative_is_the_rate(tmp_path: Path) -> None:
