@@ -44,10 +44,11 @@ def ssp_import(
     """Write an SSP package as a scenario file with its FMUs, to be changed; `run` takes packages too."""
     from ..errors import MistakeError
     from ..scenario import scenario_of
-    from ..scenario_files import find, stated
+    from ..scenario_files import find, load, stated
     from ..ssp import unpacked
 
     source = find(file)
+    load(source)  # so that nothing is written of one that is refused
     folder = out or Path(file.stem)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise MistakeError(f"{folder}: is not an empty folder; choose another --out")

@@ -129,6 +129,12 @@ class InOwnProcess:
         if self._rates.size:
             self._rates[self._rated] = self._taken[count:][self._rated]
 
+    def _deliver(self) -> None:
+        """What has been written, before a call that would see it."""
+        if self._written:
+            self._doing = "setting of inputs"
+            self._take(self._ask(READ, self._given()))
+
     def _given(self) -> bytes:
         """The inputs, if they have been written since the last message."""
         written, self._written = self._written, False
@@ -139,11 +145,11 @@ class InOwnProcess:
         self._fresh = True
 
     def read_all(self, values: Vector) -> None:
-        if self._written:
-            self.read()
+        self._deliver()
         values[:] = self._call("read_all", size=len(values))
 
     def save(self) -> Saved:
+        self._deliver()
         saved: Saved = self._call("save")
         return saved
 

@@ -61,7 +61,10 @@ def export(scenario: Scenario, target: Path, build: assembly.Builder) -> None:
     files = {STRUCTURE: document(_structure(scenario, system, fmus, bindings)), **files}
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
         for path, content in files.items():
-            archive.writestr(zipfile.ZipInfo(path, _DATE), content, zipfile.ZIP_DEFLATED)
+            kind = (
+                zipfile.ZIP_STORED if path.endswith(".fmu") else zipfile.ZIP_DEFLATED
+            )  # which it has itself
+            archive.writestr(zipfile.ZipInfo(path, _DATE), content, kind)
 
 
 # The name of all parameter sets: ecos applies those of the one name that it is asked for.

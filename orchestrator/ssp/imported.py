@@ -53,11 +53,10 @@ def contents(path: Path) -> dict[str, Any]:
 
 
 def unpacked(path: Path, folder: Path) -> dict[str, Any]:
-    """As `contents`, with the FMUs in `folder`/resources."""
+    """As `contents`, with the FMUs unpacked into `folder`."""
     with tempfile.TemporaryDirectory() as made:
         whole = Path(made, "whole")
         _unpack(path, whole)
-        _content(path.name, whole)  # so that nothing is written of one that is refused
         folder.mkdir(parents=True, exist_ok=True)
         shutil.copytree(whole, folder, dirs_exist_ok=True)
     return _content(path.name, folder)

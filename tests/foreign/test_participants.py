@@ -13,7 +13,7 @@ from orchestrator.assembly import system_of
 from orchestrator.exchange import Exchange
 from orchestrator.fmu_passes import FmuPass
 from orchestrator.participants import component_of_file
-from orchestrator.participants.fmu import Given
+from orchestrator.participants.fmu import FmuParticipant, Given
 from orchestrator.participants.in_own_process import InOwnProcess
 from orchestrator.scenario import ScenarioError, scenario_of
 from orchestrator.scenario_files import contents, shipped
@@ -114,6 +114,29 @@ def test_a_serialised_state_goes_on_in_another_process(version: int, tmp_path: P
         for unit in units:
             unit.close()
     assert rows[0] == rows[1]
+
+
+@pytest.mark.parametrize("kind", [InOwnProcess, FmuParticipant])
+def test_a_saved_state_has_the_inputs_that_were_written(
+    kind: type[InOwnProcess] | type[FmuParticipant], tmp_path: Path
+) -> None:
+    unit = kind("one", fmu("feedthrough", 3, tmp_path), Given(["real out"]))
+    inputs, outputs = np.zeros((1, 1)), np.zeros(1)
+    try:
+        unit.connect(["real in"], inputs, ["real out"], outputs, np.zeros(0))
+        unit.initialise(0.0, 1.0)
+        unit.finish_initialisation()
+        inputs[:] = 3.0
+        unit.write()
+        saved = unit.save()
+        inputs[:] = 5.0
+        unit.write()
+        unit.restore(saved)
+        unit.read()
+        unit.release(saved)
+    finally:
+        unit.close()
+    assert outputs[0] == 3.0
 
 
 @pytest.mark.parametrize("master", ["jacobi", "gauss_seidel"])

@@ -78,7 +78,7 @@ TABLES = st.fixed_dictionaries(
 
 @given(changes=CHANGES, first=TABLES, second=TABLES)
 @settings(
-    max_examples=30,
+    max_examples=15,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
