@@ -88,25 +88,37 @@ def model_description(
     memory = Memory(component)
     variables = (*memory.variables(), *(memory.motion() if exchange else ()))
     index = {v.reference: i for i, v in enumerate(variables, 1)}
-    root = Element(
-        "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=model_name,
-        guid=GUID_PLACE,
-        description=component.description,
-        author=origin.author,
-        version=origin.version,
-        copyright=origin.copyright,
-        license=origin.license,
-        generationTool=origin.tool,
-        variableNamingConvention="structured",
-        numberOfEventIndicators=str(component.events.count if exchange and component.events else 0),
-    )
+    root = Element("fmiModelDescription", fmiVersion="2.0", modelName=model_name, guid=GUID_PLACE)
+    root.attrib |= about(component, origin)
+    root.set("numberOfEventIndicators", str(component.events.count if exchange and component.events else 0))
     if exchange:
         SubElement(root, "ModelExchange", modelIdentifier=model_name, **exchange)
     SubElement(root, "CoSimulation", modelIdentifier=model_name, **abilities)
-    _units(SubElement(root, "UnitDefinitions"), variables)
+    units(root, variables)
     _types(SubElement(root, "TypeDefinitions"), variables)
+    running(root, experiment)
+    listed = SubElement(root, "ModelVariables")
+    for variable in variables:
+        _scalar(listed, variable, index)
+    _structure(SubElement(root, "ModelStructure"), structure(component, variables), index)
+    return text_of(root)
+
+
+def about(component: Any, origin: Origin) -> dict[str, str]:
+    """Attributes that say what it is and whose."""
+    return {
+        "description": component.description,
+        "author": origin.author,
+        "version": origin.version,
+        "copyright": origin.copyright,
+        "license": origin.license,
+        "generationTool": origin.tool,
+        "variableNamingConvention": "structured",
+    }
+
+
+def running(root: Element, experiment: Experiment) -> None:
+    """Add log categories and default experiment."""
     categories = SubElement(root, "LogCategories")
     for name, text in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=name, description=text)
@@ -118,10 +130,10 @@ def model_description(
         tolerance=_number(experiment.tolerance),
         stepSize=_number(experiment.step_size),
     )
-    listed = SubElement(root, "ModelVariables")
-    for variable in variables:
-        _scalar(listed, variable, index)
-    _structure(SubElement(root, "ModelStructure"), component, variables, index)
+
+
+def text_of(root: Element) -> str:
+    """The XML file."""
     indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
 
@@ -148,10 +160,12 @@ def _number(value: float) -> str:
     return repr(float(value))
 
 
-def _units(parent: Element, variables: tuple[Variable, ...]) -> None:
+def units(root: Element, variables: Sequence[Variable]) -> None:
+    """Add the definitions of units that the variables have."""
+    parent = SubElement(root, "UnitDefinitions")
     shown: dict[str, set[str]] = {}
     for variable in variables:
-        if variable.kind == "Real":
+        if variable.kind == "Real" and variable.unit:
             shown.setdefault(unit_of(variable), set()).update(filter(None, [display_unit_of(variable)]))
     for unit in sorted(shown):
         factor, exponents = base(unit)
@@ -164,20 +178,28 @@ def _units(parent: Element, variables: tuple[Variable, ...]) -> None:
             SubElement(entry, "DisplayUnit", name=display, factor=_number(display_factor(unit, display)))
 
 
-def _types(parent: Element, variables: tuple[Variable, ...]) -> None:
-    examples = {type_of(v): v for v in variables if v.kind in ("Real", "Enumeration")}
-    for name in sorted(examples):
-        variable = examples[name]
+def types(variables: Sequence[Variable]) -> dict[str, Variable]:
+    """A variable of each declared type, by the type's name."""
+    examples = {type_of(v): v for v in variables if v.unit and v.kind in ("Real", "Enumeration")}
+    return dict(sorted(examples.items()))
+
+
+def _types(parent: Element, variables: Sequence[Variable]) -> None:
+    for name, variable in types(variables).items():
         simple = SubElement(parent, "SimpleType", name=name)
         if variable.kind == "Real":
-            SubElement(simple, "Real", _unit_attributes(variable))
+            SubElement(simple, "Real", unit_attributes(variable))
         else:
-            choices = SubElement(simple, "Enumeration")
-            for value, choice in enumerate(variable.quantity.choices):
-                SubElement(choices, "Item", name=choice, value=str(value))
+            items(SubElement(simple, "Enumeration"), variable)
 
 
-def _unit_attributes(variable: Variable) -> dict[str, str]:
+def items(parent: Element, variable: Variable) -> None:
+    """Add the choices of an enumeration."""
+    for value, choice in enumerate(variable.quantity.choices):
+        SubElement(parent, "Item", name=choice, value=str(value))
+
+
+def unit_attributes(variable: Variable) -> dict[str, str]:
     attributes = {"unit": unit_of(variable)}
     if shown := display_unit_of(variable):
         attributes["displayUnit"] = shown
@@ -197,13 +219,21 @@ def _scalar(parent: Element, variable: Variable, index: Mapping[int, int]) -> No
     )
     if variable.causality == "input":
         del element.attrib["initial"]  # the standard leaves it out for inputs
+    attributes = value_attributes(variable)
+    if variable.rate_of is not None:
+        attributes["derivative"] = str(index[variable.rate_of])
+    SubElement(element, variable.kind, attributes)
+
+
+def value_attributes(variable: Variable) -> dict[str, str]:
+    """Type, unit, range, nominal and start value."""
     attributes: dict[str, str] = {}
     quantity = variable.quantity
     whole = variable.kind != "Real"
-    if variable.kind in ("Real", "Enumeration"):
+    if variable.unit and variable.kind in ("Real", "Enumeration"):
         attributes["declaredType"] = type_of(variable)
-    if variable.kind == "Real":
-        attributes |= _unit_attributes(variable)
+    if variable.unit and variable.kind == "Real":
+        attributes |= unit_attributes(variable)
     if variable.kind in ("Real", "Integer") and quantity is not None:
         low = max(quantity.minimum, 0.0) if quantity.positive else quantity.minimum
         for key, limit in (("min", low), ("max", quantity.maximum)):
@@ -213,29 +243,34 @@ def _scalar(parent: Element, variable: Variable, index: Mapping[int, int]) -> No
         attributes |= {"min": "0", "max": str(len(quantity.choices) - 1)}
     if variable.kind == "Real" and quantity is not None and quantity.nominal != 1.0:
         attributes["nominal"] = _number(quantity.nominal)
-    if variable.rate_of is not None:
-        attributes["derivative"] = str(index[variable.rate_of])
     if variable.start is not None:
         if variable.kind == "Boolean":
             attributes["start"] = "true" if variable.start else "false"
         else:
             attributes["start"] = str(int(variable.start)) if whole else _number(variable.start)
-    SubElement(element, variable.kind, attributes)
+    return attributes
 
 
-def _structure(
-    parent: Element, component: Any, variables: tuple[Variable, ...], place: Mapping[int, int]
-) -> None:
+@dataclass(frozen=True)
+class Unknowns:
+    """What is calculated, by value references, and from which others: None for all of them."""
+
+    outputs: dict[int, list[int] | None]
+    derivatives: dict[int, list[int] | None]
+    at_start: dict[int, list[int] | None]
+
+
+def structure(component: Any, variables: Sequence[Variable]) -> Unknowns:
     """Outputs depend on the inputs that their feedthrough names and, at the start, on the parameters.
 
     A rate goes along with the state, whose derivative may depend on every input, and with the slopes of the
     inputs that its output names.
     """
-    inputs = {v.name: place[v.reference] for v in variables if v.causality == "input"}
+    inputs = {v.name: v.reference for v in variables if v.causality == "input"}
     names = {v.reference: v.name for v in variables}
-    given = [place[v.reference] for v in variables if v.causality == "parameter"]
-    rates = [v for v in variables if v.causality == "local" and v.rate_of is not None]
-    states = [place[v.rate_of] for v in rates if v.rate_of is not None]
+    given = [v.reference for v in variables if v.causality == "parameter"]
+    rates = {v.reference: v.rate_of for v in variables if v.causality == "local" and v.rate_of is not None}
+    states = list(rates.values())
     known: dict[int, list[int]] = {}
     for variable in (v for v in variables if v.causality == "output"):
         if variable.rate_of is None:
@@ -244,24 +279,33 @@ def _structure(
             direct = component.feedthrough.get(names[variable.rate_of], ())
             slopes = (component.inputs.field(name).suffixed("_der1") for name in direct)
             through = (*component.inputs.names, *slopes)
-        known[place[variable.reference]] = sorted(inputs[name] for name in through)
-    outputs = SubElement(parent, "Outputs")
-    for index, through in known.items():
-        _unknown(outputs, index, through + states)
-    if rates:
-        derivatives = SubElement(parent, "Derivatives")
-        for variable in rates:
-            _unknown(derivatives, place[variable.reference])
-    starts = SubElement(parent, "InitialUnknowns")
-    for index, through in known.items():
-        _unknown(starts, index, given + through)
-    for index in sorted([*states, *(place[v.reference] for v in rates)]):
-        _unknown(starts, index)
+        known[variable.reference] = sorted(inputs[name] for name in through)
+    return Unknowns(
+        outputs={y: through + states for y, through in known.items()},
+        derivatives=dict.fromkeys(rates),
+        at_start={y: given + through for y, through in known.items()}
+        | dict.fromkeys(sorted([*states, *rates])),
+    )
 
 
-def _unknown(parent: Element, index: int, dependencies: Sequence[int] | None = None) -> None:
-    """What is calculated, from these; without them, from everything."""
-    element = SubElement(parent, "Unknown", index=str(index))
-    if dependencies is not None:
-        element.attrib["dependencies"] = " ".join(map(str, dependencies))
-        element.attrib["dependenciesKind"] = " ".join(["dependent"] * len(dependencies))
+def dependencies(from_which: Sequence[int] | None) -> dict[str, str]:
+    """Attributes of what is calculated from these; without them, from everything."""
+    if from_which is None:
+        return {}
+    kinds = " ".join(["dependent"] * len(from_which))
+    return {"dependencies": " ".join(map(str, from_which)), "dependenciesKind": kinds}
+
+
+def _structure(parent: Element, unknowns: Unknowns, place: Mapping[int, int]) -> None:
+    parts = {
+        "Outputs": unknowns.outputs,
+        "Derivatives": unknowns.derivatives,
+        "InitialUnknowns": unknowns.at_start,
+    }
+    for name, calculated in parts.items():
+        if not calculated and name != "Outputs":
+            continue
+        listed = SubElement(parent, name)
+        for reference, through in calculated.items():
+            by = None if through is None else [place[r] for r in through]
+            SubElement(listed, "Unknown", index=str(place[reference]), **dependencies(by))

@@ -103,6 +103,20 @@ class Memory:
         ]
         return (*states, *rates)
 
+    def time(self) -> Variable:
+        """The independent variable."""
+        return Variable("time", self.t, "Real", "independent", "continuous", None, "s", "time")
+
+    def indicators(self) -> tuple[Variable, ...]:
+        """What falls below zero where an event happens, after the states' derivatives."""
+        count = self.component.events.count if self.component.events else 0
+        places = range(self.size + self.component.state.size, self.size + self.component.state.size + count)
+        text = "an event happens where it falls below zero"
+        return tuple(
+            Variable(f"event_indicator[{i}]", place, "Real", "local", "continuous", None, "", text)
+            for i, place in enumerate(places, 1)
+        )
+
     def variables(self) -> tuple[Variable, ...]:
         """All variables in the order of their value references."""
         component = self.component

@@ -12,6 +12,7 @@ from models.catalogue import CATALOGUE
 from models.component import Component
 
 from .. import build as python_build
+from .. import description3
 from ..description import EXCHANGE, GUID_PLACE, NATIVE, model_description
 from ..sources import digest_of, shipped
 from .differentiate import differentiated
@@ -29,17 +30,19 @@ def build(
     destination: Path | None = None,
     structure: Mapping[str, int] | None = None,
     platforms: Sequence[str] = tuple(PLATFORMS),
+    fmi: int = 2,
 ) -> Path:
-    """Build the native FMU `name` for these platforms and return its path.
+    """Build the native FMU `name` for these platforms and this version of FMI, 2 or 3, and return its path.
 
-    Otherwise as the build of the FMU that runs in Python; a file in a folder is called `name`-native.fmu.
+    Otherwise as the build of the FMU that runs in Python; a file in a folder is called `name`-native.fmu or
+    `name`-native-fmi3.fmu.
     TranslationError for kernels that need Python, NativeBuildError without the tools.
     """
     sizes, component = python_build.chosen(name, structure, "NATIVE_STRUCTURE")
-    label = f"{name}-native"
+    label = f"{name}-native" if fmi == 2 else f"{name}-native-fmi{fmi}"
     target = python_build.cached(label, _made_of(name, sizes, platforms))
     if not target.is_file():
-        files = content_of(name, component, sizes, platforms)
+        files = content_of(name, component, sizes, platforms, fmi)
         python_build.written(python_build.packed(files), label, target)
     if destination is None:
         return target
@@ -47,13 +50,17 @@ def build(
 
 
 def content_of(
-    name: str, component: Component, sizes: Mapping[str, int], platforms: Sequence[str]
+    name: str, component: Component, sizes: Mapping[str, int], platforms: Sequence[str], fmi: int = 2
 ) -> dict[str, bytes]:
     """The FMU's files by path."""
     plain = translated(name, sizes)
     kernels = [plain, differentiated(plain, smooth(component))]
     made_by = python_build.origin("LLVM and zig")
-    xml = model_description(component, name, python_build.experiment(name), made_by, NATIVE, EXCHANGE)
+    experiment = python_build.experiment(name)
+    if fmi == 2:
+        xml = model_description(component, name, experiment, made_by, NATIVE, EXCHANGE)
+    else:
+        xml = description3.model_description(component, name, experiment, made_by)
     unnamed = {**tables(component, name, "", ""), "kernels.ll": "".join(kernels), "modelDescription.xml": xml}
     digest = digest_of({**_shell(), **{path: text.encode() for path, text in unnamed.items()}})
     token = f"{{{uuid.UUID(digest[:32])}}}"
@@ -61,8 +68,9 @@ def content_of(
     files = python_build.documents(name, component)
     files["modelDescription.xml"] = xml.replace(GUID_PLACE, token).encode()
     for platform in map(PLATFORMS.__getitem__, platforms):
-        library = shared_library(platform, kernels, named, name)
-        files[f"binaries/{platform.fmi2}/{name}{platform.suffix}"] = library
+        folder = platform.fmi2 if fmi == 2 else platform.fmi3
+        library = shared_library(platform, kernels, named, name, fmi)
+        files[f"binaries/{folder}/{name}{platform.suffix}"] = library
     return files
 
 

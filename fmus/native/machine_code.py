@@ -72,8 +72,11 @@ class NativeBuildError(RuntimeError):
     """The tools that make machine code are missing or failed; the message says which and why."""
 
 
-def shared_library(place: Platform, kernels: Sequence[str], tables: Mapping[str, str], name: str) -> bytes:
-    """The library `name` for a platform: kernels (modules in LLVM's language) and tables in the shell."""
+def shared_library(
+    place: Platform, kernels: Sequence[str], tables: Mapping[str, str], name: str, fmi: int = 2
+) -> bytes:
+    """The library `name` for a platform: kernels (modules in LLVM's language) and tables in the shell of that
+    version of FMI."""
     with tempfile.TemporaryDirectory(prefix="tribocosim-native-") as folder:
         here = Path(folder)
         (here / "kernels.o").write_bytes(_object_code(place, kernels))
@@ -81,7 +84,8 @@ def shared_library(place: Platform, kernels: Sequence[str], tables: Mapping[str,
             (here / file).write_text(text, encoding="utf-8")
         for source in SHELL.iterdir():
             (here / source.name).write_bytes(source.read_bytes())
-        sources = sorted(path.name for path in here.glob("*.c"))
+        names = sorted(path.name for path in here.glob("*.c"))
+        sources = [file for file in names if file.startswith(f"fmi{fmi}") or not file.startswith("fmi")]
         target = f"{name}{place.suffix}"
         inputs = ["-I.", f"-I{FMI_HEADERS}", *sources, "kernels.o", "-lm"]
         _zig(["cc", "-target", place.zig, *_C, *_STRICT, "-shared", "-s", *inputs, "-o", target], here)

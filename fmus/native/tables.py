@@ -13,6 +13,10 @@ from models.integrator import FAILURES
 from ..memory import Memory, Variable
 
 _KINDS = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "Enumeration": "ENUMERATION"}
+# Nobody sets time as a variable.
+_CAUSALITIES = {name: name.upper() for name in ("parameter", "input", "output", "local")} | {
+    "independent": "LOCAL"
+}
 
 
 def tables(component: Any, name: str, digest: str, token: str) -> dict[str, str]:
@@ -42,17 +46,21 @@ def tables(component: Any, name: str, digest: str, token: str) -> dict[str, str]
         "SIZE": memory.size,
         "CONTINUOUS_STATES": len(continuous),
         "DX_AT": memory.size,
+        "GUARDS_AT": memory.size + component.state.size,
         "NO_EVENT": _number(NO_EVENT),
         "FAILURES": max(FAILURES) + 1,
     }
     if component.next_event:
         sizes["NEXT_EVENT_AT"] = memory.outputs + component.outputs.index(component.next_event)
-    variables = [*memory.variables(), *memory.states()]
+    if component.event_counter and component.event_time:
+        sizes["EVENT_COUNT_AT"] = memory.outputs + component.outputs.index(component.event_counter)
+        sizes["EVENT_TIME_AT"] = memory.outputs + component.outputs.index(component.event_time)
+    variables = [*memory.variables(), *memory.states(), memory.time(), *memory.indicators()]
     messages = [FAILURES.get(status, "") for status in range(max(FAILURES) + 1)]
     strings = {"MODEL": name, "TOKEN": token, "DIGEST": digest}
     defined = {key: _string(text) for key, text in strings.items()} | sizes
     arrays = (
-        _array("Variable", "variables", "VARIABLES + STATES", map(_variable, variables)),
+        _array("Variable", "variables", "VARIABLES + STATES + 1 + GUARDS", map(_variable, variables)),
         _array("double", "beginning", "SIZE", map(_number, memory.beginning())),
         _array("double", "nominal", "", map(_number, (*component.state.nominal, 1.0))),
         _array("int", "started", "", map(str, (*memory.started, -1))),
@@ -76,7 +84,7 @@ def _variable(variable: Variable) -> str:
     parts = (
         _string(variable.name),
         _KINDS[variable.kind],
-        variable.causality.upper(),
+        _CAUSALITIES[variable.causality],
         _truth(variable.variability == "fixed"),
         _truth(quantity is not None and quantity.positive),
         _number(low),

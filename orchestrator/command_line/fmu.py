@@ -58,6 +58,7 @@ def fmu_build(
         list[str] | None,
         typer.Option(help="With --native: build for it; may be repeated. [default: all]"),
     ] = None,
+    fmi: Annotated[int, typer.Option(help="FMI version 2 or 3 (with --native: NAME-native-fmi3.fmu).")] = 2,
 ) -> None:
     """Build FMUs."""
     from fmus.build import NAMES
@@ -71,6 +72,10 @@ def fmu_build(
         raise MistakeError("--structure: name the one component that has these sizes")
     if platform and not native:
         raise MistakeError("--platform: FMUs that run in Python are for all platforms; add --native")
+    if fmi not in (2, 3):
+        raise MistakeError(f"--fmi {fmi}: must be 2 or 3")
+    if fmi == 3 and not native:
+        raise MistakeError("--fmi 3: FMUs that run in Python are of FMI 2.0 only; add --native")
     for name in names or NAMES:
         if name not in NAMES:
             raise MistakeError(f"no FMU {name!r}; {suggestion(name, NAMES)}")
@@ -79,7 +84,7 @@ def fmu_build(
         except ValueError as error:
             raise MistakeError(f"--structure: {error}") from None
         try:
-            print(_native(name, out, sizes, platform) if native else _python(name, out, sizes))
+            print(_native(name, out, sizes, platform, fmi) if native else _python(name, out, sizes))
         except OSError as error:
             raise MistakeError(f"{out}: cannot be written ({error.strerror}); choose another --out") from None
 
@@ -90,7 +95,9 @@ def _python(name: str, out: Path, sizes: Mapping[str, int] | None) -> Path:
     return build(name, out, sizes)
 
 
-def _native(name: str, out: Path, sizes: Mapping[str, int] | None, platforms: list[str] | None) -> Path:
+def _native(
+    name: str, out: Path, sizes: Mapping[str, int] | None, platforms: list[str] | None, fmi: int
+) -> Path:
     from fmus.native.fmu import build
     from fmus.native.machine_code import PLATFORMS, NativeBuildError
     from fmus.native.translate import TranslationError
@@ -102,7 +109,7 @@ def _native(name: str, out: Path, sizes: Mapping[str, int] | None, platforms: li
         if platform not in PLATFORMS:
             raise MistakeError(f"no platform {platform!r}; {suggestion(platform, PLATFORMS)}")
     try:
-        return build(name, out, sizes, tuple(platforms or PLATFORMS))
+        return build(name, out, sizes, tuple(platforms or PLATFORMS), fmi)
     except (NativeBuildError, TranslationError) as error:
         raise MistakeError(str(error)) from None
 

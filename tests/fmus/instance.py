@@ -79,7 +79,10 @@ class Instance:
         return found
 
     def outputs(self) -> list[float]:
-        return self.get(self.names("output") + self.names("local"))
+        """Outputs, their rates and energies, without what hosts need that integrate by themselves."""
+        names = self.names("output") + self.names("local")
+        exchange = ("state.", "der(state.", "event_indicator")
+        return self.get([name for name in names if not name.startswith(exchange)])
 
     def step(self, t: float, h: float) -> None:
         self.fmu.doStep(t, h)
@@ -107,6 +110,104 @@ class Instance:
         self.fmu.freeInstance()
 
 
+class Instance3(Instance):
+    """The same of an FMU of FMI 3.0; `asked` is what fmpy's `FMU3Slave.instantiate` takes.
+
+    `update(time, setting, finished, possible)` is called from within steps, and returns the time at which the
+    step shall end, or None.
+    """
+
+    def __init__(
+        self, path: str | Path, name: str = "slave", logging: bool = False, update: Any = None, **asked: Any
+    ) -> None:
+        from fmpy import extract, fmi3, read_model_description
+
+        path = str(path)
+        self.folder = str(extract(path)) if path.endswith(".fmu") else path
+        self.description = read_model_description(self.folder, validate=False)
+        self.variables = {v.name: v for v in self.description.modelVariables}
+        self.messages: list[tuple[int, str, str]] = []
+        self.fmu = fmi3.FMU3Slave(
+            guid=self.description.guid,
+            unzipDirectory=self.folder,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        self.events = bool(asked.get("eventModeUsed"))
+        self.update = update
+        called = {} if update is None else {"intermediateUpdate": self._updated}
+        self.fmu.instantiate(loggingOn=logging, logMessage=self._say, **called, **asked)
+
+    def _say(self, environment: Any, status: int, category: bytes, message: bytes) -> None:
+        self.messages.append((status, category.decode(), message.decode()))
+
+    def _updated(
+        self,
+        environment: Any,
+        time: float,
+        setting: bool,
+        getting: bool,
+        finished: bool,
+        possible: bool,
+        requested: Any,
+        wanted: Any,
+    ) -> None:
+        end = self.update(time, setting, finished, possible)
+        if end is not None:
+            requested[0], wanted[0] = True, end
+
+    def initialize(self, start_time: float = 0.0, **values: float) -> Instance3:
+        self.set(values)
+        self.fmu.enterInitializationMode(startTime=start_time)
+        self.fmu.exitInitializationMode()
+        if self.events:
+            self.handle_events()
+        return self
+
+    def handle_events(self) -> None:
+        """In event mode; stepping goes on afterwards."""
+        assert not self.fmu.updateDiscreteStates()[0]
+        self.fmu.enterStepMode()
+
+    def set(self, values: dict[str, float]) -> None:
+        for name, value in values.items():
+            variable = self.variables[name]
+            kind = {"Enumeration": "Int64"}.get(variable.type, variable.type)
+            whole = {"Float64": float, "Boolean": bool}.get(kind, int)
+            getattr(self.fmu, f"set{kind}")([variable.valueReference], [whole(value)])
+
+    def get(self, names: list[str]) -> list[float]:
+        found = []
+        for name in names:
+            variable = self.variables[name]
+            kind = {"Enumeration": "Int64"}.get(variable.type, variable.type)
+            found.append(float(getattr(self.fmu, f"get{kind}")([variable.valueReference])[0]))
+        return found
+
+    def step(self, t: float, h: float) -> tuple[bool, bool, bool, float]:
+        """eventHandlingNeeded, terminateSimulation, earlyReturn, lastSuccessfulTime."""
+        return self.fmu.doStep(t, h)
+
+    def save(self) -> ctypes.c_void_p:
+        return self.fmu.getFMUState()
+
+    def restore(self, state: ctypes.c_void_p) -> None:
+        self.fmu.setFMUState(state)
+
+    def saved_bytes(self) -> bytes:
+        state = self.save()
+        data = self.fmu.serializeFMUState(state)
+        self.fmu.freeFMUState(state)
+        return data
+
+    def restore_bytes(self, data: bytes) -> None:
+        state = self.fmu.deserializeFMUState(data)
+        try:
+            self.restore(state)
+        finally:
+            self.fmu.freeFMUState(state)
+
+
 def report(value: Any) -> None:
     """Print a value for the test that started this interpreter."""
     print("REPORT " + json.dumps(value))
@@ -114,4 +215,6 @@ def report(value: Any) -> None:
 
 if __name__ == "__main__":
     sys.meta_path.insert(0, _Blocker((*OURS, *sys.argv[2:])))
-    exec(compile(sys.argv[1], "test", "exec"), {"Instance": Instance, "report": report})
+    exec(
+        compile(sys.argv[1], "test", "exec"), {"Instance": Instance, "Instance3": Instance3, "report": report}
+    )

@@ -17,7 +17,7 @@ STEPS, STEP = 300, 1e-5
 REPLAY = """
 import json, sys
 plan = json.load(open({plan!r}))
-slave = Instance({fmu!r}).initialize(plan[0]["t"])
+slave = {kind}({fmu!r}).initialize(plan[0]["t"])
 results = [slave.outputs()]
 for step in plan:
     slave.set(step["inputs"])
@@ -31,12 +31,14 @@ report([results, ours])
 """
 
 
-def replay(isolated: Isolated, fmu: Path, plan: list, folder: Path) -> list[list[float]]:
+def replay(
+    isolated: Isolated, fmu: Path, plan: list, folder: Path, kind: str = "Instance"
+) -> list[list[float]]:
     import json
 
     file = folder / "plan.json"
     file.write_text(json.dumps(plan))
-    results, ours = isolated(REPLAY.format(plan=str(file), fmu=str(fmu)))
+    results, ours = isolated(REPLAY.format(plan=str(file), fmu=str(fmu), kind=kind))
     assert ours == []
     return results
 

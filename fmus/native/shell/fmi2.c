@@ -1,13 +1,15 @@
 /* FMI 2.0 over `unit`: what co-simulation needs, and what model exchange has in common with it. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "fmi2.h"
 
 /* Values that are converted at a time. */
 #define SOME 64
+
+const char *const kinds[] = {"Real", "Integer", "Boolean", "Enumeration"};
+const bool integers_are_choices = true;
 
 static void tell(const Unit *unit, Status status, const char *category, const char *message)
 {
@@ -212,18 +214,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
                                         const fmi2Integer order[], fmi2Real value[])
 {
     NEEDS(READABLE, "fmi2GetRealOutputDerivatives");
-    if (count && (!vr || !order || !value)) return unit_get(UNIT, REAL, NULL, count, NULL);
-    for (size_t i = 0; i < count; i++) {
-        fmi2ValueReference rate = RATES_AT;
-        while (rate < RATES_AT + RATED && OUTPUTS_AT + (unsigned)rated[rate - RATES_AT] != vr[i]) rate++;
-        if (rate == RATES_AT + RATED)
-            return unit_say(UNIT, ERROR, "value reference %u is not a continuous output", (unsigned)vr[i]);
-        if (order[i] != 1)
-            return unit_say(UNIT, ERROR, "derivative %d of %s: must be 1", order[i], variables[vr[i]].name);
-        Status status = unit_get(UNIT, REAL, &rate, 1, value + i);
-        if (status != OK) return status;
-    }
-    return fmi2OK;
+    return unit_output_derivatives(UNIT, vr, count, order, value);
 }
 
 /* Saved states */
@@ -231,60 +222,37 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
     NEEDS(ANY, "fmi2GetFMUstate");
-    if (!state) return unit_say(UNIT, ERROR, "no place for the state");
-    if (!*state) *state = malloc(sizeof(State));
-    if (!*state) return unit_say(UNIT, ERROR, "out of memory");
-    memcpy(*state, &UNIT->now, sizeof(State));
-    return fmi2OK;
+    return unit_keep(UNIT, state);
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state)
 {
     NEEDS(ANY, "fmi2SetFMUstate");
-    if (!state) return unit_say(UNIT, ERROR, "no state is given");
-    memcpy(&UNIT->now, state, sizeof(State));
-    return fmi2OK;
+    return unit_put_back(UNIT, state);
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
     NEEDS(ANY, "fmi2FreeFMUstate");
-    if (!state) return fmi2OK;
-    free(*state);
-    *state = NULL;
-    return fmi2OK;
+    return unit_forget(state);
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size)
 {
     NEEDS(ANY, "fmi2SerializedFMUstateSize");
-    if (!state || !size) return unit_say(UNIT, ERROR, "no state is given, or no place for its size");
-    *size = unit_saved_size();
-    return fmi2OK;
+    return unit_kept_size(UNIT, state, size);
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
 {
     NEEDS(ANY, "fmi2SerializeFMUstate");
-    if (!state || !bytes) return unit_say(UNIT, ERROR, "no state is given, or no place for its bytes");
-    if (size < unit_saved_size())
-        return unit_say(UNIT, ERROR, "place for %zu bytes: must be at least %zu", size, unit_saved_size());
-    unit_save(state, (unsigned char *)bytes);
-    return fmi2OK;
+    return unit_kept_to_bytes(UNIT, state, bytes, size);
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
 {
-    State *read;
-    Status status;
     NEEDS(ANY, "fmi2DeSerializeFMUstate");
-    if (!bytes || !state) return unit_say(UNIT, ERROR, "no bytes are given, or no place for the state");
-    read = *state ? *state : malloc(sizeof *read);
-    if (!read) return unit_say(UNIT, ERROR, "out of memory");
-    status = unit_restore(UNIT, read, (const unsigned char *)bytes, size);
-    if (status == OK) *state = read;
-    else if (!*state) free(read);
-    return status;
+    return unit_kept_from_bytes(UNIT, bytes, size, state);
 }
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t unknowns,

@@ -71,7 +71,7 @@ Status unit_say(const Unit *unit, Status status, const char *format, ...)
 bool unit_may(const Unit *unit, int phases, const char *call)
 {
     static const char *const names[] = {"instantiation", "initialisation", "stepping", "an event", "continuous time",
-                                        "termination"};
+                                        "termination", "an intermediate update"};
     int now = 0;
     if (unit->now.phase & phases) return true;
     while (!(unit->now.phase >> now & 1)) now++;
@@ -172,18 +172,19 @@ Status unit_step(Unit *unit, double time, double step)
 
 /* Variables */
 
-static const char *const kinds[] = {"Real", "Integer", "Boolean", "Enumeration"};
-
 const Variable *unit_variable(uint32_t reference)
 {
     if (reference < VARIABLES + STATES) return &variables[reference];
-    if (reference >= DX_AT && reference < DX_AT + STATES) return &variables[VARIABLES + reference - DX_AT];
+    if (reference >= DX_AT && reference < GUARDS_AT) return &variables[VARIABLES + reference - DX_AT];
+    if (reference == T_AT) return &variables[VARIABLES + STATES];
+    if (reference >= GUARDS_AT && reference < GUARDS_AT + GUARDS)
+        return &variables[VARIABLES + STATES + 1 + reference - GUARDS_AT];
     return NULL;
 }
 
 static bool passes(Kind kind, Kind variable)
 {
-    return kind == variable || (kind == INTEGER && variable == ENUMERATION);
+    return kind == variable || (integers_are_choices && kind == INTEGER && variable == ENUMERATION);
 }
 
 /* Whether the references are of variables of that kind. */
@@ -253,14 +254,20 @@ void unit_ready(Unit *unit, uint32_t highest)
 
 Status unit_get(Unit *unit, Kind kind, const uint32_t *references, size_t count, double *values)
 {
-    uint32_t highest = 0;
+    uint32_t highest = 0, stale = 0;
     if (!known(unit, kind, references, count, values)) return ERROR;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
+        uint32_t computed = references[i] < X_AT ? references[i] : OUTPUTS_AT; /* states go with the outputs */
         if (references[i] > highest) highest = references[i];
-    unit_ready(unit, highest);
+        if (computed > stale) stale = computed;
+    }
+    unit_ready(unit, stale);
     if (highest >= DX_AT) unit_all_derivatives(unit, unit->dx);
-    for (size_t i = 0; i < count; i++)
-        values[i] = references[i] < DX_AT ? unit->now.data[references[i]] : unit->dx[references[i] - DX_AT];
+    if (highest >= GUARDS_AT) unit_indicators(unit, unit->guards);
+    for (size_t i = 0; i < count; i++) {
+        uint32_t at = references[i];
+        values[i] = at < DX_AT ? unit->now.data[at] : at < GUARDS_AT ? unit->dx[at - DX_AT] : unit->guards[at - GUARDS_AT];
+    }
     return OK;
 }
 

@@ -25,13 +25,17 @@ typedef struct {
 #include "sizes.h"
 
 /* Of the component, generated from its metadata (tables.py). */
-extern const Variable variables[VARIABLES + STATES]; /* and the states, for hosts that integrate */
+extern const Variable variables[VARIABLES + STATES + 1 + GUARDS]; /* and states, time, and what indicates events */
 extern const double beginning[SIZE]; /* the memory of a new instance */
 extern const double nominal[];       /* of the states */
 extern const int started[];          /* states that have start values */
 extern const int rated[];            /* outputs that have rates */
 extern const int continuous[];       /* states that are no modes or counts */
 extern const char *const failures[FAILURES];
+
+/* Of the version of FMI: what it calls kinds, and whether its calls for integers take enumerations. */
+extern const char *const kinds[];
+extern const bool integers_are_choices;
 
 /* As the numbers of fmi2Status and fmi3Status. */
 enum { OK, WARNING, DISCARD, ERROR, FATAL };
@@ -44,7 +48,8 @@ typedef enum {
     STEPPING = 4,
     EVENT = 8,
     CONTINUOUS = 16,
-    TERMINATED = 32
+    TERMINATED = 32,
+    INTERMEDIATE = 64 /* in a call of the host's from within a step */
 } Phase;
 
 /* The evolving data: a copy of it is a saved state. */
@@ -67,7 +72,8 @@ struct Unit {
     void *environment, *callback; /* the host's, for the logger */
     bool logging;                 /* more than errors */
     bool exchange;                /* the host integrates */
-    double work[WORK_SIZE], rates_work[RATES_WORK_SIZE], slopes[INPUTS + 1], all_rates[OUTPUTS + 1], dx[STATES + 1];
+    double work[WORK_SIZE], rates_work[RATES_WORK_SIZE], slopes[INPUTS + 1], all_rates[OUTPUTS + 1], dx[STATES + 1],
+        guards[GUARDS + 1];
 };
 
 Unit *unit_new(const char *name, Logger logger, void *environment, void *callback, bool logging);
@@ -82,7 +88,7 @@ bool unit_may(const Unit *unit, int phases, const char *call);
 Status unit_initialize(Unit *unit);                   /* at the end of the initialisation */
 Status unit_step(Unit *unit, double time, double step); /* DISCARD, and nothing changed, if it cannot be made */
 
-/* Values by reference. Nothing is set unless all can be. Kind: of the call, ENUMERATION passes for INTEGER. */
+/* Values by reference. Nothing is set unless all can be. Kind: of the call. */
 Status unit_set(Unit *unit, Kind kind, const uint32_t *references, size_t count, const double *values);
 Status unit_get(Unit *unit, Kind kind, const uint32_t *references, size_t count, double *values);
 
@@ -92,7 +98,8 @@ void unit_ready(Unit *unit, uint32_t highest);
 Status unit_directional(Unit *unit, const uint32_t *unknown, size_t unknowns, const uint32_t *known, size_t knowns,
                         const double *changes, double *result);
 
-/* A variable by its reference, also a state or the derivative of one; NULL if there is none. */
+/* A variable by its reference, also a state, the derivative of one, time, an event indicator; NULL if there is
+   none. */
 const Variable *unit_variable(uint32_t reference);
 
 /* In model exchange: continuous states, their rates and sizes, what indicates events, and events. */
@@ -109,5 +116,17 @@ Status unit_events(Unit *unit, bool *changed, double *next);
 size_t unit_saved_size(void);
 void unit_save(const State *state, unsigned char *bytes);
 Status unit_restore(const Unit *unit, State *state, const unsigned char *bytes, size_t size);
+
+/* States that the host keeps, with messages for what it does wrong. */
+Status unit_keep(const Unit *unit, void **kept);
+Status unit_put_back(Unit *unit, const void *kept);
+Status unit_forget(void **kept);
+Status unit_kept_size(const Unit *unit, const void *kept, size_t *size);
+Status unit_kept_to_bytes(const Unit *unit, const void *kept, void *bytes, size_t size);
+Status unit_kept_from_bytes(const Unit *unit, const void *bytes, size_t size, void **kept);
+
+/* First derivatives of continuous outputs by time. */
+Status unit_output_derivatives(Unit *unit, const uint32_t *references, size_t count, const int32_t *orders,
+                               double *values);
 
 #endif

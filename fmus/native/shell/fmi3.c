@@ -1,0 +1,289 @@
+/* FMI 3.0 over `unit`: life and variables of an instance; see fmi3_step.c for co-simulation, fmi3_exchange.c for
+   model exchange, fmi3_absent.c for what no component has. */
+#include "fmi3.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Values that are converted at a time. */
+#define SOME 64
+
+const char *const kinds[] = {"Float64", "Int32", "Boolean", "Enumeration"};
+const bool integers_are_choices = false;
+
+static void tell(const Unit *unit, Status status, const char *category, const char *message)
+{
+    ((fmi3LogMessageCallback)unit->callback)(unit->environment, (fmi3Status)status, category, message);
+}
+
+const char *fmi3GetVersion(void)
+{
+    return fmi3Version;
+}
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t count, const fmi3String categories[])
+{
+    if (!instance) return fmi3Error;
+    (void)count, (void)categories; /* all of them */
+    UNIT->logging = on;
+    return fmi3OK;
+}
+
+/* Life */
+
+static void *refused(fmi3InstanceEnvironment environment, fmi3LogMessageCallback say, const char *why)
+{
+    if (say) say(environment, fmi3Error, "logStatusError", why);
+    return NULL;
+}
+
+static Instance *new_instance(fmi3String name, fmi3String token, fmi3Boolean logging,
+                              fmi3InstanceEnvironment environment, fmi3LogMessageCallback say)
+{
+    Instance *made;
+    if (!name || !*name) return refused(environment, say, "the instance needs a name");
+    if (!token || strcmp(token, TOKEN))
+        return refused(environment, say, "the instantiationToken must be " TOKEN ", that of modelDescription.xml");
+    made = calloc(1, sizeof *made);
+    if (made) made->unit = unit_new(name, say ? tell : NULL, environment, (void *)say, logging);
+    if (made && made->unit) {
+        made->stop = INFINITY;
+        return made;
+    }
+    free(made);
+    return refused(environment, say, "out of memory");
+}
+
+fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
+                                          fmi3Boolean visible, fmi3Boolean logging,
+                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback say)
+{
+    Instance *made = new_instance(name, token, logging, environment, say);
+    (void)resources, (void)visible;
+    if (made) made->unit->exchange = true;
+    return made;
+}
+
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
+                                         fmi3Boolean visible, fmi3Boolean logging, fmi3Boolean event_mode,
+                                         fmi3Boolean early_return, const fmi3ValueReference required[],
+                                         size_t count, fmi3InstanceEnvironment environment,
+                                         fmi3LogMessageCallback say, fmi3IntermediateUpdateCallback update)
+{
+    Instance *made = new_instance(name, token, logging, environment, say);
+    (void)resources, (void)visible;
+    if (!made) return NULL;
+    made->event_mode = event_mode;
+    made->early_return = early_return;
+    made->update = update;
+    for (size_t i = 0; i < count; i++) {
+        const Variable *variable = required ? unit_variable(required[i]) : NULL;
+        if (!variable || variable->kind != REAL) {
+            unit_say(made->unit, ERROR, "requiredIntermediateVariables: %s is not continuous",
+                     variable ? variable->name : "what is not known");
+            fmi3FreeInstance(made);
+            return NULL;
+        }
+        if (!update || required[i] < INPUTS_AT || required[i] >= INPUTS_AT + INPUTS) continue;
+        made->given[required[i] - INPUTS_AT] = made->gives = true;
+    }
+    return made;
+}
+
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
+                                               fmi3Boolean visible, fmi3Boolean logging,
+                                               fmi3InstanceEnvironment environment, fmi3LogMessageCallback say,
+                                               fmi3ClockUpdateCallback update, fmi3LockPreemptionCallback lock,
+                                               fmi3UnlockPreemptionCallback unlock)
+{
+    (void)name, (void)token, (void)resources, (void)visible, (void)logging, (void)update, (void)lock, (void)unlock;
+    return refused(environment, say, "scheduled execution: this FMU has no clocks; it is for co-simulation and model exchange");
+}
+
+void fmi3FreeInstance(fmi3Instance instance)
+{
+    if (!instance || UNIT->now.phase == INTERMEDIATE) return; /* in a step: it is still needed */
+    unit_free(UNIT);
+    free(instance);
+}
+
+fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolerance_defined, fmi3Float64 tolerance,
+                                       fmi3Float64 start, fmi3Boolean stop_defined, fmi3Float64 stop)
+{
+    NEEDS(INSTANTIATED, "fmi3EnterInitializationMode");
+    (void)tolerance_defined, (void)tolerance; /* the component keeps its own, which is tighter */
+    if (!isfinite(start)) return unit_say(UNIT, ERROR, "start time = %g s: must be finite", start);
+    if (stop_defined && !(stop >= start))
+        return unit_say(UNIT, ERROR, "stop time = %g s: must not be before the start time = %g s", stop, start);
+    INSTANCE->stop = stop_defined ? stop : INFINITY;
+    UNIT->now.data[T_AT] = start;
+    UNIT->now.outputs_stale = true;
+    UNIT->now.phase = INITIALIZING;
+    return fmi3OK;
+}
+
+fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
+{
+    Status status;
+    NEEDS(INITIALIZING, "fmi3ExitInitializationMode");
+    status = unit_initialize(UNIT);
+    if (status == OK) UNIT->now.phase = UNIT->exchange || INSTANCE->event_mode ? EVENT : STEPPING;
+    return status;
+}
+
+fmi3Status fmi3EnterEventMode(fmi3Instance instance)
+{
+    NEEDS_THAT(UNIT->exchange || INSTANCE->event_mode, STEPPING | CONTINUOUS | EVENT, "fmi3EnterEventMode",
+               "where fmi3InstantiateCoSimulation was told that event mode is not used");
+    UNIT->now.phase = EVENT;
+    return fmi3OK;
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *again, fmi3Boolean *terminate,
+                                    fmi3Boolean *nominals_changed, fmi3Boolean *states_changed,
+                                    fmi3Boolean *next_defined, fmi3Float64 *next)
+{
+    Status status;
+    NEEDS(EVENT, "fmi3UpdateDiscreteStates");
+    if (!again || !terminate || !nominals_changed || !states_changed || !next_defined || !next)
+        return unit_say(UNIT, ERROR, "fmi3UpdateDiscreteStates: no place for what it tells");
+    status = unit_events(UNIT, states_changed, next);
+    *again = *terminate = *nominals_changed = false;
+    *next_defined = isfinite(*next);
+    if (!*next_defined) *next = 0.0;
+    return status;
+}
+
+fmi3Status fmi3Terminate(fmi3Instance instance)
+{
+    NEEDS(MOVING, "fmi3Terminate");
+    UNIT->now.phase = TERMINATED;
+    return fmi3OK;
+}
+
+fmi3Status fmi3Reset(fmi3Instance instance)
+{
+    NEEDS(ANY, "fmi3Reset");
+    unit_reset(UNIT);
+    INSTANCE->stop = INFINITY;
+    return fmi3OK;
+}
+
+/* Variables */
+
+/* Every variable is a scalar. */
+static Status fits(const Unit *unit, const char *call, size_t references, size_t values)
+{
+    if (references == values) return OK;
+    return unit_say(unit, ERROR, "%s: %zu values for %zu variables, which are scalars", call, values, references);
+}
+
+/* In a call from within a step the host sets those inputs that it said it would, and nothing else. */
+static Status may_set(const Instance *one, const char *call, const fmi3ValueReference vr[], size_t count)
+{
+    if (one->unit->now.phase != INTERMEDIATE) return OK;
+    if (!one->setting) return unit_say(one->unit, ERROR, "%s: inputs are not requested in this intermediate update", call);
+    for (size_t i = 0; vr && i < count; i++)
+        if (vr[i] < INPUTS_AT || vr[i] >= INPUTS_AT + INPUTS || !one->given[vr[i] - INPUTS_AT])
+            return unit_say(one->unit, ERROR, "%s: value reference %u is no input among the requiredIntermediateVariables",
+                            call, (unsigned)vr[i]);
+    return OK;
+}
+
+static Status may_get(const Instance *one, const char *call)
+{
+    if (one->unit->now.phase != INTERMEDIATE || one->getting) return OK;
+    return unit_say(one->unit, ERROR, "%s: values cannot be read in this intermediate update", call);
+}
+
+fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], size_t count, fmi3Float64 values[],
+                          size_t size)
+{
+    NEEDS(READABLE, "fmi3GetFloat64");
+    if (fits(UNIT, "fmi3GetFloat64", count, size) || may_get(INSTANCE, "fmi3GetFloat64")) return fmi3Error;
+    return unit_get(UNIT, REAL, vr, count, values);
+}
+
+fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
+                          const fmi3Float64 values[], size_t size)
+{
+    NEEDS(SETTABLE, "fmi3SetFloat64");
+    if (fits(UNIT, "fmi3SetFloat64", count, size) || may_set(INSTANCE, "fmi3SetFloat64", vr, count)) return fmi3Error;
+    return unit_set(UNIT, REAL, vr, count, values);
+}
+
+/* Whole numbers are doubles in the memory. Choices are of type Enumeration, and 64 bits wide. */
+#define WHOLE(Type, KIND)                                                                                       \
+    fmi3Status fmi3Get##Type(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,                \
+                             fmi3##Type values[], size_t size)                                                  \
+    {                                                                                                           \
+        NEEDS(READABLE, "fmi3Get" #Type);                                                                       \
+        if (fits(UNIT, "fmi3Get" #Type, count, size) || may_get(INSTANCE, "fmi3Get" #Type)) return fmi3Error;   \
+        for (size_t i = 0; i < count; i += SOME) {                                                              \
+            double some[SOME];                                                                                  \
+            size_t n = count - i < SOME ? count - i : SOME;                                                     \
+            Status status = unit_get(UNIT, KIND, vr ? vr + i : NULL, n, values ? some : NULL);                  \
+            if (status != OK) return status;                                                        \
+            for (size_t j = 0; j < n; j++) values[i + j] = (fmi3##Type)some[j];                                 \
+        }                                                                                                       \
+        return fmi3OK;                                                                                          \
+    }                                                                                                           \
+    fmi3Status fmi3Set##Type(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,                \
+                             const fmi3##Type values[], size_t size)                                            \
+    {                                                                                                           \
+        NEEDS(SETTABLE, "fmi3Set" #Type);                                                                       \
+        if (fits(UNIT, "fmi3Set" #Type, count, size) || may_set(INSTANCE, "fmi3Set" #Type, vr, count))          \
+            return fmi3Error;                                                                                   \
+        for (size_t i = 0; i < count; i += SOME) {                                                              \
+            double some[SOME];                                                                                  \
+            size_t n = count - i < SOME ? count - i : SOME;                                                     \
+            Status status;                                                                                      \
+            for (size_t j = 0; values && j < n; j++) some[j] = (double)values[i + j];                           \
+            status = unit_set(UNIT, KIND, vr ? vr + i : NULL, n, values ? some : NULL);                         \
+            if (status != OK) return status;                                                        \
+        }                                                                                                       \
+        return fmi3OK;                                                                                          \
+    }
+
+WHOLE(Int32, INTEGER)
+WHOLE(Int64, ENUMERATION)
+WHOLE(Boolean, BOOLEAN)
+
+/* Saved states */
+
+fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state)
+{
+    NEEDS(ANY, "fmi3GetFMUState");
+    return unit_keep(UNIT, state);
+}
+
+fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state)
+{
+    NEEDS(ANY, "fmi3SetFMUState");
+    return unit_put_back(UNIT, state);
+}
+
+fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *state)
+{
+    NEEDS(ANY, "fmi3FreeFMUState");
+    return unit_forget(state);
+}
+
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state, size_t *size)
+{
+    NEEDS(ANY, "fmi3SerializedFMUStateSize");
+    return unit_kept_size(UNIT, state, size);
+}
+
+fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[], size_t size)
+{
+    NEEDS(ANY, "fmi3SerializeFMUState");
+    return unit_kept_to_bytes(UNIT, state, bytes, size);
+}
+
+fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[], size_t size, fmi3FMUState *state)
+{
+    NEEDS(ANY, "fmi3DeserializeFMUState");
+    return unit_kept_from_bytes(UNIT, bytes, size, state);
+}

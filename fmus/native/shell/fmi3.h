@@ -1,0 +1,37 @@
+/* What the files over FMI 3.0 share. */
+#ifndef FMI3_H
+#define FMI3_H
+
+#include "fmi3Functions.h"
+#include "unit.h"
+
+typedef struct {
+    Unit *unit;
+    bool event_mode, early_return; /* the host handles events; it lets steps end before their time */
+    double stop;                   /* no step may go beyond; INFINITY where none is known */
+    fmi3IntermediateUpdateCallback update;
+    bool given[INPUTS + 1];   /* inputs that the host gives in the course of a step */
+    bool gives, setting, getting; /* any of them; what it may do in the present call of its own */
+    State before, beginning;      /* of the step that is being made: as the host left it, with all inputs */
+} Instance;
+
+#define INSTANCE ((Instance *)instance)
+#define UNIT (INSTANCE->unit)
+/* Leaves with an error where there is no instance, or the call is not allowed now. */
+#define NEEDS(phases, call)                                                 \
+    do {                                                                    \
+        if (!instance || !unit_may(UNIT, phases, call)) return fmi3Error;   \
+    } while (0)
+/* The same for calls that one of the interface types has, or that need what the host has not asked for. */
+#define NEEDS_THAT(condition, phases, call, why)                                                \
+    do {                                                                                        \
+        NEEDS(phases, call);                                                                    \
+        if (!(condition)) return unit_say(UNIT, ERROR, "%s: not allowed %s", call, why);        \
+    } while (0)
+#define MOVING (STEPPING | EVENT | CONTINUOUS)
+#define SETTABLE (INSTANTIATED | INITIALIZING | MOVING | INTERMEDIATE)
+#define READABLE (INSTANTIATED | INITIALIZING | MOVING | INTERMEDIATE | TERMINATED)
+#define DIFFERENTIABLE (INITIALIZING | MOVING | TERMINATED)
+#define ANY (INSTANTIATED | DIFFERENTIABLE)
+
+#endif

@@ -1,0 +1,188 @@
+/* FMI 3.0 for co-simulation over `unit`: steps, which may end at an event or where the host wants it, and inputs
+   that the host gives in the course of a step. */
+#include <math.h>
+#include <string.h>
+
+#include "fmi3.h"
+
+/* Room for rounding where the host adds up time to the stop time, relative to 1 s or to the time itself. */
+#define STOP_SLACK 1e-9
+/* A step that would end so close to its beginning goes on over the event, so that time does not stand still. */
+#define LEAST_PROGRESS 1e-9
+/* How far, relative, times that can be told apart lie from each other. */
+#define RESOLUTION 4e-16
+/* The polynomial of an input in a step has its value at the beginning and at so many points after. */
+#define POINTS 3
+
+fmi3Status fmi3EnterStepMode(fmi3Instance instance)
+{
+    NEEDS_THAT(!UNIT->exchange, EVENT, "fmi3EnterStepMode", "in model exchange");
+    UNIT->now.phase = STEPPING;
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
+                                    const fmi3Int32 orders[], fmi3Float64 values[], size_t size)
+{
+    NEEDS(INITIALIZING | MOVING | INTERMEDIATE | TERMINATED, "fmi3GetOutputDerivatives");
+    if (count != size)
+        return unit_say(UNIT, ERROR, "fmi3GetOutputDerivatives: %zu values for %zu scalars", size, count);
+    if (UNIT->now.phase == INTERMEDIATE && !INSTANCE->getting)
+        return unit_say(UNIT, ERROR, "fmi3GetOutputDerivatives: values cannot be read in this intermediate update");
+    return unit_output_derivatives(UNIT, vr, count, orders, values);
+}
+
+/* Calls of the host's in the course of a step */
+
+/* `end` becomes earlier if the host wants the step to end there. */
+static void update(Instance *one, double time, bool setting, bool finished, double *end)
+{
+    Phase phase = one->unit->now.phase;
+    fmi3Boolean requested = false, possible = one->early_return && end;
+    fmi3Float64 wanted = time;
+    one->setting = setting;
+    one->getting = finished;
+    one->unit->now.phase = INTERMEDIATE;
+    one->update(one->unit->environment, time, setting, finished, finished, possible, &requested, &wanted);
+    one->unit->now.phase = phase;
+    if (possible && requested && wanted < *end) *end = fmax(wanted, one->before.data[T_AT]);
+}
+
+/* Taylor coefficients of the cubic polynomial through u at 0, h, 2h, 3h. */
+static void set_polynomial(double *U, const double u[POINTS + 1], double h)
+{
+    double first = u[1] - u[0], second = u[2] - 2.0 * u[1] + u[0], third = u[3] - 3.0 * (u[2] - u[1]) - u[0];
+    U[0] = u[0];
+    U[INPUTS] = (first - second / 2.0 + third / 3.0) / h;
+    U[2 * INPUTS] = (second - third) / (h * h);
+    U[3 * INPUTS] = third / (h * h * h);
+}
+
+/* Asks the host for the inputs that it gives: what they are in the coming step. */
+static void ask(Instance *one, double time, double step, double *end)
+{
+    State *now = &one->unit->now;
+    double u[INPUTS + 1][POINTS + 1];
+    for (int i = 0; i < INPUTS; i++) u[i][0] = now->data[INPUTS_AT + i];
+    for (int k = 1; k <= POINTS; k++) {
+        update(one, time + step * k / POINTS, true, false, end);
+        for (int i = 0; i < INPUTS; i++) u[i][k] = now->data[INPUTS_AT + i];
+    }
+    *now = one->before;
+    for (int i = 0; i < INPUTS; i++)
+        if (one->given[i]) set_polynomial(now->data + INPUTS_AT + i, u[i], step / POINTS);
+    now->outputs_stale = true;
+}
+
+/* Where the step has ended the inputs go on as they were, from there. */
+static void go_on(Instance *one)
+{
+    State *now = &one->unit->now;
+    double s = now->data[S_AT];
+    for (int i = 0; i < INPUTS; i++) {
+        double *U = now->data + INPUTS_AT + i;
+        U[0] = now->data[U_AT + i];
+        U[INPUTS] += s * (U[2 * INPUTS] + s * U[3 * INPUTS] / 2.0);
+        U[2 * INPUTS] += s * U[3 * INPUTS];
+    }
+    now->data[S_AT] = 0.0;
+}
+
+/* Steps to events */
+
+#ifdef EVENT_COUNT_AT
+
+/* The step from the same beginning to another end, and how many events happen in it. */
+static Status make(Instance *one, double time, double step, double *events)
+{
+    State *now = &one->unit->now;
+    Status status;
+    *now = one->beginning;
+    status = unit_step(one->unit, time, step);
+    *events = now->data[EVENT_COUNT_AT] - one->beginning.data[EVENT_COUNT_AT];
+    return status;
+}
+
+/* After a step with events: the step to the first of them, which is due then in event mode, and over if the host
+   has none. */
+static Status to_first_event(Instance *one, double time, double step, double events)
+{
+    const double *data = one->unit->now.data;
+    double low = time, first = fmax(data[EVENT_TIME_AT], time), apart = 0.0, none;
+    bool due = one->event_mode;
+    Status status;
+    while (events > 1.0) {
+        double some, middle = low + 0.5 * (first - low);
+        if (!(low < middle && middle < first)) break; /* all at once */
+        if ((status = make(one, time, middle - time, &some)) != OK) return status;
+        if (some > 0.0) {
+            first = fmax(data[EVENT_TIME_AT], time);
+            events = some;
+        } else low = middle;
+    }
+    if (first - time <= LEAST_PROGRESS * (1.0 + fabs(time))) due = false;
+    for (;;) {
+        double end = due ? first - apart : first + apart;
+        if (!due && end - time >= step) return make(one, time, step, &none);
+        if (end > time) {
+            if ((status = make(one, time, fmin(end - time, step), &events)) != OK) return status;
+            if ((events > 0.0) != due) return OK;
+        } else due = false;
+        apart = apart > 0.0 ? 2.0 * apart : RESOLUTION * (1.0 + fabs(first));
+    }
+}
+
+#endif
+
+/* The step; `to_event` if the host lets it end at an event, and it does. */
+static Status make_step(Instance *one, double time, double step, bool *to_event)
+{
+    *to_event = false;
+#ifdef EVENT_COUNT_AT
+    if (one->early_return && step > 0.0) {
+        double events;
+        Status status;
+        unit_ready(one->unit, OUTPUTS_AT);
+        one->beginning = one->unit->now;
+        status = make(one, time, step, &events);
+        *to_event = status == OK && events > 0.0;
+        return *to_event ? to_first_event(one, time, step, events) : status;
+    }
+#endif
+    return unit_step(one->unit, time, step);
+}
+
+fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step, fmi3Boolean no_set_state,
+                      fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *reached)
+{
+    Instance *one = instance;
+    double whole = time + step, end = whole;
+    bool to_event, asks;
+    Status status;
+    NEEDS_THAT(!UNIT->exchange, STEPPING, "fmi3DoStep", "in model exchange");
+    (void)no_set_state;
+    if (!event || !terminate || !early || !reached)
+        return unit_say(UNIT, ERROR, "fmi3DoStep: no place for what it tells");
+    *event = *terminate = *early = false; /* it never ends a run by itself */
+    *reached = UNIT->now.data[T_AT];
+    if (whole > one->stop + STOP_SLACK * (1.0 + fabs(one->stop)))
+        return unit_say(UNIT, ERROR, "step from t = %.12g s by %g s: goes beyond the stop time = %.12g s", time, step,
+                        one->stop);
+    one->before = UNIT->now;
+    asks = one->update && step > 0.0 && isfinite(whole);
+    if (asks) {
+        update(one, time, false, true, &end);
+        if (one->gives) ask(one, time, step, &end);
+    }
+    status = make_step(one, time, end < whole ? end - time : step, &to_event);
+    if (status != OK) {
+        UNIT->now = one->before;
+        return status;
+    }
+    if (one->gives) go_on(one);
+    *reached = UNIT->now.data[T_AT];
+    *event = to_event && one->event_mode;
+    *early = *reached < whole;
+    if (asks) update(one, *reached, false, true, NULL);
+    return fmi3OK;
+}
