@@ -53,8 +53,7 @@ def content_of(
     name: str, component: Component, sizes: Mapping[str, int], platforms: Sequence[str], fmi: int = 2
 ) -> dict[str, bytes]:
     """The FMU's files by path."""
-    plain = translated(name, sizes)
-    kernels = [plain, differentiated(plain, smooth(component))]
+    kernels = _kernels(name, tuple(sorted(sizes.items())), tuple(smooth(component)))
     made_by = python_build.origin("LLVM and zig")
     experiment = python_build.experiment(name)
     if fmi == 2:
@@ -72,6 +71,13 @@ def content_of(
         library = shared_library(platform, kernels, named, name, fmi)
         files[f"binaries/{folder}/{name}{platform.suffix}"] = library
     return files
+
+
+@cache
+def _kernels(name: str, sizes: tuple[tuple[str, int], ...], smooth_ones: tuple[str, ...]) -> tuple[str, str]:
+    """Kernels and their tangents, for both versions of FMI."""
+    plain = translated(name, dict(sizes))
+    return plain, differentiated(plain, smooth_ones)
 
 
 def _made_of(name: str, sizes: Mapping[str, int], platforms: Sequence[str]) -> str:

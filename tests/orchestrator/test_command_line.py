@@ -224,6 +224,8 @@ MISTAKES = {
     ("fmu", "build", "camsaft"): "did you mean camshaft?",
     ("fmu", "build", "--structure", "coil_masses=3"): "name the one component",
     ("fmu", "build", "valve_spring", "--structure", "coil_masses"): "must be NAME=NUMBER",
+    ("fmu", "build", "flywheel", "--fmi", "3"): "add --native",
+    ("fmu", "build", "flywheel", "--native", "--fmi", "1"): "--fmi 1: must be 2 or 3",
     ("fmu", "build", "valve_spring", "--structure", "coils=3"): "did you mean coil_masses?",
 }
 

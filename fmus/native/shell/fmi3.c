@@ -136,6 +136,7 @@ fmi3Status fmi3EnterEventMode(fmi3Instance instance)
 {
     NEEDS_THAT(UNIT->exchange || INSTANCE->event_mode, STEPPING | CONTINUOUS | EVENT, "fmi3EnterEventMode",
                "where fmi3InstantiateCoSimulation was told that event mode is not used");
+    if (UNIT->now.phase == STEPPING && !UNIT->now.outputs_stale) inputs_go_on(UNIT); /* unless the host has set them */
     UNIT->now.phase = EVENT;
     return fmi3OK;
 }

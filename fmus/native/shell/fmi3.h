@@ -15,6 +15,9 @@ typedef struct {
     State before, beginning;      /* of the step that is being made: as the host left it, with all inputs */
 } Instance;
 
+/* After a step: inputs go on as they were in it, from where it has ended. */
+void inputs_go_on(Unit *unit);
+
 #define INSTANCE ((Instance *)instance)
 #define UNIT (INSTANCE->unit)
 /* Leaves with an error where there is no instance, or the call is not allowed now. */

@@ -74,10 +74,9 @@ static void ask(Instance *one, double time, double step, double *end)
     now->outputs_stale = true;
 }
 
-/* Where the step has ended the inputs go on as they were, from there. */
-static void go_on(Instance *one)
+void inputs_go_on(Unit *unit)
 {
-    State *now = &one->unit->now;
+    State *now = &unit->now;
     double s = now->data[S_AT];
     for (int i = 0; i < INPUTS; i++) {
         double *U = now->data + INPUTS_AT + i;
@@ -179,7 +178,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
         UNIT->now = one->before;
         return status;
     }
-    if (one->gives) go_on(one);
+    if (one->gives) inputs_go_on(UNIT);
     *reached = UNIT->now.data[T_AT];
     *event = to_event && one->event_mode;
     *early = *reached < whole;

@@ -1,0 +1,149 @@
+"""Native FMUs of FMI 3.0: the component to the last bit, and what those of FMI 2.0 can do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+
+from fmus.build import NAMES, default_structure
+from fmus.native.machine_code import this_platform
+from fmus.validate import validate
+
+from ..conftest import Isolated
+from ..instance import Instance, Instance3
+from ..reference import Reference, held, schedule, wave
+from ..test_agreement import STEP, STEPS, expected_of, replay
+from .test_exchange import MOTIONS, TOLERANCE, simulated
+
+Files = dict[str, Path]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_it_equals_the_component(name: str, fmi3_files: Files, isolated: Isolated, tmp_path: Path) -> None:
+    """Outputs, their rates and energies; also between steps, and with steps of changing size."""
+    reference = Reference(name, **default_structure(name, "NATIVE_STRUCTURE"))
+    plan = schedule(reference.component, STEPS, STEP)
+    assert replay(isolated, fmi3_files[name], plan, tmp_path, "Instance3") == expected_of(reference, plan)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_validators_find_nothing(name: str, fmi3_files: Files) -> None:
+    assert validate(fmi3_files[name]) == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_variables_are_those_of_fmi_2(name: str, native_files: Files, fmi3_files: Files) -> None:
+    """And besides them time and what indicates events, which FMI 3.0 has as variables."""
+    before, after = (fmpy.read_model_description(str(files[name])) for files in (native_files, fmi3_files))
+    kinds = {"Real": "Float64", "Integer": "Int32"}
+    told = [
+        {v.name: (v.valueReference, kinds.get(v.type, v.type), v.causality, v.unit, v.min, v.max, v.start)}
+        for described in (before, after)
+        for v in described.modelVariables
+        if v.name != "time" and not v.name.startswith("event_indicator")
+    ]
+    count = len(before.modelVariables)
+    assert told[:count] == told[count:]
+    assert len(after.modelVariables) == count + 1 + before.numberOfEventIndicators
+    assert after.numberOfEventIndicators == before.numberOfEventIndicators
+    for unknowns in ("outputs", "derivatives", "initialUnknowns"):
+        assert dependencies(before, unknowns) == dependencies(after, unknowns)
+
+
+def dependencies(described: fmpy.model_description.ModelDescription, unknowns: str) -> dict:
+    return {
+        u.variable.name: None if u.dependencies is None else [v.name for v in u.dependencies]
+        for u in getattr(described, unknowns)
+    }
+
+
+@pytest.mark.parametrize("name", ["camshaft", "ehl_contact", "slider_crank"])
+def test_derivatives_by_variables(name: str, native_files: Files, fmi3_files: Files) -> None:
+    """Directional ones are those of FMI 2.0; the adjoint ones are the same matrix, transposed."""
+    slaves = [Instance(native_files[name]), Instance3(fmi3_files[name])]
+    component = Reference(name, **default_structure(name, "NATIVE_STRUCTURE")).component
+    values = held(wave(component, 1e-3))
+    for slave in slaves:
+        slave.initialize(1e-3, **values)
+    outputs, inputs = (
+        [slaves[0].variables[n].valueReference for n in layout.names]
+        for layout in (component.outputs, component.inputs)
+    )
+    old, new = (
+        np.array([slave.fmu.getDirectionalDerivative(outputs, [u], [1.0]) for u in inputs])
+        for slave in slaves
+    )
+    np.testing.assert_array_equal(old, new)
+    seed = [float(i % 3) - 1.0 for i in range(len(outputs))]
+    adjoint = slaves[1].fmu.getAdjointDerivative(outputs, inputs, seed, len(inputs))
+    # Sums of as many terms as there are outputs, in another order.
+    allowed = 1e-15 * len(outputs) * (np.abs(new) @ np.abs(seed))
+    assert (np.abs(new @ seed - adjoint) <= allowed).all()
+    rates = [f"der({f.name})" for f in component.outputs.fields if not f.quantity.discrete]
+    references = [slaves[1].variables[rate[4:-1]].valueReference for rate in rates]
+    assert slaves[1].fmu.getOutputDerivatives(references, [1] * len(rates)) == slaves[1].get(rates)
+    for slave in slaves:
+        slave.free()
+
+
+@pytest.mark.parametrize("name", ["valve_spring", "slider_crank", "ehl_contact"])
+def test_a_saved_state_brings_the_same_motion(name: str, fmi3_files: Files) -> None:
+    """In the same instance, and from bytes in another."""
+    component = Reference(name, **default_structure(name, "NATIVE_STRUCTURE")).component
+    slave, other = Instance3(fmi3_files[name]).initialize(), Instance3(fmi3_files[name]).initialize()
+
+    def go_on(one: Instance3) -> list[float]:
+        for i in range(10, 20):
+            one.set(wave(component, i * STEP))
+            one.step(i * STEP, STEP)
+        return one.outputs()
+
+    for i in range(10):
+        slave.set(wave(component, i * STEP))
+        slave.step(i * STEP, STEP)
+    state, data = slave.save(), slave.saved_bytes()
+    first = go_on(slave)
+    slave.restore(state)
+    assert go_on(slave) == first
+    other.restore_bytes(data)
+    assert go_on(other) == first
+    slave.fmu.freeFMUState(state)
+    for one in (slave, other):
+        one.free()
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_the_hosts_integrator_finds_the_same_motion(name: str, fmi3_files: Files) -> None:
+    """As with FMI 2.0: at the end, and everywhere but about impacts, whose instants differ."""
+    start, stop = MOTIONS[name]
+    names = Reference(name, **default_structure(name, "NATIVE_STRUCTURE")).component.outputs.names
+    host, own = (
+        simulated(fmi3_files[name], kind, start, stop, list(names))
+        for kind in ("ModelExchange", "CoSimulation")
+    )
+    for output in names:
+        differences = np.abs(host[output].astype(float) - own[output].astype(float))
+        size = np.abs(own[output].astype(float)).max() + 1e-12
+        assert np.median(differences) <= 1e4 * TOLERANCE * size, output
+        assert differences[-1] <= 1e5 * TOLERANCE * size, output
+
+
+def test_choices_counts_and_truths_have_types_of_their_own(fmi3_files: Files) -> None:
+    described = fmpy.read_model_description(str(fmi3_files["slider_crank"]))
+    kinds = {v.name: v.type for v in described.modelVariables}
+    assert (kinds["form"], kinds["event_count"]) == ("Enumeration", "Int32")
+    slave = Instance3(fmi3_files["slider_crank"])
+    slave.set({"form": 1.0})
+    assert slave.get(["form", "event_count", "time"]) == [1.0, 0.0, 0.0]
+    slave.free()
+
+
+def test_it_has_a_library_for_this_machine(fmi3_files: Files) -> None:
+    import zipfile
+
+    with zipfile.ZipFile(fmi3_files["flywheel"]) as archive:
+        folders = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")}
+    assert folders == {this_platform()}
