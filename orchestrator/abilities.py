@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import zipfile
 from collections import Counter
 from pathlib import Path
+
+import fmpy
 
 from .participants.description import Description, described
 from .scenario import Scenario, ScenarioError, line_of
@@ -47,7 +50,7 @@ def check_abilities(scenario: Scenario) -> None:
         if table.participant.endswith(".fmu")
     }
     for name, path in files.items():
-        if fault := _fault(scenario, name, described(path)):
+        if fault := _no_binary(path, described(path)) or _fault(scenario, name, described(path)):
             raise ScenarioError(f"components.{name}.participant: {path}: {fault}")
     shared = Counter(
         path.resolve() for name, path in files.items() if scenario.components[name].process == "shared"
@@ -58,6 +61,18 @@ def check_abilities(scenario: Scenario) -> None:
                 f"components.{name}.participant: {path}: can be there only once in a process "
                 f"(canBeInstantiatedOnlyOncePerProcess); set components.{name}.process = 'own'"
             )
+
+
+def _no_binary(path: Path, about: Description) -> str:
+    """What there is instead of a library for this platform; empty if there is one."""
+    here = fmpy.platform_tuple if about.version == "3.0" else fmpy.platform
+    with zipfile.ZipFile(path) as archive:
+        names = archive.namelist()
+    if f"binaries/{here}/{about.identifier}{fmpy.sharedLibraryExtension}" in names:
+        return ""
+    parts = [name.split("/") for name in names]
+    found = sorted({part[1] for part in parts if part[0] == "binaries" and len(part) > 2})
+    return f"has no binary for {here} (it has {', '.join(found) or 'none'}); give a file that has one"
 
 
 def _fault(scenario: Scenario, name: str, about: Description) -> str:

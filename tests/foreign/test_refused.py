@@ -1,0 +1,101 @@
+"""What FMUs from elsewhere cannot do, and what their equations would have to say, is refused before the run."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from orchestrator.assembly import system_of
+from orchestrator.scenario import ScenarioError, scenario_of
+from orchestrator.scenario_files import contents, shipped
+from orchestrator.stability.sources import linearisations
+
+from .c_fmus import fmu
+from .runs import ran, scenario
+
+VERSIONS = (2, 3)
+
+REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
+    "unknown parameter": ("dahlquist", {"own": {"parameters": {"K": 1.0}}}, r"\.K: no such parameter"),
+    "unit of nothing": (
+        "dahlquist",
+        {"own": {"parameters": {"k": "8 mm"}}},
+        r"does not say in which unit it is; write a plain number",
+    ),
+    "fraction": ("feedthrough", {"own": {"parameters": {"count": 1.5}}}, r"count = 1\.5 .*must be"),
+    "structure": ("dahlquist", {"own": {"structure": {"n": 3}}}, r"structure: an FMU that stands for itself"),
+    "reference": (
+        "dahlquist",
+        {"reference": {"enabled": True}, "tolerance": {"one.x": 1e-3}},
+        "set reference.enabled = false",
+    ),
+    "equilibrium": ("dahlquist", {"start": "equilibrium"}, r"set start = 'given'"),
+    "unit": ("shaft", {"connections": ["one.speed -> one.height"]}, r"unit r/min does not fit mm"),
+    "kind": ("feedthrough", {"connections": ["one.real out -> one.whole_in"]}, "takes whole numbers"),
+    "not restorable": ("rigid", {"master": {"name": "iterated"}}, r"canGetAndSetFMUstate = false.*jacobi"),
+    "control": ("rigid", {"step_control": {}}, r"\[step_control\].*leave it out"),
+    "located": ("rigid", {"event_tolerance": 1e-6}, "event_tolerance.*leave it out"),
+    "retried": ("rigid", {"own": {"retries": 2}}, "one length only.*retries makes others"),
+    "last step": ("rigid", {"macro_step": 0.3}, "no whole number of macro_step = 0.3 s"),
+    "arrow": ("dahlquist", {"connections": ["one.x * 2 -> k"]}, r"or with numbers"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_an_fmu_cannot_do_is_refused_before_the_run(case: str, tmp_path: Path) -> None:
+    name, changes, said = REFUSED[case]
+    own = changes.pop("own", {}) if "own" in (changes := dict(changes)) else {}
+    table = {"participant": fmu(name, 2, tmp_path), **own}
+    with pytest.raises(ValueError, match=said):
+        ran(scenario({"one": table}, **changes), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("changes", "remedy"),
+    [
+        ({}, "set reference.enabled = false, or connect"),
+        ({"reference": {"enabled": False}, "start": "equilibrium"}, "set start = 'given', or connect"),
+    ],
+)
+def test_what_the_equations_do_not_know_is_refused_with_them(changes: dict[str, Any], remedy: str) -> None:
+    """A reference without the factor would judge another system."""
+    content = contents(shipped()["two-masses"]) | changes
+    content["connections"] = ["first.force * 2 -> second.force"]
+    with pytest.raises(ScenarioError, match=f"changes values, which the equations .* do not know; {remedy}"):
+        system_of(scenario_of(content))
+
+
+def test_what_an_analysis_does_not_know_is_refused(tmp_path: Path) -> None:
+    shaft = fmu("shaft", 2, tmp_path)
+    one = scenario({"one": {"participant": shaft}}, connections=["one.air -> one.wall"])
+    with (
+        pytest.raises(ScenarioError, match=r"one\.wall: its connection .* not known to the analysis"),
+        linearisations(one, system_of(one), None),
+    ):
+        pass
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_file_for_another_platform_is_refused(version: int, tmp_path: Path) -> None:
+    path, other = fmu("dahlquist", version, tmp_path), tmp_path / "other.fmu"
+    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:
+        target.writestr("modelDescription.xml", archive.read("modelDescription.xml"))
+        target.writestr("binaries/vax/dahlquist.so", b"")
+    with pytest.raises(ScenarioError, match=r"has no binary for \S+ \(it has vax\)"):
+        system_of(scenario({"one": {"participant": other}}))
+
+
+def test_two_of_an_fmu_that_fills_its_process_take_processes_of_their_own(tmp_path: Path) -> None:
+    path = fmu("single", 2, tmp_path)
+    twice = {"one": {"participant": path}, "other": {"participant": path}}
+    with pytest.raises(ScenarioError, match=r"only once in a process.*set components\.\w+\.process = 'own'"):
+        ran(scenario(twice), tmp_path / "out")
+    twice["other"] = {"participant": path, "process": "own"}
+    summary, found = ran(scenario(twice), tmp_path / "out")
+    assert summary.complete
+    np.testing.assert_array_equal(found["one.x"], found["other.x"])
