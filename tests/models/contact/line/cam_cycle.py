@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.line_contact import Turn
+from models.contact.line.grid import REACH, fill_kernel_matrix, place_nodes
 from models.contact.line.history import FilmHistory, film_history
 from models.quantities import Vector
 from models.valve_train.camshaft import CamshaftParameters
@@ -34,3 +36,15 @@ def cycle(step: float, nodes: int, speed: float = 1000.0) -> tuple[Vector, FilmH
     degrees = np.linspace(95.0, 225.0, round(130.0 / step) + 1)
     m = motion(degrees, speed)
     return degrees[1:], film_history(m.times, m.load, m.velocity, m.radius, nodes)
+
+
+def least_films(degrees: Vector, nodes: int, reach: float = REACH) -> Vector:
+    """Smallest films (m) at these cam angles, with a grid that reaches so many of its scales."""
+    turn = Turn(nodes, 0.1)
+    place_nodes(turn.w.X, reach)
+    fill_kernel_matrix(turn.w.X, turn.w.weight, turn.w.D)
+    found = []
+    for angle in degrees:
+        turn.run(95.0, angle)
+        found.append(turn.h.min())
+    return np.array(found)

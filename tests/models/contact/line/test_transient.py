@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from models.contact.ehl_contact import ehl_contact
+from models.contact.line.grid import REACH
 from models.contact.line.history import film_history
 from models.integrator import NOT_CONVERGED, OK
 
-from .cam_cycle import cycle, motion
+from .cam_cycle import cycle, least_films, motion
 from .stepped import NODES, SOLVED, Contact
 
 RIGID = {"youngs_modulus_1": 1e16, "youngs_modulus_2": 1e16, "viscosity_law": 2.0, "density_law": 1.0}
@@ -49,6 +50,14 @@ def test_films_of_the_cam_cycle_converge_with_nodes_and_steps() -> None:
         films[nodes, step] = np.interp([144.0, 168.0, 192.0, 216.0], degrees, film.minimum_film_thickness)
     assert films[101, 0.5] == pytest.approx(films[201, 0.5], rel=0.01)
     assert films[201, 0.5] == pytest.approx(films[201, 0.1], rel=0.003)
+
+
+def test_a_domain_twice_as_wide_changes_little() -> None:
+    """Thick films on the flank draw their oil from farther away: measured 0.5 %, at the reversals 0.06 %."""
+    degrees = np.array([112.0, 144.0, 168.0])
+    change = least_films(degrees, 401, 2.0 * REACH) / least_films(degrees, 301) - 1.0
+    assert np.abs(change[1:]).max() < 1e-3
+    assert abs(change[0]) < 6e-3
 
 
 def test_order_two_in_time() -> None:
