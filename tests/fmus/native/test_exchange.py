@@ -8,8 +8,11 @@ import fmpy
 import numpy as np
 import pytest
 
-from fmus.build import NAMES
+from fmus.build import NAMES, default_structure
 from fmus.validate import validate
+
+from ..instance import Instance
+from ..reference import Reference
 
 # What the host's integrator is asked for; errors of many steps add up.
 TOLERANCE = 1e-9
@@ -52,6 +55,25 @@ def test_the_hosts_integrator_finds_the_same_motion(name: str, native_files: dic
         size = np.abs(own[output].astype(float)).max() + 1e-12
         assert np.median(differences) <= 1e4 * TOLERANCE * size, output
         assert differences[-1] <= 1e5 * TOLERANCE * size, output
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_states_and_their_derivatives_are_shown(name: str, native_files: dict[str, Path]) -> None:
+    """To the last bit those of the component after a step."""
+    reference = Reference(name, **default_structure(name, "NATIVE_STRUCTURE"))
+    component, slave = reference.component, Instance(native_files[name]).initialize()
+    reference.step(1e-4)
+    slave.step(0.0, 1e-4)
+    rates = np.zeros(component.state.size)
+    component.flat_derivative(reference.t, reference.x, reference.u, reference.p, rates)
+    shown = [f.name for f in component.state.fields if not (f.quantity.discrete or f.quantity.internal)]
+    found = (
+        slave.get([f"state.{name}" for name in shown]),
+        slave.get([f"der(state.{name})" for name in shown]),
+    )
+    places = [component.state.index(name) for name in shown]
+    assert found == (reference.x[places].tolist(), rates[places].tolist())
+    slave.free()
 
 
 @pytest.mark.parametrize("name", NAMES)
