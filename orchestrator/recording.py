@@ -94,8 +94,9 @@ class CsvRecorder:
         self._count = 0
 
     def begin(self, names: Sequence[str]) -> None:
-        self._file = self._path.open("w", encoding="ascii", newline="\n", buffering=1 << 20)
-        self._file.write(",".join(f'"{name}"' for name in ("time", *names)) + "\n")
+        self._file = self._path.open("w", encoding="utf-8", newline="\n", buffering=1 << 20)
+        quoted = (name.replace('"', '""') for name in ("time", *names))
+        self._file.write(",".join(f'"{name}"' for name in quoted) + "\n")
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         if self._count % self._every == 0:
@@ -116,7 +117,7 @@ class CsvRecorder:
             )
         self._count = state["count"]
         os.truncate(self._path, state["bytes"])
-        self._file = self._path.open("a", encoding="ascii", newline="\n", buffering=1 << 20)
+        self._file = self._path.open("a", encoding="utf-8", newline="\n", buffering=1 << 20)
 
     def end(self, complete: bool, message: str) -> None:
         self._file.close()

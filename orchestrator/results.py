@@ -65,9 +65,9 @@ class ResultFile:
         # one; netCDF knows no other of length 0.
         group.dimensions["time"] = rows or None
         for key, quantity in columns.items():
-            _make(group, key, quantity, min(rows, CHUNK) or CHUNK)
+            _make(group, _stored(key), quantity, min(rows, CHUNK) or CHUNK)
         # Each by itself: what HDF5 lists as attached to a dimension has been seen to lack one.
-        datasets = [self._hdf5[f"{group.name}/{key}"] for key in columns]
+        datasets = [self._hdf5[f"{group.name}/{_stored(key)}"] for key in columns]
         for first, block in _placed(blocks):
             for dataset, values in zip(datasets, np.ascontiguousarray(block.T), strict=True):
                 dataset[first : first + len(block)] = values
@@ -78,7 +78,7 @@ class ResultFile:
 
     def read(self, group: str, names: Sequence[str], rows: slice) -> dict[str, Vector]:
         """Rows of some variables."""
-        return {name: np.asarray(self._file[group][name][rows]) for name in names}
+        return {name: np.asarray(self._file[group][_stored(name)][rows]) for name in names}
 
     def has(self, group: str) -> bool:
         """The group exists and has rows."""
@@ -113,6 +113,11 @@ class ResultFile:
                 os.replace(partial(self.path), self.path)
         finally:
             partial(self.path).unlink(missing_ok=True)
+
+
+def _stored(name: str) -> str:
+    """A variable's name in the file, where / begins a group: FMUs from elsewhere may have it."""
+    return name.replace("/", "\N{DIVISION SLASH}")
 
 
 def _make(group: h5netcdf.Group, name: str, quantity: Quantity, chunk: int) -> None:

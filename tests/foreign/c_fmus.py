@@ -149,6 +149,8 @@ MODELS = {
         "$y += h * ($u + h / 2 * ($u1 + h / 3 * ($u2 + h / 4 * $u3)));",
         abilities='canGetAndSetFMUstate="true" canInterpolateInputs="true" ',
     ),
+    # What names may be.
+    "named": Model((V('a/b "c", [µ] <->', "output", 1.0, initial="exact"), V("der(x)", "output", 2.0)), ""),
     "shaft": Model(
         (V("speed", "output", 0.0, unit="r/min"), V("height", "input", unit="mm"),
          V("reached", "output", unit="mm"),

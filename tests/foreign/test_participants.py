@@ -14,6 +14,7 @@ from orchestrator.fmu_passes import FmuPass
 from orchestrator.participants import component_of_file
 from orchestrator.participants.fmu import FmuParticipant, Given
 from orchestrator.participants.in_own_process import InOwnProcess
+from orchestrator.results import open_result
 
 from .c_fmus import fmu
 from .runs import ran, scenario
@@ -178,6 +179,19 @@ def test_whole_numbers_and_truth_values_are_exchanged(version: int, process: str
     np.testing.assert_array_equal(found["second.whole_out"][2:], 3 + counted[:-2])
     np.testing.assert_array_equal(found["second.truth_out"], 1.0)
     np.testing.assert_array_equal(found["second.real out"], 2.5)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_variables_have_any_names(version: int, tmp_path: Path) -> None:
+    """In both result files. NetCDF has no slash in a name; a division slash stands for it."""
+    odd = 'a/b "c", [µ] <->'
+    table = {"participant": fmu("named", version, tmp_path), "start": {odd: 3.0}}
+    summary, found = ran(scenario({"one": table}), tmp_path / "out")
+    assert summary.complete, summary.message
+    assert set(found) == {"time", f"one.{odd}", "one.der(x)"}
+    np.testing.assert_array_equal(found[f"one.{odd}"], 3.0)
+    with open_result(tmp_path / "out") as result:
+        assert np.all(result["coupled"][f"one.{odd.replace('/', '∕')}"] == 3.0)
 
 
 @pytest.mark.parametrize("process", PROCESSES)

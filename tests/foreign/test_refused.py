@@ -1,4 +1,4 @@
-"""What FMUs from elsewhere cannot do, and what their equations would have to say, is refused before the run."""
+"""What FMUs from elsewhere cannot do, or only equations could say, is refused before the run."""
 
 from __future__ import annotations
 
