@@ -69,8 +69,15 @@ def _written(scenario: Scenario) -> tuple[dict[str, Instance], list[Line]]:
     return instances, list(map(line_of, scenario.connections))
 
 
-def check_as_they_are(scenario: Scenario) -> None:
-    """ScenarioError where a connection changes values, of which the system's equations know nothing."""
+def check_analysable(scenario: Scenario) -> None:
+    """ScenarioError where the system's equations do not know all: FMUs from elsewhere, connections that
+    change values."""
+    for name, table in scenario.components.items():
+        if table.foreign:
+            raise ScenarioError(
+                f"components.{name}: an FMU from elsewhere, whose equations are not known here, is not "
+                "analysed; tribocosim run with several macro steps shows what they do"
+            )
     changed = transformations(*_written(scenario))
     for name, inputs in changed.items():
         for variable, linear in inputs.items():

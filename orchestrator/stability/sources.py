@@ -9,7 +9,7 @@ from pathlib import Path
 
 from models.system import System
 
-from ..assembly import Builder, check_as_they_are
+from ..assembly import Builder, check_analysable
 from ..participants import Participant, fmu, in_process
 from ..scenario import Scenario, ScenarioError
 from .linearisation import Equations, Linearisation
@@ -24,10 +24,10 @@ def linearisations(
     equations.
 
     `every`: all as they would take part in a run, by their responses. Participants live as long as the
-    block. ScenarioError for one that cannot save its state, or that has a field, and for connections that
-    change values.
+    block. ScenarioError for one that cannot save its state, or that has a field, and for what
+    `check_analysable` refuses.
     """
-    check_as_they_are(scenario)
+    check_analysable(scenario)
     with ExitStack() as stack:
         made: dict[str, Linearisation] = {}
         for name, table in scenario.components.items():

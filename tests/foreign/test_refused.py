@@ -71,13 +71,15 @@ def test_what_the_equations_do_not_know_is_refused_with_them(changes: dict[str, 
 
 
 def test_what_an_analysis_does_not_know_is_refused(tmp_path: Path) -> None:
-    shaft = fmu("shaft", 2, tmp_path)
-    one = scenario({"one": {"participant": shaft}}, connections=["one.air -> one.wall"])
-    with (
-        pytest.raises(ScenarioError, match=r"one\.wall: its connection .* not known to the analysis"),
-        linearisations(one, system_of(one), None),
+    foreign = scenario({"one": {"participant": fmu("dahlquist", 2, tmp_path)}})
+    content = contents(shipped()["two-masses"]) | {"reference": {"enabled": False}}
+    changed = scenario_of(content | {"connections": ["first.force * 2 -> second.force"]})
+    for one, said in (
+        (foreign, r"components\.one: an FMU from elsewhere, .* is not analysed"),
+        (changed, r"second\.force: its connection .* not known to the analysis"),
     ):
-        pass
+        with pytest.raises(ScenarioError, match=said), linearisations(one, system_of(one), None):
+            pass
 
 
 @pytest.mark.parametrize("version", VERSIONS)
