@@ -44,7 +44,7 @@ class InOwnProcess:
         self.restorable = described(path).restorable
         try:
             asked = asdict(given) | {"outputs": list(given.outputs)}
-            self._call("made", name=name, path=str(path), given=asked)
+            self._call("instantiate", name=name, path=str(path), given=asked)
         except BaseException:
             self.close()
             raise
@@ -64,7 +64,7 @@ class InOwnProcess:
         return content
 
     def _call(self, method: str, **arguments: Any) -> Any:
-        self._doing = method.replace("_", " ")
+        self._doing = f"call {method}"
         return json.loads(self._ask(CALL, json.dumps({"method": method, **arguments}).encode()))
 
     def _raise(self, said: dict[str, Any]) -> NoReturn:

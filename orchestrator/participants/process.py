@@ -25,7 +25,7 @@ _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
 
 
 class Server:
-    """Carries out messages for the participant that the first one makes."""
+    """Carries out messages for the participant that the first one, instantiate, makes."""
 
     unit: FmuParticipant
     inputs: Vector
@@ -58,7 +58,7 @@ class Server:
         self.unit.read()
         return self.outputs.tobytes() + self.rates.tobytes()
 
-    def made(self, name: str, path: str, given: dict[str, Any]) -> None:
+    def instantiate(self, name: str, path: str, given: dict[str, Any]) -> None:
         self.unit = FmuParticipant(name, Path(path), Given(**given))
 
     def connect(self, inputs: list[str], rows: int, outputs: list[str], rated: bool) -> list[bool]:

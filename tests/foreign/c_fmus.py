@@ -182,6 +182,8 @@ MODELS["early"] = Model(
     "if (h > 6e-3) { $x *= exp(-$k * h / 2); m->reached = t + h / 2; return EARLY; } " + EXPONENTIAL,
     abilities='mightReturnEarlyFromDoStep="true" ',
 )
+# Cannot be looked at.
+MODELS["blind"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, "raise(SIGSEGV);")
 MODELS["rigid"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, abilities="", variable_step=False)
 MODELS["single"] = Model(
     MODELS["dahlquist"].variables, EXPONENTIAL, abilities='canBeInstantiatedOnlyOncePerProcess="true" '

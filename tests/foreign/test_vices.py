@@ -8,8 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.report import Reporter
+from orchestrator.run import run
+
 from .c_fmus import fmu
-from .runs import ran, scenario
+from .runs import never, ran, scenario
 
 GONE = r"decay: its process ended {} in the step from t = 0.5 s by 0.01 s; look at"
 VICES = {
@@ -40,6 +43,13 @@ def test_the_run_ends_with_what_it_has(vice: str, version: int, tmp_path: Path) 
         assert re.search(VICES[vice], summary.message), summary.message
         assert len(found["time"]) == 51
         assert found["time"][-1] == pytest.approx(0.5)
+
+
+def test_one_that_crashes_before_the_start_is_named(tmp_path: Path) -> None:
+    path = fmu("blind", 2, tmp_path)
+    summary = run(case(path, "own"), tmp_path / "out", never, Reporter(), figures=False)
+    assert summary.exit_status == 3
+    assert "decay: its process ended by SIGSEGV in the reading of outputs" in summary.message
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="call_time_limit needs a POSIX system")
