@@ -49,7 +49,7 @@ def test_one_that_crashes_before_the_start_is_named(tmp_path: Path) -> None:
     path = fmu("blind", 2, tmp_path)
     summary = run(case(path, "own"), tmp_path / "out", never, Reporter(), figures=False)
     assert summary.exit_status == 3
-    assert "decay: its process ended by SIGSEGV in the reading of outputs" in summary.message
+    assert "decay: its process ended by SIGSEGV in the call read_all" in summary.message
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="call_time_limit needs a POSIX system")
