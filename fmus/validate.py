@@ -8,14 +8,19 @@ from __future__ import annotations
 
 import hashlib
 import zipfile
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
-from fmpy.model_description import read_model_description
+import fmpy
+from fmpy.model_description import ModelDescription, read_model_description
 from fmpy.validation import validate_fmu
+from lxml import etree
 
 from models.fmu_archive import DESCRIPTION, FmuFileError, archive_faults, one_line, opened
+
+TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 
 
 @dataclass(frozen=True)
@@ -80,11 +85,38 @@ def validate(path: Path | str) -> list[str]:
                 return faults
             version = _fmi_version(archive)
             names = set(archive.namelist())
+            terminals = archive.read(TERMINALS) if TERMINALS in names else b""
     except FmuFileError as error:
         return [str(error)]
     faults = [one_line(problem) for problem in validate_fmu(str(path))]
-    if version == "2.0" and not faults:
-        faults += _content_faults(path, names)
+    if version != "1.0" and not faults:
+        described = read_model_description(str(path), validate=False)
+        faults += _content_faults(described, names)
+        if terminals:
+            faults += terminal_faults(terminals, {v.name for v in described.modelVariables})
+    return faults
+
+
+def terminal_faults(xml: bytes, variables: Collection[str]) -> list[str]:
+    """What is wrong with terminalsAndIcons.xml of an FMU with these variables: the schema's word first."""
+    folder = Path(fmpy.__file__).parent / "schema" / "fmi3"
+    schema = etree.XMLSchema(file=str(folder / "fmi3TerminalsAndIcons.xsd"))
+    try:
+        root = etree.fromstring(xml)
+    except etree.XMLSyntaxError as error:
+        return [f"{TERMINALS}: not XML: {one_line(error)}"]
+    if not schema.validate(root):
+        return [f"{TERMINALS}: line {e.line}: {one_line(e.message)}" for e in schema.error_log]
+    faults = []
+    for terminal in root.iter("Terminal"):
+        name, members = terminal.get("name"), terminal.findall("TerminalMemberVariable")
+        for member in members:
+            variable = member.get("variableName")
+            if variable not in variables:
+                faults.append(f"{TERMINALS}: terminal {name}: there is no variable {variable}")
+        called = [member.get("memberName") for member in members]
+        if terminal.get("matchingRule") in ("plug", "bus") and len({*called, None}) <= len(called):
+            faults.append(f"{TERMINALS}: terminal {name}: members need names of their own")
     return faults
 
 
@@ -149,11 +181,10 @@ def _fmi_version(archive: zipfile.ZipFile) -> str:
     return version
 
 
-def _content_faults(path: Path, names: set[str]) -> list[str]:
+def _content_faults(described: ModelDescription, names: set[str]) -> list[str]:
     """What the standard asks for and the schema cannot say."""
-    described = read_model_description(str(path), validate=False)
     faults = []
-    slave = described.coSimulation or described.modelExchange
+    slave = described.coSimulation or described.modelExchange or described.scheduledExecution
     if slave is None:
         return [f"{DESCRIPTION}: neither co-simulation nor model exchange"]
     binaries = [name for name in names if name.startswith("binaries/") and not name.endswith("/")]
@@ -162,7 +193,7 @@ def _content_faults(path: Path, names: set[str]) -> list[str]:
     if not sources and slave.modelIdentifier not in stems:
         faults.append(f"binaries: none is called {slave.modelIdentifier}, the model identifier")
     for variable in described.modelVariables:
-        if variable.type == "Real" and variable.start is not None:
+        if variable.type in ("Real", "Float64") and variable.start is not None and not variable.dimensions:
             faults += _range_faults(variable)
     return faults
 

@@ -14,7 +14,9 @@ from models.component import Component
 from .. import build as python_build
 from .. import description3
 from ..description import EXCHANGE, GUID_PLACE, NATIVE, model_description
+from ..memory import Memory
 from ..sources import digest_of, shipped
+from ..terminals import FOLDER, terminals_and_icons
 from .differentiate import differentiated
 from .entries import smooth
 from .machine_code import FMI_HEADERS, PLATFORMS, SHELL, shared_library
@@ -65,6 +67,10 @@ def content_of(
     token = f"{{{uuid.UUID(digest[:32])}}}"
     named = tables(component, name, digest[:16], token)
     files = python_build.documents(name, component)
+    described = {variable.name for variable in Memory(component).variables()}
+    icon = files.pop("model.png") if fmi == 3 else files["model.png"]
+    files[f"{FOLDER}/icon.png"] = icon
+    files[f"{FOLDER}/{FOLDER}.xml"] = terminals_and_icons(name, described).encode()
     files["modelDescription.xml"] = xml.replace(GUID_PLACE, token).encode()
     for platform in map(PLATFORMS.__getitem__, platforms):
         folder = platform.fmi2 if fmi == 2 else platform.fmi3

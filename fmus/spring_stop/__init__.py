@@ -1,5 +1,14 @@
 """FMU of a spring stop."""
 
 from ..description import Experiment
+from ..terminals import Terminal
 
 EXPERIMENT = Experiment(stop_time=1.0, step_size=1e-4)
+
+TERMINALS = {
+    "end": Terminal(
+        "translation",
+        "what strikes it",
+        {"position": "position", "velocity": "velocity", "force": "force"},
+    ),
+}

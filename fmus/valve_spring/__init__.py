@@ -1,6 +1,15 @@
 """FMU of the valve on its spring."""
 
 from ..description import Experiment
+from ..terminals import Terminal
 
 # Fifty periods of the default spring's surge.
 EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)
+
+TERMINALS = {
+    "load": Terminal(
+        "translation",
+        "the follower that a contact loads",
+        {"position": "position", "velocity": "velocity", "force": "load"},
+    ),
+}
