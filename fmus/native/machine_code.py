@@ -79,17 +79,22 @@ def shared_library(
     version of FMI."""
     with tempfile.TemporaryDirectory(prefix="tribocosim-native-") as folder:
         here = Path(folder)
-        (here / "kernels.o").write_bytes(_object_code(place, kernels))
+        (here / "kernels.o").write_bytes(object_code(place, kernels))
         for file, text in tables.items():
             (here / file).write_text(text, encoding="utf-8")
         for source in SHELL.iterdir():
             (here / source.name).write_bytes(source.read_bytes())
-        names = sorted(path.name for path in here.glob("*.c"))
-        sources = [file for file in names if file.startswith(f"fmi{fmi}") or not file.startswith("fmi")]
+        sources = [*(source.name for source in shell_sources(fmi)), "tables.c"]
         target = f"{name}{place.suffix}"
         inputs = ["-I.", f"-I{FMI_HEADERS}", *sources, "kernels.o", "-lm"]
         _zig(["cc", "-target", place.zig, *_C, *_STRICT, "-shared", "-s", *inputs, "-o", target], here)
         return (here / target).read_bytes()
+
+
+def shell_sources(fmi: int) -> list[Path]:
+    """The C files of the shell for a version of FMI."""
+    paths = sorted(SHELL.glob("*.c"))
+    return [path for path in paths if path.name.startswith(f"fmi{fmi}") or not path.name.startswith("fmi")]
 
 
 def _zig(arguments: Sequence[str], folder: Path) -> None:
@@ -102,7 +107,7 @@ def _zig(arguments: Sequence[str], folder: Path) -> None:
         raise NativeBuildError(f"zig {' '.join(arguments)}: {made.stderr.strip()}")
 
 
-def _object_code(place: Platform, kernels: Sequence[str]) -> bytes:
+def object_code(place: Platform, kernels: Sequence[str]) -> bytes:
     """Machine code of the kernels, optimised for the platform, with the same bits as numba's: no operation is
     reordered or fused."""
     binding = llvm()

@@ -102,9 +102,14 @@ static Status perform(Unit *unit, bool *changed)
 
 Status unit_events(Unit *unit, bool *changed, double *next)
 {
+    const State before = unit->now;
     Status status;
     *changed = false;
     status = perform(unit, changed);
+    if (status != OK) {
+        unit->now = before;
+        *changed = false;
+    }
     unit_ready(unit, OUTPUTS_AT);
     *next = INFINITY;
 #ifdef NEXT_EVENT_AT

@@ -49,13 +49,15 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     (void)resources, (void)visible;
     if (!name || !*name) fault = "the instance needs a name";
     else if (!guid || strcmp(guid, TOKEN)) fault = "the guid must be " TOKEN ", that of modelDescription.xml";
+    else if (type != fmi2CoSimulation && type != fmi2ModelExchange)
+        fault = "the type must be fmi2CoSimulation or fmi2ModelExchange";
     if (fault) {
         if (say) say(environment, name ? name : "", fmi2Error, "logStatusError", fault);
         return NULL;
     }
     unit = unit_new(name, say ? tell : NULL, environment, (void *)say, logging);
     if (!unit && say) say(environment, name, fmi2Error, "logStatusError", "out of memory");
-    if (unit) unit->exchange = type == fmi2ModelExchange;
+    if (unit) unit->now.exchange = type == fmi2ModelExchange;
     return unit;
 }
 
@@ -89,7 +91,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c)
     Status status;
     NEEDS(INITIALIZING, "fmi2ExitInitializationMode");
     status = unit_initialize(UNIT);
-    if (status == OK) UNIT->now.phase = UNIT->exchange ? EVENT : STEPPING;
+    if (status == OK) UNIT->now.phase = UNIT->now.exchange ? EVENT : STEPPING;
     return status;
 }
 
@@ -133,16 +135,18 @@ static Status get_whole(Unit *unit, Kind kind, const fmi2ValueReference vr[], si
     return OK;
 }
 
+/* All can be set before any is. */
 static Status set_whole(Unit *unit, Kind kind, const fmi2ValueReference vr[], size_t count, const int value[])
 {
     double some[SOME];
-    for (size_t i = 0; i < count; i += SOME) {
-        size_t n = count - i < SOME ? count - i : SOME;
-        Status status;
-        for (size_t j = 0; value && j < n; j++) some[j] = kind == BOOLEAN ? value[i + j] != 0 : value[i + j];
-        status = unit_set(unit, kind, vr ? vr + i : NULL, n, value ? some : NULL);
-        if (status != OK) return status;
-    }
+    for (int set = 0; set < 2; set++)
+        for (size_t i = 0; i < count; i += SOME) {
+            size_t n = count - i < SOME ? count - i : SOME;
+            const fmi2ValueReference *r = vr ? vr + i : NULL;
+            const double *v = value ? some : NULL;
+            for (size_t j = 0; v && j < n; j++) some[j] = kind == BOOLEAN ? value[i + j] != 0 : value[i + j];
+            if ((set ? unit_set(unit, kind, r, n, v) : unit_can_set(unit, kind, r, n, v)) != OK) return ERROR;
+        }
     return OK;
 }
 
@@ -198,14 +202,16 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     if (count && (!vr || !order || !value)) return unit_set(UNIT, REAL, NULL, count, NULL);
     for (size_t i = 0; i < count; i++) {
         fmi2ValueReference derivative;
-        Status status;
         if (vr[i] < INPUTS_AT || vr[i] >= INPUTS_AT + INPUTS)
             return unit_say(UNIT, ERROR, "value reference %u is not an input", (unsigned)vr[i]);
         if (order[i] < 1 || order[i] > 3)
             return unit_say(UNIT, ERROR, "derivative %d of %s: must be 1, 2 or 3", order[i], variables[vr[i]].name);
         derivative = vr[i] + (fmi2ValueReference)order[i] * INPUTS;
-        status = unit_set(UNIT, REAL, &derivative, 1, value + i);
-        if (status != OK) return status;
+        if (unit_can_set(UNIT, REAL, &derivative, 1, value + i) != OK) return fmi2Error;
+    }
+    for (size_t i = 0; i < count; i++) {
+        fmi2ValueReference derivative = vr[i] + (fmi2ValueReference)order[i] * INPUTS;
+        unit_set(UNIT, REAL, &derivative, 1, value + i);
     }
     return fmi2OK;
 }

@@ -61,7 +61,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi
 {
     Instance *made = new_instance(name, token, logging, environment, say);
     (void)resources, (void)visible;
-    if (made) made->unit->exchange = true;
+    if (made) made->unit->now.exchange = true;
     return made;
 }
 
@@ -128,13 +128,13 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
     Status status;
     NEEDS(INITIALIZING, "fmi3ExitInitializationMode");
     status = unit_initialize(UNIT);
-    if (status == OK) UNIT->now.phase = UNIT->exchange || INSTANCE->event_mode ? EVENT : STEPPING;
+    if (status == OK) UNIT->now.phase = UNIT->now.exchange || INSTANCE->event_mode ? EVENT : STEPPING;
     return status;
 }
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance)
 {
-    NEEDS_THAT(UNIT->exchange || INSTANCE->event_mode, STEPPING | CONTINUOUS | EVENT, "fmi3EnterEventMode",
+    NEEDS_THAT(UNIT->now.exchange || INSTANCE->event_mode, STEPPING | CONTINUOUS | EVENT, "fmi3EnterEventMode",
                "where fmi3InstantiateCoSimulation was told that event mode is not used");
     if (UNIT->now.phase == STEPPING && !UNIT->now.outputs_stale) inputs_go_on(UNIT); /* unless the host has set them */
     UNIT->now.phase = EVENT;

@@ -4,7 +4,7 @@
 
 #include "fmi3.h"
 
-#define NEEDS_EXCHANGE(phases, call) NEEDS_THAT(UNIT->exchange, phases, call, "in co-simulation")
+#define NEEDS_EXCHANGE(phases, call) NEEDS_THAT(UNIT->now.exchange, phases, call, "in co-simulation")
 
 static Status sized(Unit *unit, size_t count, size_t expected, const void *values)
 {

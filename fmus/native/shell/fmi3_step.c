@@ -16,7 +16,7 @@
 
 fmi3Status fmi3EnterStepMode(fmi3Instance instance)
 {
-    NEEDS_THAT(!UNIT->exchange, EVENT, "fmi3EnterStepMode", "in model exchange");
+    NEEDS_THAT(!UNIT->now.exchange, EVENT, "fmi3EnterStepMode", "in model exchange");
     UNIT->now.phase = STEPPING;
     return fmi3OK;
 }
@@ -158,7 +158,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
     double whole = time + step, end = whole;
     bool to_event, asks;
     Status status;
-    NEEDS_THAT(!UNIT->exchange, STEPPING, "fmi3DoStep", "in model exchange");
+    NEEDS_THAT(!UNIT->now.exchange, STEPPING, "fmi3DoStep", "in model exchange");
     (void)no_set_state;
     if (!event || !terminate || !early || !reached)
         return unit_say(UNIT, ERROR, "fmi3DoStep: no place for what it tells");

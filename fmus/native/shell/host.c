@@ -16,6 +16,9 @@ Status unit_keep(const Unit *unit, void **kept)
 Status unit_put_back(Unit *unit, const void *kept)
 {
     if (!kept) return unit_say(unit, ERROR, "no state is given");
+    if (((const State *)kept)->exchange != unit->now.exchange)
+        return unit_say(unit, ERROR, "the state is not of an instance for %s",
+                        unit->now.exchange ? "model exchange" : "co-simulation");
     memcpy(&unit->now, kept, sizeof(State));
     return OK;
 }

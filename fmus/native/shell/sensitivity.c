@@ -1,3 +1,4 @@
+#include <math.h>
 #include <string.h>
 
 #include "kernels.h"
@@ -12,6 +13,8 @@ typedef struct {
 static Status seed_with(const Unit *unit, Seed *seed, uint32_t known, double change)
 {
     bool exchanging = unit->now.phase & (EVENT | CONTINUOUS), starting = unit->now.phase & (INSTANTIATED | INITIALIZING);
+    if (!isfinite(change))
+        return unit_say(unit, ERROR, "the change of value reference %u = %g: must be finite", (unsigned)known, change);
     if (known >= INPUTS_AT && known < INPUTS_AT + INPUTS) seed->u[known - INPUTS_AT] = change;
     else if (known < PARAMETERS && variables[known].kind == REAL) seed->p[known] = change;
     else if (starting && known >= STARTS_AT && known < STARTS_AT + STARTED)

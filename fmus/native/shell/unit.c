@@ -43,7 +43,9 @@ void unit_free(Unit *unit)
 
 void unit_reset(Unit *unit)
 {
+    const bool exchange = unit->now.exchange;
     memset(&unit->now, 0, sizeof unit->now);
+    unit->now.exchange = exchange;
     memcpy(unit->now.data, beginning, sizeof beginning);
     /* Tables that kernels keep in their scratch say themselves what they are for; no result depends on them. */
     memset(unit->work, 0, sizeof unit->work);
@@ -146,11 +148,13 @@ static Status refused(Unit *unit, int status, double time, double step)
 
 Status unit_step(Unit *unit, double time, double step)
 {
-    double *data = unit->now.data, t = data[T_AT];
+    double *data = unit->now.data, t = data[T_AT], u[INPUTS + 1], y[OUTPUTS + 1];
     int64_t status = 0;
     if (!(step >= 0.0)) return unit_say(unit, DISCARD, "step size = %g s: must not be negative", step);
-    if (!(fabs(time - t) <= TIME_SLACK * (1.0 + fabs(t)) + STEP_SLACK * step) || isinf(step))
-        return unit_say(unit, DISCARD, "step from t = %.12g s by %g s: must begin at %.12g s, where the state is, and be finite", time, step, t);
+    if (!(fabs(time - t) <= TIME_SLACK * (1.0 + fabs(t)) + STEP_SLACK * step) || !isfinite(time + step))
+        return unit_say(unit, DISCARD,
+                        "step from t = %.12g s by %g s: must begin at %.12g s, where the state is, and be finite",
+                        time, step, t);
     if (unit->now.parameters_unchecked) {
         char message[1024] = "";
         if (faults(variables, data, PARAMETERS, message, sizeof message))
@@ -158,11 +162,10 @@ Status unit_step(Unit *unit, double time, double step)
         unit->now.parameters_unchecked = false;
     }
     kernel_step(&status, &(void *){NULL}, time, step, data + X_AT, data + INPUTS_AT, data, nominal, unit->work,
-                data + U_AT, data + OUTPUTS_AT);
-    if (status) {
-        unit->now.outputs_stale = unit->now.energies_stale = unit->now.rates_stale = true;
-        return refused(unit, (int)status, time, step);
-    }
+                u, y);
+    if (status) return refused(unit, (int)status, time, step);
+    memcpy(data + U_AT, u, INPUTS * sizeof *u);
+    memcpy(data + OUTPUTS_AT, y, OUTPUTS * sizeof *y);
     data[T_AT] = time + step;
     data[S_AT] = step;
     unit->now.outputs_stale = false;
@@ -221,11 +224,17 @@ static bool settable(const Unit *unit, const Variable *variable, double value)
     return false;
 }
 
-Status unit_set(Unit *unit, Kind kind, const uint32_t *references, size_t count, const double *values)
+Status unit_can_set(const Unit *unit, Kind kind, const uint32_t *references, size_t count, const double *values)
 {
     if (!known(unit, kind, references, count, values)) return ERROR;
     for (size_t i = 0; i < count; i++)
         if (!settable(unit, unit_variable(references[i]), values[i])) return ERROR;
+    return OK;
+}
+
+Status unit_set(Unit *unit, Kind kind, const uint32_t *references, size_t count, const double *values)
+{
+    if (unit_can_set(unit, kind, references, count, values) != OK) return ERROR;
     for (size_t i = 0; i < count; i++) {
         unit->now.data[references[i]] = values[i];
         if (references[i] < INPUTS_AT) unit->now.parameters_unchecked = true;

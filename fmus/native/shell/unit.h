@@ -56,6 +56,7 @@ typedef enum {
 typedef struct {
     double data[SIZE];
     Phase phase;
+    bool exchange; /* the host integrates */
     bool outputs_stale, energies_stale, rates_stale;
     bool parameters_unchecked; /* set since they were looked at */
 } State;
@@ -71,7 +72,6 @@ struct Unit {
     Logger logger;
     void *environment, *callback; /* the host's, for the logger */
     bool logging;                 /* more than errors */
-    bool exchange;                /* the host integrates */
     double work[WORK_SIZE], rates_work[RATES_WORK_SIZE], slopes[INPUTS + 1], all_rates[OUTPUTS + 1], dx[STATES + 1],
         guards[GUARDS + 1];
 };
@@ -89,6 +89,7 @@ Status unit_initialize(Unit *unit);                   /* at the end of the initi
 Status unit_step(Unit *unit, double time, double step); /* DISCARD, and nothing changed, if it cannot be made */
 
 /* Values by reference. Nothing is set unless all can be. Kind: of the call. */
+Status unit_can_set(const Unit *unit, Kind kind, const uint32_t *references, size_t count, const double *values);
 Status unit_set(Unit *unit, Kind kind, const uint32_t *references, size_t count, const double *values);
 Status unit_get(Unit *unit, Kind kind, const uint32_t *references, size_t count, double *values);
 

@@ -1,0 +1,113 @@
+"""Programs in C that host native FMUs, compiled here; and libraries with checks of every access to memory."""
+
+from __future__ import annotations
+
+import functools
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import fmpy
+import pytest
+from fmpy.model_description import ModelDescription, ScalarVariable
+
+from fmus.build import chosen
+from fmus.native.differentiate import differentiated
+from fmus.native.entries import smooth
+from fmus.native.machine_code import FMI_HEADERS, PLATFORMS, SHELL, object_code, shell_sources, this_platform
+from fmus.native.tables import tables
+from fmus.native.translate import translated
+
+HERE = Path(__file__).parent
+TOKEN = "{sanitized}"
+WARNINGS = ["-Wall", "-Wextra", "-Werror", f"-I{FMI_HEADERS}"]
+# Ends at an access outside of what is allocated, and at what C leaves undefined; tells leaks at the end.
+SANITIZED = ["-g", "-O1", "-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all"]
+
+
+@functools.cache
+def sanitizing_compiler() -> str | None:
+    """gcc, if it has its sanitizers with it. zig's clang comes without the one for addresses."""
+    gcc = shutil.which("gcc")
+    if gcc is None or not sys.platform.startswith("linux"):
+        return None
+    command = [gcc, *SANITIZED, "-x", "c", "-", "-o", "/dev/null"]
+    return (
+        gcc
+        if subprocess.run(command, input=b"int main(void) {}", capture_output=True).returncode == 0
+        else None
+    )
+
+
+def program(name: str, folder: Path, sanitized: bool) -> Path:
+    """The program of `name`.c, compiled by zig, or with sanitizers by gcc."""
+    target = folder / f"{name}{'-sanitized' * sanitized}"
+    compiler = [sys.executable, "-m", "ziglang", "cc", "-O1"]
+    if sanitized:
+        compiler = [sanitizing_compiler() or "gcc", *SANITIZED]
+    source = str(HERE / f"{name}.c")
+    subprocess.run([*compiler, "-std=gnu11", *WARNINGS, source, "-o", str(target), "-ldl", "-lm"], check=True)
+    return target
+
+
+def sanitized_library(name: str, folder: Path) -> Path:
+    """The FMU's library with sanitizers in the shell, its kernels as they always are; its token is TOKEN."""
+    sizes, component = chosen(name, None, "NATIVE_STRUCTURE")
+    plain = translated(name, sizes)
+    kernels = [plain, differentiated(plain, smooth(component))]
+    (folder / "kernels.o").write_bytes(object_code(PLATFORMS[this_platform()], kernels))
+    for file, text in tables(component, name, "0" * 16, TOKEN).items():
+        (folder / file).write_text(text, encoding="utf-8")
+    target = folder / f"{name}.so"
+    inputs = [*shell_sources(2), folder / "tables.c", folder / "kernels.o", "-lm", "-o", target]
+    compiler = [
+        sanitizing_compiler() or "gcc",
+        *SANITIZED,
+        "-std=c11",
+        "-ffp-contract=off",
+        "-fPIC",
+        "-shared",
+    ]
+    subprocess.run([*compiler, *WARNINGS, f"-I{SHELL}", f"-I{folder}", *map(str, inputs)], check=True)
+    return target
+
+
+def needs_sanitizers() -> None:
+    if sanitizing_compiler() is None:
+        pytest.skip("needs gcc with its sanitizers, on Linux")
+
+
+def run(command: Sequence[object], timeout: float) -> str:
+    """What the program prints, which must end well."""
+    finished = subprocess.run(
+        list(map(str, command)), capture_output=True, text=True, timeout=timeout, check=False
+    )
+    assert finished.returncode == 0, (finished.stdout + finished.stderr)[-4000:]
+    return finished.stdout
+
+
+def variables_for_c(description: ModelDescription) -> str:
+    """The variables as fuzz.h reads them."""
+    known = [v for v in description.modelVariables if v.causality != "independent"]
+    return "".join(f"{_variable(v)}\n" for v in known)
+
+
+def _variable(variable: ScalarVariable) -> str:
+    kind = {"Real": "r", "Integer": "i", "Enumeration": "i", "Boolean": "b"}[variable.type]
+    derivative = variable.causality == "input" and re.search(r"_der\d", variable.name)
+    causality = "d" if derivative else variable.causality[0]
+    words = {None: 0.0, "true": 1.0, "false": 0.0}
+    start = words[variable.start] if variable.start in words else float(variable.start)
+    return f"{variable.valueReference} {kind} {causality} {variable.variability[0]} {start!r}"
+
+
+def library_in(fmu: Path, folder: Path) -> tuple[Path, ModelDescription]:
+    """The library of a packaged native FMU for this machine, unpacked, and its description."""
+    fmpy.extract(str(fmu), str(folder))
+    description = fmpy.read_model_description(str(folder), validate=False)
+    place = PLATFORMS[this_platform()]
+    identifier = description.coSimulation.modelIdentifier
+    return folder / "binaries" / place.fmi2 / f"{identifier}{place.suffix}", description

@@ -1,0 +1,175 @@
+"""C programs host native FMUs: instances that come and go, and calls at random, without a leak, an access to
+what is not theirs, or an answer that the standard does not know.
+
+Where gcc's sanitizers are, the shell is compiled with them; valgrind runs the library as it is shipped.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from fmpy.model_description import ModelDescription
+
+from fmus.build import NAMES
+from fmus.native.machine_code import FMI_HEADERS
+
+from . import programs
+from .programs import TOKEN, library_in, needs_sanitizers, run, variables_for_c
+
+# The least that malloc gives out is 32 bytes. A leak of one such block per life shows in the resident memory,
+# which else may change by what malloc takes and returns at a time, 128 KiB, and a few pages of the programs'.
+BLOCK, SLACK = 32, 2 * 131072
+LIVES = 20_000
+# Step size; an input, and base and swing of what it is given; the first and last of the outputs to compare.
+# The first has states, the second formulas alone, the third events inside steps.
+HOSTED = {
+    "valve_spring": (1e-5, "load", 400.0, 100.0, "position", "seat_force"),
+    "ehl_contact": (1e-5, "approach", 0.0, 1e-6, "load", "damping_margin"),
+    "slider_crank": (1e-3, "crank_speed", 200.0, 50.0, "psi", "wall_radius"),
+}
+
+# Functions of fmi2Functions.h that fuzz.c calls at random.
+_UNRELATED = {"fmi2GetTypesPlatform", "fmi2GetVersion", "fmi2Instantiate", "fmi2FreeInstance"}
+_DECLARED = set(
+    re.findall(
+        r"^\s*FMI2_Export fmi2\w+TYPE\s+(fmi2\w+);", (FMI_HEADERS / "fmi2Functions.h").read_text(), re.M
+    )
+)
+FUNCTIONS = _DECLARED - _UNRELATED
+NEVER_TAKEN = {"fmi2CancelStep", "fmi2GetStatus", "fmi2GetIntegerStatus", "fmi2GetStringStatus"}
+NEVER_REFUSED = {"fmi2SetDebugLogging", "fmi2Reset", "fmi2FreeFMUstate"}
+
+Made = Callable[[str], Path]
+Compiled = Callable[[str, bool], Path]
+
+
+@pytest.fixture(scope="session")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> Compiled:
+    """compiled(name, sanitized): the program, compiled once."""
+    made: dict[tuple[str, bool], Path] = {}
+
+    def get(name: str, sanitized: bool) -> Path:
+        if (name, sanitized) not in made:
+            made[name, sanitized] = programs.program(name, tmp_path_factory.mktemp("program"), sanitized)
+        return made[name, sanitized]
+
+    return get
+
+
+@pytest.fixture(scope="session")
+def sanitized_library(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    """sanitized_library(name), compiled once."""
+    made: dict[str, Path] = {}
+
+    def get(name: str) -> Path:
+        if name not in made:
+            made[name] = programs.sanitized_library(name, tmp_path_factory.mktemp("sanitized"))
+        return made[name]
+
+    return get
+
+
+def arguments_of_lives(name: str, count: int, description: ModelDescription) -> list[object]:
+    """The arguments of host.c from the number of lives on."""
+    at = {v.name: v.valueReference for v in description.modelVariables}
+    step, given, base, swing, first, last = HOSTED[name]
+    return [count, step, at[given], base, swing, at[first], at[last] - at[first] + 1]
+
+
+def arguments_of_fuzz(description: ModelDescription, folder: Path, seed: int, calls: int) -> list[object]:
+    """The arguments of fuzz.c from the file of variables on."""
+    variables = folder / "variables"
+    variables.write_text(variables_for_c(description))
+    states, indicators = description.numberOfContinuousStates, description.numberOfEventIndicators
+    return [variables, states, indicators, seed, calls]
+
+
+@pytest.mark.parametrize("name", HOSTED)
+def test_instances_come_and_go_in_steady_memory(
+    name: str, native_files: dict[str, Path], compiled: Compiled, tmp_path: Path
+) -> None:
+    """Every step after a restored state gives the same bits; and many lives take no more than few."""
+    library, description = library_in(native_files[name], tmp_path)
+    rest = arguments_of_lives(name, LIVES, description)
+    said = run([compiled("host", False), library, description.guid, *rest], 300).split()
+    first, last = map(int, said[-2:])
+    assert BLOCK * LIVES * 0.9 > SLACK  # a leak would be seen
+    assert last - first < SLACK
+
+
+@pytest.mark.parametrize(
+    ("name", "count"),
+    [
+        *((name, LIVES) for name in HOSTED),
+        *(pytest.param(name, 1_000_000, marks=pytest.mark.long) for name in HOSTED),
+    ],
+)
+def test_lives_under_sanitizers(
+    name: str,
+    count: int,
+    native_files: dict[str, Path],
+    compiled: Compiled,
+    sanitized_library: Made,
+    tmp_path: Path,
+) -> None:
+    """No leak, no access outside of what is allocated, nothing that C leaves undefined."""
+    needs_sanitizers()
+    _, description = library_in(native_files[name], tmp_path)
+    rest = arguments_of_lives(name, count, description)
+    run([compiled("host", True), sanitized_library(name), TOKEN, *rest], 1800)
+
+
+@pytest.mark.parametrize("count", [200, pytest.param(50_000, marks=pytest.mark.long)])
+@pytest.mark.parametrize("name", HOSTED)
+def test_lives_under_valgrind(
+    name: str, count: int, native_files: dict[str, Path], compiled: Compiled, tmp_path: Path
+) -> None:
+    """The library as it is shipped, with its kernels: no leak, no invalid access, no jump by unset memory."""
+    if shutil.which("valgrind") is None:
+        pytest.skip("needs valgrind")
+    library, description = library_in(native_files[name], tmp_path)
+    rest = arguments_of_lives(name, count, description)
+    watched = ["valgrind", "-q", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=all"]
+    run(
+        [*watched, "--errors-for-leak-kinds=all", compiled("host", False), library, description.guid, *rest],
+        1800,
+    )
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_random_calls(name: str, native_files: dict[str, Path], compiled: Compiled, tmp_path: Path) -> None:
+    """Any function with any arguments in any phase: what fuzz.c says must hold, and every function is taken
+    as well as refused, but for those that can only be one of them."""
+    library, description = library_in(native_files[name], tmp_path)
+    rest = arguments_of_fuzz(description, tmp_path, 1, 20_000)
+    counts = [
+        line.split()
+        for line in run([compiled("fuzz", False), library, description.guid, *rest], 300).splitlines()
+    ]
+    assert {call for call, *_ in counts} == FUNCTIONS
+    assert {call for call, taken, _ in counts if taken == "0"} == NEVER_TAKEN
+    assert {call for call, _, refused in counts if refused == "0"} == NEVER_REFUSED
+
+
+@pytest.mark.parametrize(
+    ("seed", "calls"),
+    [(2, 30_000), *(pytest.param(seed, 1_000_000, marks=pytest.mark.long) for seed in (3, 4, 5))],
+)
+@pytest.mark.parametrize("name", [*HOSTED, "camshaft"])
+def test_random_calls_under_sanitizers(
+    name: str,
+    seed: int,
+    calls: int,
+    native_files: dict[str, Path],
+    compiled: Compiled,
+    sanitized_library: Made,
+    tmp_path: Path,
+) -> None:
+    needs_sanitizers()
+    _, description = library_in(native_files[name], tmp_path)
+    rest = arguments_of_fuzz(description, tmp_path, seed, calls)
+    run([compiled("fuzz", True), sanitized_library(name), TOKEN, *rest], 1800)
