@@ -50,13 +50,13 @@ def _growth(found: dict[int, tuple[float, float]]) -> Row:
         "cost must grow much more slowly than the cube of the nodes (choose by measurement and say why)",
         f"exponent {order:.1f} from 301 to 3001 nodes; factors and solution by LAPACK take "
         + ", ".join(f"{ratio:.1f} times ours at {nodes}" for nodes, (_, ratio) in found.items())
-        + "; the choice is told in docs/contact.md",
+        + "; the choice is told in docs/contact.md; bands as preconditioner need more (`python -m benchmarks "
+        "line_preconditioner`)",
         (
             KERNELS + "test_hierarchical_factors_solve_as_dense_ones",
             KERNELS + "test_factors_serve_after_nodes_changed_sides",
         ),
         command=COMMAND,
-        short="multigrid and bands as preconditioner were weighed, not measured.",
     )
 
 
