@@ -30,10 +30,7 @@ def jacobian(nodes: int, angle: float) -> np.ndarray:
     scale = wanted_scale(at.line_load, float(turn.h[nodes // 2]), at.flow.radius, BODIES)
     factor, offset = deflection_factors(scale, BODIES)
     deflections = factor * (w.D.T + offset * w.weight)
-    sparse = [
-        sum(np.diag(_diagonal(band, k - 2, nodes), k - 2) for k, band in enumerate(m)) for m in (w.A, w.B)
-    ]
-    whole = sparse[0] + sparse[1] @ deflections
+    whole = _matrix(w.A) + _matrix(w.B) @ deflections
     cavitated = w.fixed != 0.0
     whole[cavitated] = np.eye(nodes)[cavitated]
     return whole / np.abs(whole).max(axis=1, keepdims=True)
