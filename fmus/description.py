@@ -222,6 +222,8 @@ def _scalar(parent: Element, variable: Variable, index: Mapping[int, int]) -> No
     attributes = value_attributes(variable)
     if variable.rate_of is not None:
         attributes["derivative"] = str(index[variable.rate_of])
+    if variable.jumps:
+        attributes["reinit"] = "true"
     SubElement(element, variable.kind, attributes)
 
 

@@ -106,4 +106,6 @@ def _variable(parent: Element, variable: Variable) -> None:
     attributes |= value_attributes(variable)
     if variable.rate_of is not None:
         attributes["derivative"] = str(variable.rate_of)
+    if variable.jumps:
+        attributes["reinit"] = "true"
     SubElement(parent, _TYPES[variable.kind], attributes)

@@ -15,7 +15,7 @@ Shipped inside every FMU, so it knows components only by their attributes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -35,7 +35,7 @@ class Variable:
     """One scalar variable of an FMU. `kind` is Real, Integer, Boolean or Enumeration.
 
     `unit` is that of the quantity, also where the variable is its derivative of `derivative_order`. The rate
-    of an output has that output's reference as `rate_of`.
+    of an output has that output's reference as `rate_of`. A state that `jumps` may do so at events.
     """
 
     name: str
@@ -50,6 +50,7 @@ class Variable:
     derivative_order: int = 0
     rate_of: int | None = None
     state_start: bool = False
+    jumps: bool = False
 
 
 class Memory:
@@ -93,7 +94,11 @@ class Memory:
 
     def motion(self) -> tuple[Variable, ...]:
         """The continuous states, and then their derivatives, which have places after all else."""
-        states = [v for v in self.states() if v.variability == "continuous" and not v.quantity.internal]
+        states = [
+            replace(v, jumps=self.component.events is not None)
+            for v in self.states()
+            if v.variability == "continuous" and not v.quantity.internal
+        ]
         fields = self.component.state.fields
         rates = [
             _rate(
