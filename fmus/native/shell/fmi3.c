@@ -214,7 +214,8 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], 
     return unit_set(UNIT, REAL, vr, count, values);
 }
 
-/* Whole numbers are doubles in the memory. Choices are of type Enumeration, and 64 bits wide. */
+/* Whole numbers are doubles in the memory. Choices are of type Enumeration, and 64 bits wide. All can be set before
+   any is. */
 #define WHOLE(Type, KIND)                                                                                       \
     fmi3Status fmi3Get##Type(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,                \
                              fmi3##Type values[], size_t size)                                                  \
@@ -225,7 +226,7 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], 
             double some[SOME];                                                                                  \
             size_t n = count - i < SOME ? count - i : SOME;                                                     \
             Status status = unit_get(UNIT, KIND, vr ? vr + i : NULL, n, values ? some : NULL);                  \
-            if (status != OK) return status;                                                        \
+            if (status != OK) return status;                                                                    \
             for (size_t j = 0; j < n; j++) values[i + j] = (fmi3##Type)some[j];                                 \
         }                                                                                                       \
         return fmi3OK;                                                                                          \
@@ -236,14 +237,16 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], 
         NEEDS(SETTABLE, "fmi3Set" #Type);                                                                       \
         if (fits(UNIT, "fmi3Set" #Type, count, size) || may_set(INSTANCE, "fmi3Set" #Type, vr, count))          \
             return fmi3Error;                                                                                   \
-        for (size_t i = 0; i < count; i += SOME) {                                                              \
-            double some[SOME];                                                                                  \
-            size_t n = count - i < SOME ? count - i : SOME;                                                     \
-            Status status;                                                                                      \
-            for (size_t j = 0; values && j < n; j++) some[j] = (double)values[i + j];                           \
-            status = unit_set(UNIT, KIND, vr ? vr + i : NULL, n, values ? some : NULL);                         \
-            if (status != OK) return status;                                                        \
-        }                                                                                                       \
+        for (int set = 0; set < 2; set++)                                                                       \
+            for (size_t i = 0; i < count; i += SOME) {                                                          \
+                double some[SOME];                                                                              \
+                size_t n = count - i < SOME ? count - i : SOME;                                                 \
+                const fmi3ValueReference *r = vr ? vr + i : NULL;                                               \
+                const double *v = values ? some : NULL;                                                         \
+                for (size_t j = 0; v && j < n; j++) some[j] = (double)values[i + j];                            \
+                if ((set ? unit_set(UNIT, KIND, r, n, v) : unit_can_set(UNIT, KIND, r, n, v)) != OK)            \
+                    return fmi3Error;                                                                           \
+            }                                                                                                   \
         return fmi3OK;                                                                                          \
     }
 

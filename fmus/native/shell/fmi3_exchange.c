@@ -124,6 +124,10 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueRefere
     if (paired(UNIT, "fmi3GetAdjointDerivative", seeds, n, results, m)) return fmi3Error;
     if ((n && (!unknowns || !seed)) || (m && (!knowns || !sensitivity)))
         return unit_say(UNIT, ERROR, "no place for %zu results of %zu changes", m, n);
+    for (size_t i = 0; i < n; i++)
+        if (!isfinite(seed[i]))
+            return unit_say(UNIT, ERROR, "the seed of value reference %u = %g: must be finite", (unsigned)unknowns[i],
+                            seed[i]);
     column = malloc((n + 1) * sizeof *column);
     if (!column) return unit_say(UNIT, ERROR, "out of memory");
     for (size_t j = 0; j < m && status == OK; j++) {
