@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+import zipfile
 from pathlib import Path
 
 import fmpy
@@ -32,6 +35,26 @@ def test_it_equals_the_component(name: str, fmi3_files: Files, isolated: Isolate
 @pytest.mark.parametrize("name", NAMES)
 def test_validators_find_nothing(name: str, fmi3_files: Files) -> None:
     assert validate(fmi3_files[name]) == []
+
+
+@pytest.mark.parametrize("name", ["flywheel", "slider_crank"])
+def test_fmutool_finds_no_fault(name: str, fmi3_files: Files) -> None:
+    pytest.importorskip("fmu_manipulation_toolbox", reason="fmu-manipulation-toolbox is not installed")
+    tool = Path(sys.executable).with_name("fmutool")
+    command = [str(tool), "-input", str(fmi3_files[name]), "-check"]
+    finished = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    said = finished.stdout + finished.stderr
+    assert "seems to be compliant with FMI-3.0" in said
+    assert "No semantic error" in said
+
+
+@pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
+@pytest.mark.parametrize("name", NAMES)
+def test_a_host_runs_it(name: str, kind: str, fmi3_files: Files) -> None:
+    """As it is, in both of its kinds; all that it tells are numbers."""
+    result = fmpy.simulate_fmu(str(fmi3_files[name]), fmi_type=kind, stop_time=1e-3, output_interval=1e-4)
+    assert result["time"][-1] == pytest.approx(1e-3)
+    assert all(np.isfinite(result[output]).all() for output in result.dtype.names)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -142,8 +165,6 @@ def test_choices_counts_and_truths_have_types_of_their_own(fmi3_files: Files) ->
 
 
 def test_it_has_a_library_for_this_machine(fmi3_files: Files) -> None:
-    import zipfile
-
     with zipfile.ZipFile(fmi3_files["flywheel"]) as archive:
         folders = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")}
     assert folders == {this_platform()}
