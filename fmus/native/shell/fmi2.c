@@ -203,7 +203,7 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     for (size_t i = 0; i < count; i++) {
         fmi2ValueReference derivative;
         if (vr[i] < INPUTS_AT || vr[i] >= INPUTS_AT + INPUTS)
-            return unit_say(UNIT, ERROR, "value reference %u is not an input", (unsigned)vr[i]);
+            return unit_say(UNIT, ERROR, "value reference %u is not of an input", (unsigned)vr[i]);
         if (order[i] < 1 || order[i] > 3)
             return unit_say(UNIT, ERROR, "derivative %d of %s: must be 1, 2 or 3", order[i], variables[vr[i]].name);
         derivative = vr[i] + (fmi2ValueReference)order[i] * INPUTS;

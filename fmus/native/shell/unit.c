@@ -150,10 +150,11 @@ Status unit_step(Unit *unit, double time, double step)
 {
     double *data = unit->now.data, t = data[T_AT], u[INPUTS + 1], y[OUTPUTS + 1];
     int64_t status = 0;
-    if (!(step >= 0.0)) return unit_say(unit, DISCARD, "step size = %g s: must not be negative", step);
-    if (!(fabs(time - t) <= TIME_SLACK * (1.0 + fabs(t)) + STEP_SLACK * step) || !isfinite(time + step))
+    if (!(step >= 0.0 && step < INFINITY))
+        return unit_say(unit, DISCARD, "step size = %g s: must be finite, and not negative", step);
+    if (!(fabs(time - t) <= TIME_SLACK * (1.0 + fabs(t)) + STEP_SLACK * step) || isinf(time + step))
         return unit_say(unit, DISCARD,
-                        "step from t = %.12g s by %g s: must begin at %.12g s, where the state is, and be finite",
+                        "step from t = %.12g s by %g s: must begin at %.12g s, where the state is, and end at a time",
                         time, step, t);
     if (unit->now.parameters_unchecked) {
         char message[1024] = "";
