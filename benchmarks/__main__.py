@@ -13,7 +13,7 @@ from pathlib import Path
 
 NAMES = (
     "macro_steps", "reference", "start_up", "memory", "checkpoint", "slider_crank", "exponent_map",
-    "line_contact", "line_preconditioner",
+    "line_contact", "line_preconditioner", "native",
 )  # fmt: skip
 PAGE = Path(__file__).parent.parent / "docs" / "benchmarks.md"
 

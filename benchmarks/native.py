@@ -1,0 +1,87 @@
+"""Native FMUs against those that run in Python: `valve-train` in our master and in ecos, and single calls."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from pathlib import Path
+
+from fmus.build import build
+from fmus.native.fmu import build as build_native
+from fmus.native.machine_code import this_platform
+from models.system import System
+from orchestrator import assembly
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi
+from orchestrator.participants import fmu
+from orchestrator.scenario_files import load
+from orchestrator.simulation import simulate
+
+from .measure import medians
+
+STEPS, STEP = 10_000, 2e-6
+PYTHON, NATIVE = "in Python", "native"
+
+
+def files(system: System) -> dict[str, dict[str, Path]]:
+    """The FMU of every instance, by kind."""
+    parts = {name: instance.component for name, instance in system.instances.items()}
+    here = [this_platform()]
+    return {
+        PYTHON: {name: build(c.name, structure=c.structure) for name, c in parts.items()},
+        NATIVE: {
+            name: build_native(c.name, structure=c.structure, platforms=here) for name, c in parts.items()
+        },
+    }
+
+
+def stepped(system: System, paths: Mapping[str, Path], master: Callable[[], object]) -> float:
+    """Macro steps per second of our master."""
+    participants = {name: fmu(name, paths[name], instance) for name, instance in system.instances.items()}
+    statistics = simulate(system, participants, master(), STEP, STEPS * STEP, [])
+    for participant in participants.values():
+        participant.close()
+    return statistics.macro_steps / statistics.coupled_time_s
+
+
+def in_ecos(system: System, paths: Mapping[str, Path]) -> float:
+    """Macro steps per second of ecos: Jacobi, inputs held, at the FMUs' own start values."""
+    from ecospy import EcosSimulation, EcosSimulationStructure
+
+    with EcosSimulationStructure() as structure:
+        for name in system.instances:
+            structure.add_model(name, str(paths[name]))
+        for connection in system.connections:
+            ends = (str(end).replace(".", "::", 1) for end in (connection.source, connection.target))
+            structure.make_real_connection(*ends)
+        with EcosSimulation(structure=structure, step_size=STEP) as simulation:
+            simulation.init()
+            simulation.step(STEPS // 10)
+            began = time.perf_counter()
+            simulation.step(STEPS)
+            return STEPS / (time.perf_counter() - began)
+
+
+def rows() -> Iterator[tuple[str, str]]:
+    """Figures and their values: rates, and how many times faster native ones are."""
+    scenario = load("valve-train")
+    system = assembly.at_start(scenario, assembly.system_of(scenario))
+    found = files(system)
+    ways: dict[str, Callable[[Mapping[str, Path]], float]] = {
+        "gauss_seidel, hold": partial(stepped, system, master=lambda: GaussSeidel("hold")),
+        "gauss_seidel, quadratic": partial(stepped, system, master=lambda: GaussSeidel("quadratic")),
+        "jacobi, quadratic": partial(stepped, system, master=lambda: Jacobi("quadratic")),
+        "iterated, quadratic": partial(stepped, system, master=lambda: Iterated("quadratic")),
+    }
+    try:
+        import ecospy  # noqa: F401
+
+        ways["ecos, hold"] = partial(in_ecos, system)
+    except (ImportError, OSError):
+        yield "macro steps/s of valve-train in ecos", "not measured: ecospy or its libtbb12 is missing"
+    for way, measured in ways.items():
+        rate = medians({kind: partial(measured, paths=paths) for kind, paths in found.items()}, rounds=3)
+        yield (
+            f"macro steps/s of valve-train, FMUs in Python and native: {way}",
+            f"{rate[PYTHON]:.0f}; {rate[NATIVE]:.0f} ({rate[NATIVE] / rate[PYTHON]:.1f} x)",
+        )
