@@ -95,7 +95,7 @@ def test_steps_do_not_end_early_where_the_host_does_not_allow_it(fmi3_files: Fil
 def test_chatter_ends(fmi3_files: Files) -> None:
     """Impacts ever faster, which end by sliding: time goes on over each of them. The motion is the same.
 
-    Between the sequences it slides, and is released three times; a release that is made by rounding before the
+    Between the sequences it slides, and is released three times; a release that rounding makes before the
     wall's force is zero is followed by one more impact, without effect.
     """
     start = {"crank_speed": 100.0, "psi_start": 5e-4, "restitution": 0.1}
