@@ -167,15 +167,15 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
     if (whole > one->stop + STOP_SLACK * (1.0 + fabs(one->stop)))
         return unit_say(UNIT, ERROR, "step from t = %.12g s by %g s: goes beyond the stop time = %.12g s", time, step,
                         one->stop);
-    one->before = UNIT->now;
     asks = one->update && step > 0.0 && isfinite(whole);
+    if (asks || one->early_return) one->before = UNIT->now; /* else a step changes nothing unless it is made */
     if (asks) {
         update(one, time, false, true, &end);
         if (one->gives) ask(one, time, step, &end);
     }
     status = make_step(one, time, end < whole ? end - time : step, &to_event);
     if (status != OK) {
-        UNIT->now = one->before;
+        if (asks || one->early_return) UNIT->now = one->before;
         return status;
     }
     if (one->gives) inputs_go_on(UNIT);
