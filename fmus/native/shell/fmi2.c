@@ -130,7 +130,7 @@ static Status get_whole(Unit *unit, Kind kind, const fmi2ValueReference vr[], si
         size_t n = count - i < SOME ? count - i : SOME;
         Status status = unit_get(unit, kind, vr ? vr + i : NULL, n, value ? some : NULL);
         if (status != OK) return status;
-        for (size_t j = 0; j < n; j++) value[i + j] = (int)some[j];
+        for (size_t j = 0; j < n; j++) value[i + j] = (int)unit_whole(some[j], INT32_MIN, INT32_MAX);
     }
     return OK;
 }

@@ -216,7 +216,7 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], 
 
 /* Whole numbers are doubles in the memory. Choices are of type Enumeration, and 64 bits wide. All can be set before
    any is. */
-#define WHOLE(Type, KIND)                                                                                       \
+#define WHOLE(Type, KIND, LOW, HIGH)                                                                            \
     fmi3Status fmi3Get##Type(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,                \
                              fmi3##Type values[], size_t size)                                                  \
     {                                                                                                           \
@@ -227,7 +227,7 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], 
             size_t n = count - i < SOME ? count - i : SOME;                                                     \
             Status status = unit_get(UNIT, KIND, vr ? vr + i : NULL, n, values ? some : NULL);                  \
             if (status != OK) return status;                                                                    \
-            for (size_t j = 0; j < n; j++) values[i + j] = (fmi3##Type)some[j];                                 \
+            for (size_t j = 0; j < n; j++) values[i + j] = (fmi3##Type)unit_whole(some[j], LOW, HIGH);          \
         }                                                                                                       \
         return fmi3OK;                                                                                          \
     }                                                                                                           \
@@ -250,9 +250,9 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], 
         return fmi3OK;                                                                                          \
     }
 
-WHOLE(Int32, INTEGER)
-WHOLE(Int64, ENUMERATION)
-WHOLE(Boolean, BOOLEAN)
+WHOLE(Int32, INTEGER, INT32_MIN, INT32_MAX)
+WHOLE(Int64, ENUMERATION, INT64_MIN, INT64_MAX)
+WHOLE(Boolean, BOOLEAN, 0, 1)
 
 /* Saved states */
 

@@ -65,7 +65,7 @@ static void ask(Instance *one, double time, double step, double *end)
     double u[INPUTS + 1][POINTS + 1];
     for (int i = 0; i < INPUTS; i++) u[i][0] = now->data[INPUTS_AT + i];
     for (int k = 1; k <= POINTS; k++) {
-        update(one, time + step * k / POINTS, true, false, end);
+        update(one, time + step * ((double)k / POINTS), true, false, end);
         for (int i = 0; i < INPUTS; i++) u[i][k] = now->data[INPUTS_AT + i];
     }
     *now = one->before;

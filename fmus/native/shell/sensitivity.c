@@ -15,7 +15,7 @@ static Status seed_with(const Unit *unit, Seed *seed, uint32_t known, double cha
     bool exchanging = unit->now.phase & (EVENT | CONTINUOUS), starting = unit->now.phase & (INSTANTIATED | INITIALIZING);
     if (!isfinite(change))
         return unit_say(unit, ERROR, "the change of value reference %u = %g: must be finite", (unsigned)known, change);
-    if (known >= INPUTS_AT && known < INPUTS_AT + INPUTS) seed->u[known - INPUTS_AT] = change;
+    if (known >= INPUTS_AT && known < INPUTS_AT + INPUTS && variables[known].kind == REAL) seed->u[known - INPUTS_AT] = change;
     else if (known < PARAMETERS && variables[known].kind == REAL) seed->p[known] = change;
     else if (starting && known >= STARTS_AT && known < STARTS_AT + STARTED)
         seed->x[started[known - STARTS_AT]] = change;
@@ -43,7 +43,7 @@ Status unit_directional(Unit *unit, const uint32_t *unknown, size_t unknowns, co
                        data, seed.p, value, bent);
     for (size_t i = 0; i < unknowns; i++) {
         uint32_t at = unknown[i];
-        if (at >= OUTPUTS_AT && at < OUTPUTS_AT + OUTPUTS) result[i] = changed[at - OUTPUTS_AT];
+        if (at >= OUTPUTS_AT && at < OUTPUTS_AT + OUTPUTS && variables[at].kind == REAL) result[i] = changed[at - OUTPUTS_AT];
         else if (at >= DX_AT && at < DX_AT + STATES) result[i] = bent[at - DX_AT];
         else
             return unit_say(unit, ERROR, "value reference %u: derivatives are of outputs and of states' derivatives",

@@ -281,6 +281,12 @@ Status unit_get(Unit *unit, Kind kind, const uint32_t *references, size_t count,
     return OK;
 }
 
+int64_t unit_whole(double value, int64_t low, int64_t high)
+{
+    if (!(value > (double)low)) return low;
+    return value < (double)high ? (int64_t)value : high;
+}
+
 /* Saved states */
 
 static const char header[] = "tribocosim native state 1 " DIGEST;

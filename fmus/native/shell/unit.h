@@ -92,6 +92,8 @@ Status unit_step(Unit *unit, double time, double step); /* DISCARD, and nothing 
 Status unit_can_set(const Unit *unit, Kind kind, const uint32_t *references, size_t count, const double *values);
 Status unit_set(Unit *unit, Kind kind, const uint32_t *references, size_t count, const double *values);
 Status unit_get(Unit *unit, Kind kind, const uint32_t *references, size_t count, double *values);
+/* A value as a whole number, or the limit that it is beyond. */
+int64_t unit_whole(double value, int64_t low, int64_t high);
 
 /* Computes what is stale of the variables up to this reference. */
 void unit_ready(Unit *unit, uint32_t highest);

@@ -6,14 +6,12 @@
    hold is in fuzz.h (`judge`); besides, a refusal changes no value, and a restored state gives the values of when
    it was saved. At the end a line "call OK refused" for each function. */
 
-#include "fuzz.h"
+#include "fuzz_host.h"
 
 #include "fmi2Functions.h"
 
 /* The functions, and the phases in which the FMU takes them: those of the standard, and where nothing forbids it
    by its sense, some more (a host may look at states while it initialises). */
-enum { NEW = 1, INIT = 2, STEP = 4, EVENT = 8, TIME = 16, END = 32 };
-#define MOVING (STEP | EVENT | TIME)
 #define SET (NEW | INIT | MOVING)
 #define GET (INIT | MOVING | END)
 #define ANY (NEW | GET)
@@ -26,8 +24,8 @@ enum { NEW = 1, INIT = 2, STEP = 4, EVENT = 8, TIME = 16, END = 32 };
     F(GetDirectionalDerivative, GET) F(DoStep, STEP) F(CancelStep, 0) F(GetStatus, 0) F(GetRealStatus, STEP | END)  \
     F(GetIntegerStatus, 0) F(GetBooleanStatus, STEP | END) F(GetStringStatus, 0) F(EnterEventMode, EVENT | TIME)    \
     F(NewDiscreteStates, EVENT) F(EnterContinuousTimeMode, EVENT) F(CompletedIntegratorStep, TIME)                  \
-    F(SetTime, EVENT | TIME) F(SetContinuousStates, EVENT | TIME) F(GetContinuousStates, GET) F(GetDerivatives, GET) \
-    F(GetEventIndicators, GET) F(GetNominalsOfContinuousStates, ANY)
+    F(SetTime, EVENT | TIME) F(SetContinuousStates, EVENT | TIME) F(GetContinuousStates, GET)                      \
+    F(GetDerivatives, GET) F(GetEventIndicators, GET) F(GetNominalsOfContinuousStates, ANY)
 #define INDEX(name, phases) AT_##name,
 #define POINTER(name, phases) static fmi2##name##TYPE *name;
 #define PHASES(name, phases) phases,
@@ -36,42 +34,8 @@ enum { CALLS(INDEX) FUNCTIONS };
 CALLS(POINTER)
 static const int allowed[] = {CALLS(PHASES)};
 static const char *const names[] = {CALLS(NAME)};
-static unsigned long good[FUNCTIONS], refused[FUNCTIONS];
 
-#define INSTANCES 3
-#define KEPT 5
-#define BYTES 100000
-
-typedef struct {
-    fmi2Component unit;
-    int phase;
-    bool exchange, tame; /* tame ones get values near to their starts */
-    double time;
-} Place;
-
-typedef struct {
-    fmi2FMUstate state;
-    int phase;
-    bool exchange, tame, seen;
-    double time, values[1000];
-} Kept;
-
-static Place places[INSTANCES], *at;
-static Kept kept[KEPT];
-static struct {
-    fmi2Byte data[BYTES];
-    size_t size;
-    Kept of;
-    bool damaged;
-} bytes;
-
-static unsigned vr[MOST], others[MOST];
-static double reals[MOST], more[MOST];
-static int ints[MOST];
 static const fmi2String strings[MOST];
-static double before[1000], after[1000];
-static size_t states, indicators; /* as modelDescription.xml tells */
-static const char *token;
 static fmi2InstantiateTYPE *Instantiate;
 static fmi2FreeInstanceTYPE *FreeInstance;
 
@@ -86,57 +50,14 @@ static void logger(fmi2ComponentEnvironment environment, fmi2String instance, fm
 
 static const fmi2CallbackFunctions callbacks = {logger, calloc, free, NULL, &places};
 
-/* All variables' values. The FMU computes what it has put off, so this is not done before every call. */
-static void look(fmi2Component unit, double *values)
+static int read_value(void *unit, const Known *variable, double *value)
 {
-    for (unsigned i = 0; i < known_count; i++) {
-        const unsigned reference = known[i].reference;
-        int whole = 0;
-        fmi2Status status;
-        if (known[i].kind == 'r') status = GetReal(unit, &reference, 1, values + i);
-        else {
-            status = (known[i].kind == 'i' ? GetInteger : GetBoolean)(unit, &reference, 1, &whole);
-            values[i] = whole;
-        }
-        if (status) fail("reading value reference %u: status %d", reference, status);
-    }
-}
-
-static bool same(const double *a, const double *b)
-{
-    for (unsigned i = 0; i < known_count; i++)
-        if (memcmp(a + i, b + i, sizeof *a)) {
-            snprintf(said.message, sizeof said.message, "value reference %u was %.17g and is %.17g",
-                     known[i].reference, a[i], b[i]);
-            said.count = 1;
-            return false;
-        }
-    return true;
-}
-
-/* References for a call of that kind, mostly of those causalities, and values for a call that sets; why it must
-   be refused, or NULL. */
-static const char *choose(char kind, bool to_set, const char *causalities, size_t *count, bool *no_references, bool *no_values)
-{
-    const char *wrong = NULL;
-    const Known *v;
-    bool spoilt = percent(20);
-    *count = percent(5) ? 0 : percent(70) ? 1 : percent(95) ? 1 + below(10) : 1 + below(MOST);
-    *no_references = *count && percent(3), *no_values = *count && percent(3);
-    if (*no_references || *no_values) wrong = "NULL";
-    for (size_t i = 0; i < *count; i++) {
-        v = spoilt && percent(30) ? any_variable() : some_variable(kind, causalities);
-        vr[i] = v->reference;
-        if (v->kind != kind) wrong = "another kind";
-        if (to_set && strchr("ol", v->causality)) wrong = "calculated";
-        if (to_set && v->change == 'f' && !(at->phase & (NEW | INIT))) wrong = "fixed";
-        reals[i] = at->tame ? v->start * (1.0 + 0.01 * unit_random()) + (v->start == 0.0) * 1e-6 * unit_random() : wild_real();
-        ints[i] = at->tame ? (int)v->start : (int)random_bits() >> below(32);
-        if (spoilt && percent(5)) vr[i] = percent(50) ? UINT32_MAX - below(9) : 1000000 + below(1u << 31), wrong = "unknown";
-        if (spoilt && percent(5) && to_set && kind == 'r') reals[i] = no_number(), wrong = "no number";
-    }
-    if (*count && !of_kind[(int)kind]) wrong = "none of that kind";
-    return wrong;
+    int whole = 0;
+    fmi2Status status;
+    if (variable->kind == 'r') return (int)GetReal(unit, &variable->reference, 1, value);
+    status = (variable->kind == 'i' ? GetInteger : GetBoolean)(unit, &variable->reference, 1, &whole);
+    *value = whole;
+    return (int)status;
 }
 
 static void create(void)
@@ -152,15 +73,10 @@ static void create(void)
             fail("an instance in spite of wrong arguments (%d)", what);
         return;
     }
-    place.unit = Instantiate("fuzz", type, token, percent(50) ? NULL : "file:///", &callbacks, percent(50), percent(50));
+    place.unit =
+        Instantiate("fuzz", type, token, percent(50) ? NULL : "file:///", &callbacks, percent(50), percent(50));
     if (!place.unit || said.count) fail("no instance, or a message");
     *at = place;
-}
-
-/* Why a state must not be put into the present instance, or NULL. */
-static const char *foreign(const Kept *some)
-{
-    return !some->state ? "no state" : some->exchange != at->exchange ? "of the other interface" : NULL;
 }
 
 static fmi2Status with_states(int f, const char **wrong)
@@ -176,17 +92,12 @@ static fmi2Status with_states(int f, const char **wrong)
         seen = at->unit && at->phase & GET && percent(50);
         if (seen) look(at->unit, some->values);
         status = GetFMUstate(at->unit, &some->state);
-        if (status) return status;
-        some->phase = at->phase, some->exchange = at->exchange, some->tame = at->tame, some->seen = seen, some->time = at->time;
+        if (!status) was_kept(some, seen);
         return status;
     case AT_SetFMUstate:
         *wrong = foreign(some);
         status = SetFMUstate(at->unit, some->state);
-        if (status) return status;
-        at->phase = some->phase, at->tame = some->tame, at->time = some->time;
-        if (!some->seen) return status;
-        look(at->unit, after);
-        if (!same(some->values, after)) fail("a restored state is another");
+        if (!status) was_restored(some);
         return status;
     case AT_FreeFMUstate:
         return FreeFMUstate(at->unit, nowhere ? NULL : &some->state);
@@ -203,15 +114,10 @@ static fmi2Status with_states(int f, const char **wrong)
         if (SerializedFMUstateSize(at->unit, some->state, &bytes.size) || bytes.size > BYTES) fail("no size");
         return status;
     default:
-        if (percent(50) && bytes.size) { /* damage */
-            const size_t place = random_bits() % bytes.size;
-            bytes.damaged = true;
-            if (percent(60)) bytes.data[place] ^= (fmi2Byte)(1 << below(8));
-            else bytes.size = percent(50) ? place : bytes.size + 1 + below(9);
-            if (bytes.size > BYTES) bytes.size = BYTES;
-        }
+        damage();
         if (nowhere || bytes.damaged || !bytes.size) *wrong = "damaged";
-        status = DeSerializeFMUstate(at->unit, bytes.size ? bytes.data : NULL, bytes.size, nowhere ? NULL : &some->state);
+        status = DeSerializeFMUstate(at->unit, bytes.size ? bytes.data : NULL, bytes.size,
+                                     nowhere ? NULL : &some->state);
         if (status) return status;
         bytes.of.state = some->state;
         *some = bytes.of;
@@ -299,26 +205,15 @@ static fmi2Status in_exchange(int f, const char **wrong)
 
 static fmi2Status step(const char **wrong)
 {
-    double h = percent(70) ? 1e-3 * unit_random() : percent(50) ? 0.0 : wild_real(), time = at->time;
-    if (fabs(h) > 1.0 && fabs(h) < 1e290) h = 1.0; /* more would only take long */
-    if (percent(5)) h = no_number();
-    if (percent(10)) time = percent(50) ? no_number() : time - 1.0 - unit_random();
-    if (!(h >= 0.0) || !isfinite(h) || !isfinite(time)) *wrong = "no step";
-    else if (fabs(time - at->time) > 1e-3 * (1.0 + fabs(at->time) + h)) *wrong = "elsewhere";
-    if (!at->tame) {
-        patience = 1;
-        alarm(1);
-    }
-    static char text[100];
-    snprintf(text, sizeof text, "fmi2DoStep from %.17g by %.17g", time, h);
-    doing = text;
-    fmi2Status status = DoStep(at->unit, time, h, percent(50));
+    double time, h;
+    *wrong = choose_step(&time, &h);
+    const fmi2Status status = DoStep(at->unit, time, h, percent(50));
     patience = 0;
     if (!status) at->time = time + h;
     return status;
 }
 
-static fmi2Status perform(int f, const char **wrong)
+static int perform(int f, const char **wrong)
 {
     const fmi2StatusKind kind = percent(90) ? (fmi2StatusKind)below(4) : (fmi2StatusKind)random_bits();
     const bool nowhere = percent(3);
@@ -382,30 +277,14 @@ static int choose_function(void)
 
 static void call(void)
 {
-    const int f = choose_function(), phase = at->phase;
-    const char *wrong = NULL;
-    fmi2Component unit = at->unit;
-    const bool watched = phase & GET && percent(20);
-    if (f == AT_Terminate + 1 && percent(50)) return; /* resets are rarer than what leads away from the start */
-    if (watched) look(unit, before);
-    if (percent(1)) at->unit = NULL;
-    begin(names[f]);
-    const fmi2Status status = perform(f, &wrong);
-    if (at->unit && !(phase & allowed[f]) && f != AT_GetStatus && f != AT_GetIntegerStatus && f != AT_GetStringStatus &&
-        status != fmi2Error)
-        fail("status %d in phase %d", status, phase);
-    if (!at->unit) {
-        if (status != fmi2Error || said.count) fail("status %d without an instance", status);
-        at->unit = unit;
-        return;
-    }
-    judge((int)status, wrong, true);
-    if (status < fmi2Discard) good[f]++;
-    else refused[f]++;
-    if (watched && status >= fmi2Discard) {
-        look(unit, after);
-        if (!same(before, after)) fail("a refusal changed values");
-    }
+    const int f = choose_function();
+    if (f == AT_Reset && percent(50)) return; /* rarer than what leads away from the start */
+    make(f, names[f], allowed[f], GET, perform);
+}
+
+static int free_state(void *unit, void **state)
+{
+    return (int)FreeFMUstate(unit, state);
 }
 
 int main(int argc, char **argv)
@@ -417,26 +296,7 @@ int main(int argc, char **argv)
     CALLS(FIND)
     Instantiate = (fmi2InstantiateTYPE *)find(library, "fmi2Instantiate");
     FreeInstance = (fmi2FreeInstanceTYPE *)find(library, "fmi2FreeInstance");
-    token = argv[2];
-    read_variables(argv[3]);
-    states = strtoul(argv[4], NULL, 10), indicators = strtoul(argv[5], NULL, 10);
-    seed = state_of_random = strtoull(argv[6], NULL, 10);
-    const unsigned long calls = strtoul(argv[7], NULL, 10);
-    watch();
-    while (call_number < calls) {
-        at = &places[below(INSTANCES)];
-        if (!at->unit) create();
-        else if (below(1000) == 0 || sigsetjmp(way_out, 1)) {
-            begin("fmi2FreeInstance");
-            FreeInstance(at->unit);
-            at->unit = NULL;
-        } else call();
-    }
-    for (int i = 0; i < KEPT; i++) { /* any living instance frees them */
-        for (at = places; !at->unit; create()) continue;
-        if (FreeFMUstate(at->unit, &kept[i].state)) fail("a state cannot be freed");
-    }
-    for (int i = 0; i < INSTANCES; i++) FreeInstance(places[i].unit);
-    for (int f = 0; f < FUNCTIONS; f++) printf("%s %lu %lu\n", names[f], good[f], refused[f]);
+    play(argv, create, call, FreeInstance, free_state);
+    for (int f = 0; f < FUNCTIONS; f++) printf("%s %lu %lu\n", names[f], taken[f], refused[f]);
     return 0;
 }

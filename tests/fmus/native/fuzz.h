@@ -165,11 +165,10 @@ static void begin(const char *call)
 
 /* After a call: a status of the standard (OK, Warning, Discard, Error); a refusal where `wrong` says why there must
    be one; and one message with the same status for each refusal, none for what went well. */
-static void judge(int status, const char *wrong, bool has_logger)
+static void judge(int status, const char *wrong)
 {
     if (status < 0 || status > 3) fail("status %d", status);
     if (wrong && status < 2) fail("status %d, in spite of: %s", status, wrong);
-    if (!has_logger) return;
     if (status < 2 && said.count) fail("status %d with a message", status);
     if (status >= 2 && said.count != 1) fail("status %d with %d messages", status, said.count);
     if (status >= 2 && said.status != status) fail("status %d with a message of status %d", status, said.status);

@@ -53,7 +53,7 @@ def program(name: str, folder: Path, sanitized: bool) -> Path:
     return target
 
 
-def sanitized_library(name: str, folder: Path) -> Path:
+def sanitized_library(name: str, folder: Path, fmi: int) -> Path:
     """The FMU's library with sanitizers in the shell, its kernels as they always are; its token is TOKEN."""
     sizes, component = chosen(name, None, "NATIVE_STRUCTURE")
     plain = translated(name, sizes)
@@ -62,7 +62,7 @@ def sanitized_library(name: str, folder: Path) -> Path:
     for file, text in tables(component, name, "0" * 16, TOKEN).items():
         (folder / file).write_text(text, encoding="utf-8")
     target = folder / f"{name}.so"
-    inputs = [*shell_sources(2), folder / "tables.c", folder / "kernels.o", "-lm", "-o", target]
+    inputs = [*shell_sources(fmi), folder / "tables.c", folder / "kernels.o", "-lm", "-o", target]
     compiler = [
         sanitizing_compiler() or "gcc",
         *SANITIZED,
@@ -92,11 +92,17 @@ def run(command: Sequence[object], timeout: float) -> str:
 def variables_for_c(description: ModelDescription) -> str:
     """The variables as fuzz.h reads them."""
     known = [v for v in description.modelVariables if v.causality != "independent"]
-    return "".join(f"{_variable(v)}\n" for v in known)
+    return "".join(f"{_variable(v, description.fmiVersion[0])}\n" for v in known)
 
 
-def _variable(variable: ScalarVariable) -> str:
-    kind = {"Real": "r", "Integer": "i", "Enumeration": "i", "Boolean": "b"}[variable.type]
+_KINDS = {
+    "2": {"Real": "r", "Integer": "i", "Enumeration": "i", "Boolean": "b"},
+    "3": {"Float64": "r", "Int32": "i", "Enumeration": "e", "Boolean": "b"},
+}
+
+
+def _variable(variable: ScalarVariable, fmi: str) -> str:
+    kind = _KINDS[fmi][variable.type]
     derivative = variable.causality == "input" and re.search(r"_der\d", variable.name)
     causality = "d" if derivative else variable.causality[0]
     words = {None: 0.0, "true": 1.0, "false": 0.0}
@@ -110,4 +116,5 @@ def library_in(fmu: Path, folder: Path) -> tuple[Path, ModelDescription]:
     description = fmpy.read_model_description(str(folder), validate=False)
     place = PLATFORMS[this_platform()]
     identifier = description.coSimulation.modelIdentifier
-    return folder / "binaries" / place.fmi2 / f"{identifier}{place.suffix}", description
+    of_platform = place.fmi2 if description.fmiVersion.startswith("2") else place.fmi3
+    return folder / "binaries" / of_platform / f"{identifier}{place.suffix}", description

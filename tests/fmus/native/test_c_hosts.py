@@ -32,18 +32,34 @@ HOSTED = {
     "slider_crank": (1e-4, "crank_speed", 100.0, 50.0, "psi", "wall_radius"),
 }
 
-# Functions of fmi2Functions.h that fuzz.c calls at random.
-_UNRELATED = {"fmi2GetTypesPlatform", "fmi2GetVersion", "fmi2Instantiate", "fmi2FreeInstance"}
-_DECLARED = set(
-    re.findall(
-        r"^\s*FMI2_Export fmi2\w+TYPE\s+(fmi2\w+);", (FMI_HEADERS / "fmi2Functions.h").read_text(), re.M
-    )
-)
-FUNCTIONS = _DECLARED - _UNRELATED
-NEVER_TAKEN = {"fmi2CancelStep", "fmi2GetStatus", "fmi2GetIntegerStatus", "fmi2GetStringStatus"}
-NEVER_REFUSED = {"fmi2SetDebugLogging", "fmi2Reset", "fmi2FreeFMUstate"}
+# By version of FMI: the program that calls at random; functions that are only ever refused, or only taken.
+PROGRAMS = {2: "fuzz", 3: "fuzz3"}
+NEVER_TAKEN = {
+    2: {"fmi2CancelStep", "fmi2GetStatus", "fmi2GetIntegerStatus", "fmi2GetStringStatus"},
+    3: {
+        "fmi3ActivateModelPartition",
+        "fmi3EnterConfigurationMode",
+        "fmi3ExitConfigurationMode",
+        "fmi3EvaluateDiscreteStates",
+        "fmi3GetNumberOfVariableDependencies",
+        "fmi3GetVariableDependencies",
+    },
+}
+NEVER_REFUSED = {
+    2: {"fmi2SetDebugLogging", "fmi2Reset", "fmi2FreeFMUstate"},
+    3: {"fmi3SetDebugLogging", "fmi3Reset", "fmi3FreeFMUState"},
+}
 
-Made = Callable[[str], Path]
+
+def functions(fmi: int) -> set[str]:
+    """Those of the standard's header that are called at random."""
+    header = (FMI_HEADERS / f"fmi{fmi}Functions.h").read_text()
+    declared = re.findall(rf"^\s*FMI{fmi}_Export fmi{fmi}\w+TYPE\s+(fmi{fmi}\w+);", header, re.MULTILINE)
+    return {name for name in declared if not re.search("Instan|TypesPlatform|GetVersion", name)}
+
+
+Files = dict[int, dict[str, Path]]
+Made = Callable[[str, int], Path]
 Compiled = Callable[[str, bool], Path]
 
 
@@ -62,13 +78,13 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> Compiled:
 
 @pytest.fixture(scope="session")
 def sanitized_library(tmp_path_factory: pytest.TempPathFactory) -> Made:
-    """sanitized_library(name), compiled once."""
-    made: dict[str, Path] = {}
+    """sanitized_library(name, fmi), compiled once."""
+    made: dict[tuple[str, int], Path] = {}
 
-    def get(name: str) -> Path:
-        if name not in made:
-            made[name] = programs.sanitized_library(name, tmp_path_factory.mktemp("sanitized"))
-        return made[name]
+    def get(name: str, fmi: int) -> Path:
+        if (name, fmi) not in made:
+            made[name, fmi] = programs.sanitized_library(name, tmp_path_factory.mktemp("sanitized"), fmi)
+        return made[name, fmi]
 
     return get
 
@@ -78,6 +94,10 @@ def arguments_of_lives(name: str, count: int, description: ModelDescription) -> 
     at = {v.name: v.valueReference for v in description.modelVariables}
     step, given, base, swing, first, last = HOSTED[name]
     return [count, step, at[given], base, swing, at[first], at[last] - at[first] + 1]
+
+
+def token_of(description: ModelDescription) -> str:
+    return description.guid or description.instantiationToken
 
 
 def arguments_of_fuzz(description: ModelDescription, folder: Path, seed: int, calls: int) -> list[object]:
@@ -120,7 +140,7 @@ def test_lives_under_sanitizers(
     needs_sanitizers()
     _, description = library_in(native_files[name], tmp_path)
     rest = arguments_of_lives(name, count, description)
-    run([compiled("host", True), sanitized_library(name), TOKEN, *rest], 1800)
+    run([compiled("host", True), sanitized_library(name, 2), TOKEN, *rest], 1800)
 
 
 @pytest.mark.parametrize("count", [200, pytest.param(50_000, marks=pytest.mark.long)])
@@ -140,36 +160,43 @@ def test_lives_under_valgrind(
     )
 
 
+@pytest.fixture
+def files(native_files: dict[str, Path], fmi3_files: dict[str, Path]) -> dict[int, dict[str, Path]]:
+    """FMUs by version of FMI."""
+    return {2: native_files, 3: fmi3_files}
+
+
+@pytest.mark.parametrize("fmi", PROGRAMS)
 @pytest.mark.parametrize("name", NAMES)
-def test_random_calls(name: str, native_files: dict[str, Path], compiled: Compiled, tmp_path: Path) -> None:
+def test_random_calls(name: str, fmi: int, files: Files, compiled: Compiled, tmp_path: Path) -> None:
     """Any function with any arguments in any phase: what fuzz.c says must hold, and every function is taken
     as well as refused, but for those that can only be one of them."""
-    library, description = library_in(native_files[name], tmp_path)
+    library, description = library_in(files[fmi][name], tmp_path)
     rest = arguments_of_fuzz(description, tmp_path, 1, 20_000)
-    counts = [
-        line.split()
-        for line in run([compiled("fuzz", False), library, description.guid, *rest], 300).splitlines()
-    ]
-    assert {call for call, *_ in counts} == FUNCTIONS
-    assert {call for call, taken, _ in counts if taken == "0"} == NEVER_TAKEN
-    assert {call for call, _, refused in counts if refused == "0"} == NEVER_REFUSED
+    said = run([compiled(PROGRAMS[fmi], False), library, token_of(description), *rest], 300)
+    counts = [line.split() for line in said.splitlines()]
+    assert {call for call, *_ in counts} == functions(fmi)
+    assert {call for call, taken, _ in counts if taken == "0"} == NEVER_TAKEN[fmi]
+    assert {call for call, _, refused in counts if refused == "0"} == NEVER_REFUSED[fmi]
 
 
 @pytest.mark.parametrize(
     ("seed", "calls"),
-    [(2, 30_000), *(pytest.param(seed, 1_000_000, marks=pytest.mark.long) for seed in (3, 4, 5))],
+    [(2, 20_000), *(pytest.param(seed, 1_000_000, marks=pytest.mark.long) for seed in (3, 4, 5))],
 )
+@pytest.mark.parametrize("fmi", PROGRAMS)
 @pytest.mark.parametrize("name", [*HOSTED, "camshaft"])
 def test_random_calls_under_sanitizers(
     name: str,
+    fmi: int,
     seed: int,
     calls: int,
-    native_files: dict[str, Path],
+    files: Files,
     compiled: Compiled,
     sanitized_library: Made,
     tmp_path: Path,
 ) -> None:
     needs_sanitizers()
-    _, description = library_in(native_files[name], tmp_path)
+    _, description = library_in(files[fmi][name], tmp_path)
     rest = arguments_of_fuzz(description, tmp_path, seed, calls)
-    run([compiled("fuzz", True), sanitized_library(name), TOKEN, *rest], 1800)
+    run([compiled(PROGRAMS[fmi], True), sanitized_library(name, fmi), TOKEN, *rest], 1800)
