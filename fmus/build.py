@@ -25,6 +25,7 @@ from models.kernel import user_cache_directory
 
 from .description import GUID_PLACE, PYTHON, Experiment, Origin, model_description
 from .documentation import page
+from .needed import with_needed
 from .sources import digest_of, shipped
 
 HERE = Path(__file__).parent
@@ -37,8 +38,18 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 _SCRIPT = '''"""The slave of {name}; see the package for the code."""
 
-import ctypes
 import sys
+
+try:
+    import ctypes
+
+    import numpy
+except ImportError:
+    from {package}.libpython import show_to_all
+
+    show_to_all()
+
+import ctypes
 
 try:
     import numpy
@@ -62,16 +73,22 @@ except KeyError:
 '''
 
 
-def build(name: str, destination: Path | None = None, structure: Mapping[str, int] | None = None) -> Path:
+def build(
+    name: str,
+    destination: Path | None = None,
+    structure: Mapping[str, int] | None = None,
+    libpython: str | None = None,
+) -> Path:
     """Build the FMU `name` and return its path.
 
     `destination` is a file (*.fmu) or a folder; without it the file goes to the user's cache folder under
     its digest, and is made only if it isn't there. `structure` gives structural sizes, such as
-    {"coil_masses": 8}; without it they are those of `default_structure`. Existing files are replaced whole:
-    a reader sees the old or the new one. KeyError with the known names for an unknown one; ValueError for
-    sizes that the component refuses.
+    {"coil_masses": 8}; without it they are those of `default_structure`. With `libpython`, the name of a
+    Python library, the Linux binary loads it, so that hosts that aren't Python need not. Existing files are
+    replaced whole: a reader sees the old or the new one. KeyError with the known names for an unknown one;
+    ValueError for sizes that the component refuses, and for what cannot be such a library.
     """
-    content = packed(content_of(name, structure))
+    content = packed(content_of(name, structure, libpython))
     if destination is not None:
         return written(content, name, Path(destination))
     target = cached(name, digest_of({"": content}))
@@ -117,7 +134,9 @@ def packed(files: Mapping[str, bytes]) -> bytes:
     return buffer.getvalue()
 
 
-def content_of(name: str, structure: Mapping[str, int] | None = None) -> dict[str, bytes]:
+def content_of(
+    name: str, structure: Mapping[str, int] | None = None, libpython: str | None = None
+) -> dict[str, bytes]:
     """The FMU's files by path."""
     sizes, component = chosen(name, structure)
     factory = CATALOGUE[name]
@@ -135,7 +154,7 @@ def content_of(name: str, structure: Mapping[str, int] | None = None) -> dict[st
     files["resources/slavemodule.txt"] = stem.encode()
     licence = metadata.distribution("pythonfmu").read_text("licenses/LICENSE") or ""
     files["documentation/licenses/pythonfmu.txt"] = licence.encode()
-    files |= _binaries(name) | documents(name, component)
+    files |= _binaries(name, libpython) | documents(name, component)
     made_by = origin(f"PythonFMU {pythonfmu.__version__}")
     xml = model_description(component, name, experiment(name), made_by, PYTHON)
     guid = uuid.UUID(digest_of(files | {"modelDescription.xml": xml.encode()})[:32])
@@ -183,11 +202,17 @@ def _license() -> str:
     return metadata.distribution("tribocosim").read_text("licenses/LICENSE") or ""
 
 
-def _binaries(name: str) -> dict[str, bytes]:
+def _binaries(name: str, libpython: str | None) -> dict[str, bytes]:
     """pythonfmu's C layer for every platform that it has one for."""
     folder = Path(pythonfmu.__file__).parent / "resources" / "binaries"
     found = sorted(path for path in folder.rglob("*") if path.suffix in (".so", ".dll", ".dylib"))
-    return {f"binaries/{path.parent.name}/{name}{path.suffix}": path.read_bytes() for path in found}
+    files = {}
+    for path in found:
+        content = path.read_bytes()
+        if libpython and path.suffix == ".so":
+            content = with_needed(content, libpython)
+        files[f"binaries/{path.parent.name}/{name}{path.suffix}"] = content
+    return files
 
 
 def documents(name: str, component: Component) -> dict[str, bytes]:

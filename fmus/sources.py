@@ -16,7 +16,7 @@ import models
 # What the shipped code may import besides itself and the standard library.
 RUN_TIME = {"numpy", "numba", "llvmlite"}
 
-_SLAVE = ("host.py", "memory.py", "slave.py")
+_SLAVE = ("host.py", "libpython.py", "memory.py", "slave.py")
 
 
 def shipped(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]:

@@ -59,6 +59,13 @@ def fmu_build(
         typer.Option(help="With --native: build for it; may be repeated. [default: all]"),
     ] = None,
     fmi: Annotated[int, typer.Option(help="FMI version 2 or 3 (with --native: NAME-native-fmi3.fmu).")] = 2,
+    libpython: Annotated[
+        str | None,
+        typer.Option(
+            help="For hosts that are not Python: the library that the Linux binary then loads by itself, "
+            "e.g. libpython3.11.so.1.0."
+        ),
+    ] = None,
 ) -> None:
     """Build FMUs."""
     from fmus.build import NAMES
@@ -76,6 +83,8 @@ def fmu_build(
         raise MistakeError(f"--fmi {fmi}: must be 2 or 3")
     if fmi == 3 and not native:
         raise MistakeError("--fmi 3: FMUs that run in Python are of FMI 2.0 only; add --native")
+    if libpython and native:
+        raise MistakeError("--libpython: native FMUs need no Python; leave one of them out")
     for name in names or NAMES:
         if name not in NAMES:
             raise MistakeError(f"no FMU {name!r}; {suggestion(name, NAMES)}")
@@ -84,15 +93,22 @@ def fmu_build(
         except ValueError as error:
             raise MistakeError(f"--structure: {error}") from None
         try:
-            print(_native(name, out, sizes, platform, fmi) if native else _python(name, out, sizes))
+            print(
+                _native(name, out, sizes, platform, fmi) if native else _python(name, out, sizes, libpython)
+            )
         except OSError as error:
             raise MistakeError(f"{out}: cannot be written ({error.strerror}); choose another --out") from None
 
 
-def _python(name: str, out: Path, sizes: Mapping[str, int] | None) -> Path:
+def _python(name: str, out: Path, sizes: Mapping[str, int] | None, libpython: str | None) -> Path:
     from fmus.build import build
 
-    return build(name, out, sizes)
+    from ..errors import MistakeError
+
+    try:
+        return build(name, out, sizes, libpython)
+    except ValueError as error:
+        raise MistakeError(f"--libpython: {error}" if libpython else str(error)) from None
 
 
 def _native(

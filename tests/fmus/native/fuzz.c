@@ -282,10 +282,7 @@ static void call(void)
     make(f, names[f], allowed[f], GET, perform);
 }
 
-static int free_state(void *unit, void **state)
-{
-    return (int)FreeFMUstate(unit, state);
-}
+static int free_state(void *unit, void **state) { return (int)FreeFMUstate(unit, state); }
 
 int main(int argc, char **argv)
 {

@@ -330,10 +330,7 @@ static void create(void)
     *at = place;
 }
 
-static int free_state(void *unit, void **state)
-{
-    return (int)FreeFMUState(unit, state);
-}
+static int free_state(void *unit, void **state) { return (int)FreeFMUState(unit, state); }
 
 int main(int argc, char **argv)
 {

