@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .abilities import unsynchronised
-from .scenario import Scenario
+from .scenario import Scenario, line_of
 
 
 def notices(scenario: Scenario) -> list[str]:
@@ -18,4 +18,18 @@ def notices(scenario: Scenario) -> list[str]:
         found.append(
             "energy.correction = true: nothing counts what it gives back; energy.ledger = true shows it"
         )
-    return found + unsynchronised(scenario)
+    return found + _unloaded(scenario) + unsynchronised(scenario)
+
+
+def _unloaded(scenario: Scenario) -> list[str]:
+    """Contacts whose load is an input that nothing gives."""
+    driven = {line_of(connection).target for connection in scenario.connections}
+    return [
+        f"components.{name}.parameters.load_is_given = true: nothing drives {name}.applied_load, so the "
+        f"contact has no load; connect it, or give components.{name}.inputs.applied_load"
+        for name, table in scenario.components.items()
+        if table.component == "ehl_contact"
+        and table.parameters.get("load_is_given")
+        and f"{name}.applied_load" not in driven
+        and not table.inputs.get("applied_load")
+    ]

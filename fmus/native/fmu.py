@@ -19,7 +19,7 @@ from ..sources import digest_of, shipped
 from ..terminals import FOLDER, terminals_and_icons
 from .differentiate import differentiated
 from .entries import smooth
-from .machine_code import FMI_HEADERS, PLATFORMS, SHELL, shared_library
+from .machine_code import FMI_HEADERS, PLATFORMS, SHELL, NativeBuildError, shared_library
 from .tables import tables
 from .translate import translated
 
@@ -92,9 +92,18 @@ def _made_of(name: str, sizes: Mapping[str, int], platforms: Sequence[str]) -> s
     here = Path(__file__).parent
     files = {f"fmus/{path.relative_to(here.parent)}": path.read_bytes() for path in here.parent.rglob("*.py")}
     documents = {path.name: path.read_bytes() for path in (here.parent / name).iterdir() if path.is_file()}
-    versions = {tool: metadata.version(tool) for tool in (*_TOOLS, "tribocosim")}
+    versions = {tool: _version(tool) for tool in (*_TOOLS, "tribocosim")}
     said = f"{package} {sorted(sizes.items())} {sorted(platforms)} {versions}"
     return digest_of(files | documents | dict(_shell()) | {"said": said.encode()})
+
+
+def _version(tool: str) -> str:
+    try:
+        return metadata.version(tool)
+    except metadata.PackageNotFoundError:
+        raise NativeBuildError(
+            f"native FMUs need the package {tool}: pip install 'tribocosim[native]' (in a checkout: '.[native]')"
+        ) from None
 
 
 @cache

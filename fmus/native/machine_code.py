@@ -101,8 +101,6 @@ def _zig(arguments: Sequence[str], folder: Path) -> None:
     made = subprocess.run(
         [sys.executable, "-m", "ziglang", *arguments], cwd=folder, capture_output=True, text=True
     )
-    if "No module named ziglang" in made.stderr:
-        raise NativeBuildError("native FMUs need the package ziglang: pip install 'tribocosim[native]'")
     if made.returncode:
         raise NativeBuildError(f"zig {' '.join(arguments)}: {made.stderr.strip()}")
 

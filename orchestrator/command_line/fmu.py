@@ -36,12 +36,12 @@ def _native_here(name: str, structure: Mapping[str, int]) -> Path:
     from fmus.native.machine_code import NativeBuildError, this_platform
     from fmus.native.translate import TranslationError
 
-    from ..errors import RunError
+    from ..errors import MistakeError
 
     try:
         return build(name, structure=structure, platforms=[this_platform()])
     except (NativeBuildError, TranslationError) as error:
-        raise RunError(f"building the native FMU {name}: {error}") from None
+        raise MistakeError(f"building the native FMU {name}: {error}; or take it without --native") from None
 
 
 @reported

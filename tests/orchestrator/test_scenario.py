@@ -261,6 +261,10 @@ def test_what_has_no_effect_is_noticed() -> None:
         "energy.correction = true: nothing counts what it gives back; energy.ledger = true"
     )
     assert notices(load("two-masses", [*corrected, "energy.ledger=true"])) == []
+    given = "components.contact.parameters.load_is_given=true"
+    (said,) = notices(load("valve-train", [given]))
+    assert "nothing drives contact.applied_load" in said
+    assert notices(load("valve-train", [given, "components.contact.inputs.applied_load=300"])) == []
 
 
 def test_step_control_does_not_inherit_the_records_of_equal_steps(tmp_path: Path) -> None:
