@@ -102,7 +102,7 @@ def _version(tool: str) -> str:
         return metadata.version(tool)
     except metadata.PackageNotFoundError:
         raise NativeBuildError(
-            f"native FMUs need the package {tool}: pip install 'tribocosim[native]' (in a checkout: '.[native]')"
+            f"native FMUs need the package {tool}: pip install 'tribocosim[native]' or '.[native]'"
         ) from None
 
 

@@ -6,14 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from fmus.build import NAMES, default_structure
+from fmus.build import default_structure
 
 from ..conftest import Isolated
 from ..reference import Reference, schedule
 from ..test_agreement import STEP, STEPS, expected_of, replay
+from .names import EVERY
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", EVERY)
 def test_native_fmu_equals_component(
     name: str, native_files: dict[str, Path], isolated: Isolated, tmp_path: Path
 ) -> None:

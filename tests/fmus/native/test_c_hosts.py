@@ -14,10 +14,10 @@ from pathlib import Path
 import pytest
 from fmpy.model_description import ModelDescription
 
-from fmus.build import NAMES
 from fmus.native.machine_code import FMI_HEADERS
 
 from . import programs
+from .names import EVERY
 from .programs import TOKEN, library_in, needs_sanitizers, run, variables_for_c
 
 # The least that malloc gives out is 32 bytes. A leak of one such block per life shows in the resident memory,
@@ -167,7 +167,7 @@ def files(native_files: dict[str, Path], fmi3_files: dict[str, Path]) -> dict[in
 
 
 @pytest.mark.parametrize("fmi", PROGRAMS)
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", EVERY)
 def test_random_calls(name: str, fmi: int, files: Files, compiled: Compiled, tmp_path: Path) -> None:
     """Any function with any arguments in any phase: what fuzz.c says must hold, and every function is taken
     as well as refused, but for those that can only be one of them."""

@@ -8,11 +8,12 @@ import fmpy
 import numpy as np
 import pytest
 
-from fmus.build import NAMES, default_structure
+from fmus.build import default_structure
 from fmus.validate import validate
 
 from ..instance import Instance
 from ..reference import Reference
+from .names import EVERY
 
 # What the host's integrator is asked for; errors of many steps add up.
 TOLERANCE = 1e-9
@@ -57,7 +58,7 @@ def test_the_hosts_integrator_finds_the_same_motion(name: str, native_files: dic
         assert differences[-1] <= 1e5 * TOLERANCE * size, output
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", EVERY)
 def test_states_and_their_derivatives_are_shown(name: str, native_files: dict[str, Path]) -> None:
     """To the last bit those of the component after a step."""
     reference = Reference(name, **default_structure(name, "NATIVE_STRUCTURE"))
@@ -76,6 +77,6 @@ def test_states_and_their_derivatives_are_shown(name: str, native_files: dict[st
     slave.free()
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", EVERY)
 def test_validators_find_nothing(name: str, native_files: dict[str, Path]) -> None:
     assert validate(native_files[name]) == []

@@ -11,7 +11,7 @@ import fmpy
 import numpy as np
 import pytest
 
-from fmus.build import NAMES, default_structure
+from fmus.build import default_structure
 from fmus.native.machine_code import this_platform
 from fmus.validate import validate
 
@@ -19,12 +19,13 @@ from ..conftest import Isolated
 from ..instance import Instance, Instance3
 from ..reference import Reference, held, schedule, wave
 from ..test_agreement import STEP, STEPS, expected_of, replay
+from .names import EVERY
 from .test_exchange import MOTIONS, TOLERANCE, simulated
 
 Files = dict[str, Path]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", EVERY)
 def test_it_equals_the_component(name: str, fmi3_files: Files, isolated: Isolated, tmp_path: Path) -> None:
     """Outputs, their rates and energies; also between steps, and with steps of changing size."""
     reference = Reference(name, **default_structure(name, "NATIVE_STRUCTURE"))
@@ -32,7 +33,7 @@ def test_it_equals_the_component(name: str, fmi3_files: Files, isolated: Isolate
     assert replay(isolated, fmi3_files[name], plan, tmp_path, "Instance3") == expected_of(reference, plan)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", EVERY)
 def test_validators_find_nothing(name: str, fmi3_files: Files) -> None:
     assert validate(fmi3_files[name]) == []
 
@@ -49,7 +50,7 @@ def test_fmutool_finds_no_fault(name: str, fmi3_files: Files) -> None:
 
 
 @pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", EVERY)
 def test_a_host_runs_it(name: str, kind: str, fmi3_files: Files) -> None:
     """As it is, in both of its kinds; all that it tells are numbers."""
     result = fmpy.simulate_fmu(str(fmi3_files[name]), fmi_type=kind, stop_time=1e-3, output_interval=1e-4)
@@ -57,7 +58,7 @@ def test_a_host_runs_it(name: str, kind: str, fmi3_files: Files) -> None:
     assert all(np.isfinite(result[output]).all() for output in result.dtype.names)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", EVERY)
 def test_variables_are_those_of_fmi_2(name: str, native_files: Files, fmi3_files: Files) -> None:
     """And besides them time and what indicates events, which FMI 3.0 has as variables."""
     before, after = (fmpy.read_model_description(str(files[name])) for files in (native_files, fmi3_files))
