@@ -15,6 +15,7 @@ Shipped inside every FMU, so it knows components only by their attributes.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -149,6 +150,11 @@ class Memory:
         if twice := sorted({name for name in names if names.count(name) > 1}):
             raise ValueError(f"{component.name}: more than one variable is called {', '.join(twice)}")
         return tuple(found)
+
+
+def of_start(message: str) -> str:
+    """A message on a state as one on the variable of its start: psi = ... becomes psi_start = ..."""
+    return re.sub(r"^\w+", r"\g<0>_start", message)
 
 
 def _variable(

@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 
 from .host import Host, kept_threads
-from .memory import COEFFICIENTS, Memory
+from .memory import COEFFICIENTS, Memory, of_start
 
 try:  # inside an FMU: the copy that belongs to its binary
     from .pythonfmu.enums import Fmi2Status
@@ -138,7 +138,7 @@ class ComponentSlave(Fmi2Slave):
         if not faults:
             self._x[self.started] = self._x_start
             starts = component.start_faults(self._p, self._x, self._U[0])
-            faults = [fault.replace(" ", "_start ", 1) for fault in starts]
+            faults = [of_start(fault) for fault in starts]
         if faults:
             self._fatal("; ".join(faults))
         self._refresh()

@@ -19,6 +19,7 @@ from .integrator import INPUT_COEFFICIENTS, TOLERANCE, make_advance, taylor, wor
 from .kernel import kernel, record_of
 from .quantities import Layout, Vector
 from .rates import input_rates, make_rates, rates_work_size
+from .requirements import Requirement
 
 # Indices of what an energy kernel writes, in J, W and W.
 STORED, DISSIPATED_POWER, SOURCE_POWER = 0, 1, 2
@@ -67,8 +68,8 @@ class Component:
     Kernels take records: derivative(t, x, u, p, dx), output(t, x, u, p, y), energy(t, x, u, p, e) with
     e = [stored energy (J), dissipated power (W), power of internal sources (W)].
     `feedthrough` lists, for each output, the inputs it depends on at the same instant.
-    `check(p)` and `check_start(p, x, u)` give messages for parameters that do not fit together, and for start
-    states that do not fit parameters and inputs; a message on a start begins with the state's name.
+    `requirements` are those of parameters that must fit together, `start_requirements` those of start states
+    that must fit parameters and inputs; the latter's texts begin with the state's name.
     `advance_maker`, if given, replaces the standard integrator (with events: the hybrid one):
     (component) -> advance kernel, with `extra_work` elements of scratch after those of the integrator. Over
     no time (h = 0) it must leave the state as it is. `samples` is false where it does not call `sample`, by
@@ -99,8 +100,8 @@ class Component:
     feedthrough: Mapping[str, Sequence[str]]
     bonds: Sequence[PowerBond] = ()
     events: Events | None = None
-    check: Callable[[Any], Sequence[str]] = field(default=lambda parameters: ())
-    check_start: Callable[[Any, Any, Any], Sequence[str]] | None = None
+    requirements: Sequence[Requirement] = ()
+    start_requirements: Sequence[Requirement] = ()
     advance_maker: Callable[[Component], Any] | None = None
     extra_work: int = 0
     samples: bool = True
@@ -239,15 +240,12 @@ class Component:
 
     def parameter_faults(self, p: Vector) -> list[str]:
         """Messages for parameters outside their ranges, alone or together."""
-        faults = self.parameters.faults(p)
-        return faults or list(self.check(self.parameters.view(p)))
+        return self.parameters.faults(p) or _unmet(self.requirements, self.parameters.view(p))
 
     def start_faults(self, p: Vector, x: Vector, u: Vector) -> list[str]:
         """Messages for start states outside their ranges, or that do not fit parameters and inputs."""
-        faults = self.state.faults(x)
-        if faults or self.check_start is None:
-            return faults
-        return list(self.check_start(self.parameters.view(p), self.state.view(x), self.inputs.view(u)))
+        records = self.state.view(x), self.inputs.view(u), self.parameters.view(p)
+        return self.state.faults(x) or _unmet(self.start_requirements, *records)
 
     def input_faults(self, U: Vector, h: float) -> list[str]:
         """Messages for inputs outside their ranges at the start or the end of a step."""
@@ -263,6 +261,10 @@ class Component:
         U = np.zeros((INPUT_COEFFICIENTS, self.inputs.size))
         U[0] = self.inputs.start
         return U
+
+
+def _unmet(requirements: Sequence[Requirement], *records: Any) -> list[str]:
+    return [fault for requirement in requirements if (fault := requirement.fault(*records))]
 
 
 def _flatten(function: Any, state: Layout, inputs: Layout, parameters: Layout, result: Layout) -> Any:

@@ -148,7 +148,7 @@ class System:
 
     def check_start(self, t: float, x: Vector) -> None:
         """ModelError if an instance's part of the state x does not fit the inputs that it has at `t`."""
-        judging = {n: i.component for n, i in self.instances.items() if i.component.check_start}
+        judging = {n: i.component for n, i in self.instances.items() if i.component.start_requirements}
         if not judging:
             return
         evaluation = Interpreted(self)

@@ -12,6 +12,12 @@ from typing import Any
 import numba
 from numba import carray
 
+from models.kernel import record_of
+from models.requirements import PLACES
+
+# The names of entries for requirements, each followed by its number.
+REQUIREMENT, START_REQUIREMENT = "requirement", "start_requirement"
+
 real: Any = numba.types.float64
 index: Any = numba.types.int64
 vector: Any = numba.types.CPointer(real)
@@ -84,8 +90,37 @@ def entries(component: Any) -> Iterator[Entry]:
     yield Entry("energy", entry_energy, at_a_point)
     yield Entry("slopes", entry_slopes, numba.void(vector, real, vector))
     yield Entry("rates", entry_rates, numba.void(real, *[vector] * 6))
+    yield from _of_requirements(component, n, m, parameters)
     if component.events is not None:
         yield from _of_events(component, n, m, parameters)
+
+
+def _of_requirements(component: Any, n: int, m: int, parameters: int) -> Iterator[Entry]:
+    X, U, P = component.state.dtype, component.inputs.dtype, component.parameters.dtype
+
+    def of_parameters(met: Any) -> Callable[..., Any]:
+        def entry_requirement(x: Any, u: Any, p: Any, told: Any) -> int:
+            return 1 if met(record_of(carray(p, (parameters,)), P), carray(told, (PLACES,))) else 0
+
+        return entry_requirement
+
+    def of_start(met: Any) -> Callable[..., Any]:
+        def entry_start_requirement(x: Any, u: Any, p: Any, told: Any) -> int:
+            fits = met(
+                record_of(carray(x, (n,)), X),
+                record_of(carray(u, (m,)), U),
+                record_of(carray(p, (parameters,)), P),
+                carray(told, (PLACES,)),
+            )
+            return 1 if fits else 0
+
+        return entry_start_requirement
+
+    signature = index(*[vector] * 4)
+    for i, rule in enumerate(component.requirements):
+        yield Entry(f"{REQUIREMENT}_{i}", of_parameters(rule.met), signature)
+    for i, rule in enumerate(component.start_requirements):
+        yield Entry(f"{START_REQUIREMENT}_{i}", of_start(rule.met), signature)
 
 
 def _of_events(component: Any, n: int, m: int, parameters: int) -> Iterator[Entry]:

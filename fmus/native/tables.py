@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from models.component import NO_EVENT
 from models.integrator import FAILURES
+from models.requirements import PLACES, Requirement
 
-from ..memory import Memory, Variable
+from ..memory import Memory, Variable, of_start
+from .entries import REQUIREMENT, START_REQUIREMENT
 
 _KINDS = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "Enumeration": "ENUMERATION"}
 # Nobody sets time as a variable.
@@ -49,6 +51,7 @@ def tables(component: Any, name: str, digest: str, token: str) -> dict[str, str]
         "GUARDS_AT": memory.size + component.state.size,
         "NO_EVENT": _number(NO_EVENT),
         "FAILURES": max(FAILURES) + 1,
+        "PLACES": PLACES,
     }
     if component.next_event:
         sizes["NEXT_EVENT_AT"] = memory.outputs + component.outputs.index(component.next_event)
@@ -67,15 +70,31 @@ def tables(component: Any, name: str, digest: str, token: str) -> dict[str, str]
         _array("int", "continuous", "", map(str, (*continuous, -1))),
         _array("int", "rated", "", map(str, (*memory.rated, -1))),
         _array("char *const", "failures", "FAILURES", map(_string, messages)),
+        _requirements("requirements", REQUIREMENT, component.requirements),
+        _requirements("start_requirements", START_REQUIREMENT, component.start_requirements, of_start),
     )
     return {
         "sizes.h": "".join(f"#define {key} {value}\n" for key, value in defined.items()),
-        "tables.c": '#include <math.h>\n\n#include "unit.h"\n\n' + "\n".join(arrays) + "\n",
+        "tables.c": '#include <math.h>\n\n#include "kernels.h"\n#include "unit.h"\n\n'
+        + "\n".join(arrays)
+        + "\n",
     }
 
 
 def _array(kind: str, name: str, size: str, items: Iterable[str]) -> str:
     return f"const {kind} {name}[{size}] = {{\n    " + ",\n    ".join(items) + "};"
+
+
+def _requirements(
+    name: str, entry: str, rules: Sequence[Requirement], worded: Callable[[str], str] = str
+) -> str:
+    """A list of them, after declarations of their kernels."""
+    declared = [f"REQUIREMENT({entry}_{i});" for i in range(len(rules))]
+    items = []
+    for i, rule in enumerate(rules):
+        words = f"(const char *const[]){{{', '.join(map(_string, rule.words))}}}" if rule.words else "0"
+        items.append(f"{{kernel_{entry}_{i}, {_string(worded(rule.says))}, {words}}}")
+    return "\n".join([*declared, _array("Requirement", name, "", [*items, "{0}"])])
 
 
 def _variable(variable: Variable) -> str:

@@ -19,6 +19,7 @@ from ..bonds import counts_energies
 from ..component import Component, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector
+from ..requirements import Requirement
 from .films import FILMS, film_by_number
 from .films.groups import groups
 from .fluid import DENSITY_LAWS, VISCOSITY_LAWS
@@ -309,11 +310,18 @@ def energy(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, e:
     e[2] = c.load * c.film_rate if p.film_model != FILM_IS_DRY else 0.0
 
 
-def check(p: ContactParameters) -> list[str]:
+@kernel
+def film_has_a_formula(p: ContactParameters, told: Vector) -> bool:
     """The film that is solved for needs a field."""
-    if p.film_model == FILM_IS_SOLVED:
-        return ["film_model = line_transient: needs a pressure field; give the structural size nodes = 301"]
-    return []
+    return p.film_model != FILM_IS_SOLVED
+
+
+REQUIREMENTS = (
+    Requirement(
+        film_has_a_formula,
+        "film_model = line_transient: needs a pressure field; give the structural size nodes = 301",
+    ),
+)
 
 
 @counts_energies
@@ -334,7 +342,7 @@ def _formula_contact() -> Component:
     rated = ("entraining_velocity", "applied_load", "radius_of_curvature", "approach", "retreat")
     friction = inputs.names
     return Component(
-        check=check,
+        requirements=REQUIREMENTS,
         structure={"nodes": 0},
         name="ehl_contact",
         description="Elastohydrodynamic finite line contact: load and film thickness",

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from typing import NamedTuple
 
-from .equations import Mechanism
-from .forms import NONLINEAR, wall_angle
+from ..kernel import kernel
+from ..quantities import Vector
+from ..requirements import Requirement
+from .flight.bouncing import LOWER, UPPER
+from .forms import NONLINEAR
 from .records import SliderCrankInputs, SliderCrankParameters, SliderCrankState
+from .walls import wall
 
 # psi of the linear forms, in rad: sin psi is psi to 0.2 % there.
 SMALL_ANGLE = 0.1
@@ -16,61 +20,110 @@ SMALL_ANGLE = 0.1
 OUTSIDE, BESIDE = 1e-6, 0.05
 
 
-def check(p: SliderCrankParameters) -> Sequence[str]:
-    """Messages for parameters that do not fit together."""
-    if p.crank_radius >= p.rod_length:
-        return [
-            f"crank_radius = {p.crank_radius:g} m: must be less than rod_length = {p.rod_length:g} m, "
-            "or the crank cannot turn"
-        ]
-    if p.form == NONLINEAR:
-        return _fit(p)
+@kernel
+def crank_turns(p: SliderCrankParameters, told: Vector) -> bool:
+    told[0], told[1] = p.crank_radius, p.rod_length
+    return p.crank_radius < p.rod_length
+
+
+@kernel
+def is_almost_linear(p: SliderCrankParameters, told: Vector) -> bool:
+    """Of the linear forms, with a crank that turns."""
+    if p.form == NONLINEAR or p.crank_radius >= p.rod_length:
+        return True
     # psi <= gap / sqrt(1 - xi^2).
     largest = SMALL_ANGLE * math.sqrt(p.rod_length**2 - p.crank_radius**2)
-    if p.clearance > largest:
-        return [
-            f"clearance = {p.clearance:g} m: must be at most {largest:g} m, so that psi stays below "
-            f"{SMALL_ANGLE:g} rad; form = nonlinear allows more"
-        ]
-    return []
+    told[0], told[1], told[2] = p.clearance, largest, SMALL_ANGLE
+    return p.clearance <= largest
 
 
-def _fit(p: SliderCrankParameters) -> Sequence[str]:
+@kernel
+def rod_stays_along(p: SliderCrankParameters, told: Vector) -> bool:
+    """Of the nonlinear form, with a crank that turns."""
     room = p.rod_length - p.crank_radius
-    if p.clearance < room:
-        return []
-    return [
-        f"clearance = {p.clearance:g} m: must be less than rod_length - crank_radius = {room:g} m, or the "
-        "rod stands across the cylinder"
-    ]
+    told[0], told[1] = p.clearance, room
+    return p.form != NONLINEAR or room <= 0.0 or p.clearance < room
 
 
-def check_start(p: SliderCrankParameters, x: SliderCrankState, u: SliderCrankInputs) -> Sequence[str]:
-    """Messages for a slider that begins outside its walls, or slides where it is not."""
-    m = Mechanism(p.crank_radius / p.rod_length, 0.0, 0.0, 0.0, 0.0)
-    films = x.upper_wall_film, x.lower_wall_film
-    upper, lower = (
-        wall_angle(p.form, u.crank_angle, side * (p.clearance - film) / p.rod_length, m)
-        for side, film in zip((1.0, -1.0), films, strict=True)
-    )
-    travel = upper - lower
-    if not travel >= 0.0:
-        return [
-            f"psi = {x.psi:g} rad: there is no room between the walls, whose films of {films[0]:g} m (upper) "
-            f"and {films[1]:g} m (lower) fill the clearance of {p.clearance:g} m; widen the clearance or "
-            "start with thinner films"
-        ]
-    if x.mode != 0.0:
-        name, wall = ("upper", upper) if x.mode > 0.0 else ("lower", lower)
-        if abs(x.psi - wall) <= BESIDE * travel:
-            return []
-        return [
-            f"mode = {x.mode:g} (sliding on the {name} wall): needs psi = {wall:.9g} rad, where that wall is "
-            f"at crank_angle = {u.crank_angle:g} rad, not {x.psi:g} rad; set that psi, or mode = 0"
-        ]
-    if lower - OUTSIDE * travel <= x.psi <= upper + OUTSIDE * travel:
-        return []
-    return [
-        f"psi = {x.psi:g} rad (deviation of the rod): must be from {lower:.9g} to {upper:.9g} rad, "
-        f"the walls' at crank_angle = {u.crank_angle:g} rad; start between them or widen the clearance"
-    ]
+class Room(NamedTuple):
+    """Where the walls are at the start, and what is between them: psi in rad."""
+
+    upper: float
+    lower: float
+    travel: float
+
+
+@kernel
+def room(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> Room:
+    upper, lower = wall(UPPER, x, u, p), wall(LOWER, x, u, p)
+    return Room(upper, lower, upper - lower)
+
+
+@kernel
+def films_leave_room(
+    x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, told: Vector
+) -> bool:
+    told[0], told[1], told[2], told[3] = x.psi, x.upper_wall_film, x.lower_wall_film, p.clearance
+    return room(x, u, p).travel >= 0.0
+
+
+@kernel
+def slides_on_a_wall(
+    x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, told: Vector
+) -> bool:
+    """Where its mode says so, and there is room."""
+    walls = room(x, u, p)
+    on_upper = x.mode > 0.0
+    needed = walls.upper if on_upper else walls.lower
+    told[0] = 1.0 if on_upper else 0.0
+    told[1], told[2], told[3], told[4] = x.mode, needed, u.crank_angle, x.psi
+    return x.mode == 0.0 or not walls.travel >= 0.0 or abs(x.psi - needed) <= BESIDE * walls.travel
+
+
+@kernel
+def starts_between_walls(
+    x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, told: Vector
+) -> bool:
+    """In flight, where there is room."""
+    walls = room(x, u, p)
+    slack = OUTSIDE * walls.travel
+    told[0], told[1], told[2], told[3] = x.psi, walls.lower, walls.upper, u.crank_angle
+    inside = walls.lower - slack <= x.psi <= walls.upper + slack
+    return x.mode != 0.0 or not walls.travel >= 0.0 or inside
+
+
+REQUIREMENTS = (
+    Requirement(
+        crank_turns,
+        "crank_radius = {0:g} m: must be less than rod_length = {1:g} m, or the crank cannot turn",
+    ),
+    Requirement(
+        is_almost_linear,
+        "clearance = {0:g} m: must be at most {1:g} m, so that psi stays below {2:g} rad; form = nonlinear "
+        "allows more",
+    ),
+    Requirement(
+        rod_stays_along,
+        "clearance = {0:g} m: must be less than rod_length - crank_radius = {1:g} m, or the rod stands "
+        "across the cylinder",
+    ),
+)
+
+START_REQUIREMENTS = (
+    Requirement(
+        films_leave_room,
+        "psi = {0:g} rad: there is no room between the walls, whose films of {1:g} m (upper) and {2:g} m "
+        "(lower) fill the clearance of {3:g} m; widen the clearance or start with thinner films",
+    ),
+    Requirement(
+        slides_on_a_wall,
+        "mode = {1:g} (sliding on the {word} wall): needs psi = {2:.9g} rad, where that wall is at "
+        "crank_angle = {3:g} rad, not {4:g} rad; set that psi, or mode = 0",
+        words=("lower", "upper"),
+    ),
+    Requirement(
+        starts_between_walls,
+        "psi = {0:g} rad (deviation of the rod): must be from {1:.9g} to {2:.9g} rad, the walls' at "
+        "crank_angle = {3:g} rad; start between them or widen the clearance",
+    ),
+)

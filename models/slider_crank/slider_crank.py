@@ -13,7 +13,7 @@ from ..bonds import counts_energies
 from ..component import Component, Events, PowerBond
 from ..kernel import kernel
 from ..quantities import Layout, Vector
-from .checks import check, check_start
+from .checks import REQUIREMENTS, START_REQUIREMENTS
 from .equations import inertia, joint_rate, rebound
 from .flight.bouncing import FREE, LOWER, UPPER
 from .forms import crank_impulse, crank_torque, flight_acceleration, kinetic_energy, offset, offset_slope
@@ -252,8 +252,8 @@ def slider_crank() -> Component:
         events=Events(3, guards, transition),
         advance_maker=make_advance,
         extra_work=EXTRA_WORK,
-        check=check,
-        check_start=check_start,
+        requirements=REQUIREMENTS,
+        start_requirements=START_REQUIREMENTS,
         runs_on=True,
         settles=WALL_FILMS,
         event_counter="event_count",

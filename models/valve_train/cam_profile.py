@@ -7,9 +7,11 @@ own formula lacks. Angles in rad; a prime is d/d(cam angle). The nose is at pi.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..kernel import kernel
+from ..quantities import Vector
+from ..requirements import Requirement
 
 # Nearer to a break of the profile than this (rad) a cam has reached it: s'' changes there by 4e-9 of its
 # largest value, and what that adds up to is below the 1e-10 of any integrator here.
@@ -81,6 +83,34 @@ def smallest_radius_of_curvature(
         cam = cycloidal_lift(angle, lift, rise_angle, dwell_half_width)
         smallest = min(smallest, radius_of_curvature(base_radius, cam))
     return smallest
+
+
+@kernel
+def event_fits(p: Any, told: Vector) -> bool:
+    """Rise, dwell and fall within a turn."""
+    told[0] = math.degrees(2.0 * (p.rise_angle + p.dwell_half_width))
+    return p.rise_angle + p.dwell_half_width <= math.pi
+
+
+@kernel
+def is_convex(p: Any, told: Vector) -> bool:
+    """As a flat follower needs it; of an event that fits."""
+    if p.rise_angle + p.dwell_half_width > math.pi:
+        return True
+    smallest = smallest_radius_of_curvature(p.base_radius, p.lift, p.rise_angle, p.dwell_half_width)
+    told[0] = 1e3 * smallest
+    return smallest > 0.0
+
+
+# Of a record with the profile's parameters.
+PROFILE_REQUIREMENTS = (
+    Requirement(event_fits, "2 (rise_angle + dwell_half_width) = {0:g} deg: must be at most 360 deg"),
+    Requirement(
+        is_convex,
+        "smallest radius of curvature = {0:.3f} mm: must be > 0 for a flat follower (undercut); increase "
+        "base_radius or rise_angle, or reduce lift",
+    ),
+)
 
 
 @kernel

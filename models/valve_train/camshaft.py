@@ -9,7 +9,6 @@ plane) are left out. Contact load bends the shaft by W and twists it by W s'.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
@@ -19,13 +18,13 @@ from ..integrator import FINE_TOLERANCE
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector
 from .cam_profile import (
+    PROFILE_REQUIREMENTS,
     Lift,
     breaks_about,
     cycloidal_lift,
     entraining_velocity,
     radius_of_curvature,
     sliding_velocity,
-    smallest_radius_of_curvature,
     time_to_break,
 )
 
@@ -296,20 +295,6 @@ def energy(t: float, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters,
     e[2] = 0.0
 
 
-def profile_faults(p: CamshaftParameters) -> Sequence[str]:
-    """The event must fit into a turn, and a flat follower needs a convex cam."""
-    if p.rise_angle + p.dwell_half_width > math.pi:
-        event = math.degrees(2.0 * (p.rise_angle + p.dwell_half_width))
-        return [f"2 (rise_angle + dwell_half_width) = {event:g} deg: must be at most 360 deg"]
-    smallest = smallest_radius_of_curvature(p.base_radius, p.lift, p.rise_angle, p.dwell_half_width)
-    if smallest <= 0.0:
-        return [
-            f"smallest radius of curvature = {1e3 * smallest:.3f} mm: must be > 0 for a flat follower "
-            "(undercut); increase base_radius or rise_angle, or reduce lift"
-        ]
-    return []
-
-
 @counts_energies
 def camshaft() -> Component:
     """One cam on its shaft element."""
@@ -344,7 +329,7 @@ def camshaft() -> Component:
             PowerBond("contact_load", "surface_velocity", -1),
             PowerBond("friction_force", "sliding_velocity", -1),
         ),
-        check=profile_faults,
+        requirements=PROFILE_REQUIREMENTS,
         # Where the entrainment reverses, film formulas have a kink: they know |u|.
         event_indicators=("entraining_velocity",),
         next_event="next_event",

@@ -105,13 +105,14 @@ Status unit_events(Unit *unit, bool *changed, double *next)
     const State before = unit->now;
     Status status;
     *changed = false;
+    *next = INFINITY;
+    if (unit_refuses_parameters(unit, ERROR)) return ERROR;
     status = perform(unit, changed);
     if (status != OK) {
         unit->now = before;
         *changed = false;
     }
     unit_ready(unit, OUTPUTS_AT);
-    *next = INFINITY;
 #ifdef NEXT_EVENT_AT
     if (unit->now.data[NEXT_EVENT_AT] < NO_EVENT) *next = unit->now.data[NEXT_EVENT_AT];
 #endif

@@ -19,6 +19,9 @@ KERNEL(rates, double t, const double *x, const double *u, const double *du, cons
 KERNEL(guards, double t, const double *x, const double *u, const double *p, double *g);
 KERNEL(transition, int64_t k, double t, double *x, const double *u, const double *p);
 
+/* One of the component's requirements (models/requirements.py); the result is whether it is met. */
+#define REQUIREMENT(name) KERNEL(name, const double *x, const double *u, const double *p, double *told)
+
 /* Their directional derivatives: after each argument the one of its change, after the result its change. */
 #define TANGENT(name)                                                                                          \
     int32_t tangent_##name(void *result, void **exception, double t, double dt, const double *x,               \

@@ -104,14 +104,45 @@ static bool faults(const Variable *variable, const double *values, int count, ch
     return any;
 }
 
+static bool parameters_wrong(const Unit *unit, char *message, size_t size)
+{
+    return faults(variables, unit->now.data, PARAMETERS, message, size) ||
+           unit_unmet(unit, requirements, message, size);
+}
+
+bool unit_refuses_parameters(Unit *unit, Status status)
+{
+    char message[1024] = "";
+    if (!unit->now.parameters_unchecked) return false;
+    if (parameters_wrong(unit, message, sizeof message)) {
+        unit_say(unit, status, "%s", message);
+        return true;
+    }
+    unit->now.parameters_unchecked = false;
+    return false;
+}
+
 /* Motion */
+
+/* The state as its start values say. */
+static void begin(Unit *unit)
+{
+    double *data = unit->now.data;
+    for (int i = 0; i < STARTED; i++) data[X_AT + started[i]] = data[STARTS_AT + i];
+}
+
+static bool start_wrong(Unit *unit, char *message, size_t size)
+{
+    begin(unit);
+    return faults(variables + STARTS_AT, unit->now.data + STARTS_AT, STARTED, message, size) ||
+           unit_unmet(unit, start_requirements, message, size);
+}
 
 /* Outputs of the values that are set, at the present time. */
 static void refresh(Unit *unit)
 {
     double *data = unit->now.data;
-    if (unit->now.phase & (INSTANTIATED | INITIALIZING))
-        for (int i = 0; i < STARTED; i++) data[X_AT + started[i]] = data[STARTS_AT + i];
+    if (unit->now.phase & (INSTANTIATED | INITIALIZING)) begin(unit);
     memcpy(data + U_AT, data + INPUTS_AT, INPUTS * sizeof *data);
     data[S_AT] = 0.0;
     CALL(output, data[T_AT], data + X_AT, data + U_AT, data, data + OUTPUTS_AT);
@@ -122,9 +153,8 @@ static void refresh(Unit *unit)
 Status unit_initialize(Unit *unit)
 {
     char message[1024] = "";
-    bool wrong = faults(variables, unit->now.data, PARAMETERS, message, sizeof message);
-    wrong |= faults(variables + STARTS_AT, unit->now.data + STARTS_AT, STARTED, message, sizeof message);
-    if (wrong) return unit_say(unit, ERROR, "%s", message);
+    if (parameters_wrong(unit, message, sizeof message) || start_wrong(unit, message, sizeof message))
+        return unit_say(unit, ERROR, "%s", message);
     refresh(unit);
     unit->now.parameters_unchecked = false;
     return OK;
@@ -156,12 +186,7 @@ Status unit_step(Unit *unit, double time, double step)
         return unit_say(unit, DISCARD,
                         "step from t = %.12g s by %g s: must begin at %.12g s, where the state is, and end at a time",
                         time, step, t);
-    if (unit->now.parameters_unchecked) {
-        char message[1024] = "";
-        if (faults(variables, data, PARAMETERS, message, sizeof message))
-            return unit_say(unit, DISCARD, "%s", message);
-        unit->now.parameters_unchecked = false;
-    }
+    if (unit_refuses_parameters(unit, DISCARD)) return DISCARD;
     kernel_step(&status, &(void *){NULL}, time, step, data + X_AT, data + INPUTS_AT, data, nominal, unit->work,
                 u, y);
     if (status) return refused(unit, (int)status, time, step);

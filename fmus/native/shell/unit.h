@@ -22,6 +22,13 @@ typedef struct {
     const char *allowed; /* follows the value in messages: unit, meaning, range */
 } Variable;
 
+/* What ranges cannot say (models/requirements.py). A list of them ends with one that has no `met`. */
+typedef struct {
+    int32_t (*met)(void *result, void **exception, const double *x, const double *u, const double *p, double *told);
+    const char *says;         /* with places such as {0:g} for the numbers told, and {word} */
+    const char *const *words; /* of which the first number told counts one */
+} Requirement;
+
 #include "sizes.h"
 
 /* Of the component, generated from its metadata (tables.py). */
@@ -32,6 +39,8 @@ extern const int started[];          /* states that have start values */
 extern const int rated[];            /* outputs that have rates */
 extern const int continuous[];       /* states that are no modes or counts */
 extern const char *const failures[FAILURES];
+extern const Requirement requirements[];       /* of parameters */
+extern const Requirement start_requirements[]; /* of states at the start */
 
 /* Of the version of FMI: what it calls kinds, and whether its calls for integers take enumerations. */
 extern const char *const kinds[];
@@ -84,6 +93,10 @@ void unit_reset(Unit *unit);
 Status unit_say(const Unit *unit, Status status, const char *format, ...);
 /* Whether a call is allowed now; says so if not. */
 bool unit_may(const Unit *unit, int phases, const char *call);
+/* Adds to the message what is not met; false if all are. */
+bool unit_unmet(const Unit *unit, const Requirement *requirements, char *message, size_t size);
+/* Whether parameters that were set after the initialisation are not allowed; says so with that status. */
+bool unit_refuses_parameters(Unit *unit, Status status);
 
 Status unit_initialize(Unit *unit);                   /* at the end of the initialisation */
 Status unit_step(Unit *unit, double time, double step); /* DISCARD, and nothing changed, if it cannot be made */

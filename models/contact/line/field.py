@@ -387,7 +387,7 @@ def with_field(plain: Component, nodes: int) -> FieldContact:
     attributes |= {
         "state": with_field_state(plain.state, nodes),
         "structure": {"nodes": nodes},
-        "check": lambda parameters: (),
+        "requirements": (),
         "ode": False,
     }
     return FieldContact(**attributes, plain=plain)

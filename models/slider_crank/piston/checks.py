@@ -3,50 +3,113 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
+from ...kernel import kernel
+from ...quantities import Vector
+from ...requirements import Requirement
 from .contact import CORNERS, exists, gap
 from .motion import machine
 
 NAMES = ("upper front", "upper rear", "lower front", "lower rear")
+# Of corners that are closed together, numbered with a bit for each.
+NAMES_TOGETHER = tuple(
+    " and ".join(name for i, name in enumerate(NAMES) if closed >> i & 1) for closed in range(1 << CORNERS)
+)
 # A corner may start this share of the clearance outside its wall: room for rounding of given numbers.
 ROUNDING = 1e-9
 
 
-def check(p: Any) -> Sequence[str]:
-    """Messages for parameters that do not fit together."""
-    found = []
+@kernel
+def crank_turns(p: Any, told: Vector) -> bool:
     # The largest offset of the pin: the piston in a corner of its play.
     play = p.clearance + abs(p.pin_offset) + abs(p.pin_height)
-    if p.crank_radius + play >= p.rod_length:
-        found.append(
-            f"crank_radius = {p.crank_radius:g} m: must be less than {p.rod_length - play:g} m, the "
-            "rod_length less clearance and place of the pin, or the crank cannot turn"
-        )
+    told[0], told[1] = p.crank_radius, p.rod_length - play
+    return p.crank_radius + play < p.rod_length
+
+
+@kernel
+def piston_stays_upright(p: Any, told: Vector) -> bool:
+    """A roller may turn over."""
     least = math.sqrt(p.clearance * (2.0 * p.half_height + p.clearance))
-    if 0.0 < p.half_length <= least:
-        found.append(
-            f"half_length = {p.half_length:g} m: must be more than {least:g} m for this half_height and "
-            "clearance, or the piston can turn over in its bore; 0 makes it a roller"
-        )
-    return found
+    told[0], told[1] = p.half_length, least
+    return p.half_length <= 0.0 or p.half_length > least
 
 
-def check_start(p: Any, x: Any, u: Any) -> Sequence[str]:
-    """Messages for a start outside the walls, or with corners closed that cannot be."""
+@kernel
+def closed_corners(x: Any) -> int:
+    """A bit for each."""
+    closed = 0
+    for i in range(CORNERS):
+        if x.closed[i] != 0.0:
+            closed |= 1 << i
+    return closed
+
+
+@kernel
+def closes_its_own(x: Any, u: Any, p: Any, told: Vector) -> bool:
+    """A roller has no rear corners."""
     m = machine(p)
-    shut = [i for i in range(CORNERS) if x.closed[i] != 0.0]
-    if any(not exists(i, m) for i in shut):
-        return ["closed: a piston with half_length = 0 has no rear corners; close the front ones"]
-    if len(shut) > 2 or (len(shut) == 2 and shut[1] - shut[0] == 2):
-        closed = " and ".join(NAMES[i] for i in shut)
-        return [f"closed: {closed} cannot touch together; close one corner, two on one wall, or a diagonal"]
+    absent = 0
+    for i in range(CORNERS):
+        if x.closed[i] != 0.0 and not exists(i, m):
+            absent += 1
+    return absent == 0
+
+
+@kernel
+def can_touch_together(x: Any) -> bool:
+    """One corner, two on one wall, or a diagonal: none across from each other."""
+    return x.closed[0] * x.closed[2] == 0.0 and x.closed[1] * x.closed[3] == 0.0
+
+
+@kernel
+def closes_together(x: Any, u: Any, p: Any, told: Vector) -> bool:
+    told[0] = closed_corners(x)
+    return can_touch_together(x) or not closes_its_own(x, u, p, told)
+
+
+@kernel
+def starts_between_walls(x: Any, u: Any, p: Any, told: Vector) -> bool:
+    """The first open corner that does not is told, of closed ones that can be."""
+    if not closes_its_own(x, u, p, told) or not can_touch_together(x):
+        return True
+    m = machine(p)
+    told[1], told[2], told[4] = x.offset, x.tilt, m.clearance
     for i in range(CORNERS):
         beyond = -gap(i, x.offset, x.tilt, m)
-        if i not in shut and beyond > ROUNDING * m.clearance:
-            return [
-                f"offset = {x.offset:g} m, tilt = {x.tilt:g} rad: the {NAMES[i]} corner starts {beyond:g} m "
-                f"outside its wall; bring the piston inside its clearance of {m.clearance:g} m"
-            ]
-    return []
+        if x.closed[i] == 0.0 and beyond > ROUNDING * m.clearance:
+            told[0], told[3] = i, beyond
+            return False
+    return True
+
+
+REQUIREMENTS = (
+    Requirement(
+        crank_turns,
+        "crank_radius = {0:g} m: must be less than {1:g} m, the rod_length less clearance and place of the "
+        "pin, or the crank cannot turn",
+    ),
+    Requirement(
+        piston_stays_upright,
+        "half_length = {0:g} m: must be more than {1:g} m for this half_height and clearance, or the piston "
+        "can turn over in its bore; 0 makes it a roller",
+    ),
+)
+
+START_REQUIREMENTS = (
+    Requirement(
+        closes_its_own, "closed: a piston with half_length = 0 has no rear corners; close the front ones"
+    ),
+    Requirement(
+        closes_together,
+        "closed: {word} cannot touch together; close one corner, two on one wall, or a diagonal",
+        words=NAMES_TOGETHER,
+    ),
+    Requirement(
+        starts_between_walls,
+        "offset = {1:g} m, tilt = {2:g} rad: the {word} corner starts {3:g} m outside its wall; bring the "
+        "piston inside its clearance of {4:g} m",
+        words=NAMES,
+    ),
+)

@@ -13,7 +13,6 @@ overlap of the valves to the intake's; both changes are smooth (3 r^2 - 2 r^3), 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -21,6 +20,7 @@ from ...bonds import counts_energies
 from ...component import Component
 from ...kernel import kernel
 from ...quantities import Layout, Quantity, Vector
+from ...requirements import Requirement
 
 TURN = 2.0 * math.pi
 # Wiebe's constants, Heywood (9.27).
@@ -175,22 +175,34 @@ def energy(t: float, x: CylinderGasState, u: CylinderGasInputs, p: CylinderGasPa
     e[:] = 0.0
 
 
-def check(p: CylinderGasParameters) -> Sequence[str]:
-    """What the ranges alone cannot say."""
-    found = []
-    if p.crank_radius >= p.rod_length:
-        found.append(
-            f"crank_radius = {p.crank_radius:g} m: must be less than rod_length = {p.rod_length:g} m"
-        )
-    if p.burn_start > 0.5 * TURN:
-        found.append(f"burn_start = {p.burn_start:g} rad: must be at most {0.5 * TURN:g} rad, in compression")
+@kernel
+def crank_turns(p: CylinderGasParameters, told: Vector) -> bool:
+    told[0], told[1] = p.crank_radius, p.rod_length
+    return p.crank_radius < p.rod_length
+
+
+@kernel
+def burns_in_compression(p: CylinderGasParameters, told: Vector) -> bool:
+    told[0], told[1] = p.burn_start, 0.5 * TURN
+    return p.burn_start <= 0.5 * TURN
+
+
+@kernel
+def blows_down_before_overlap(p: CylinderGasParameters, told: Vector) -> bool:
     latest = TURN - 0.5 * p.overlap_duration - p.blowdown_duration
-    if p.exhaust_opening > latest:
-        found.append(
-            f"exhaust_opening = {p.exhaust_opening:g} rad: must be at most {latest:g} rad, so that the "
-            "blowdown ends before the overlap begins"
-        )
-    return found
+    told[0], told[1] = p.exhaust_opening, latest
+    return p.exhaust_opening <= latest
+
+
+REQUIREMENTS = (
+    Requirement(crank_turns, "crank_radius = {0:g} m: must be less than rod_length = {1:g} m"),
+    Requirement(burns_in_compression, "burn_start = {0:g} rad: must be at most {1:g} rad, in compression"),
+    Requirement(
+        blows_down_before_overlap,
+        "exhaust_opening = {0:g} rad: must be at most {1:g} rad, so that the blowdown ends before the "
+        "overlap begins",
+    ),
+)
 
 
 @counts_energies
@@ -207,6 +219,6 @@ def cylinder_gas() -> Component:
         output=output,
         energy=energy,
         feedthrough={"gas_pressure": ("crank_angle",)},
-        check=check,
+        requirements=REQUIREMENTS,
         runs_on=True,
     )

@@ -6,7 +6,7 @@ from ...bonds import counts_energies
 from ...component import Component, PowerBond
 from ...kernel import kernel
 from ...quantities import Layout, Vector
-from .checks import check, check_start
+from .checks import REQUIREMENTS, START_REQUIREMENTS
 from .contact import CORNERS, Motion
 from .events import contact_events
 from .mechanics import (
@@ -137,8 +137,8 @@ def piston_crank() -> Component:
         },
         bonds=(PowerBond("crank_torque", "crank_speed", +1),),
         events=contact_events(motion, give),
-        check=check,
-        check_start=check_start,
+        requirements=REQUIREMENTS,
+        start_requirements=START_REQUIREMENTS,
         runs_on=True,
         event_counter="event_count",
         event_time="last_event_time",

@@ -1,0 +1,45 @@
+/* What the component requires besides ranges, and the messages where it is not so. */
+#include <stdio.h>
+#include <string.h>
+
+#include "unit.h"
+
+/* Adds what a requirement says, with numbers and word in their places, to a message that has `used` bytes. */
+static void tell(const Requirement *requirement, const double *told, char *message, size_t used, size_t size)
+{
+    const char *text = requirement->says;
+    while (*text && used + 1 < size) {
+        const char *end = strchr(text, '}');
+        char format[16];
+        if (*text != '{') {
+            message[used++] = *text++;
+            message[used] = '\0';
+            continue;
+        }
+        if (!strncmp(text, "{word}", 6)) {
+            snprintf(message + used, size - used, "%s", requirement->words[(int)told[0]]);
+        } else { /* such as {0:.9g} */
+            snprintf(format, sizeof format, "%%%.*s", (int)(end - text - 3), text + 3);
+            snprintf(message + used, size - used, format, told[text[1] - '0']);
+        }
+        used += strlen(message + used);
+        text = end + 1;
+    }
+}
+
+bool unit_unmet(const Unit *unit, const Requirement *requirements, char *message, size_t size)
+{
+    const double *data = unit->now.data;
+    bool any = false;
+    for (; requirements->met; requirements++) {
+        double told[PLACES] = {0.0};
+        int64_t met = 0;
+        size_t used = strlen(message);
+        requirements->met(&met, &(void *){NULL}, data + X_AT, data + INPUTS_AT, data, told);
+        if (met) continue;
+        if (used) used += (size_t)snprintf(message + used, size - used, "; ");
+        tell(requirements, told, message, used, size);
+        any = true;
+    }
+    return any;
+}

@@ -1,0 +1,48 @@
+"""What ranges cannot say: parameters that must fit together, and start states that must fit them.
+
+A rule is a kernel and a text, so that a component says the same wherever it runs, in Python or as machine
+code.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+# How many numbers a text may tell.
+PLACES = 8
+# What a text may have in braces: a number's place and its format, which Python and C share, or the word.
+PLACE = re.compile(r"\{(?:([0-7]):(\.\d+)?([gfe])|(word))\}")
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """`met(p, told)`, or of a start `met(x, u, p, told)`, is a kernel on records: true where the rule holds.
+
+    Where it does not, it leaves in `told` the numbers of the message `says`: {0:g} stands for the first, in
+    that format, and {word} for the one of `words` that the first number counts, from 0. The text begins with
+    the name of a parameter or state, and says what is allowed and what to do. Rules are asked one by one: one
+    that makes no sense while another is broken is met. ValueError for braces that are no place.
+    """
+
+    met: Any
+    says: str
+    words: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if left := re.search(r"[{}].*", PLACE.sub("", self.says)):
+            raise ValueError(
+                f"requirement {self.says!r}: {left[0]!r} is no place; places are such as {{0:g}}, {{7:.3f}} "
+                "and {word}"
+            )
+
+    def fault(self, *records: Any) -> str | None:
+        """The message for these records, or None if the requirement is met."""
+        told = np.zeros(PLACES)
+        if self.met(*records, told):
+            return None
+        word = self.words[int(told[0])] if self.words else ""
+        return self.says.format(*told.tolist(), word=word)

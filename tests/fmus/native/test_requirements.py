@@ -1,0 +1,203 @@
+"""What ranges cannot say is refused with the same words in-process, by the Python and by the native FMU."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Model
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from fmus.build import NAMES, build, default_structure
+from fmus.memory import of_start
+from models.catalogue import CATALOGUE
+from models.component import Component
+from models.quantities import Field, Layout
+
+from ..instance import Instance
+
+COMPONENTS = {name: CATALOGUE[name](**default_structure(name, "NATIVE_STRUCTURE")) for name in NAMES}
+REQUIRING = [name for name, c in COMPONENTS.items() if c.requirements or c.start_requirements]
+
+ROLLER = {"half_length": 0.0, "piston_inertia": 1e-4}
+PISTON = (
+    {"crank_radius": 0.15},
+    {"half_length": 1e-3},
+    {"crank_radius": 0.15, "half_length": 1e-3},
+    {"offset": 50e-6},
+    {"offset": -1.0 / 3.0e4},
+    {"tilt": -2e-3},
+    {"closed[1]": 1.0, "closed[3]": 1.0},
+    {"closed[1]": 1.0, "closed[2]": 1.0, "closed[4]": 1.0},
+    {"half_length": 0.0, "closed[2]": 1.0},
+)
+# Parameters, start states and inputs that break a requirement, by name.
+WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
+    "camshaft": ({"dwell_half_width": 2.0}, {"base_radius": 10e-3}, {"lift": 0.03, "rise_angle": 1.0}),
+    "ehl_contact": ({"film_model": 8.0},),
+    "slider_crank": (
+        {"crank_radius": 0.2},
+        {"crank_radius": 0.2, "form": 2.0},
+        {"clearance": 0.02},
+        {"clearance": 0.1, "form": 2.0},
+        {"upper_wall_film": 2e-3, "lower_wall_film": 3e-3},
+        {"mode": 1.0, "psi": -0.001},
+        {"mode": -1.0, "psi": 0.001, "crank_angle": 2.0},
+        {"psi": -0.02, "crank_angle": 0.5 * math.pi},
+        {"psi": 0.02, "crank_angle": 1.0 / 3.0, "form": 2.0},
+    ),
+    "piston_crank": PISTON,
+    "free_piston_crank": PISTON,
+    "cylinder_gas": (
+        {"crank_radius": 0.2},
+        {"burn_start": 4.0},
+        {"exhaust_opening": 5.0},
+        {"crank_radius": 0.2, "burn_start": 4.0, "exhaust_opening": 5.0},
+    ),
+}
+CASES = [(name, values) for name in REQUIRING for values in WRONG[name]]
+
+
+def refusal(component: Component, values: Mapping[str, float]) -> str:
+    """What the component says against these parameters, start states and inputs; empty if nothing."""
+
+    def vector(layout: Layout) -> Any:
+        return layout.vector({name: value for name, value in values.items() if name in layout})
+
+    p, x, u = vector(component.parameters), vector(component.state), vector(component.inputs)
+    starts = component.start_faults(p, x, u)
+    return "; ".join(component.parameter_faults(p) or map(of_start, starts))
+
+
+def as_variables(component: Component, values: Mapping[str, float]) -> dict[str, float]:
+    """The same by the names of an FMU's variables."""
+    state = component.state
+    return {
+        state.field(name).suffixed("_start") if name in state else name: value
+        for name, value in values.items()
+    }
+
+
+def refusal_by(fmu: Instance, values: Mapping[str, float]) -> str:
+    """What an FMU says, as an instance that then may be used again."""
+    fmu.fmu.reset()
+    fmu.messages.clear()
+    try:
+        fmu.initialize(**values)
+    except FMICallException:
+        return fmu.messages[0][2]
+    return ""
+
+
+@pytest.fixture(scope="module")
+def natives(native_files: dict[str, Path]) -> Iterator[dict[str, Instance]]:
+    instances = {name: Instance(native_files[name]) for name in REQUIRING}
+    yield instances
+    for instance in instances.values():
+        instance.free()
+
+
+@pytest.fixture(scope="module")
+def pythons(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Instance]]:
+    """With the native FMUs' sizes."""
+    folder = tmp_path_factory.mktemp("pythons")
+    sizes = {name: default_structure(name, "NATIVE_STRUCTURE") or None for name in REQUIRING}
+    instances = {name: Instance(build(name, folder, sizes[name])) for name in REQUIRING}
+    yield instances
+    for instance in instances.values():
+        instance.free()
+
+
+@pytest.mark.parametrize(("name", "values"), CASES)
+def test_all_say_the_same(
+    name: str, values: dict[str, float], natives: dict[str, Instance], pythons: dict[str, Instance]
+) -> None:
+    component = COMPONENTS[name]
+    said, variables = refusal(component, values), as_variables(component, values)
+    assert said
+    assert refusal_by(natives[name], variables) == said
+    assert refusal_by(pythons[name], variables) == said
+
+
+@pytest.mark.parametrize("name", REQUIRING)
+def test_every_requirement_is_tried(name: str) -> None:
+    """The cases above leave none out: the words before the first number tell them apart."""
+    component = COMPONENTS[name]
+    texts = [rule.says for rule in component.requirements]
+    texts += [of_start(rule.says) for rule in component.start_requirements]
+    said = [refusal(component, values) for values in WRONG[name]]
+    for text in texts:
+        plain = max(text.replace("}", "{").split("{"), key=len)
+        assert any(plain in message for message in said), text
+
+
+def allowed(field: Field) -> st.SearchStrategy[float]:
+    """Numbers inside the field's range, from its start value outwards to some ten times that."""
+    low, high = field.quantity.limits()
+    if field.quantity.discrete:
+        return st.integers(int(max(low, -3.0)), int(min(high, 9.0))).map(float)
+    reach = 10.0 * (abs(field.start) or field.quantity.nominal)
+    low, high = max(low, 0.0 if field.quantity.positive else -reach), min(high, reach)
+    return st.floats(low, high, exclude_min=field.quantity.positive)
+
+
+def changes(component: Component) -> st.SearchStrategy[dict[str, float]]:
+    """A few values of parameters, start states and inputs."""
+    layouts = component.parameters, component.state, component.inputs
+    fields = [f for layout in layouts for f in layout.fields if not f.quantity.internal]
+    return st.lists(st.sampled_from(fields), max_size=4, unique=True).flatmap(
+        lambda some: st.fixed_dictionaries({field.name: allowed(field) for field in some})
+    )
+
+
+@pytest.mark.parametrize("name", REQUIRING)
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_native_fmu_refuses_exactly_what_the_component_refuses(
+    name: str, data: st.DataObject, natives: dict[str, Instance]
+) -> None:
+    component = COMPONENTS[name]
+    values = data.draw(changes(component))
+    assert refusal_by(natives[name], as_variables(component, values)) == refusal(component, values)
+
+
+def test_a_tuned_parameter_that_does_not_fit_discards_the_step(
+    natives: dict[str, Instance], pythons: dict[str, Instance]
+) -> None:
+    for cam in (natives["camshaft"], pythons["camshaft"]):
+        assert refusal_by(cam, {"drive_speed": 100.0}) == ""
+        cam.set({"base_radius": 10e-3})
+        with pytest.raises(FMICallException, match="discard"):
+            cam.step(0.0, 1e-3)
+        assert cam.messages[0][2] == refusal(COMPONENTS["camshaft"], {"base_radius": 10e-3})
+        cam.set({"base_radius": 20.9e-3})
+        cam.step(0.0, 1e-3)
+
+
+def test_a_host_that_integrates_hears_of_a_tuned_parameter_at_the_event(natives: dict[str, Instance]) -> None:
+    cam = natives["camshaft"]
+    cam.messages.clear()
+    radius = [cam.variables["base_radius"].valueReference]
+    model = FMU2Model(
+        guid=cam.description.guid,
+        unzipDirectory=cam.folder,
+        modelIdentifier=cam.description.modelExchange.modelIdentifier,
+        instanceName="integrated",
+    )
+    model.instantiate(callbacks=cam.fmu.callbacks)
+    model.setupExperiment()
+    model.enterInitializationMode()
+    model.exitInitializationMode()
+    model.newDiscreteStates()
+    model.setReal(radius, [10e-3])
+    with pytest.raises(FMICallException, match="error"):
+        model.newDiscreteStates()
+    assert cam.messages[0][2] == refusal(COMPONENTS["camshaft"], {"base_radius": 10e-3})
+    model.setReal(radius, [20.9e-3])
+    model.newDiscreteStates()
+    model.freeInstance()
