@@ -19,7 +19,7 @@ from models.catalogue import CATALOGUE
 from models.component import Component
 from models.quantities import Field, Layout
 
-from ..instance import Instance
+from ..instance import Instance, Instance3
 
 COMPONENTS = {name: CATALOGUE[name](**default_structure(name, "NATIVE_STRUCTURE")) for name in NAMES}
 REQUIRING = [name for name, c in COMPONENTS.items() if c.requirements or c.start_requirements]
@@ -30,7 +30,7 @@ PISTON = (
     {"half_length": 1e-3},
     {"crank_radius": 0.15, "half_length": 1e-3},
     {"offset": 50e-6},
-    {"offset": -1.0 / 3.0e4},
+    {"offset": -1.0 / 1.5e4},
     {"tilt": -2e-3},
     {"closed[1]": 1.0, "closed[3]": 1.0},
     {"closed[1]": 1.0, "closed[2]": 1.0, "closed[4]": 1.0},
@@ -122,6 +122,14 @@ def test_all_say_the_same(
     assert said
     assert refusal_by(natives[name], variables) == said
     assert refusal_by(pythons[name], variables) == said
+
+
+def test_fmi3_says_it_too(fmi3_files: dict[str, Path]) -> None:
+    """Its functions stand over the same shell: one component for all."""
+    component, fmu = COMPONENTS["slider_crank"], Instance3(fmi3_files["slider_crank"])
+    for values in WRONG["slider_crank"]:
+        assert refusal_by(fmu, as_variables(component, values)) == refusal(component, values)
+    fmu.free()
 
 
 @pytest.mark.parametrize("name", REQUIRING)
