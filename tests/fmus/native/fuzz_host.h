@@ -86,10 +86,10 @@ static void was_restored(const Kept *some)
     if (!same(some->values, after)) fail("a restored state is another");
 }
 
-/* Damages the bytes, sometimes. */
+/* Damages the bytes, sometimes; once, as a second time may undo the first. */
 static void damage(void)
 {
-    if (!bytes.size || percent(50)) return;
+    if (!bytes.size || bytes.damaged || percent(50)) return;
     const size_t place = random_bits() % bytes.size;
     bytes.damaged = true;
     if (percent(60)) bytes.data[place] ^= (char)(1 << below(8));
