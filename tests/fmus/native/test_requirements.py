@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from models.component import Component
 from models.quantities import Field, Layout
 
 from ..instance import Instance, Instance3
+from .names import ALWAYS
 
 COMPONENTS = {name: CATALOGUE[name](**default_structure(name, "NATIVE_STRUCTURE")) for name in NAMES}
 REQUIRING = [name for name, c in COMPONENTS.items() if c.requirements or c.start_requirements]
@@ -60,7 +61,14 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
         {"crank_radius": 0.2, "burn_start": 4.0, "exhaust_opening": 5.0},
     ),
 }
-CASES = [(name, values) for name in REQUIRING for values in WRONG[name]]
+
+
+def tried(name: str, *values: Any) -> Any:
+    """Those of components whose FMUs take long are among the long tests."""
+    return pytest.param(name, *values, marks=() if name in ALWAYS else pytest.mark.long)
+
+
+CASES = [tried(name, values) for name in REQUIRING for values in WRONG[name]]
 
 
 def refusal(component: Component, values: Mapping[str, float]) -> str:
@@ -94,28 +102,43 @@ def refusal_by(fmu: Instance, values: Mapping[str, float]) -> str:
     return ""
 
 
+class Instances(dict[str, Instance]):
+    """One of each FMU, made when it is first asked for."""
+
+    def __init__(self, file_of: Callable[[str], Path]) -> None:
+        super().__init__()
+        self.file_of = file_of
+
+    def __missing__(self, name: str) -> Instance:
+        self[name] = Instance(self.file_of(name))
+        return self[name]
+
+    def free(self) -> None:
+        for instance in self.values():
+            instance.free()
+
+
 @pytest.fixture(scope="module")
-def natives(native_files: dict[str, Path]) -> Iterator[dict[str, Instance]]:
-    instances = {name: Instance(native_files[name]) for name in REQUIRING}
+def natives(native_files: dict[str, Path]) -> Iterator[Instances]:
+    instances = Instances(native_files.__getitem__)
     yield instances
-    for instance in instances.values():
-        instance.free()
+    instances.free()
 
 
 @pytest.fixture(scope="module")
-def pythons(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Instance]]:
+def pythons(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Instances]:
     """With the native FMUs' sizes."""
     folder = tmp_path_factory.mktemp("pythons")
-    sizes = {name: default_structure(name, "NATIVE_STRUCTURE") or None for name in REQUIRING}
-    instances = {name: Instance(build(name, folder, sizes[name])) for name in REQUIRING}
+    instances = Instances(
+        lambda name: build(name, folder, default_structure(name, "NATIVE_STRUCTURE") or None)
+    )
     yield instances
-    for instance in instances.values():
-        instance.free()
+    instances.free()
 
 
 @pytest.mark.parametrize(("name", "values"), CASES)
 def test_all_say_the_same(
-    name: str, values: dict[str, float], natives: dict[str, Instance], pythons: dict[str, Instance]
+    name: str, values: dict[str, float], natives: Instances, pythons: Instances
 ) -> None:
     component = COMPONENTS[name]
     said, variables = refusal(component, values), as_variables(component, values)
@@ -163,11 +186,11 @@ def changes(component: Component) -> st.SearchStrategy[dict[str, float]]:
     )
 
 
-@pytest.mark.parametrize("name", REQUIRING)
+@pytest.mark.parametrize("name", [tried(name) for name in REQUIRING])
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_native_fmu_refuses_exactly_what_the_component_refuses(
-    name: str, data: st.DataObject, natives: dict[str, Instance]
+    name: str, data: st.DataObject, natives: Instances
 ) -> None:
     component = COMPONENTS[name]
     values = data.draw(changes(component))
@@ -175,7 +198,7 @@ def test_native_fmu_refuses_exactly_what_the_component_refuses(
 
 
 def test_a_tuned_parameter_that_does_not_fit_discards_the_step(
-    natives: dict[str, Instance], pythons: dict[str, Instance]
+    natives: Instances, pythons: Instances
 ) -> None:
     for cam in (natives["camshaft"], pythons["camshaft"]):
         assert refusal_by(cam, {"drive_speed": 100.0}) == ""
@@ -187,7 +210,7 @@ def test_a_tuned_parameter_that_does_not_fit_discards_the_step(
         cam.step(0.0, 1e-3)
 
 
-def test_a_host_that_integrates_hears_of_a_tuned_parameter_at_the_event(natives: dict[str, Instance]) -> None:
+def test_a_host_that_integrates_hears_of_a_tuned_parameter_at_the_event(natives: Instances) -> None:
     cam = natives["camshaft"]
     cam.messages.clear()
     radius = [cam.variables["base_radius"].valueReference]
