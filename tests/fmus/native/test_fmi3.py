@@ -93,7 +93,7 @@ def test_derivatives_by_variables(name: str, native_files: Files, fmi3_files: Fi
     for slave in slaves:
         slave.initialize(1e-3, **values)
     outputs, inputs = (
-        [slaves[0].variables[n].valueReference for n in layout.names]
+        [v.valueReference for n in layout.names if (v := slaves[0].variables[n]).type == "Real"]
         for layout in (component.outputs, component.inputs)
     )
     old, new = (

@@ -53,14 +53,17 @@ def differences(reference: Reference, place: int) -> tuple[np.ndarray, np.ndarra
 @pytest.mark.parametrize("name", EVERY)
 def test_derivatives_of_outputs_by_inputs(name: str, native_files: dict[str, Path]) -> None:
     reference, slave = moving(name, native_files[name])
-    outputs = [slave.variables[name].valueReference for name in reference.component.outputs.names]
+    layout = reference.component.outputs
+    names = [name for name in layout.names if slave.variables[name].type == "Real"]
+    real = [layout.index(name) for name in names]
+    outputs = [slave.variables[name].valueReference for name in names]
     for place, name_of_input in enumerate(reference.component.inputs.names):
         known = [slave.variables[name_of_input].valueReference]
         found = np.array(slave.fmu.getDirectionalDerivative(outputs, known, [1.0]))
-        expected, rounding = differences(reference, place)
+        expected, rounding = (values[:, real] for values in differences(reference, place))
         error = np.abs(found - expected) - RELATIVE * np.abs(expected) - rounding
         worst = int(np.argmax(error.min(axis=0)))
-        assert error.min(axis=0)[worst] <= 0.0, (name_of_input, reference.component.outputs.names[worst])
+        assert error.min(axis=0)[worst] <= 0.0, (name_of_input, names[worst])
     slave.free()
 
 
