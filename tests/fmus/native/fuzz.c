@@ -110,12 +110,11 @@ static fmi2Status with_states(int f, const char **wrong)
         if (size < 100) *wrong = "no room";
         status = SerializeFMUstate(at->unit, some->state, nowhere ? NULL : bytes.data, size);
         if (status) return status;
-        bytes.damaged = false, bytes.of = *some;
-        if (SerializedFMUstateSize(at->unit, some->state, &bytes.size) || bytes.size > BYTES) fail("no size");
+        if (SerializedFMUstateSize(at->unit, some->state, &size)) fail("no size");
+        was_written(some, size);
         return status;
     default:
-        damage();
-        if (nowhere || bytes.damaged || !bytes.size) *wrong = "damaged";
+        if (damaged() || nowhere) *wrong = "damaged";
         status = DeSerializeFMUstate(at->unit, bytes.size ? bytes.data : NULL, bytes.size,
                                      nowhere ? NULL : &some->state);
         if (status) return status;

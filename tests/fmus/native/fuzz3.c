@@ -134,12 +134,11 @@ static fmi3Status with_states(int f, const char **wrong)
         if (nowhere || !some->state || size < 100) *wrong = "NULL, or no room";
         status = SerializeFMUState(at->unit, some->state, nowhere ? NULL : (fmi3Byte *)bytes.data, size);
         if (status) return status;
-        bytes.damaged = false, bytes.of = *some;
-        if (SerializedFMUStateSize(at->unit, some->state, &bytes.size) || bytes.size > BYTES) fail("no size");
+        if (SerializedFMUStateSize(at->unit, some->state, &size)) fail("no size");
+        was_written(some, size);
         return status;
     default:
-        damage();
-        if (nowhere || bytes.damaged || !bytes.size) *wrong = "damaged";
+        if (damaged() || nowhere) *wrong = "damaged";
         status = DeserializeFMUState(at->unit, (fmi3Byte *)bytes.data, bytes.size, nowhere ? NULL : &some->state);
         if (status) return status;
         bytes.of.state = some->state;

@@ -30,10 +30,9 @@ typedef struct {
 static Place places[INSTANCES], *at;
 static Kept kept[KEPT];
 static struct {
-    char data[BYTES];
-    size_t size;
+    char data[BYTES], whole[BYTES]; /* now, and as the FMU wrote them */
+    size_t size, size_of_whole;
     Kept of;
-    bool damaged;
 } bytes;
 static double before[1000], after[1000];
 static size_t states, indicators; /* as modelDescription.xml tells */
@@ -86,15 +85,25 @@ static void was_restored(const Kept *some)
     if (!same(some->values, after)) fail("a restored state is another");
 }
 
-/* Damages the bytes, sometimes; once, as a second time may undo the first. */
-static void damage(void)
+/* The FMU wrote a state into the bytes. */
+static void was_written(const Kept *some, size_t size)
 {
-    if (!bytes.size || bytes.damaged || percent(50)) return;
-    const size_t place = random_bits() % bytes.size;
-    bytes.damaged = true;
-    if (percent(60)) bytes.data[place] ^= (char)(1 << below(8));
-    else bytes.size = percent(50) ? place : bytes.size + 1 + below(9);
-    if (bytes.size > BYTES) bytes.size = BYTES;
+    if (size > BYTES) fail("%zu bytes", size);
+    bytes.of = *some;
+    bytes.size = bytes.size_of_whole = size;
+    memcpy(bytes.whole, bytes.data, size);
+}
+
+/* Damages the bytes, sometimes; whether they are damaged now, as two damages may undo each other. */
+static bool damaged(void)
+{
+    if (bytes.size && percent(50)) {
+        const size_t place = random_bits() % bytes.size;
+        if (percent(60)) bytes.data[place] ^= (char)(1 << below(8));
+        else bytes.size = percent(50) ? place : bytes.size + 1 + below(9);
+        if (bytes.size > BYTES) bytes.size = BYTES;
+    }
+    return !bytes.size || bytes.size != bytes.size_of_whole || memcmp(bytes.data, bytes.whole, bytes.size);
 }
 
 /* Arguments */

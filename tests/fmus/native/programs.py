@@ -53,12 +53,18 @@ def program(name: str, folder: Path, sanitized: bool) -> Path:
     return target
 
 
-def sanitized_library(name: str, folder: Path, fmi: int) -> Path:
-    """The FMU's library with sanitizers in the shell, its kernels as they always are; its token is TOKEN."""
+@functools.cache
+def kernels(name: str) -> bytes:
+    """Machine code of the component's kernels."""
     sizes, component = chosen(name, None, "NATIVE_STRUCTURE")
     plain = translated(name, sizes)
-    kernels = [plain, differentiated(plain, smooth(component))]
-    (folder / "kernels.o").write_bytes(object_code(PLATFORMS[this_platform()], kernels))
+    return object_code(PLATFORMS[this_platform()], [plain, differentiated(plain, smooth(component))])
+
+
+def sanitized_library(name: str, folder: Path, fmi: int) -> Path:
+    """The FMU's library with sanitizers in the shell, its kernels as they always are; its token is TOKEN."""
+    _, component = chosen(name, None, "NATIVE_STRUCTURE")
+    (folder / "kernels.o").write_bytes(kernels(name))
     for file, text in tables(component, name, "0" * 16, TOKEN).items():
         (folder / file).write_text(text, encoding="utf-8")
     target = folder / f"{name}.so"
