@@ -124,7 +124,7 @@ def test_instances_come_and_go_in_steady_memory(
 @pytest.mark.parametrize(
     ("name", "count"),
     [
-        *((name, LIVES) for name in HOSTED),
+        *((name, LIVES // 4) for name in HOSTED),
         *(pytest.param(name, 1_000_000, marks=pytest.mark.long) for name in HOSTED),
     ],
 )
