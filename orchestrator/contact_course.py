@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.contact.ehl_contact import FILM_IS_DRY
+from models.contact.ehl_contact import FILM_IS_DRY, FILM_IS_SOLVED
 from models.monolithic.difference import time_weights
 from models.system import System
 
@@ -19,7 +19,8 @@ SAID = 4
 @dataclass(frozen=True)
 class ContactCourse:
     """Loads (N), share of the time without load, highest pressure (Pa) and when (s), least film (m) under
-    load and when (s), least film over roughness; a dry contact's films are 0."""
+    load and when (s), least film over roughness (0: smooth), which of a film that is `solved` for is that of
+    its central film; a dry contact's films are 0."""
 
     least_load: float
     largest_load: float
@@ -29,16 +30,17 @@ class ContactCourse:
     film: float
     film_time: float
     film_ratio: float
+    solved: bool = False
 
     def __str__(self) -> str:
         text = f"load {self.least_load:.4g} to {self.largest_load:.4g} N"
         text += f", no contact in {100.0 * self.lost:.2g} % of the time" if self.lost else ", contact kept"
         text += f"; highest pressure {1e-9 * self.pressure:.3g} GPa at t = {self.pressure_time:.6g} s"
+        text += " (spikes at a reversal grow with the nodes)" if self.solved else ""
         if self.film > 0.0:
-            text += (
-                f"; least film {1e6 * self.film:.3g} µm at t = {self.film_time:.6g} s, least film ratio "
-                f"{self.film_ratio:.2g}"
-            )
+            text += f"; least film {1e6 * self.film:.3g} µm at t = {self.film_time:.6g} s, "
+            which = "least ratio of the central film to roughness" if self.solved else "least film ratio"
+            text += f"{which} {self.film_ratio:.2g}" if self.film_ratio > 0.0 else "smooth surfaces"
         return text
 
 
@@ -69,6 +71,7 @@ def courses(system: System, read: Read) -> Courses:
             0.0 if dry else float(film[thinnest]),
             float(time[thinnest]),
             0.0 if dry else float(ratio[loaded].min()),
+            parameters["film_model"] == FILM_IS_SOLVED,
         )
     return found
 

@@ -47,6 +47,14 @@ SQUEEZE_LOW, SQUEEZE_HIGH = TABLE_3["squeeze"]
 W_LOW, W_HIGH = TABLE_3["load"]
 U_LOW, U_HIGH = TABLE_3["speed"]
 
+# Larger values are slips of the unit. A line contact (m) is no longer than the largest rollers. SAE J300 lets
+# an engine's oil be no thicker (Pa.s) where it is cranked in the cold (grade 25W). Two coarsely turned
+# surfaces of Ra 12.5 um (ISO 1302: N10) have 22 um rms together.
+LONGEST, THICKEST, ROUGHEST = 1.0, 13.0, 22e-6
+# A tenth of it takes 2.5 times as long. At 1e-9 a swing of the approach ends with a load 2e-8 from that of
+# 1e-11, much closer than `line.newton` promises (1e-6 of the pressure): less would only take time.
+LEAST_FIELD_TOLERANCE = 1e-9
+
 FILM_IS_DRY = float(list(FILMS).index("dry"))
 FILM_IS_SOLVED = float(list(FILMS).index("line_transient"))
 
@@ -58,7 +66,8 @@ class ContactParameters:
     film_model: Annotated[float, Quantity("1", "film thickness formula", choices=tuple(FILMS))] = 0.0
     load_is_given: Annotated[float, Quantity("1", "adherence form: the load is an input", boolean=True)] = 0.0
     length: Annotated[
-        float, Quantity("m", "contact length L_c", nominal=1e-2, positive=True, display_unit="mm")
+        float,
+        Quantity("m", "contact length L_c", nominal=1e-2, positive=True, maximum=LONGEST, display_unit="mm"),
     ] = 12e-3
     youngs_modulus_1: Annotated[
         float, Quantity("Pa", "Young's modulus of body 1 (cam)", nominal=1e11, positive=True)
@@ -76,7 +85,8 @@ class ContactParameters:
         float, Quantity("Pa", "pressure at which the bodies yield: a warning", nominal=1e9, positive=True)
     ] = ELASTIC_LIMIT
     viscosity: Annotated[
-        float, Quantity("Pa.s", "viscosity eta0 of the lubricant", nominal=1e-2, positive=True)
+        float,
+        Quantity("Pa.s", "viscosity eta0 of the lubricant", nominal=1e-2, positive=True, maximum=THICKEST),
     ] = 0.036
     pressure_viscosity: Annotated[
         float, Quantity("1/Pa", "pressure-viscosity coefficient alpha", nominal=1e-8, positive=True)
@@ -111,11 +121,23 @@ class ContactParameters:
     ] = 0.0
     field_tolerance: Annotated[
         float,
-        Quantity("1", "error of load and film per micro-step (line_transient)", positive=True, maximum=0.1),
+        Quantity(
+            "1",
+            "error of load and film per micro-step (line_transient)",
+            minimum=LEAST_FIELD_TOLERANCE,
+            maximum=0.1,
+        ),
     ] = 1e-4
     roughness: Annotated[
         float,
-        Quantity("m", "composite rms roughness; 0: smooth", nominal=1e-7, minimum=0.0, display_unit="um"),
+        Quantity(
+            "m",
+            "composite rms roughness; 0: smooth",
+            nominal=1e-7,
+            minimum=0.0,
+            maximum=ROUGHEST,
+            display_unit="um",
+        ),
     ] = 0.2e-6
     roughness_parameter: Annotated[
         float, Quantity("1", "density x radius x rms of asperities", nominal=0.05, positive=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..plots.solved_film import FULL
 from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, headed, plt
 from .cycle import TURN, Cycle, Wear
 
@@ -21,17 +22,21 @@ def drawn(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure:
     torque.plot(angle, cycle.torque, color=COUPLED)
     torque.set_ylabel("Torque (N m)")
     ratio.plot(angle, cycle["film_ratio"], color=ACCENT)
-    ratio.axhline(3.0, color=MUTED, lw=0.7)
+    ratio.axhline(FULL, color=MUTED, lw=0.7)
+    ratio.text(
+        0.995, FULL, f"full film above {FULL:g}", transform=ratio.get_yaxis_transform(), ha="right",
+        va="bottom", fontsize=7.0, color=MUTED,
+    )  # fmt: skip
     ratio.set_ylabel("Film ratio")
     cam.plot(np.degrees(worn.cam_angle), 1e6 * cycles * worn.cam_depth, color=COUPLED)
-    cam.set_ylabel(f"Cam wear (µm)\nafter {cycles:g}")
+    cam.set_ylabel(f"Cam wear (µm)\nafter {cycles:g}\nrevolutions")
     cam.set_xlabel("Cam angle (°)")
     for ax in (force, torque, ratio):
         ax.sharex(cam)
         ax.tick_params(labelbottom=False)
     cam.set_xlim(0.0, 360.0)
     follower.plot(1e3 * worn.follower_place, 1e6 * cycles * worn.follower_depth, color=COUPLED)
-    follower.set_ylabel(f"Follower wear (µm)\nafter {cycles:g}")
+    follower.set_ylabel(f"Follower wear (µm)\nafter {cycles:g}\nrevolutions")
     follower.set_xlabel("Place along the follower (mm)")
     for ax in axes:
         ax.set_ylim(bottom=0.0)

@@ -12,7 +12,10 @@ from .style import headed, over_time, plt
 
 # Rounding errors, relative to the range; what is below is not shown.
 FLOOR = 1e-15
-VARIABLES = ("load", "film_thickness", "position", "velocity", "drive_torque", "psi", "crank_torque")
+VARIABLES = (
+    "load", "film_thickness", "minimum_film_thickness", "position", "velocity", "drive_torque", "psi",
+    "crank_torque",
+)  # fmt: skip
 
 
 def applies(data: FigureData) -> bool:

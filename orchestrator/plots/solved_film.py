@@ -23,6 +23,8 @@ ROWS = (
 )
 # Ratios of film and composite roughness; above the second hardly any asperities touch.
 EQUAL, FULL = 1.0, 3.0
+# Above the highest load, in ranges; beside the levels of the film ratio, as a factor.
+HEADROOM, ROOM = 0.05, 1.7
 
 
 def applies(data: FigureData) -> bool:
@@ -45,14 +47,12 @@ def figure(data: FigureData) -> Figure:
         for ax, (variable, words) in zip(column, ROWS, strict=True):
             both(ax, own, f"{name}.{variable}", words)
             _lost(ax, own, name)
-        column[0].set_ylim(bottom=min(0.0, column[0].get_ylim()[0]))
+        low, high = column[0].get_ylim()
+        column[0].set_ylim(min(0.0, low), high + HEADROOM * (high - low))
         _films(column[1], own, name)
         column[2].set_ylim(bottom=0.0)
         _logarithmic(column[3])
-        for level, words in ((EQUAL, "film = roughness"), (FULL, "full film above")):
-            column[3].axhline(level, color=ACCENT, lw=0.8, ls=(0, (4, 2)))
-            column[3].text(0.995, level, words, transform=column[3].get_yaxis_transform(), ha="right",
-                           va="top" if level == EQUAL else "bottom", fontsize=7.0, color=ACCENT)  # fmt: skip
+        _levels(column[3])
         over_time(column[-1], own)
         column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
     made.align_ylabels(axes)
@@ -77,6 +77,16 @@ def _films(ax: Axes, data: FigureData, name: str) -> None:
         chosen.values(), chosen.keys(), fontsize=7.5, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 0.98),
         borderaxespad=0.0,
     )  # fmt: skip
+
+
+def _levels(ax: Axes) -> None:
+    """Marked, with room for their words beside them."""
+    for level, words in ((EQUAL, "film = roughness"), (FULL, f"full film above {FULL:g}")):
+        ax.axhline(level, color=ACCENT, lw=0.8, ls=(0, (4, 2)))
+        ax.text(0.995, level, words, transform=ax.get_yaxis_transform(), ha="right",
+                va="top" if level == EQUAL else "bottom", fontsize=7.0, color=ACCENT)  # fmt: skip
+    low, high = ax.get_ylim()
+    ax.set_ylim(min(low, EQUAL / ROOM), max(high, FULL * ROOM))
 
 
 def _logarithmic(ax: Axes) -> None:

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from fmus.build import build
-from models.system import System
+from models.contact.ehl_contact import FILM_IS_SOLVED, ehl_contact
+from models.system import ModelError, System
 from orchestrator import assembly
 from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel
@@ -120,6 +121,46 @@ def test_the_coupling_of_a_field_is_not_analysed() -> None:
     formula = load("valve-train-ehl", changes)
     with linearisations(formula, assembly.system_of(formula), None) as made:
         assert set(made) == set(formula.components)
+
+
+@pytest.mark.parametrize(
+    ("setting", "fault"),
+    [
+        ("parameters.roughness=0.2", r"roughness.*0\.2 m \(composite rms roughness.*<= 2\.2e-05"),
+        ("parameters.viscosity=36", r"viscosity.*36 Pa\.s \(viscosity eta0.*<= 13"),
+        ("parameters.length=12", r"length.*12 m \(contact length.*<= 1"),
+        ("parameters.field_tolerance=1e-12", r"field_tolerance.*1e-12 \(error of.*>= 1e-09 and <= 0\.1"),
+        ("structure.nodes=10001", r"nodes = 10001: must be <= 4801 .*0\.8 GB.*take 301"),
+        ("structure.nodes=100001", r"nodes = 100001: must be <= 4801 .*80 GB.*take 301"),
+    ],
+)
+def test_slips_of_the_unit_and_sizes_beyond_reason_are_refused_with_the_range(
+    setting: str, fault: str
+) -> None:
+    with pytest.raises((ScenarioError, ModelError), match=fault):
+        assembly.system_of(load("valve-train-ehl", [f"components.contact.{setting}"]))
+
+
+@pytest.mark.parametrize(
+    "setting",
+    ["roughness=20 um", "viscosity=13", "length=1000 mm", "field_tolerance=1e-9"],
+)
+def test_extremes_that_exist_are_allowed(setting: str) -> None:
+    """The roughest surfaces, the thickest oil, the longest roller, the least tolerance."""
+    name = setting.split("=")[0]
+    system = assembly.system_of(load("valve-train-ehl", [f"components.contact.parameters.{setting}"]))
+    assert name in system.instances["contact"].parameters
+
+
+@pytest.mark.parametrize("roughness", [0.2e-6, 2e-6, 20e-6])
+def test_the_film_ratio_before_the_first_step_is_that_of_the_film_shown(roughness: float) -> None:
+    component = ehl_contact(nodes=51)
+    p = component.parameters.vector({"film_model": FILM_IS_SOLVED, "roughness": roughness})
+    u = component.inputs.vector({"approach": 2e-6, "entraining_velocity": 1.0})
+    y = np.zeros(component.outputs.size)
+    component.flat_output(0.0, component.state.start.copy(), u, p, y)
+    shown = component.outputs.named(y)
+    assert shown["film_ratio"] == shown["film_thickness"] / roughness > 0.0
 
 
 def test_the_engines_walls_run_with_solved_films() -> None:

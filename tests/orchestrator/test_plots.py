@@ -92,6 +92,11 @@ def test_only_solved_films_are_drawn_and_lost_contact_is_shaded(engine: FigureDa
     assert shaded == [1, 1, 1, 1]
     (least,) = [line for line in figure.axes[1].lines if line.get_marker() == "o"]
     assert least.get_ydata()[0] == pytest.approx(own["contact.minimum_film_thickness"].min())
+    low, high = figure.axes[3].get_ylim()
+    assert low < 1.0 < 3.0 < high
+    assert [text.get_text() for text in figure.axes[3].texts] == ["film = roughness", "full film above 3"]
+    factor, _ = data.shown("contact.load")
+    assert figure.axes[0].get_ylim()[1] > 1.05 * factor * load.max()
     plt.close(figure)
 
 

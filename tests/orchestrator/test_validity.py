@@ -138,6 +138,22 @@ def test_a_contact_is_told_with_its_extremes_under_load() -> None:
     assert _courses(system, columns) == {}
 
 
+def test_words_for_solved_films_and_smooth_surfaces() -> None:
+    """A ratio is said of the film that it is of, none between smooth surfaces, a grid's pressure as such."""
+    formula = ContactCourse(1.0, 2.0, 0.0, 1e9, 0.0, 1e-7, 0.0, 0.5)
+    solved = replace(formula, solved=True)
+    told, smooth = (
+        contact_lines({"contact": solved}),
+        contact_lines({"contact": replace(solved, film_ratio=0.0)}),
+    )
+    assert "least film 0.1 µm at t = 0 s, least ratio of the central film to roughness 0.5" in told[0]
+    assert "highest pressure 1 GPa at t = 0 s (spikes at a reversal grow with the nodes);" in told[0]
+    assert smooth[0].endswith("least film 0.1 µm at t = 0 s, smooth surfaces")
+    assert str(formula).endswith(
+        "highest pressure 1 GPa at t = 0 s; least film 0.1 µm at t = 0 s, least film ratio 0.5"
+    )
+
+
 def test_of_many_contacts_the_thinnest_films_are_told() -> None:
     course = ContactCourse(1.0, 2.0, 0.0, 1e9, 0.0, 1e-6, 0.0, 5.0)
     many = {f"contact{n}": replace(course, film=1e-6 / (n + 1)) for n in range(7)}

@@ -46,6 +46,8 @@ from .workspace import workspace_in, workspace_size
 LINE_TRANSIENT = float(list(FILMS).index("line_transient"))
 # Fewer do not resolve the contact, whatever its conditions.
 FEWEST_NODES = 51
+# The deflections of so many take 184 MB, 8 bytes for each pair of nodes, and films have long converged.
+MOST_NODES = 4801
 # A step may be cut into so many times smaller ones before it is given up, a long one down to this time (s):
 # a film that begins as no film would be needs 0.1 us at first, whatever the step.
 SMALLEST_SHARE = 2.0**-16
@@ -244,7 +246,11 @@ class FieldContact(Component):
         def field_output(t: float, x: Any, u: Any, p: Any, y: Any) -> None:
             output(t, x[:n], u, p, y)
             state, shown = record_of(x, X), record_of(y, Y)
-            if record_of(p, P).film_model == LINE_TRANSIENT and state.grid_scale > 0.0:
+            if record_of(p, P).film_model != LINE_TRANSIENT:
+                return
+            # Also of the film that the field will begin with, which is not thickened by a formula's sharing.
+            shown.film_ratio = film_ratio(state.film_thickness, record_of(p, P).roughness)
+            if state.grid_scale > 0.0:
                 share = carried_share(record_of(u, INPUTS), record_of(p, P))
                 shown.load = share * state.field_load
                 shown.film_thickness = state.film_thickness
@@ -252,7 +258,6 @@ class FieldContact(Component):
                 shown.squeeze_velocity = state.film_rate
                 shown.maximum_pressure = share * state.highest_pressure
                 shown.asperity_load = share * state.field_asperity_load
-                shown.film_ratio = film_ratio(state.film_thickness, record_of(p, P).roughness)
                 shown.viscous_friction = share * state.field_shear
                 shown.boundary_friction = share * state.field_boundary_friction
                 shown.friction_force = shown.viscous_friction + shown.boundary_friction
@@ -383,6 +388,11 @@ def with_field(plain: Component, nodes: int) -> FieldContact:
     """`plain`, an ehl_contact, with a field of so many nodes; ValueError for a number that cannot be."""
     if nodes < FEWEST_NODES or nodes % 2 == 0:
         raise ValueError(f"nodes = {nodes}: must be odd and >= {FEWEST_NODES}, or 0 for no pressure field")
+    if nodes > MOST_NODES:
+        raise ValueError(
+            f"nodes = {nodes}: must be <= {MOST_NODES} (deflections take 8 bytes for each pair "
+            f"of nodes, here {8e-9 * nodes**2:.2g} GB); take 301, which find the cam's films to 0.2 %"
+        )
     attributes: dict[str, Any] = {f.name: getattr(plain, f.name) for f in fields(Component)}
     attributes |= {
         "state": with_field_state(plain.state, nodes),
