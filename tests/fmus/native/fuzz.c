@@ -294,5 +294,6 @@ int main(int argc, char **argv)
     FreeInstance = (fmi2FreeInstanceTYPE *)find(library, "fmi2FreeInstance");
     play(argv, create, call, FreeInstance, free_state);
     for (int f = 0; f < FUNCTIONS; f++) printf("%s %lu %lu\n", names[f], taken[f], refused[f]);
+    dlclose(library);
     return 0;
 }

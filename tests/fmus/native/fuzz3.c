@@ -343,5 +343,6 @@ int main(int argc, char **argv)
     FIND(FreeInstance, 0)
     play(argv, create, call, FreeInstance, free_state);
     for (int f = 0; f < FUNCTIONS; f++) printf("%s %lu %lu\n", names[f], taken[f], refused[f]);
+    dlclose(library);
     return 0;
 }

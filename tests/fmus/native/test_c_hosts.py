@@ -24,6 +24,14 @@ from .programs import TOKEN, library_in, needs_sanitizers, run, variables_for_c
 # which else may change by what malloc takes and returns at a time, 128 KiB, and a few pages of the programs'.
 BLOCK, SLACK = 32, 2 * 131072
 LIVES = 20_000
+VALGRIND = [
+    "valgrind",
+    "-q",
+    "--error-exitcode=9",
+    "--leak-check=full",
+    "--show-leak-kinds=all",
+    "--errors-for-leak-kinds=all",
+]
 # Step size; an input, and base and swing of what it is given; the first and last of the outputs to compare.
 # The first has states, the second formulas alone, the third looks for events inside steps.
 HOSTED = {
@@ -153,11 +161,7 @@ def test_lives_under_valgrind(
         pytest.skip("needs valgrind")
     library, description = library_in(native_files[name], tmp_path)
     rest = arguments_of_lives(name, count, description)
-    watched = ["valgrind", "-q", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=all"]
-    run(
-        [*watched, "--errors-for-leak-kinds=all", compiled("host", False), library, description.guid, *rest],
-        1800,
-    )
+    run([*VALGRIND, compiled("host", False), library, description.guid, *rest], 1800)
 
 
 @pytest.fixture
@@ -178,6 +182,15 @@ def test_random_calls(name: str, fmi: int, files: Files, compiled: Compiled, tmp
     assert {call for call, *_ in counts} == functions(fmi)
     assert {call for call, taken, _ in counts if taken == "0"} == NEVER_TAKEN[fmi]
     assert {call for call, _, refused in counts if refused == "0"} == NEVER_REFUSED[fmi]
+
+
+@pytest.mark.parametrize("fmi", PROGRAMS)
+def test_random_calls_under_valgrind(fmi: int, files: Files, compiled: Compiled, tmp_path: Path) -> None:
+    if shutil.which("valgrind") is None:
+        pytest.skip("needs valgrind")
+    library, description = library_in(files[fmi]["slider_crank"], tmp_path)
+    rest = arguments_of_fuzz(description, tmp_path, 6, 3_000)
+    run([*VALGRIND, compiled(PROGRAMS[fmi], False), library, token_of(description), *rest], 1800)
 
 
 @pytest.mark.parametrize(
