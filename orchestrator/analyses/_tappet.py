@@ -8,6 +8,7 @@ from typing import Any
 
 from models.contact.ehl_contact import ContactParameters
 from models.contact.finite_line.contact import FiniteLine, Running
+from models.contact.finite_line.grid import Resolution
 from models.contact.finite_line.profiles import (
     Chamfered,
     Crowned,
@@ -17,7 +18,7 @@ from models.contact.finite_line.profiles import (
     johns_gohar,
 )
 from models.contact.fluid import Lubricant
-from models.contact.hertz import elastic_compliance
+from models.contact.hertz import ELASTIC_LIMIT, elastic_compliance
 from models.quantities import Layout
 from models.valve_train.camshaft import CamshaftParameters, static_slope
 from models.valve_train.rigid import contact_conditions
@@ -44,8 +45,32 @@ PARAMETERS = {
     "dub_off": Parameter(
         0.0, "m", "drop of the logarithmic profile at the ends; 0: by Johns and Gohar", minimum=0.0
     ),
+    "nodes_per_inlet": Parameter(
+        6.0, "1", "nodes along x in the inlet, where that is finer; 2 are needed", positive=True
+    ),
     "end_cell": Parameter(0.1, "1", "cells along the length at the ends, in half widths", positive=True),
 }
+
+
+# Of a Solution and a Passage that have no film.
+DRY = "entrainment all but ends: no film, taken as dry; the pressure of a sharp end there is the grid's"
+
+
+def resolution(values: Mapping[str, Any]) -> Resolution:
+    return Resolution(
+        values["nodes_per_half_width"], values["end_cell"], nodes_per_inlet=values["nodes_per_inlet"]
+    )
+
+
+def yielding(pressure: float) -> str:
+    """What is to be said of a pressure (Pa) beyond what hardened bearing steel bears, "" within it."""
+    if pressure <= ELASTIC_LIMIT:
+        return ""
+    return (
+        f"the pressure reaches {1e-9 * pressure:.3g} GPa, above the elastic limit of "
+        f"{1e-9 * ELASTIC_LIMIT:.3g} GPa: the bodies yield, which is left out; lower the load or the "
+        "misalignment, or take another profile"
+    )
 
 
 def running(angle: float, values: Mapping[str, Any], share: float) -> Running:

@@ -9,16 +9,26 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray
 
-from models.contact.finite_line.grid import Resolution
+from models.contact.finite_line.dry import dry
 from models.contact.finite_line.solution import Solution
-from models.contact.finite_line.steady import steady
+from models.contact.finite_line.steady import steady, vanishes
 from models.contact.hertz import maximum_pressure
 from models.quantities import Vector
 from models.system import ModelError
 
 from ..errors import MistakeError
 from ._table import column
-from ._tappet import COMPLIANCE, CONTACT, PARAMETERS, PROFILES, finite_line, running
+from ._tappet import (
+    COMPLIANCE,
+    CONTACT,
+    DRY,
+    PARAMETERS,
+    PROFILES,
+    finite_line,
+    resolution,
+    running,
+    yielding,
+)
 from .protocol import Analysis, Parameter, Result
 
 if TYPE_CHECKING:
@@ -33,7 +43,8 @@ def _solved(name: str, values: Mapping[str, Any], share: float) -> Solution:
     try:
         at = running(values["angle"], values, share)
         contact = finite_line(name, values, at)
-        return steady(contact, at, Resolution(values["nodes_per_half_width"], values["end_cell"]))
+        solve = dry if vanishes(contact, at) else steady
+        return solve(contact, at, resolution(values))
     except ModelError as error:
         raise MistakeError(str(error)) from None
 
@@ -55,7 +66,9 @@ def _numbers(found: Solution) -> dict[str, float | str]:
         "middle_film": found.middle_film,
         "central_film": found.central_film,
         "moment": found.moment,
-        "warnings": "; ".join(found.warnings),
+        "warnings": "; ".join(
+            filter(None, (DRY * found.dry, *found.warnings, yielding(found.largest_pressure)))
+        ),
     }
 
 

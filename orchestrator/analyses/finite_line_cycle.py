@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +11,6 @@ import xarray
 
 from models.contact.finite_line.contact import FiniteLine, Running
 from models.contact.finite_line.cycle import Passage, passage
-from models.contact.finite_line.grid import Resolution
 from models.contact.hertz import maximum_pressure
 from models.contact.line.line_contact import LineContact
 from models.contact.line.steady import LineContactError, solve_steady
@@ -21,7 +20,7 @@ from models.system import ModelError
 from ..errors import MistakeError
 from ._progress import progress
 from ._table import column
-from ._tappet import PARAMETERS, finite_line, running
+from ._tappet import DRY, PARAMETERS, finite_line, resolution, running, yielding
 from .protocol import Analysis, Parameter, Result
 
 if TYPE_CHECKING:
@@ -53,7 +52,6 @@ def _passage(
         contact = finite_line(kind, values, running(NOSE, values, 0.0))
         contact.profile.drop(np.zeros(1), contact.length)  # a profile that the length has no room for
         at = [running(angle, values, share) for angle in _angles(values)]
-        fine = Resolution(values["nodes_per_half_width"], values["end_cell"])
         found = passage(
             contact,
             list(_angles(values)),
@@ -61,13 +59,15 @@ def _passage(
             [each.velocity for each in at],
             [each.radius for each in at],
             [each.misalignment for each in at],
-            fine,
+            resolution(values),
             shown,
         )
     except ModelError as error:
         raise MistakeError(str(error)) from None
     if not np.any(np.isfinite(found.largest_pressure)):
         raise MistakeError(f"{kind}: no instant has a solution; the first says {found.messages[0]}")
+    if not np.any(found.smallest_film > 0.0):
+        raise MistakeError(f"speed = {values['speed']:g} rad/s: no instant has a film; raise it")
     return contact, at, found
 
 
@@ -82,26 +82,47 @@ def _line(contact: FiniteLine, at: Running) -> tuple[float, float]:
     return found.maximum_pressure, found.minimum_film
 
 
-def _numbers(found: Passage, line: Vector) -> dict[str, float | str]:
-    ratio = found.largest_pressure / line[:, 0]
-    highest = int(np.nanargmax(found.largest_pressure))
+def _messages(found: Passage, pressure: Vector) -> Iterator[str]:
+    """What is not to be trusted; `pressure`: where there is a film."""
+    degrees = np.degrees(found.angle)
+    if np.any(found.dry):
+        angles = ", ".join(f"{angle:.4g}" for angle in degrees[found.dry])
+        yield f"{angles} deg: {DRY}, and left out of these results"
+    highest = int(np.nanargmax(pressure))
+    if fault := yielding(pressure[highest]):
+        yield f"{degrees[highest]:.4g} deg: {fault}"
+    yield from found.messages
+
+
+def _numbers(
+    values: Mapping[str, Any], at: list[Running], found: Passage, line: Vector
+) -> dict[str, float | str]:
+    """Of the chosen profile on its shaft. Dry instants are left out: peaks at sharp ends are the grid's."""
+    pressure = np.where(found.dry, np.nan, found.largest_pressure)
+    ratio = pressure / line[:, 0]
+    highest, farthest = int(np.nanargmax(pressure)), int(np.nanargmax(ratio))
+    slope = max(abs(each.misalignment) for each in at)
+    tilt = f"misaligned by up to {1e3 * slope:.2g} mrad" if slope > 0.0 else "aligned"
     return {
-        "largest_pressure_of_cycle": float(found.largest_pressure[highest]),
-        "at_angle": float(found.angle[highest]),
-        "largest_ratio": float(np.nanmax(ratio)),
+        "curve": f"{values['profile']}, {tilt}",
+        "largest_pressure_of_cycle": float(pressure[highest]),
+        "at_angle": float(np.degrees(found.angle[highest])),
+        "largest_ratio": float(ratio[farthest]),
+        "ratio_at_angle": float(np.degrees(found.angle[farthest])),
         "nose_end_pressure": float(found.end_pressure[-1]),
         "nose_end_film": float(found.end_film[-1]),
         "nose_middle_film": float(found.middle_film[-1]),
         "nose_line_film": float(line[-1, 1]),
         "not_found": int(np.count_nonzero(np.isnan(found.largest_pressure))),
-        "messages": "; ".join(found.messages),
+        "dry": int(np.count_nonzero(found.dry)),
+        "messages": "; ".join(_messages(found, pressure)),
     }
 
 
 def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
     with progress("finite line through the cycle") as shown:
         contact, at, found = _passage(values["profile"], values, values["alignment"], shown)
-    return _numbers(found, np.array([_line(contact, each) for each in at]))
+    return _numbers(values, at, found, np.array([_line(contact, each) for each in at]))
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
@@ -136,7 +157,7 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
             "line_pressure": column("angle", line[:, 0], "Pa", "largest pressure of the line contact"),
             "line_film": column("angle", line[:, 1], "m", "smallest film of the line contact"),
             "slope": column("angle", [each.misalignment for each in at], "rad", "misalignment"),
-            **_numbers(chosen, line),
+            **_numbers(values, at, chosen, line),
         },
         coords={
             "angle": column("angle", _angles(values), "rad", "cam angle, nose at pi"),
@@ -162,9 +183,11 @@ ANALYSIS = Analysis(
         "nodes_per_half_width": Parameter(12.0, "1", "nodes along x per half width", positive=True),
     },
     results={
-        "largest_pressure_of_cycle": Result("Pa", "largest pressure"),
-        "at_angle": Result("rad", "cam angle of it"),
-        "largest_ratio": Result("1", "largest pressure over the line contact's, where that is highest"),
+        "curve": Result("1", "which curve of the figure these results are of", text=True),
+        "largest_pressure_of_cycle": Result("Pa", "largest pressure where there is a film"),
+        "at_angle": Result("deg", "cam angle of it"),
+        "largest_ratio": Result("1", "largest pressure over the line contact's, where there is a film"),
+        "ratio_at_angle": Result("deg", "cam angle of it"),
         "nose_end_pressure": Result(
             "Pa", "largest pressure within a tenth of the length from the ends, nose"
         ),
@@ -172,6 +195,7 @@ ANALYSIS = Analysis(
         "nose_middle_film": Result("m", "smallest film in the middle of the length, nose"),
         "nose_line_film": Result("m", "smallest film of the line contact, nose"),
         "not_found": Result("1", "instants without a solution"),
+        "dry": Result("1", "instants without entrainment, taken as dry, which are not in these results"),
         "messages": Result("1", "what is not to be trusted, by cam angle", text=True),
     },
     evaluate=evaluate,

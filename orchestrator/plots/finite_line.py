@@ -40,7 +40,7 @@ def draw_finite_line(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
         axes[1, j].set_title("Largest pressure (MPa)", loc="left")
         axes[2, j].set_title("Smallest film (µm)", loc="left")
         lowest = float(np.min(data["least_along"].values[:, j]))
-        axes[2, j].set_ylim(0.0, UM * SHOWN * lowest)
+        axes[2, j].set_ylim(0.0, UM * SHOWN * lowest if lowest > 0.0 else None)
         axes[2, j].set_xlabel("y (mm)")
     handles, labels = axes[1, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))

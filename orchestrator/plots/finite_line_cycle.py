@@ -10,8 +10,10 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
+from models.contact.hertz import ELASTIC_LIMIT
+
 from .finite_line import COLORS, MPA, UM
-from .style import headed, plt
+from .style import MUTED, headed, plt
 
 STYLES = {"aligned": "-", "misaligned": "--"}
 # Films are shown down to this share of the largest: at reversals steady ones vanish.
@@ -30,13 +32,20 @@ def draw_finite_line_cycle(data: xarray.Dataset, values: Mapping[str, Any]) -> F
         for name in shown:
             one = data.sel(kind=kind, aligned=name)
             style = {"color": COLORS[str(kind)], "ls": STYLES[str(name)], "label": f"{kind}, {name}"}
-            pressure = one["largest_pressure"].values
+            # Dry, the peak at a sharp end is the grid's.
+            pressure = np.where(one["smallest_film"].values == 0.0, np.nan, one["largest_pressure"].values)
             axes[0, 0].plot(angle, MPA * pressure, **style)
             axes[0, 1].plot(angle, pressure / data["line_pressure"].values, **style)
             axes[1, 0].plot(angle, _above_zero(one["end_film"].values), **style)
             axes[1, 1].plot(angle, _above_zero(one["middle_film"].values), **style)
     line = {"color": "black", "lw": 0.8, "ls": ":", "label": "line contact"}
     axes[0, 0].plot(angle, MPA * data["line_pressure"].values, **line)
+    limit = {"color": "black", "lw": 0.8, "ls": "-.", "label": "elastic limit"}
+    axes[0, 0].axhline(MPA * ELASTIC_LIMIT, **limit)
+    dry = angle[np.any(data["smallest_film"].values == 0.0, axis=(0, 1))]
+    for each in axes.flat:
+        for k, reversal in enumerate(dry):
+            each.axvline(reversal, color=MUTED, lw=0.8, label="" if k else "reversal: dry, no film")
     for each in axes[1]:
         each.plot(angle, _above_zero(data["line_film"].values), **line)
         each.set_yscale("log")
@@ -48,7 +57,7 @@ def draw_finite_line_cycle(data: xarray.Dataset, values: Mapping[str, Any]) -> F
     for each, title in zip(axes.flat, titles, strict=True):
         each.set_title(title, loc="left")
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 5))
     return figure
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray
 
+from models.contact.hertz import ELASTIC_LIMIT
 from orchestrator.analyse import analyse
 from orchestrator.analyses import load
 from orchestrator.errors import MistakeError
@@ -74,3 +75,28 @@ def test_a_mistake_in_the_cycles_profile_is_the_users():
     cycle = load("finite_line_cycle")
     with pytest.raises(MistakeError, match=r"crown radius = 0.001 m: must be >= length/2"):
         cycle.evaluate(cycle.complete({"profile": "crowned", "crown_radius": 1e-3, "instants": 2}))
+
+
+def test_at_a_reversal_the_contact_is_dry_and_says_so(tmp_path: Path):
+    """At 144 degrees only rounding is left of the entraining velocity."""
+    settings = ["angle=144 deg", *(f"{key}={value}" for key, value in ROUGH.items())]
+    found = analyse("finite_line", settings, tmp_path)
+    assert (found["smallest_film"], found["middle_film"]) == (0.0, 0.0)
+    assert "taken as dry" in found["warnings"]
+    # The middle of the length is Hertz's, but for the share of the load that the ends bear (some 5 %).
+    assert found["middle_pressure"] == pytest.approx(found["hertz_pressure"], rel=0.06)
+
+
+def test_yield_is_said_and_dry_instants_are_left_out(tmp_path: Path):
+    """144, 156, 168, 180 degrees, misaligned: two reversals, between them more than bodies bear."""
+    settings = ["instants=4", "start=144 deg", "end_cell=0.15", "alignment=1", "shaft_length=40 mm"]
+    found = analyse("finite_line_cycle", settings, tmp_path)
+    assert (found["dry"], found["at_angle"]) == (2, pytest.approx(156.0))
+    assert found["curve"].startswith("straight, misaligned by up to 0.")
+    assert found["messages"].startswith("144, 168 deg: entrainment all but ends: no film")
+    assert "156 deg: the pressure reaches" in found["messages"]
+    with xarray.open_dataset(tmp_path / "finite_line_cycle.nc", engine="h5netcdf") as table:
+        one = table.sel(kind="straight", aligned="misaligned")
+        assert found["largest_pressure_of_cycle"] == one["largest_pressure"].values[1] > ELASTIC_LIMIT
+        ratio = (one["largest_pressure"] / table["line_pressure"]).values
+        assert found["largest_ratio"] == max(ratio[1], ratio[3]) < max(ratio)

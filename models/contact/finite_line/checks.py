@@ -69,8 +69,8 @@ def warnings_of(found: Solution) -> tuple[str, ...]:
     if in_inlet < FEWEST_IN_INLET:
         found_warnings.append(
             f"{in_inlet:.2g} nodes in the inlet of the film: fewer than {FEWEST_IN_INLET:g} give a wrong "
-            "film, first where the contact is wider or narrower than elsewhere; raise nodes_per_inlet and "
-            "nodes_per_half_width"
+            "film, first where the contact is wider or narrower than elsewhere; raise nodes_per_half_width, "
+            "or in a contact that is evenly wide nodes_per_inlet"
         )
     inlet, outlet = (0, -1) if found.running.velocity > 0.0 else (-1, 0)
     share = inlet_share(

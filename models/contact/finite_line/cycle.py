@@ -17,12 +17,9 @@ from ...quantities import Vector
 from ...system import ModelError
 from .contact import FiniteLine, Running
 from .dry import dry
-from .grid import Resolution
+from .grid import Mask, Resolution
 from .solution import Solution
-from .steady import formula_film, steady
-
-# A film (m) that is thinner than a molecule is none: reversals of the velocity met up to rounding.
-_THINNEST = 1e-10
+from .steady import steady, vanishes
 
 
 @dataclass(frozen=True)
@@ -42,6 +39,12 @@ class Passage:
     middle_film: Vector
     central_film: Vector
     messages: tuple[str, ...]
+
+    @property
+    def dry(self) -> Mask:
+        """Where entrainment all but ends: the surfaces touch, and the largest pressure of a sharp end is the
+        grid's."""
+        return self.smallest_film == 0.0
 
 
 _NUMBERS = tuple(f.name for f in fields(Passage) if f.name not in ("angle", "messages"))
@@ -82,7 +85,7 @@ def passage(
         elif load[i] <= 0.0:
             for name in _NUMBERS:
                 found[name][i] = 0.0 if "pressure" in name else math.nan
-        before = now if now is not None and velocity[i] != 0.0 else None
+        before = now if now is not None and not now.dry else None
         progress(i + 1, len(angle))
     return Passage(np.array(angle, dtype=float), **found, messages=tuple(messages))
 
@@ -95,7 +98,7 @@ def _instant(
     if load <= 0.0:
         return None
     running = Running(load, velocity, radius, misalignment)
-    if velocity == 0.0 or formula_film(contact, running, load) < _THINNEST:
+    if vanishes(contact, running):
         return dry(contact, running, fine)
     alike = before is not None and before.running.velocity * velocity > 0.0
     return steady(contact, running, fine, before if alike else None)

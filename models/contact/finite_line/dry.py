@@ -46,7 +46,7 @@ def touching(problem: Scaled) -> tuple[Vector, float, int]:
             return np.maximum(p, 0.0), h0, rounds
         active = now
     raise within(
-        "load", problem.running.load, "N", "one whose contact is found", "use a finer or coarser Resolution"
+        "load", problem.running.load, "N", "one whose contact is found", "raise or lower nodes_per_half_width"
     )
 
 
@@ -116,5 +116,6 @@ def dry(contact: FiniteLine, running: Running, fine: Resolution | None = None) -
         contact, running, b, Grid(even_nodes(-edge, edge, 1.0 / fine.nodes_per_half_width), faces)
     )
     p, h0, rounds = touching(problem)
-    h = np.maximum(problem.gap + h0 + problem.space.deflection(p), 0.0)
+    # Where they touch the gap is 0, but for rounding.
+    h = np.where(p > 0.0, 0.0, np.maximum(problem.gap + h0 + problem.space.deflection(p), 0.0))
     return problem.solution(p, h, h0, rounds)

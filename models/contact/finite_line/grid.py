@@ -19,11 +19,13 @@ from .faults import positive, within
 # Which nodes.
 Mask = NDArray[np.bool_]
 
-# Samples of the spacing that nodes and lines are counted by.
+# Samples of the spacing that nodes and lines are counted by; with more cells than samples the count is wrong.
 _SAMPLES = 4000
 # Along x steps grow by this share of the distance from the edges of the contact, and outside of it, where
 # the pressure is smooth, beyond the level spacing by that share.
 _GROWTH, _GROWTH_OUTSIDE = 0.15, 0.15
+# What makes a grid coarser.
+COARSER = "lower nodes_per_half_width or nodes_per_inlet, or raise end_cell"
 
 
 @dataclass(frozen=True)
@@ -98,8 +100,15 @@ class Edges:
     inlet: float
 
 
+def _refuse_more(cells: float) -> None:
+    """ModelError before more cells in a row are allocated than can be counted."""
+    if not cells <= _SAMPLES:
+        raise within("grid", cells, "cells in a row", f"at most {_SAMPLES}", COARSER)
+
+
 def even_nodes(first: float, last: float, spacing: float) -> Vector:
     """Multiples of `spacing` that cover [first, last]."""
+    _refuse_more((last - first) / spacing)
     return np.arange(np.floor(first / spacing), np.ceil(last / spacing) + 1.0) * spacing
 
 
@@ -107,6 +116,7 @@ def _counted(places: Vector, spacing: Vector, fewest: int) -> Vector:
     """Divide the stretch that `places` sample into steps of `spacing`, without its start."""
     density = 1.0 / spacing
     counted = np.append(0.0, np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(places)))
+    _refuse_more(float(counted[-1]))
     cells = max(fewest, int(np.ceil(counted[-1])))
     return np.interp(np.linspace(0.0, counted[-1], cells + 1), counted, places)[1:]
 

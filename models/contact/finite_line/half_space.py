@@ -19,15 +19,20 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
 from ...kernel import kernel
 from ...quantities import Vector
-from .grid import Grid
+from .faults import within
+from .grid import COARSER, Grid
 
 # Lines at least so many spacings of the even mesh apart are far. A cubic errs by (3/128) (spacing^4) times
 # the fourth derivative; of 1/r that is 4e-4 of such a line's share, and falls with the fourth power.
 _FAR = 6.0
+# The matrices of a grid may take so much memory (bytes); the defaults take 0.05 GB, 40 nodes per half width
+# with end cells of 0.0125 half widths 0.25 GB.
+LARGEST_MEMORY = 4e9
 # Gauss's points and weights on (0, 1): three are exact for a hat times a cubic.
 _ROOT = math.sqrt(0.15)
 _POINTS = np.array([0.5 - _ROOT, 0.5, 0.5 + _ROOT])
@@ -137,6 +142,28 @@ def _gathering(x: Vector, start: float, spacing: float, size: int) -> Vector:
     return matrix
 
 
+def _spacing(grid: Grid) -> float:
+    """Of the even mesh."""
+    return float(grid.x[-1] - grid.x[0]) / (max(len(grid.x), 8) - 1)
+
+
+def _near_pairs(grid: Grid) -> NDArray[np.intp]:
+    """Pairs of lines that are near each other."""
+    y, faces = grid.y, grid.faces
+    gap = np.maximum(faces[None, :-1] - y[:, None], y[:, None] - faces[None, 1:])
+    return np.argwhere(gap < _FAR * _spacing(grid))
+
+
+def refuse_more_memory(grid: Grid) -> None:
+    """ModelError before it is allocated: blocks of near lines, own blocks and what a Newton step makes of
+    them, influence, its two-sided copy and that one's transform."""
+    nodes, lines = grid.shape
+    size = 8.0 * ((len(_near_pairs(grid)) + 2 * lines) * nodes**2 + 5 * nodes * lines**2)
+    if size > LARGEST_MEMORY:
+        name = f"grid of {nodes} x {lines} cells"
+        raise within(name, size, "bytes", f"at most {LARGEST_MEMORY:g}", COARSER)
+
+
 class HalfSpace:
     """Deflection w (m) of pressures p (Pa) on a grid; `scale` is compliance/pi (1/Pa)."""
 
@@ -144,9 +171,8 @@ class HalfSpace:
         x, y, faces = grid.x, grid.y, grid.faces
         nodes, self._lines = grid.shape
         self._mesh = max(nodes, 8)
-        spacing = float(x[-1] - x[0]) / (self._mesh - 1)
-        gap = np.maximum(faces[None, :-1] - y[:, None], y[:, None] - faces[None, 1:])
-        pairs = np.argwhere(gap < _FAR * spacing)
+        refuse_more_memory(grid)
+        spacing, pairs = _spacing(grid), _near_pairs(grid)
         self._near = np.full((self._lines, self._lines), -1)
         self._blocks = np.empty((len(pairs), nodes, nodes))
         block = np.empty((nodes, nodes))

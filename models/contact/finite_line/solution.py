@@ -33,6 +33,11 @@ class Solution:
     warnings: tuple[str, ...] = ()
 
     @property
+    def dry(self) -> bool:
+        """The surfaces touch; a steady film is nowhere 0."""
+        return self.smallest_film == 0.0
+
+    @property
     def load(self) -> float:
         """N."""
         return float(np.sum(self.pressure * self.grid.areas))

@@ -26,6 +26,7 @@ from .contact import FiniteLine, Running
 from .dry import carried, pressed, touching
 from .faults import finite, within
 from .grid import Edges, Grid, Resolution, axial_faces, graded_nodes
+from .half_space import refuse_more_memory
 from .inlet import before_grid
 from .linear import Closing, newton_step
 from .reynolds import HERE
@@ -48,8 +49,10 @@ _START_FILM = 1.3
 _STRAIGHT, _CURVED = 0.0, 1.0
 _LESS_ACCURATE = (
     "no film found with parabolas at the faces of the cells: this one has straight lines there, and is some "
-    "1 % too thin; use a finer Resolution"
+    "1 % too thin; raise nodes_per_half_width"
 )
+# A film (m) that is thinner than a molecule is none.
+THINNEST = 1e-10
 # So much of the pressure of the inlet comes from before the grid (see checks).
 _INLET_SHARE = 0.05
 
@@ -68,11 +71,13 @@ def steady(
 ) -> Solution:
     """Film and pressure under a load. `start`: the solution of a like instant, to begin from.
 
-    ModelError at zero velocity (a steady film vanishes: see `dry`), and where no solution is found.
+    ModelError where the velocity is so small that the film `vanishes` (see `dry`), where the grid is too
+    large, and where no solution is found.
     """
     fine = fine or Resolution()
     window = _window(contact, running)
     problem = Scaled(contact, running, window.half_width, window.grid(contact, fine))
+    refuse_more_memory(problem.grid)  # before the coarser one is solved
     found = _attempt(problem, window, fine, start)
     if found is None:
         raise _lost(problem)
@@ -108,7 +113,7 @@ def steady_at(
     """
     finite("approach", approach, "m", "give the approach of the bodies")
     fine = fine or Resolution()
-    _needs_motion(running)
+    _needs_velocity(running)
     compliance, length = contact.compliance, contact.length
 
     def beyond(log_load: float) -> float:
@@ -166,11 +171,18 @@ def formula_film(contact: FiniteLine, running: Running, load: float, length: flo
     )  # fmt: skip
 
 
-def _needs_motion(running: Running) -> None:
+def vanishes(contact: FiniteLine, running: Running) -> bool:
+    """No entrainment, or so little that the formula's film is thinner than a molecule: the contact is dry."""
+    return running.velocity == 0.0 or formula_film(contact, running, running.load) < THINNEST
+
+
+def _no_film(velocity: float, bound: str) -> ModelError:
+    return within("entraining velocity", velocity, "m/s", bound, "a steady film vanishes there: use `dry`")
+
+
+def _needs_velocity(running: Running) -> None:
     if running.velocity == 0.0:
-        raise within(
-            "entraining velocity", 0.0, "m/s", "other than zero", "a steady film vanishes there: use `dry`"
-        )
+        raise _no_film(0.0, "other than zero")
 
 
 @dataclass(frozen=True)
@@ -193,7 +205,9 @@ class _Window:
 
 def _window(contact: FiniteLine, running: Running) -> _Window:
     """As wide as the inlet needs."""
-    _needs_motion(running)
+    _needs_velocity(running)
+    if vanishes(contact, running):
+        raise _no_film(running.velocity, f"large enough for a film of {THINNEST:g} m")
     found = carried(contact, running)
     b = found.half_width
     film = formula_film(contact, running, running.load, found.length)
@@ -318,8 +332,8 @@ def _lost(problem: Scaled) -> ModelError:
     return ModelError(
         f"no steady film found at load = {r.load:g} N, entraining velocity = {r.velocity:g} m/s, radius = "
         f"{r.radius:g} m, misalignment = {r.misalignment:g} rad, that is M = {M:.3g}: should be from 1 "
-        "to 1000; use a finer Resolution, a larger velocity, a profile without sharp ends, or the line "
-        "contact, which has none"
+        "to 1000; raise nodes_per_half_width and nodes_per_inlet, or take a larger velocity, a profile "
+        "without sharp ends, or the line contact, which has none"
     )
 
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from typing import Any
 
 from ..asperities import Asperities
 from ..films.groups import Groups, groups
 from ..fluid import DENSITY_LAWS, VISCOSITY_LAWS, Lubricant
-from ..hertz import half_width, maximum_pressure
+from ..hertz import ELASTIC_LIMIT, half_width, maximum_pressure
+from .faults import real
 
 # Bodies and lubricant of `moes_contact`. M and L leave them open: in Moes' groups, films depend on them only
 # through alpha, and without a viscosity law that knows pressures in Pa not even on that.
@@ -24,7 +27,8 @@ class LineContact:
     reduced `radius` (m), `compliance` (1/Pa) as `hertz.elastic_compliance`; the surfaces' difference of
     velocity `sliding` (m/s) counts for lubricants with an Eyring stress. `squeeze` (m/s, positive:
     separating) is a rate at which the gap is taken to change all along the contact, as in quasi-static
-    solutions. `asperities` carry a part of the load; None: smooth surfaces.
+    solutions. `asperities` carry a part of the load; None: smooth surfaces. Bodies yield where the
+    pressure is above `elastic_limit` (Pa; inf: never), which a film warns of.
     ValueError for what is no contact.
     """
 
@@ -37,8 +41,12 @@ class LineContact:
     sliding: float = 0.0
     squeeze: float = 0.0
     asperities: Asperities | None = None
+    elastic_limit: float = ELASTIC_LIMIT
 
     def __post_init__(self) -> None:
+        for part in (self, self.lubricant, self.asperities):
+            for name, value in _numbers_of(part):
+                real(name, value)
         for name, unit, value, remedy in (
             ("load", "N", self.load, "a contact without load has no steady film of its own"),
             ("radius", "m", self.radius, "give the reduced radius, 1/(1/R1 + 1/R2)"),
@@ -118,14 +126,25 @@ class LineContact:
         )  # fmt: skip
 
 
+def _numbers_of(part: LineContact | Lubricant | Asperities | None) -> Iterator[tuple[str, Any]]:
+    if isinstance(part, LineContact):
+        found = {item.name: getattr(part, item.name) for item in fields(part)}
+        yield from ((name, value) for name, value in found.items() if name not in ("lubricant", "asperities"))
+    elif part is not None:
+        yield from part._asdict().items()
+
+
 def moes_contact(
     M: float, L: float, viscosity_law: str = "roelands", density_law: str = "dowson_higginson",
     pressure_viscosity: float = ALPHA,
 ) -> LineContact:  # fmt: skip
     """Some line contact with these groups; L = 0: constant viscosity and density.
 
-    The laws of viscosity and density know pressures in Pa, so that alpha (1/Pa) counts beside M and L.
+    Its bodies are made up and never yield. The laws of viscosity and density know pressures in Pa, so that
+    alpha (1/Pa) counts beside M and L.
     """
+    for name, value in (("M", M), ("L", L), ("pressure_viscosity", pressure_viscosity)):
+        real(name, value)
     for name, value, allowed in (("M", M, M > 0.0), ("L", L, L >= 0.0)):
         if not (math.isfinite(value) and allowed):
             raise ValueError(f"{name} = {value:g}: must be finite and {'> 0' if name == 'M' else '>= 0'}")
@@ -153,4 +172,5 @@ def moes_contact(
             float(VISCOSITY_LAWS.index(viscosity_law)),
             float(DENSITY_LAWS.index(density_law)),
         ),
+        elastic_limit=math.inf,
     )

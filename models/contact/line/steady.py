@@ -12,14 +12,15 @@ import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from numbers import Integral
 
 import numpy as np
 
 from ...quantities import Vector
 from ..asperities import pressure_scale
 from ..films.moes_venner import moes_film
-from ..hertz import ELASTIC_LIMIT
 from ..inlet import inlet_width
+from .faults import likely_cause, real
 from .fixed_grid import Fields, Mesh, cold_start, interpolated, steady_on_grid, workspace
 from .grid import REACH
 from .line_contact import LineContact
@@ -30,7 +31,7 @@ from .transient import central, least, wanted_scale
 
 # Nodes of the series; with the most, a matrix takes 46 megabytes.
 COARSEST, FINEST = 151, 2401
-FEWEST_NODES, FEWEST_COMPARED = 51, 25
+FEWEST_NODES, MOST_NODES, FEWEST_COMPARED = 51, 2 * FINEST - 1, 25
 # Relative error of the films that is allowed if nothing is said, and the share of it for the missing inlet.
 TOLERANCE = 2e-3
 STARVED_SHARE = 0.25
@@ -136,14 +137,15 @@ def solve_steady(
     contact: LineContact,
     tolerance: float = TOLERANCE,
     nodes: int | None = None,
-    elastic_limit: float = ELASTIC_LIMIT,
+    elastic_limit: float | None = None,
 ) -> SteadyFilm:
     """The film under the contact's load, central and minimum film right to `tolerance` (relative).
 
     LineContactError where no grid up to FINEST nodes gives that. With `nodes` (odd) the finest grid is given;
     where it is too coarse, a LineContactWarning says so, as for a pressure above `elastic_limit` (Pa, beyond
-    which bodies of that material yield); they are in the result's `warnings` too.
+    which bodies of that material yield; None: the contact's); they are in the result's `warnings` too.
     """
+    elastic_limit = contact.elastic_limit if elastic_limit is None else elastic_limit
     _check(tolerance, nodes, elastic_limit)
     if contact.M > MOST_LOAD:
         raise LineContactError(
@@ -166,11 +168,7 @@ def solve_steady(
     if not found:
         raise LineContactError(
             f"M = {contact.M:.4g}, L = {contact.L:.4g}: no film found on {_series(nodes)[-1]} nodes; "
-            + (
-                "leave `nodes` out"
-                if nodes
-                else "the contact is outside the range of this solver, M <= 1000 and L <= 20"
-            )
+            + likely_cause(contact, _expected(contact), nodes)
         )
     film = _film(contact, found, error, starvation)
     faults = _faults(film, tolerance)
@@ -180,12 +178,15 @@ def solve_steady(
 
 
 def _check(tolerance: float, nodes: int | None, elastic_limit: float) -> None:
+    real("tolerance", tolerance)
+    real("elastic_limit", elastic_limit)
     if not 0.0 < tolerance < 1.0:
         raise ValueError(f"tolerance = {tolerance:g}: must be > 0 and < 1; it is the films' relative error")
-    if nodes is not None and not (FEWEST_NODES <= nodes <= 2 * FINEST and nodes % 2 == 1):
+    whole = nodes is None or isinstance(nodes, Integral)
+    if not whole or (nodes is not None and not (FEWEST_NODES <= nodes <= MOST_NODES and nodes % 2 == 1)):
         raise ValueError(
-            f"nodes = {nodes}: must be odd and from {FEWEST_NODES} to {2 * FINEST}; leave it out to have as "
-            "many as the tolerance needs"
+            f"nodes = {nodes!r}: must be odd, a whole number and from {FEWEST_NODES} to {MOST_NODES}; leave "
+            "it out to have as many as the tolerance needs"
         )
     if not elastic_limit > 0.0:
         raise ValueError(

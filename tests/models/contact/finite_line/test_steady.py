@@ -194,6 +194,10 @@ def test_it_says_what_is_not_to_be_trusted():
         (lambda: steady(STRAIGHT, Running(500.0, 0.0, 0.02)), "entraining velocity = 0 m/s: must be other"),
         (lambda: Crowned(0.0), "crown radius = 0 m"),
         (lambda: Logarithmic(1e-6, straight_share=1.0), "straight share = 1 1: must be < 1"),
+        (lambda: steady(STRAIGHT, Running(500.0, 4e-16, 0.02)), "velocity = 4e-16 m/s: must be large enough"),
+        (lambda: steady(STRAIGHT, AT, Resolution(1e7)), "cells in a row: must be at most 4000"),
+        (lambda: steady(STRAIGHT, AT, Resolution(12.0, 1e-8)), "cells in a row: must be at most 4000"),
+        (lambda: steady(STRAIGHT, AT, Resolution(1000.0)), r"cells = .*e\+\d+ bytes: must be at most 4e\+09"),
         (lambda: Resolution(0.0), "nodes_per_half_width = 0 1: must be positive"),
     ],
 )  # fmt: skip

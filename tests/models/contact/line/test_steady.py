@@ -13,7 +13,7 @@ import pytest
 
 from models.contact.films.moes_venner import moes_film
 from models.contact.fluid import Lubricant, density_ratio, viscosity_at
-from models.contact.hertz import elastic_compliance
+from models.contact.hertz import ELASTIC_LIMIT, elastic_compliance
 from models.contact.line.line_contact import LineContact, moes_contact
 from models.contact.line.steady import LineContactError, LineContactWarning, solve_steady
 
@@ -280,6 +280,9 @@ def test_pressure_beyond_the_elastic_limit_is_reported():
      ({"radius": -0.03}, "radius = -0.03 m"), ({"length": 0.0}, "length = 0 m"),
      ({"compliance": -1.0}, "compliance = -1 1/Pa"), ({"velocity": 0.0}, "velocity = 0 m/s.*transient"),
      ({"velocity": math.inf}, "velocity = inf"), ({"sliding": math.nan}, "sliding = nan"),
+     ({"radius": "30 mm"}, "radius = '30 mm': must be one real number"),
+     ({"load": np.ones(2)}, "load = array.*: must be one real number"),
+     ({"lubricant": Lubricant("thick", 1e-8)}, "viscosity = 'thick': must be one real number"),
      ({"lubricant": Lubricant(0.0, 1e-8)}, "viscosity = 0 Pa.s"),
      ({"lubricant": Lubricant(0.03, -1e-8)}, "pressure_viscosity = -1e-08 1/Pa"),
      ({"lubricant": Lubricant(0.03, 1e-8, 7.0)}, "viscosity_law = 7: must be 0 to 2"),
@@ -298,11 +301,26 @@ def test_what_is_no_contact_is_refused(change, words):
      (lambda: moes_contact(1.0, 1.0, pressure_viscosity=0.0), "pressure_viscosity = 0"),
      (lambda: solve_steady(CAM, tolerance=0.0), "tolerance = 0"),
      (lambda: solve_steady(CAM, nodes=300), "nodes = 300: must be odd"),
+     (lambda: solve_steady(CAM, nodes=2), "nodes = 2: must be odd, a whole number and from 51 to 4801"),
+     (lambda: solve_steady(CAM, nodes=301.0), "nodes = 301.0: must be odd, a whole number"),
+     (lambda: moes_contact("1", 1.0), "M = '1': must be one real number"),
      (lambda: solve_steady(CAM, elastic_limit=-1.0), "elastic_limit = -1 Pa")],
 )  # fmt: skip
 def test_what_cannot_be_solved_is_refused(call, words):
     with pytest.raises(ValueError, match=words):
         call()
+
+
+def test_a_gap_that_opens_faster_than_oil_follows_names_the_squeeze():
+    with pytest.raises(LineContactError, match="squeeze = 10 m/s: must be well below"):
+        solve_steady(dataclasses.replace(CAM, squeeze=10.0), nodes=75)
+
+
+def test_made_up_bodies_do_not_yield():
+    """Hertz pressure beyond the elastic limit of steel; warnings are errors."""
+    contact = moes_contact(300.0, 10.0)
+    assert contact.hertz_pressure > ELASTIC_LIMIT
+    assert solve_steady(contact, tolerance=0.02).warnings == ()
 
 
 def test_closing_bodies_squeeze_oil_out():
