@@ -11,7 +11,7 @@ import typer
 from .reported import reported
 
 
-def built(name: str, structure: Mapping[str, int], kind: str) -> Path:
+def built(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
     """The packaged component, run by Python or `native`, built if it isn't in the cache."""
     from fmus.build import build
     from models.kernel import user_cache_directory

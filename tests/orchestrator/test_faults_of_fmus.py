@@ -12,7 +12,7 @@ from fmpy.fmi2 import FMU2Slave
 from fmus.build import build
 from models.catalogue import CATALOGUE
 from models.system import Instance, System
-from orchestrator.assembly import FmuFile, participants_of
+from orchestrator.assembly import FmuFile, participants_of, system_of
 from orchestrator.errors import (
     DiscardedStepError,
     LostParticipantError,
@@ -21,7 +21,7 @@ from orchestrator.errors import (
 )
 from orchestrator.masters import GaussSeidel, Jacobi
 from orchestrator.participants import fmu
-from orchestrator.scenario import EnergyTable
+from orchestrator.scenario_files import load
 from orchestrator.simulation import simulate
 
 from .faulty import Faulty
@@ -68,23 +68,18 @@ def test_an_fmu_that_fails_is_named_and_freed(vice, tmp_path, temporary, monkeyp
 
 
 def test_an_fmu_that_cannot_be_instantiated_is_named_and_the_others_are_closed(tmp_path, temporary):
-    system, made = two_masses(), []
+    scenario, made = load("two-masses"), []
+    system = system_of(scenario)
+    first, second = system.instances
 
     def watched(name, make):
         made.append(Faulty(make()))
         return made[-1]
 
-    class Tables:
-        substeps, retries = 1, 0
-
-    class Told:
-        components = dict.fromkeys(system.instances, Tables)
-        energy = EnergyTable()
-
-    files = {"second": FmuFile(small_fmu("unborn", tmp_path), "")}
-    with pytest.raises(ParticipantError, match=r"^second: instantiate: RuntimeError\('no licence'\)"):
-        participants_of(Told, system, files, watched)
-    assert [(unit.name, unit.closed) for unit in made] == [("first", True)]
+    files = {second: FmuFile(small_fmu("unborn", tmp_path), "")}
+    with pytest.raises(ParticipantError, match=rf"^{second}: instantiate: RuntimeError\('no licence'\)"):
+        participants_of(scenario, system, files, watched)
+    assert [(unit.name, unit.closed) for unit in made] == [(first, True)]
     assert list(temporary.iterdir()) == []
 
 
