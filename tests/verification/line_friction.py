@@ -9,7 +9,6 @@ import numpy as np
 import xarray
 
 from models.contact.asperities import Asperities, load_integral
-from models.contact.ehl_contact import ContactParameters
 from models.contact.fluid import Lubricant
 from models.contact.friction import Traction, shear_stress
 from models.contact.hertz import elastic_compliance
@@ -17,6 +16,7 @@ from models.contact.line.field import FieldContact
 from models.contact.line.history import film_history
 from models.contact.line.line_contact import LineContact
 from models.contact.line.steady import solve_steady
+from models.contact.records import ContactParameters
 from models.integrator import OK
 from tests.models.contact.line.cam_cycle import motion
 from tests.models.contact.line.stepped import Contact

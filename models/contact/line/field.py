@@ -39,15 +39,12 @@ from .field_state import (
     remember,
     with_field_state,
 )
+from .grid import check_nodes
 from .leap import leap
 from .transient import GAMMA, step
 from .workspace import workspace_in, workspace_size
 
 LINE_TRANSIENT = float(list(FILMS).index("line_transient"))
-# Fewer do not resolve the contact, whatever its conditions.
-FEWEST_NODES = 51
-# The deflections of so many take 184 MB, 8 bytes for each pair of nodes, and films have long converged.
-MOST_NODES = 4801
 # A step may be cut into so many times smaller ones before it is given up, a long one down to this time (s):
 # a film that begins as no film would be needs 0.1 us at first, whatever the step.
 SMALLEST_SHARE = 2.0**-16
@@ -386,13 +383,7 @@ class FieldContact(Component):
 
 def with_field(plain: Component, nodes: int) -> FieldContact:
     """`plain`, an ehl_contact, with a field of so many nodes; ValueError for a number that cannot be."""
-    if nodes < FEWEST_NODES or nodes % 2 == 0:
-        raise ValueError(f"nodes = {nodes}: must be odd and >= {FEWEST_NODES}, or 0 for no pressure field")
-    if nodes > MOST_NODES:
-        raise ValueError(
-            f"nodes = {nodes}: must be <= {MOST_NODES} (deflections take 8 bytes for each pair "
-            f"of nodes, here {8e-9 * nodes**2:.2g} GB); take 301, which find the cam's films to 0.2 %"
-        )
+    check_nodes(nodes)
     attributes: dict[str, Any] = {f.name: getattr(plain, f.name) for f in fields(Component)}
     attributes |= {
         "state": with_field_state(plain.state, nodes),

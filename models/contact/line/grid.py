@@ -17,6 +17,10 @@ from typing import Any
 from ...kernel import kernel
 
 REACH = 10.0
+# Fewer nodes do not resolve a contact, whatever its conditions.
+FEWEST_NODES = 51
+# The deflections of so many take 184 MB, 8 bytes for each pair of nodes, and films have long converged.
+MOST_NODES = 4801
 # Node density over |X|: level up to CORE, then falling so that steps grow by GROWTH of the distance, and
 # EDGE times more nodes about |X| = 1, within EDGE_WIDTH. By measurement: 301 nodes have then the error of
 # some 900 evenly spaced in the core.
@@ -28,6 +32,17 @@ EDGE_WIDTH = 0.2
 CROWD = 0.6
 # Slices of the quadrature that sums up the density, to a unit of X.
 SLICES = 400
+
+
+def check_nodes(nodes: int) -> None:
+    """ValueError for a number of nodes that a pressure field cannot have."""
+    if nodes < FEWEST_NODES or nodes % 2 == 0:
+        raise ValueError(f"nodes = {nodes}: must be odd and >= {FEWEST_NODES}, or 0 for no pressure field")
+    if nodes > MOST_NODES:
+        raise ValueError(
+            f"nodes = {nodes}: must be <= {MOST_NODES} (deflections take 8 bytes for each pair "
+            f"of nodes, here {8e-9 * nodes**2:.2g} GB); take 301, which find the cam's films to 0.2 %"
+        )
 
 
 @kernel

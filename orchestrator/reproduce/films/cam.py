@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.contact.ehl_contact import TABLE_3, ContactParameters
+from models.contact.ehl_contact import TABLE_3
 from models.contact.fluid import lubricant_of
 from models.contact.hertz import compliance_of, maximum_pressure
 from models.contact.line.history import FilmHistory, film_history, formula_history
 from models.contact.line.line_contact import LineContact
+from models.contact.records import ContactParameters
 from models.quantities import Vector
 
 from ..kushwaha2000.runs import NOSE_DEG

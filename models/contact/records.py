@@ -1,0 +1,192 @@
+"""Parameters, state, inputs and outputs of the lubricated contact.
+
+Numbers in parentheses refer to Kushwaha et al. 2000 (K).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from ..quantities import Quantity
+from .films import FILMS
+from .fluid import DENSITY_LAWS, VISCOSITY_LAWS
+from .hertz import ELASTIC_LIMIT
+
+# Larger values are slips of the unit. A line contact (m) is no longer than the largest rollers. SAE J300 lets
+# an engine's oil be no thicker (Pa.s) where it is cranked in the cold (grade 25W). Two coarsely turned
+# surfaces of Ra 12.5 um (ISO 1302: N10) have 22 um rms together.
+LONGEST, THICKEST, ROUGHEST = 1.0, 13.0, 22e-6
+# A tenth of it takes 2.5 times as long. At 1e-9 a swing of the approach ends with a load 2e-8 from that of
+# 1e-11, much closer than `line.newton` promises (1e-6 of the pressure): less would only take time.
+LEAST_FIELD_TOLERANCE = 1e-9
+
+
+@dataclass
+class ContactParameters:
+    """Defaults: the set `kushwaha2000`; damping ratio 0.05 of the 6.7 kHz contact mode at 450 N."""
+
+    film_model: Annotated[float, Quantity("1", "film thickness formula", choices=tuple(FILMS))] = 0.0
+    load_is_given: Annotated[float, Quantity("1", "adherence form: the load is an input", boolean=True)] = 0.0
+    length: Annotated[
+        float,
+        Quantity("m", "contact length L_c", nominal=1e-2, positive=True, maximum=LONGEST, display_unit="mm"),
+    ] = 12e-3
+    youngs_modulus_1: Annotated[
+        float, Quantity("Pa", "Young's modulus of body 1 (cam)", nominal=1e11, positive=True)
+    ] = 207e9
+    poissons_ratio_1: Annotated[
+        float, Quantity("1", "Poisson's ratio of body 1", minimum=0.0, maximum=0.5)
+    ] = 0.3
+    youngs_modulus_2: Annotated[
+        float, Quantity("Pa", "Young's modulus of body 2 (follower)", nominal=1e11, positive=True)
+    ] = 207e9
+    poissons_ratio_2: Annotated[
+        float, Quantity("1", "Poisson's ratio of body 2", minimum=0.0, maximum=0.5)
+    ] = 0.3
+    elastic_limit: Annotated[
+        float, Quantity("Pa", "pressure at which the bodies yield: a warning", nominal=1e9, positive=True)
+    ] = ELASTIC_LIMIT
+    viscosity: Annotated[
+        float,
+        Quantity("Pa.s", "viscosity eta0 of the lubricant", nominal=1e-2, positive=True, maximum=THICKEST),
+    ] = 0.036
+    pressure_viscosity: Annotated[
+        float, Quantity("1/Pa", "pressure-viscosity coefficient alpha", nominal=1e-8, positive=True)
+    ] = 1.8e-8
+    squeeze_constant: Annotated[
+        float, Quantity("1", "constant C of the squeeze term (K 10)", nominal=100.0, positive=True)
+    ] = 96.775
+    film_load_floor: Annotated[
+        float, Quantity("N", "least load that the film is computed for", positive=True)
+    ] = 1.0
+    contact_damping: Annotated[
+        float, Quantity("N.s/m", "damping c of the contact at the reference load", nominal=1e3, minimum=0.0)
+    ] = 920.0
+    damping_reference_load: Annotated[
+        float,
+        Quantity("N", "load at which the damping is c; it grows with the load", nominal=500.0, positive=True),
+    ] = 450.0
+    viscosity_law: Annotated[
+        float, Quantity("1", "viscosity under pressure (friction, line_transient)", choices=VISCOSITY_LAWS)
+    ] = 0.0
+    density_law: Annotated[
+        float, Quantity("1", "density under pressure (line_transient)", choices=DENSITY_LAWS)
+    ] = 0.0
+    roelands_exponent: Annotated[
+        float, Quantity("1", "exponent z of Roelands' law", positive=True, maximum=1.0)
+    ] = 0.68
+    roelands_pressure: Annotated[
+        float, Quantity("Pa", "pressure p_r of Roelands' law", nominal=1e8, positive=True)
+    ] = 1.96e8
+    eyring_stress: Annotated[
+        float, Quantity("Pa", "Eyring stress tau_0 of the film; 0: Newtonian", nominal=1e6, minimum=0.0)
+    ] = 0.0
+    field_tolerance: Annotated[
+        float,
+        Quantity(
+            "1",
+            "error of load and film per micro-step (line_transient)",
+            minimum=LEAST_FIELD_TOLERANCE,
+            maximum=0.1,
+        ),
+    ] = 1e-4
+    roughness: Annotated[
+        float,
+        Quantity(
+            "m",
+            "composite rms roughness; 0: smooth",
+            nominal=1e-7,
+            minimum=0.0,
+            maximum=ROUGHEST,
+            display_unit="um",
+        ),
+    ] = 0.2e-6
+    roughness_parameter: Annotated[
+        float, Quantity("1", "density x radius x rms of asperities", nominal=0.05, positive=True)
+    ] = 0.05
+    asperity_slope: Annotated[
+        float, Quantity("1", "rms over radius of asperities", nominal=1e-3, positive=True)
+    ] = 1e-3
+    boundary_friction_coefficient: Annotated[
+        float, Quantity("1", "friction coefficient mu_b of asperities", nominal=0.1, minimum=0.0)
+    ] = 0.1
+    boundary_shear_stress: Annotated[
+        float, Quantity("Pa", "shear stress tau_b of real contact besides", nominal=1e6, minimum=0.0)
+    ] = 0.0
+    limiting_shear_stress: Annotated[
+        float, Quantity("Pa", "limiting shear stress tau_L0 at no pressure", nominal=1e6, minimum=0.0)
+    ] = 2e6
+    limiting_shear_coefficient: Annotated[
+        float, Quantity("1", "growth gamma of the limit with pressure", nominal=0.1, minimum=0.0)
+    ] = 0.07
+
+
+@dataclass
+class ContactState:
+    film_thickness: Annotated[
+        float, Quantity("m", "lubricant film thickness h", nominal=1e-6, positive=True, display_unit="um")
+    ] = 1e-6
+
+
+@dataclass
+class ContactInputs:
+    approach: Annotated[
+        float,
+        Quantity(
+            "m", "position of surface 1 towards surface 2, overlap positive", nominal=1e-3, display_unit="mm"
+        ),
+    ] = 0.0
+    approach_rate: Annotated[float, Quantity("m/s", "velocity of surface 1 towards surface 2")] = 0.0
+    retreat: Annotated[
+        float,
+        Quantity("m", "position of surface 2 away from surface 1", nominal=1e-3, display_unit="mm"),
+    ] = 0.0
+    retreat_rate: Annotated[float, Quantity("m/s", "velocity of surface 2 away from surface 1")] = 0.0
+    applied_load: Annotated[float, Quantity("N", "load of the adherence form", nominal=500.0)] = 0.0
+    entraining_velocity: Annotated[float, Quantity("m/s", "mean surface velocity u")] = 0.0
+    sliding_velocity: Annotated[float, Quantity("m/s", "velocity of surface 1 over surface 2")] = 0.0
+    radius_of_curvature: Annotated[
+        float,
+        Quantity("m", "reduced radius R of the contact", nominal=1e-2, positive=True, display_unit="mm"),
+    ] = 0.02
+
+
+@dataclass
+class ContactOutputs:
+    load: Annotated[float, Quantity("N", "contact load W", nominal=500.0)] = 0.0
+    film_thickness: Annotated[
+        float, Quantity("m", "lubricant film thickness h", nominal=1e-6, display_unit="um")
+    ] = 0.0
+    minimum_film_thickness: Annotated[
+        float,
+        Quantity("m", "smallest film thickness (of a formula: its film)", nominal=1e-6, display_unit="um"),
+    ] = 0.0
+    squeeze_velocity: Annotated[float, Quantity("m/s", "dh/dt, positive when separating", nominal=1e-3)] = 0.0
+    steady_film_thickness: Annotated[
+        float, Quantity("m", "film thickness h_ss of the formula", nominal=1e-6, display_unit="um")
+    ] = 0.0
+    deflection: Annotated[
+        float, Quantity("m", "elastic approach of the bodies", nominal=1e-6, display_unit="um")
+    ] = 0.0
+    half_width: Annotated[
+        float, Quantity("m", "half width b of the contact", nominal=1e-4, display_unit="um")
+    ] = 0.0
+    maximum_pressure: Annotated[
+        float, Quantity("Pa", "largest Hertz pressure p0", nominal=1e8, display_unit="MPa")
+    ] = 0.0
+    friction_force: Annotated[
+        float, Quantity("N", "friction of surface 2 on 1, against its sliding", nominal=10.0)
+    ] = 0.0
+    viscous_friction: Annotated[float, Quantity("N", "viscous share of the friction", nominal=10.0)] = 0.0
+    boundary_friction: Annotated[float, Quantity("N", "boundary share of the friction", nominal=10.0)] = 0.0
+    asperity_load: Annotated[float, Quantity("N", "load W_a on asperities", nominal=10.0)] = 0.0
+    film_ratio: Annotated[float, Quantity("1", "film of the fluid's share over roughness; 0: smooth")] = 0.0
+    damping_margin: Annotated[
+        float, Quantity("1", "1 + c delta'/W_ref: where it is negative the damping takes the whole load")
+    ] = 0.0
+    separated: Annotated[float, Quantity("1", "the contact carries no load", boolean=True)] = 0.0
+    material_in_range: Annotated[float, Quantity("1", "G inside K Table 3", boolean=True)] = 0.0
+    squeeze_in_range: Annotated[float, Quantity("1", "w_s inside K Table 3", boolean=True)] = 0.0
+    load_in_range: Annotated[float, Quantity("1", "W inside K Table 3", boolean=True)] = 0.0
+    speed_in_range: Annotated[float, Quantity("1", "U inside K Table 3", boolean=True)] = 0.0
