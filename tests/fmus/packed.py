@@ -40,6 +40,6 @@ def packed(factory: Callable[..., Component], folder: Path, **sizes: int) -> Pat
         archive.writestr("modelDescription.xml", xml.replace(GUID_PLACE, f"{{{stem}}}"))
         archive.writestr(f"resources/{stem}.py", script)
         archive.writestr("resources/slavemodule.txt", stem)
-        for place, content in _binaries(name).items():
+        for place, content in _binaries(name, None).items():
             archive.writestr(place, content)
     return path

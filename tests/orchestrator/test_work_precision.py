@@ -158,7 +158,7 @@ def test_the_benchmark_leaves_a_table_and_a_figure(tmp_path, monkeypatch):
     monkeypatch.setattr(peers, "PEERS", {"fmpy script": "fmpy_script"})
     out = tmp_path / "out"
 
-    def builder(name, structure):
+    def builder(name, structure, kind):
         return build(name, structure=structure)
 
     rows = benchmark("quarter-car", builder, out, duration=0.032)
