@@ -1,19 +1,16 @@
-"""FMI 2.0: an instance of an FMU for co-simulation, and its functions that run in every step.
-
-Those are called with memory that is bound once: fmpy's own methods build lists at every call.
-"""
+"""FMI 2.0: an instance of an FMU for co-simulation."""
 
 from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Iterable, Sequence
-from pathlib import Path
 from typing import Any
 
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 from models.quantities import Vector
 
+from .bound_calls import BoundCalls
 from .description import TRUTHS, Description, Variable
 from .standard import WARNING
 
@@ -21,7 +18,7 @@ from .standard import WARNING
 LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3
 
 
-class Fmi2:
+class Fmi2(BoundCalls):
     """Implements `Standard`."""
 
     real_types = ("Real",)
@@ -42,7 +39,7 @@ class Fmi2:
         callbacks.allocateMemory = defaultCallbacks.allocateMemory
         callbacks.freeMemory = defaultCallbacks.freeMemory
         self._slave.instantiate(callbacks=callbacks, loggingOn=True)
-        self._bind()
+        self._bind("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate")
 
     def set_up(self, start_time: float, stop_time: float) -> None:
         self._slave.setupExperiment(startTime=start_time, stopTime=stop_time)
@@ -82,70 +79,19 @@ class Fmi2:
     def free(self) -> None:
         self._slave.freeInstance()
 
-    # What runs in every step. Without argument types ctypes passes these objects as they are, which is what
-    # makes a call cheap.
-
-    def _bind(self) -> None:
-        slave = self._slave
-        # A Python FMU runs in this interpreter, which ctypes would let go for every call only for the FMU to
-        # take it again; PyDLL keeps it.
-        self._in_python = Path(slave.unzipDirectory, "resources", "slavemodule.txt").is_file()
-        self._library = ctypes.PyDLL(None, handle=slave.dll._handle) if self._in_python else slave.dll
-        self._handle = ctypes.c_void_p(slave.component)
-        self._save = self._function("fmi2GetFMUstate")
-        self._restore = self._function("fmi2SetFMUstate")
-        self._release = self._function("fmi2FreeFMUstate")
-
-    def _function(self, name: str) -> Any:
-        function = self._library[name]  # a new object at every look-up, so fmpy's own stay as they are
-        function.restype = ctypes.c_int
-        return function
-
     def addresses(self) -> dict[str, int]:
-        functions = {"set_real": "fmi2SetReal", "do_step": "fmi2DoStep", "get_real": "fmi2GetReal"}
-        found = {key: ctypes.cast(self._library[name], ctypes.c_void_p) for key, name in functions.items()}
-        return {key: address.value or 0 for key, address in found.items()} | {
-            "component": self._handle.value or 0,
-            "in_python": int(self._in_python),
-            "fmi3": 0,
-            "told": 0,
-        }
+        return self._addresses("fmi2SetReal", "fmi2DoStep", "fmi2GetReal") | {"fmi3": 0, "told": 0}
 
     def setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
-        return self._reals("fmi2SetReal", references, values, fail)
+        return self._transfer("fmi2SetReal", references, values=values, fail=fail)
 
     def getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
-        return self._reals("fmi2GetReal", references, values, fail)
-
-    def _reals(
-        self, function: str, references: Any, values: Vector, fail: Callable[[int], None]
-    ) -> Callable[[], None]:
-        if not len(references):
-            return lambda: None
-        call, handle = self._function(function), self._handle
-        wanted, memory = ctypes.c_void_p(references.ctypes.data), ctypes.c_void_p(values.ctypes.data)
-        count = ctypes.c_size_t(len(references))
-
-        def transfer(kept: Any = (references, values)) -> None:  # keeps the memory alive
-            status = call(handle, wanted, count, memory)
-            if status > WARNING:
-                fail(status)
-
-        return transfer
+        return self._transfer("fmi2GetReal", references, values=values, fail=fail)
 
     def input_derivatives(
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
     ) -> Callable[[], None]:
-        call, handle = self._function("fmi2SetRealInputDerivatives"), self._handle
-        wanted, memory = ctypes.c_void_p(references.ctypes.data), ctypes.c_void_p(values.ctypes.data)
-        count, order = ctypes.c_size_t(len(references)), ctypes.c_void_p(orders.ctypes.data)
-
-        def transfer(kept: Any = (references, orders, values)) -> None:  # keeps the memory alive
-            status = call(handle, wanted, count, order, memory)
-            if status > WARNING:
-                fail(status)
-
-        return transfer
+        return self._transfer("fmi2SetRealInputDerivatives", references, orders, values=values, fail=fail)
 
     def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         call, handle, yes = self._function("fmi2DoStep"), self._handle, ctypes.c_int(1)
@@ -171,12 +117,3 @@ class Fmi2:
         value = ctypes.c_int()
         status = self._function("fmi2GetBooleanStatus")(self._handle, TERMINATED, ctypes.byref(value))
         return status <= WARNING and bool(value.value)
-
-    def save(self, state: ctypes.c_void_p) -> int:
-        return self._save(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]
-
-    def restore(self, state: ctypes.c_void_p) -> int:
-        return self._restore(self._handle, state)  # type: ignore[no-any-return]
-
-    def release(self, state: ctypes.c_void_p) -> int:
-        return self._release(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]

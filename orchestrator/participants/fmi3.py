@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Iterable, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from fmpy.fmi3 import FMU3Slave
 
 from models.quantities import Vector
 
+from .bound_calls import BoundCalls
 from .description import REALS, TRUTHS, Description, Variable
 from .standard import DISCARD, WARNING
 
@@ -28,7 +28,7 @@ ENDED, EARLY = 1, 2
 MAXIMUM_RETURNS = 10_000
 
 
-class Fmi3:
+class Fmi3(BoundCalls):
     """Implements `Standard`."""
 
     real_types = ("Float64",)
@@ -48,14 +48,7 @@ class Fmi3:
         self._slave.instantiate(
             loggingOn=True, logMessage=lambda environment, status, category, message: log(status, message)
         )
-        # As FMI 2.0's: one that is in Python keeps the interpreter in its calls.
-        self._in_python = Path(self._slave.unzipDirectory, "resources", "slavemodule.txt").is_file()
-        own = self._slave.dll
-        self._library = ctypes.PyDLL(None, handle=own._handle) if self._in_python else own
-        self._handle = ctypes.c_void_p(self._slave.component)
-        self._save = self._function("fmi3GetFMUState")
-        self._restore = self._function("fmi3SetFMUState")
-        self._release = self._function("fmi3FreeFMUState")
+        self._bind("fmi3GetFMUState", "fmi3SetFMUState", "fmi3FreeFMUState")
 
     def set_up(self, start_time: float, stop_time: float) -> None:
         pass
@@ -101,44 +94,19 @@ class Fmi3:
     def free(self) -> None:
         self._slave.freeInstance()
 
-    def _function(self, name: str) -> Any:
-        function = self._library[name]  # a new object at every look-up, so fmpy's own stay as they are
-        function.restype = ctypes.c_int
-        return function
-
     def addresses(self) -> dict[str, int]:
         if self._early:  # which compiled code does not go on from
             return {}
-        functions = {"set_real": "fmi3SetFloat64", "do_step": "fmi3DoStep", "get_real": "fmi3GetFloat64"}
-        found = {key: ctypes.cast(self._library[name], ctypes.c_void_p) for key, name in functions.items()}
-        return {key: address.value or 0 for key, address in found.items()} | {
-            "component": self._handle.value or 0,
-            "in_python": int(self._in_python),
-            "fmi3": 1,
-            "told": self._told.ctypes.data,
-        }
+        found = self._addresses("fmi3SetFloat64", "fmi3DoStep", "fmi3GetFloat64")
+        return found | {"fmi3": 1, "told": self._told.ctypes.data}
 
     def setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
-        return self._reals("fmi3SetFloat64", references, values, fail)
+        size = (ctypes.c_size_t(values.size),)
+        return self._transfer("fmi3SetFloat64", references, values=values, after=size, fail=fail)
 
     def getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
-        return self._reals("fmi3GetFloat64", references, values, fail)
-
-    def _reals(
-        self, function: str, references: Any, values: Vector, fail: Callable[[int], None]
-    ) -> Callable[[], None]:
-        if not len(references):
-            return lambda: None
-        call, handle = self._function(function), self._handle
-        wanted, memory = ctypes.c_void_p(references.ctypes.data), ctypes.c_void_p(values.ctypes.data)
-        count, size = ctypes.c_size_t(len(references)), ctypes.c_size_t(values.size)
-
-        def transfer(kept: Any = (references, values)) -> None:  # keeps the memory alive
-            status = call(handle, wanted, count, memory, size)
-            if status > WARNING:
-                fail(status)
-
-        return transfer
+        size = (ctypes.c_size_t(values.size),)
+        return self._transfer("fmi3GetFloat64", references, values=values, after=size, fail=fail)
 
     def input_derivatives(
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
@@ -173,12 +141,3 @@ class Fmi3:
 
     def ended(self) -> bool:
         return bool(self._told[:1].view(np.uint8)[ENDED])
-
-    def save(self, state: ctypes.c_void_p) -> int:
-        return self._save(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]
-
-    def restore(self, state: ctypes.c_void_p) -> int:
-        return self._restore(self._handle, state)  # type: ignore[no-any-return]
-
-    def release(self, state: ctypes.c_void_p) -> int:
-        return self._release(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]

@@ -7,7 +7,6 @@ own start, so that the signals are the same however they are cut.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -16,9 +15,10 @@ from models.quantities import Vector
 from ..errors import DiscardedStepError, RecoverableError
 from ..signals import move_origin
 from .protocol import Participant
+from .wrapping import Wrapping
 
 
-class Substepped:
+class Substepped(Wrapping):
     """Implements `Participant` by `participant`, with `substeps` equal steps to every macro step.
 
     A step that fails is tried in two halves, these again, down to 2**-`halvings` of a substep: from where
@@ -27,20 +27,10 @@ class Substepped:
     """
 
     def __init__(self, participant: Participant, substeps: int = 1, halvings: int = 0) -> None:
-        self.name = participant.name
-        self.restorable = participant.restorable
-        self._participant = participant
+        super().__init__(participant)
         self._substeps, self._halvings = substeps, halvings
         self._smallest = 0.5**halvings / substeps
         self._advance = self._kept if halvings and self.restorable else participant.advance
-        # What isn't changed here are the participant's own functions, not methods around them.
-        self.initialise = participant.initialise
-        self.finish_initialisation = participant.finish_initialisation
-        self.read_all = participant.read_all
-        self.save = participant.save
-        self.restore = participant.restore
-        self.release = participant.release
-        self.close = participant.close
 
     def connect(
         self,
@@ -65,12 +55,6 @@ class Substepped:
                 self._over(time + n * length, length, self._halvings)
         finally:
             self._inputs[:] = self._start  # it is the master's
-
-    def to_bytes(self, saved: Any) -> bytes:
-        return self._participant.to_bytes(saved)
-
-    def from_bytes(self, data: bytes) -> Any:
-        return self._participant.from_bytes(data)
 
     def _over(self, start: float, length: float, halvings: int) -> None:
         """Advance from `start` by `length`, in pieces where that fails; the master has written the inputs."""

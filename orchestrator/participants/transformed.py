@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from models.quantities import Vector
 
 from .protocol import Participant
+from .wrapping import Wrapping
 
 
 @dataclass(frozen=True)
@@ -21,23 +21,13 @@ class Linear:
     offset: float = 0.0
 
 
-class Transformed:
+class Transformed(Wrapping):
     """Implements `Participant` by `participant`, with `transformations` of inputs, by name."""
 
     def __init__(self, participant: Participant, transformations: Mapping[str, Linear]) -> None:
-        self.name = participant.name
-        self.restorable = participant.restorable
-        self._participant = participant
+        super().__init__(participant)
         self._transformations = transformations
-        # What isn't changed here are the participant's own functions, not methods around them.
-        self.initialise = participant.initialise
-        self.finish_initialisation = participant.finish_initialisation
         self.advance = participant.advance
-        self.read_all = participant.read_all
-        self.save = participant.save
-        self.restore = participant.restore
-        self.release = participant.release
-        self.close = participant.close
 
     def connect(
         self,
@@ -60,9 +50,3 @@ class Transformed:
         np.multiply(self._given, self._factors, out=self._made)
         self._made[0] += self._offsets
         self._write()
-
-    def to_bytes(self, saved: Any) -> bytes:
-        return self._participant.to_bytes(saved)
-
-    def from_bytes(self, data: bytes) -> Any:
-        return self._participant.from_bytes(data)

@@ -1,0 +1,75 @@
+"""The functions of an FMU that run in every step, called with memory that is bound once.
+
+Without argument types ctypes passes these objects as they are, which is what makes a call cheap; fmpy's own
+methods build lists at every call.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from models.quantities import Vector
+
+from .standard import WARNING
+
+
+class BoundCalls:
+    """What the versions of FMI have in common in this, over fmpy's `_slave`."""
+
+    _slave: Any
+
+    def _bind(self, save: str, restore: str, release: str) -> None:
+        """Take the instance that was made; the names are those of the functions of states."""
+        slave = self._slave
+        # A Python FMU runs in this interpreter, which ctypes would let go for every call only for the FMU to
+        # take it again; PyDLL keeps it.
+        self._in_python = Path(slave.unzipDirectory, "resources", "slavemodule.txt").is_file()
+        self._library = ctypes.PyDLL(None, handle=slave.dll._handle) if self._in_python else slave.dll
+        self._handle = ctypes.c_void_p(slave.component)
+        self._save, self._restore, self._release = map(self._function, (save, restore, release))
+
+    def _function(self, name: str) -> Any:
+        function = self._library[name]  # a new object at every look-up, so fmpy's own stay as they are
+        function.restype = ctypes.c_int
+        return function
+
+    def _addresses(self, set_real: str, do_step: str, get_real: str) -> dict[str, int]:
+        """Of these functions and of the instance."""
+        functions = {"set_real": set_real, "do_step": do_step, "get_real": get_real}
+        found = {key: ctypes.cast(self._library[name], ctypes.c_void_p) for key, name in functions.items()}
+        return {key: address.value or 0 for key, address in found.items()} | {
+            "component": self._handle.value or 0,
+            "in_python": int(self._in_python),
+        }
+
+    def _transfer(
+        self, function: str, references: Any, *between: Any, values: Vector, after: tuple[Any, ...] = (),
+        fail: Callable[[int], None],
+    ) -> Callable[[], None]:  # fmt: skip
+        """function(instance, references, their number, between, values, after), `between` being arrays."""
+        if not len(references):
+            return lambda: None
+        call, handle = self._function(function), self._handle
+        wanted, *others, memory = (
+            ctypes.c_void_p(array.ctypes.data) for array in (references, *between, values)
+        )
+        arguments = (handle, wanted, ctypes.c_size_t(len(references)), *others, memory, *after)
+
+        def transfer(kept: Any = (references, between, values)) -> None:  # keeps the memory alive
+            status = call(*arguments)
+            if status > WARNING:
+                fail(status)
+
+        return transfer
+
+    def save(self, state: ctypes.c_void_p) -> int:
+        return self._save(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]
+
+    def restore(self, state: ctypes.c_void_p) -> int:
+        return self._restore(self._handle, state)  # type: ignore[no-any-return]
+
+    def release(self, state: ctypes.c_void_p) -> int:
+        return self._release(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]
