@@ -196,23 +196,22 @@ def fmu(name: str, version: int, folder: Path) -> Path:
     model = MODELS[name]
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", _description(name, model, version))
-        archive.writestr(_place(name, version), _library(name, version).read_bytes())
+        archive.writestr(_place(name, version), _library(name, version))
     return path
 
 
 @functools.cache
-def _library(name: str, version: int) -> Path:
-    """The compiled model; kept for the process's life."""
-    folder = Path(tempfile.mkdtemp(prefix="c_fmus_"))
-    model = folder / "model.c"
-    model.write_text(_c_of(MODELS[name]))
-    library = folder / f"{name}{sysconfig.get_config_var('SHLIB_SUFFIX') or '.so'}"
-    stubs = folder / "stubs.c"
-    stubs.write_text(_stubs() if version == 3 else "")
-    defined = [f"-DFMI={version}", f'-DMODEL="{model}"', f'-DTOKEN="{TOKEN}"', f"-I{HEADERS}"]
-    command = [*compiler(), "-shared", "-fPIC", "-O1", "-w", *defined, str(SHELL), str(stubs)]
-    subprocess.run([*command, "-o", str(library), "-lm"], check=True, capture_output=True)
-    return library
+def _library(name: str, version: int) -> bytes:
+    """The compiled model."""
+    with tempfile.TemporaryDirectory(prefix="c_fmus_") as scratch:
+        folder = Path(scratch)
+        model, stubs, library = folder / "model.c", folder / "stubs.c", folder / "model.so"
+        model.write_text(_c_of(MODELS[name]))
+        stubs.write_text(_stubs() if version == 3 else "")
+        defined = [f"-DFMI={version}", f'-DMODEL="{model}"', f'-DTOKEN="{TOKEN}"', f"-I{HEADERS}"]
+        command = [*compiler(), "-shared", "-fPIC", "-O1", "-w", *defined, str(SHELL), str(stubs)]
+        subprocess.run([*command, "-o", str(library), "-lm"], check=True, capture_output=True)
+        return library.read_bytes()
 
 
 def _stubs() -> str:
