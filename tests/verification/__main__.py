@@ -95,6 +95,19 @@ PAGES = (
             "line_hard_cases": "Bad input and hard cases",
         },
     ),
+    Page(
+        "Native FMUs and other tools, promise by promise",
+        "FMUs that drop into any tool: native, FMI 3, SSP",
+        {
+            "native_files": "Native FMUs",
+            "native_abilities": "What the C layer of FMUs in Python refuses",
+            "fmus_in_hosts": "FMUs in Python: FMI 3, and hosts that are not Python",
+            "ssp_packages": "SSP",
+            "foreign_fmus": "FMUs from elsewhere",
+            "native_numbers": "Equal, faster, and a million times",
+            "native_mistakes": "Bad input",
+        },
+    ),
 )
 
 
