@@ -71,6 +71,12 @@ def integers(array: Any) -> Any:
 
 
 @numba.njit(cache=True)
+def integer_table(array: Any) -> Any:
+    """Rows of whole numbers."""
+    return numba.carray(_pointer(array.address), (array.rows, array.columns), np.int64)
+
+
+@numba.njit(cache=True)
 def marks(array: Any) -> Any:
     """A vector of truth values."""
     return numba.carray(_pointer(array.address), array.columns, np.bool_)

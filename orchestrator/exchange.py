@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 
@@ -14,8 +14,10 @@ from models.system import Port, System
 
 from .errors import NotFiniteError, RunError
 from .participants import Participant
-from .passes import Pass
-from .signals import History, finite, gather
+from .passes import Pass, settled
+from .signals import History, finite
+
+Bound = TypeVar("Bound")
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,6 @@ class Exchange:
             [system.outputs.nominal[system.outputs.index(port)] for port in self.sources]
         )
         self.signals: Vector = np.zeros((degree + 1, len(self.sources)))
-        self._present: Vector = np.zeros_like(self.signals)
         self.columns: list[Vector] = []
         self.inputs: list[Vector] = []
         fed = {name: [c for c in system.connections if c.target.instance == name] for name in self.names}
@@ -99,11 +100,11 @@ class Exchange:
             if degree == 3:
                 self.rated[own_part] = given
         self.history = History(0.0, self.values, self.rates, self.rated)
-        self._passes: dict[tuple[Any, ...], Pass] = {}
+        self._bound: dict[tuple[Any, ...], Any] = {}
         self.through = _with_feedthrough(system, self.sources)
         answering = {self.sources[i].instance for i in self.connected if self.through[i]}
         self._through = [self.names.index(name) for name in system.order if name in answering]
-        self._saved: Saved | None = None  # the present point, as long as nobody has moved
+        self.held: Saved | None = None  # the present point, as long as nobody has moved
 
     def read(self, i: int) -> None:
         """Take the values of participant i; NotFiniteError if one is not finite."""
@@ -112,14 +113,18 @@ class Exchange:
         if not finite(self.values, self.rates, own.start, own.stop):
             self.refuse(own)
 
-    def make(self, kind: Callable[[Exchange, Sequence[int]], Pass], order: Sequence[int]) -> Pass:
-        """A pass of that kind over `order` (see `passes`), bound at its first use; to be run at once."""
-        self._saved = None
+    def bound(self, kind: Callable[[Exchange, Sequence[int]], Bound], order: Sequence[int]) -> Bound:
+        """What is bound to the memory of the participants in `order`, made at its first use."""
         key = (kind, *order)
-        found = self._passes.get(key)
+        found: Bound | None = self._bound.get(key)
         if found is None:
-            found = self._passes[key] = kind(self, order)
+            found = self._bound[key] = kind(self, order)
         return found
+
+    def make(self, kind: Callable[[Exchange, Sequence[int]], Pass], order: Sequence[int]) -> Pass:
+        """A pass of that kind over `order` (see `passes`); to be run at once."""
+        self.held = None
+        return self.bound(kind, order)
 
     def refuse(self, own: slice) -> NoReturn:
         """NotFiniteError for what is not finite in these sources."""
@@ -150,7 +155,7 @@ class Exchange:
         """
         for _ in range(10 * len(self.participants) + 50):
             before = self.values.copy()
-            self._pass_on(self.listed)
+            self._pass_on(self.listed, time)
             change = np.abs(self.values - before) / (self.nominal + np.abs(self.values))
             if np.all(change <= 1e-12):
                 break
@@ -162,25 +167,18 @@ class Exchange:
             )
         if self.degree == 3:
             for _ in self.participants:
-                self._pass_on(self.listed)
+                self._pass_on(self.listed, time)
 
-    def settle(self, part: Sequence[int]) -> None:
-        """Make outputs of `part` with direct feedthrough consistent with the inputs at the present time.
+    def settle(self, part: Sequence[int], time: float) -> None:
+        """Make outputs of `part` with direct feedthrough consistent with the inputs at `time`, the present.
 
         After a step they are those of the inputs that the step assumed.
         """
-        self._pass_on([i for i in self._through if i in part])
+        self._pass_on([i for i in self._through if i in part], time)
 
-    def _pass_on(self, order: Sequence[int]) -> None:
+    def _pass_on(self, order: Sequence[int], time: float) -> None:
         """Give the present values, and rates, to each participant in turn and read its answer."""
-        self._saved = None
-        for i in order:
-            self._present[0] = self.values
-            if self.degree > 0:
-                self._present[1] = self.rates
-            gather(self._present, self.columns[i], self.inputs[i])
-            self.participants[i].write()
-            self.read(i)
+        self.make(settled, order)(time, 0.0)
 
     def accept(self, time: float) -> None:
         """The present values are those of a communication point."""
@@ -188,10 +186,10 @@ class Exchange:
 
     def save(self) -> Saved:
         """All evolving data; to be released."""
-        if self._saved is None:
+        if self.held is None:
             states = {i: participant.save() for i, participant in enumerate(self.participants)}
-            self._saved = self._with(states)
-        return self._saved
+            self.held = self._with(states)
+        return self.held
 
     def _with(self, states: Mapping[int, Any]) -> Saved:
         return Saved(states, self.values.copy(), self.rates.copy(), self.history.copy(), dict(self.carried))
@@ -204,7 +202,7 @@ class Exchange:
         self.rates[:] = saved.rates
         self.history.put(saved.history)
         self.carried = dict(saved.carried)
-        self._saved = saved if len(saved.states) == len(self.participants) else None
+        self.held = saved if len(saved.states) == len(self.participants) else None
 
     def snapshot(self) -> dict[str, Any]:
         """All evolving data outside the participants, as plain numbers and arrays."""
@@ -230,19 +228,19 @@ class Exchange:
         h.smooth[:] = state["smooth"]
         self.calls[:] = [int(n) for n in state["calls"]]
         self.carried = dict(state["carried"])
-        self._saved = None
+        self.held = None
 
     def release(self, saved: Saved) -> None:
         """The saved data is no longer needed."""
         for i, state in saved.states.items():
             self.participants[i].release(state)
-        if self._saved is saved:
-            self._saved = None
+        if self.held is saved:
+            self.held = None
 
     @contextmanager
     def point(self) -> Iterator[Saved]:
         """The present point, saved as long as the block lasts; within another such block at no cost."""
-        held = self._saved
+        held = self.held
         saved = self.save()
         try:
             yield saved
@@ -250,25 +248,9 @@ class Exchange:
             if held is None:
                 self.release(saved)
 
-    @contextmanager
-    def rollback(self, part: Sequence[int]) -> Iterator[Callable[[], None]]:
-        """A function that brings the participants in `part` back to where they are now, inside the block.
-
-        Values, rates and history are left alone.
-        """
-        held = self._saved
-        states = held.states if held else {i: self.participants[i].save() for i in part}
-
-        def roll_back() -> None:
-            for i in part:
-                self.participants[i].restore(states[i])
-
-        try:
-            yield roll_back
-        finally:
-            if held is None:
-                for i in part:
-                    self.participants[i].release(states[i])
+    def rollback(self, part: Sequence[int]) -> Rollback:
+        """Inside the block, a function that brings the participants in `part` back to where they are now."""
+        return Rollback(self, part)
 
     def output_number(self, source: int) -> int:
         """A source's number among all outputs of the system; -1 for none."""
@@ -278,6 +260,32 @@ class Exchange:
         """All outputs of all participants, in the system's order."""
         for name, participant in zip(self.names, self.participants, strict=True):
             participant.read_all(values[self.system.outputs.of(name)])
+
+
+class Rollback:
+    """`with` it, calling the function that it gives brings participants back to where they were.
+
+    Values, rates and history are left alone.
+    """
+
+    def __init__(self, exchange: Exchange, part: Sequence[int]) -> None:
+        self._exchange, self._part = exchange, part
+
+    def __enter__(self) -> Callable[[], None]:
+        participants, part = self._exchange.participants, self._part
+        held = self._exchange.held
+        self._own = {} if held else {i: participants[i].save() for i in part}
+        states = held.states if held else self._own
+
+        def roll_back() -> None:
+            for i in part:
+                participants[i].restore(states[i])
+
+        return roll_back
+
+    def __exit__(self, *error: object) -> None:
+        for i, state in self._own.items():
+            self._exchange.participants[i].release(state)
 
 
 def _with_feedthrough(system: System, sources: Sequence[Port]) -> Any:

@@ -13,7 +13,7 @@ import numba
 import numpy as np
 
 from .addressed import Addressed, integers, mark_table, marks, numbers, table
-from .participants.compiled import CALLS, FINE, NOT_FINITE, advance, take
+from .participants.compiled import CALLS, FINE, NOT_FINITE, advance, give, take
 from .signals import interpolate_part
 
 if TYPE_CHECKING:
@@ -118,6 +118,28 @@ def in_turn(turns: Any, memory: Any, known: int, time: float, step: float) -> tu
             times, past, past_rates, rated, smooth, end_smooth, known, degree, end, arrived[0], arrived[1],
             signals, turn.first, turn.last,
         )  # fmt: skip
+    return 0, FINE, 0
+
+
+@numba.njit(cache=True)
+def settled(turns: Any, memory: Any, known: int, time: float, step: float) -> tuple[int, int, int]:
+    """As `passes.settled`; returns the same as `together`."""
+    m = memory[0]
+    given, origins, arrived = numbers(m.given), integers(m.origins), table(m.arrived)
+    n = arrived.shape[1]
+    for i in range(len(turns)):
+        turn = turns[i]
+        for j in range(turn.first_given, turn.first_given + turn.given_count):
+            row = origins[j] // n
+            given[j] = arrived[row, origins[j] % n] if row < arrived.shape[0] else 0.0
+        call, status = give(turn)
+        if call != FINE:
+            return i, call, status
+        call, status = take(turn)
+        if call != FINE:
+            return i, call, status
+        if not _spread(turn, m):
+            return i, NOT_FINITE, 0
     return 0, FINE, 0
 
 

@@ -79,6 +79,25 @@ def in_turn(exchange: Exchange, order: Sequence[int]) -> Pass:
     return run
 
 
+def settled(exchange: Exchange, order: Sequence[int]) -> Pass:
+    """No time passes: one after the other is given the present values, and rates, and its answer is read."""
+    if fmus := _fmus(exchange, order):
+        return fmu_passes.FmuPass(exchange, fmus, order, fmu_passes.settled)
+    e = exchange
+    present = np.zeros_like(e.signals)
+    arrived = e.arrived[: len(present)]
+    turns = [(i, e.columns[i], e.inputs[i], e.participants[i].write) for i in order]
+
+    def run(time: float, step: float) -> None:
+        for i, columns, inputs, write in turns:
+            present[:2] = arrived
+            gather(present, columns, inputs)
+            write()
+            e.read(i)
+
+    return run
+
+
 def _arrival(exchange: Exchange, i: int, following: int) -> Callable[[float], bool]:
     """Signals of participant i through its new values, and from them the inputs of the following one."""
     e, h = exchange, exchange.history

@@ -70,23 +70,28 @@ class Anderson:
     def __init__(self, carried: Carried, step: float) -> None:
         self._guess: Vector | None = None
         self._residual: Vector | None = None
-        # Columns, newest first: differences of residuals, and of results.
-        self.d_residual: list[Vector] = []
-        self.d_result: list[Vector] = []
+        # Rows, newest first: differences of residuals, and of results.
+        self.d_residual: Vector | None = None
+        self.d_result: Vector | None = None
 
     def next(self, guess: Vector, result: Vector) -> Vector:
         residual = result - guess
         if self._guess is not None and self._residual is not None:
             change = residual - self._residual
-            self.d_residual.insert(0, change)
-            self.d_result.insert(0, guess - self._guess + change)
-            del self.d_residual[self.DEPTH :], self.d_result[self.DEPTH :]
+            self.d_residual = self._with(change, self.d_residual)
+            self.d_result = self._with(guess - self._guess + change, self.d_result)
         self._guess, self._residual = guess.copy(), residual
-        if not self.d_residual:
+        if self.d_residual is None or self.d_result is None:
             return result.copy()
         # lstsq cuts directions that are linearly dependent to 1e-10: those only carry rounding.
-        weights = np.linalg.lstsq(np.column_stack(self.d_residual), residual, rcond=1e-10)[0]
-        return np.asarray(result - np.column_stack(self.d_result) @ weights)
+        weights = np.linalg.lstsq(self.d_residual.T, residual, rcond=1e-10)[0]
+        return np.asarray(result - np.ascontiguousarray(self.d_result.T) @ weights)
+
+    def _with(self, newest: Vector, rows: Vector | None) -> Vector:
+        """The newest before the others, as many as are remembered."""
+        if rows is None:
+            return newest[None]
+        return np.concatenate([newest[None], rows[: self.DEPTH - 1]])
 
     def carried(self) -> Carried:
         return {}
@@ -107,17 +112,12 @@ class QuasiNewton(Anderson):
         self._step = step
         length = carried.get("step", 0.0)
         if length and 1.0 / self.REUSED_WITHIN < step / length < self.REUSED_WITHIN:
-            self.d_residual = list(carried["d_residual"])
-            self.d_result = list(carried["d_result"])
+            self.d_residual, self.d_result = carried["d_residual"], carried["d_result"]
 
     def carried(self) -> Carried:
-        if not self.d_residual:
+        if self.d_residual is None:
             return {}
-        return {
-            "step": self._step,
-            "d_residual": np.array(self.d_residual),
-            "d_result": np.array(self.d_result),
-        }
+        return {"step": self._step, "d_residual": self.d_residual, "d_result": self.d_result}
 
 
 ACCELERATIONS: dict[str, Callable[[Carried, float], Acceleration]] = {

@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numba
 import numpy as np
 
 from models.quantities import Vector
 
 from ..errors import NonConvergenceError
 from ..exchange import Exchange
-from ..signals import evaluate, interpolate_part
 from .acceleration import Acceleration
+from .interface import Interface, interface_of
 from .restart import Sweep
 
-# A wrong end rate bends a cubic signal by 4/27 of it times the step at most.
-BEND = 4.0 / 27.0
 # Contraction below which a single observation is not trusted.
 CAUTION = 0.01
 MARGIN = 2.0
@@ -31,48 +30,16 @@ def check_limits(tolerance: float, maximum_iterations: int) -> None:
         raise ValueError(f"maximum_iterations = {maximum_iterations}: must be at least 1")
 
 
-class Interface:
-    """The end values, and for Hermite signals the end rates, of a part's sources as one vector.
-
-    In nominal units; a rate counts as what it bends its signal by.
-    """
-
-    def __init__(self, exchange: Exchange, part: Sequence[int], step: float) -> None:
-        self._exchange = exchange
-        self.slices = [exchange.slices[i] for i in part]
-        own = np.concatenate([np.arange(s.start, s.stop) for s in self.slices])
-        self.sources = own[np.isin(own, exchange.connected)]
-        self.rated = self.sources[exchange.rated[self.sources]]
-        self._values, self._rates = exchange.values.copy(), exchange.rates.copy()
-        self._scale = np.concatenate(
-            [exchange.nominal[self.sources], exchange.nominal[self.rated] / (BEND * step)]
-        )
-
-    def vector(self, values: Vector, rates: Vector) -> Vector:
-        """The vector made of all sources' values and rates."""
-        return np.asarray(np.concatenate([values[self.sources], rates[self.rated]]) / self._scale)
-
-    def predicted(self, step: float) -> Vector:
-        """The vector at the end of the signals as they are."""
-        evaluate(self._exchange.signals, step, self._values, self._rates)
-        return self.vector(self._values, self._rates)
-
-    def assume(self, vector: Vector, end: float) -> None:
-        """Let the part's signals go to the vector's content at the time `end`."""
-        given = vector * self._scale
-        self._values[self.sources] = given[: len(self.sources)]
-        self._rates[self.rated] = given[len(self.sources) :]
-        e, h = self._exchange, self._exchange.history
-        for own in self.slices:
-            interpolate_part(
-                h.times, h.values, h.rates, h.rated, h.smooth, h.end_smooth, h.count,
-                e.degree, end, self._values, self._rates, e.signals, own.start, own.stop,
-            )  # fmt: skip
-
-    def source(self, element: int) -> int:
-        """The source that an element of the vector belongs to."""
-        n = len(self.sources)
-        return int(self.sources[element] if element < n else self.rated[element - n])
+@numba.njit(cache=True)
+def _residuals(guess: Any, result: Any, found: Any) -> float:
+    """Changes of the vector, relative where it is above nominal; the largest, or NaN where one is."""
+    worst = 0.0
+    for j in range(result.shape[0]):
+        size = abs(result[j])
+        found[j] = abs(result[j] - guess[j]) / (1.0 if size < 1.0 else size)
+        if found[j] > worst or found[j] != found[j]:
+            worst = found[j]
+    return worst
 
 
 class Converging:
@@ -89,6 +56,7 @@ class Converging:
         self.tolerance = tolerance
         self._step = step
         self.residuals: list[Vector] = []
+        self._largest = 0.0  # of the last ones
         self._age = int(carried.get("age", REMEMBERED)) + 1
         self._contraction = 1.0
         if self._age < REMEMBERED:
@@ -96,10 +64,11 @@ class Converging:
 
     def add(self, guess: Vector, result: Vector, plain: bool) -> bool:
         """True if `result` is converged; `plain`: the guess was the last result."""
-        self.residuals.append(np.abs(result - guess) / np.maximum(1.0, np.abs(result)))
-        last = float(self.residuals[-1].max(initial=0.0))
+        residual = np.empty(len(result))
+        before, last = self._largest, _residuals(guess, result, residual)
+        self.residuals.append(residual)
+        self._largest = last
         if plain and len(self.residuals) == 3:  # the first sweep is of another kind
-            before = float(self.residuals[-2].max())
             self._contraction, self._age = (last / before if before > 0.0 else 0.0), 0
         if last <= self.tolerance:
             return True
@@ -144,7 +113,7 @@ def converge(
     NonConvergenceError.
     """
     end = time + step
-    interface = Interface(exchange, part, step)
+    interface = interface_of(exchange, part, step)
     guess = interface.predicted(step)
     key = f"interface {part[0]}"
     carried = exchange.carried.get(key, {})
@@ -155,7 +124,7 @@ def converge(
         for iteration in range(1, maximum_iterations + 1):
             if iteration == 1:
                 first_sweep(exchange, part, time, step)
-                exchange.settle(part)
+                exchange.settle(part, end)
                 if exchange.predicted is not None:
                     for own in interface.slices:
                         exchange.predicted[own] = exchange.values[own]
@@ -163,7 +132,7 @@ def converge(
                 roll_back()
                 interface.assume(guess, end)
                 next_sweep(exchange, part, time, step)
-            result = interface.vector(exchange.values, exchange.rates)
+            result = interface.vector()
             if progress.add(guess, result, plain):
                 exchange.carried[key] = {
                     "acceleration": acceleration.carried(),

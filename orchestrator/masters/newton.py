@@ -14,7 +14,8 @@ from models.quantities import Vector
 from ..exchange import Exchange
 from ..signals import degree_of
 from .acceleration import Carried
-from .iteration import Interface, check_limits, converge
+from .interface import interface_of
+from .iteration import check_limits, converge
 from .jacobi import parallel
 from .parts import step_in_parts
 
@@ -71,10 +72,11 @@ class Correction:
     """Newton's correction of a guess v for v = G(v): v + (1 - J)^-1 (G(v) - v)."""
 
     def __init__(self, jacobian: Vector) -> None:
-        self._matrix = np.eye(len(jacobian)) - jacobian
+        self._jacobian = jacobian
 
     def next(self, guess: Vector, result: Vector) -> Vector:
-        return np.asarray(guess + np.linalg.lstsq(self._matrix, result - guess, rcond=1e-12)[0])
+        matrix = np.eye(len(self._jacobian)) - self._jacobian
+        return np.asarray(guess + np.linalg.lstsq(matrix, result - guess, rcond=1e-12)[0])
 
     def carried(self) -> Carried:
         return {}
@@ -85,14 +87,14 @@ def measured(exchange: Exchange, part: Sequence[int], time: float, step: float) 
 
     The participants end where they were, and the signals are the extrapolation, as before.
     """
-    interface = Interface(exchange, part, step)
+    interface = interface_of(exchange, part, step)
     end = time + step
     values, rates, signals = exchange.values.copy(), exchange.rates.copy(), exchange.signals.copy()
     guess = interface.predicted(step)
     with exchange.rollback(part) as roll_back:
         interface.assume(guess, end)
         parallel(exchange, part, time, step)
-        result = interface.vector(exchange.values, exchange.rates)
+        result = interface.vector()
         found_values, found_rates = exchange.values.copy(), exchange.rates.copy()
         matrix = np.zeros((len(guess), len(guess)))
         for j in range(len(guess)):
@@ -103,7 +105,7 @@ def measured(exchange: Exchange, part: Sequence[int], time: float, step: float) 
             perturbed[j] += PERTURBATION
             interface.assume(perturbed, end)
             parallel(exchange, fed, time, step)
-            matrix[:, j] = (interface.vector(exchange.values, exchange.rates) - result) / PERTURBATION
+            matrix[:, j] = (interface.vector() - result) / PERTURBATION
             exchange.values[:], exchange.rates[:] = found_values, found_rates
         roll_back()
     exchange.values[:], exchange.rates[:], exchange.signals[:] = values, rates, signals

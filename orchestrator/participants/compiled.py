@@ -146,11 +146,20 @@ def _step(fmu: Any, time: float, step: float) -> int:
 
 
 @numba.njit(cache=True)
-def advance(fmu: Any, time: float, step: float) -> tuple[int, int]:
-    """Set the inputs and make the step; the call that did not succeed, or FINE, and its status."""
+def give(fmu: Any) -> tuple[int, int]:
+    """Set the inputs; the call that did not succeed, or FINE, and its status."""
     status = _reals(fmu, fmu.set_real, fmu.given_references, fmu.given_count, fmu.given)
     if status > WARNING:
         return SET, status
+    return FINE, status
+
+
+@numba.njit(cache=True)
+def advance(fmu: Any, time: float, step: float) -> tuple[int, int]:
+    """Set the inputs and make the step; as `give`."""
+    call, status = give(fmu)
+    if call != FINE:
+        return call, status
     status = _step(fmu, time, step)
     if status > WARNING:
         return STEP, status
@@ -159,7 +168,7 @@ def advance(fmu: Any, time: float, step: float) -> tuple[int, int]:
 
 @numba.njit(cache=True)
 def take(fmu: Any) -> tuple[int, int]:
-    """Get outputs and rates; as `advance`."""
+    """Get outputs and rates; as `give`."""
     status = _reals(fmu, fmu.get_real, fmu.taken_references, fmu.taken_count, fmu.taken)
     if status > WARNING:
         return GET, status

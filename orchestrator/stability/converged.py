@@ -12,7 +12,7 @@ from models.quantities import Vector
 from ..exchange import Exchange
 from ..masters import Master
 from ..masters.gauss_seidel import order_of, sweep
-from ..masters.iteration import Interface
+from ..masters.interface import interface_of
 from ..masters.parts import parts_of, step_in_parts
 from .bench import Bench
 
@@ -34,8 +34,8 @@ class Converged:
     def _swept(self, bench: Bench, part: list[int], step: float) -> Vector:
         """What a sweep over a part makes of the end values that its signals assumed, as a matrix."""
         e = bench.exchange
-        interface = Interface(e, part, step)
-        size = (len(interface.sources) + len(interface.rated)) // self._count
+        interface = interface_of(e, part, step)
+        size = interface.size // self._count
         matrix = np.empty((size, size))
         for first in range(0, size, self._count):
             columns = np.eye(size)[:, first : first + self._count]
@@ -45,19 +45,19 @@ class Converged:
             assumed[:, : columns.shape[1]] = columns
             interface.assume(assumed.ravel(), step)
             sweep(e, part, 0.0, step)
-            found = interface.vector(e.values, e.rates).reshape(size, self._count)
+            found = interface.vector().reshape(size, self._count)
             matrix[:, first : first + self._count] = found[:, : columns.shape[1]]
         return matrix
 
     def step(self, exchange: Exchange, time: float, step: float) -> int:
         def iterate(part: list[int]) -> int:
             matrix = self.sweeps[part[0]]
-            interface = Interface(exchange, part, step)
+            interface = interface_of(exchange, part, step)
             with exchange.rollback(part) as roll_back:
                 zero: Vector = np.zeros(len(matrix) * self._count)
                 interface.assume(zero, time + step)
                 sweep(exchange, part, time, step)
-                rest = interface.vector(exchange.values, exchange.rates).reshape(len(matrix), -1)
+                rest = interface.vector().reshape(len(matrix), -1)
                 roll_back()
                 agreed = np.linalg.solve(np.eye(len(matrix)) - matrix, rest)
                 interface.assume(agreed.ravel(), time + step)

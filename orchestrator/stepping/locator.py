@@ -97,10 +97,13 @@ class Locator:
 
         By the cubic through its values and rates at both ends, so only where it gives rates; else `length`.
         """
-        e = self._exchange
+        e, whole = self._exchange, length
         for i in self._signs[e.rated[self._signs]]:
-            v, r = start.values[i], start.rates[i]
-            second, third = hermite(v, r, e.values[i], e.rates[i], length)
+            v, r, end, end_rate = start.values[i], start.rates[i], e.values[i], e.rates[i]
+            # It lies within the hull of its Bezier points: on its other side only if one of them is.
+            if min(v * (v + r * whole / 3.0), v * (end - end_rate * whole / 3.0), v * end) >= 0.0:
+                continue
+            second, third = hermite(v, r, end, end_rate, whole)
             polynomial = Polynomial([v, r, second / 2.0, third / 6.0])
             for s in polynomial.deriv().roots():
                 if np.isreal(s) and 0.0 < s.real < length and polynomial(s.real) * v < 0.0:

@@ -1,0 +1,119 @@
+"""The interface of a part of the participants: what an iteration makes agree, as one vector."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numba
+import numpy as np
+
+from models.quantities import Vector
+
+from ..addressed import Addressed, integer_table, integers, mark_table, marks, numbers, table
+from ..exchange import Exchange
+from ..signals import evaluate, interpolate_part
+
+# A wrong end rate bends a cubic signal by 4/27 of it times the step at most.
+BEND = 4.0 / 27.0
+
+
+class Interface:
+    """The end values, and for Hermite signals the end rates, of a part's sources as one vector.
+
+    In nominal units; a rate counts as what it bends its signal by. Bound to the exchange's memory, on which
+    compiled code does what happens in every sweep.
+    """
+
+    def __init__(self, exchange: Exchange, part: Sequence[int]) -> None:
+        self._exchange = exchange
+        self.slices = [exchange.slices[i] for i in part]
+        own = np.concatenate([np.arange(s.start, s.stop) for s in self.slices])
+        self.sources = own[np.isin(own, exchange.connected)]
+        self.rated = self.sources[exchange.rated[self.sources]]
+        self.size = len(self.sources) + len(self.rated)
+        self._nominal = exchange.nominal[self.rated]
+        scale = np.concatenate([exchange.nominal[self.sources], self._nominal])
+        self._rate_scale = scale[len(self.sources) :]
+        h = exchange.history
+        bounds = np.array([(s.start, s.stop) for s in self.slices], dtype=np.int64)
+        self._memory = Addressed(
+            sources=self.sources, rate_sources=self.rated, bounds=bounds, scale=scale,
+            assumed=exchange.arrived.copy(), arrived=exchange.arrived, signals=exchange.signals,
+            times=h.times, past=h.values, past_rates=h.rates, rated=h.rated, smooth=h.smooth,
+            end_smooth=h.end_smooth,
+        )  # fmt: skip
+
+    def measure(self, step: float) -> None:
+        """Count rates as what they bend a signal by over such a step."""
+        np.divide(self._nominal, BEND * step, out=self._rate_scale)
+
+    def vector(self) -> Vector:
+        """The vector made of what the sources arrived at."""
+        found = np.empty(self.size)
+        _gather(self._memory.record, found)
+        return found
+
+    def predicted(self, step: float) -> Vector:
+        """The vector at the end of the signals as they are."""
+        found = np.empty(self.size)
+        _predict(self._memory.record, step, found)
+        return found
+
+    def assume(self, vector: Vector, end: float) -> None:
+        """Let the part's signals go to the vector's content at the time `end`."""
+        _assume(self._memory.record, vector, self._exchange.history.count, end)
+
+    def source(self, element: int) -> int:
+        """The source that an element of the vector belongs to."""
+        n = len(self.sources)
+        return int(self.sources[element] if element < n else self.rated[element - n])
+
+
+def interface_of(exchange: Exchange, part: Sequence[int], step: float) -> Interface:
+    """That of a part, made at its first use, in the units of a step."""
+    found = exchange.bound(Interface, part)
+    found.measure(step)
+    return found
+
+
+@numba.njit(cache=True)
+def _gather(memory: Any, found: Any) -> None:
+    m = memory[0]
+    _scaled(table(m.arrived), integers(m.sources), integers(m.rate_sources), numbers(m.scale), found)
+
+
+@numba.njit(cache=True)
+def _predict(memory: Any, step: float, found: Any) -> None:
+    m = memory[0]
+    assumed = table(m.assumed)
+    evaluate(table(m.signals), step, assumed[0], assumed[1])
+    _scaled(assumed, integers(m.sources), integers(m.rate_sources), numbers(m.scale), found)
+
+
+@numba.njit(cache=True)
+def _scaled(ends: Any, sources: Any, rated: Any, scale: Any, found: Any) -> None:
+    n = sources.shape[0]
+    for j in range(n):
+        found[j] = ends[0, sources[j]] / scale[j]
+    for j in range(rated.shape[0]):
+        found[n + j] = ends[1, rated[j]] / scale[n + j]
+
+
+@numba.njit(cache=True)
+def _assume(memory: Any, vector: Any, known: int, end: float) -> None:
+    m = memory[0]
+    sources, rates, scale = integers(m.sources), integers(m.rate_sources), numbers(m.scale)
+    assumed, signals, bounds = table(m.assumed), table(m.signals), integer_table(m.bounds)
+    times, past, past_rates, rated = numbers(m.times), table(m.past), table(m.past_rates), marks(m.rated)
+    smooth, end_smooth = mark_table(m.smooth), marks(m.end_smooth)
+    n = sources.shape[0]
+    for j in range(n):
+        assumed[0, sources[j]] = vector[j] * scale[j]
+    for j in range(rates.shape[0]):
+        assumed[1, rates[j]] = vector[n + j] * scale[n + j]
+    for k in range(bounds.shape[0]):
+        interpolate_part(
+            times, past, past_rates, rated, smooth, end_smooth, known, signals.shape[0] - 1, end, assumed[0],
+            assumed[1], signals, bounds[k, 0], bounds[k, 1],
+        )  # fmt: skip
