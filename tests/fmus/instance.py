@@ -15,7 +15,7 @@ from typing import Any
 OURS = ("models", "fmus", "orchestrator", "tests", "pythonfmu")
 
 
-class _Blocker:
+class Blocker:
     def __init__(self, names: tuple[str, ...]) -> None:
         self.names = names
 
@@ -214,7 +214,7 @@ def report(value: Any) -> None:
 
 
 if __name__ == "__main__":
-    sys.meta_path.insert(0, _Blocker((*OURS, *sys.argv[2:])))
+    sys.meta_path.insert(0, Blocker((*OURS, *sys.argv[2:])))
     exec(
         compile(sys.argv[1], "test", "exec"), {"Instance": Instance, "Instance3": Instance3, "report": report}
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +18,8 @@ from orchestrator.scenario_files import load
 from orchestrator.simulation import simulate
 from orchestrator.ssp import export
 from tests.fmus.conftest import Isolated, isolated
-from tests.fmus.test_importers import available
 from tests.orchestrator.recorder import Recorder
+from tests.tools.running import missing
 
 __all__ = ["isolated"]
 
@@ -104,16 +105,14 @@ def expected(scenario: Scenario) -> list[float]:
     return [recorder[f"{part}.{name}"][-1] for part in ("first", "second") for name in NAMES]
 
 
-@pytest.mark.parametrize(
-    ("tool", "code"), [("libcosimpy", LIBCOSIM), ("ecospy", ECOS)], ids=["libcosim", "ecos"]
-)
+@pytest.mark.parametrize(("tool", "code"), [("libcosim", LIBCOSIM), ("ecos", ECOS)], ids=["libcosim", "ecos"])
 def test_another_tool_comes_to_the_same(
     tool: str, code: str, package: Path, expected: list[float], isolated: Isolated
 ) -> None:
     """To the times of steps, which some count in nanoseconds or add up: 1e-9 of a value that moves by itself
     in a second."""
-    if not available(tool):
-        pytest.skip(f"{tool} cannot be imported here (ecospy needs Debian's libtbb12)")
+    if why := missing(tool, Path(sys.executable)):
+        pytest.skip(why)
     found = isolated(code.format(path=str(package), steps=STEPS, step=STEP, names=NAMES))
     np.testing.assert_allclose(found, expected, rtol=1e-9)
 

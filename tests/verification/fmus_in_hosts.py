@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
 from importlib import metadata
 
-from tests.fmus.test_importers import available, libpython
+from tests.tools.programs import libpython
+from tests.tools.running import missing
 
 from .table import Row
 
@@ -20,8 +20,7 @@ def rows() -> Iterator[Row]:
         "the host with fmi3Fatal and takes any token; docs/fmus.md, “FMI 3.0”. FMI 3.0 FMUs are native",
         short="there are none, for faults of the packager that cannot be mended from Python.",
     )
-    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-    ready = bool(compiler and libpython())
+    ready = libpython()
     yield Row(
         "pythonfmu FMUs in hosts that aren't Python: the libpython needed-entry or preload, the thread-state "
         "remedy, and no crash at exit, tested in a C host and in another importer; documented",
@@ -29,11 +28,11 @@ def rows() -> Iterator[Row]:
         "with the library loaded before and with an FMU that loads it (`fmu build --libpython`), to the "
         "last bit, "
         "with the instance freed and kept at exit, below 1 ms a step; libcosim "
-        f"{'runs' if available('libcosimpy') else 'is missing'}; docs/fmus.md, “What a host needs”",
+        f"{'is missing' if missing('libcosim') else 'runs'}; docs/fmus.md, “What a host needs”",
         (
             IMPORTERS + "test_c_program",
             IMPORTERS + "test_c_program_that_knows_nothing_of_python",
             IMPORTERS + "test_other_masters",
         ),
-        short="" if ready else "needs a C compiler and a Python with a shared library.",
+        short="" if ready else "needs a Python with a shared library.",
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -16,7 +15,8 @@ from fmus.build import NAMES, build
 from fmus.validate import validate
 from tests.fmus.instance import Instance
 from tests.fmus.reference import Reference, schedule
-from tests.fmus.test_importers import available, libpython
+from tests.tools.programs import libpython
+from tests.tools.running import missing
 
 from .table import Row
 
@@ -178,24 +178,22 @@ def _behaviour(files: dict[str, Path]) -> Iterator[Row]:
 
 
 def _hosts() -> Iterator[Row]:
-    present = {name: available(name) for name in ("libcosimpy", "ecospy")}
-    words = ", ".join(
-        f"{name} {'runs' if found else 'cannot be imported'}" for name, found in present.items()
-    )
+    present = {name: not missing(name) for name in ("libcosim", "ecos")}
+    words = ", ".join(f"{name} {'runs' if found else 'is missing'}" for name, found in present.items())
     yield Row(
         "run in at least one importer that isn't fmpy, with equal results",
         f"where this table was made: {words}; outputs equal to the last bit",
         ("fmus/test_importers.py::test_other_masters",),
         short=""
         if all(present.values())
-        else "an importer that cannot be imported is skipped by its test (ecospy needs Debian's libtbb12).",
+        else "an importer that is missing is skipped by its test (ecos needs Debian's libtbb12).",
     )
-    ready = (shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")) and libpython()
+    ready = libpython()
     yield Row(
         "run in a small host that isn't Python, with equal results",
-        f"C program (tests/fmus/host.c): {'compiled and run' if ready else 'skipped'} where this table was "
+        f"C program (tests/tools/host.c): {'compiled and run' if ready else 'skipped'} where this table was "
         "made",
         ("fmus/test_importers.py::test_c_program",),
-        short="" if ready else "needs a C compiler and a Python with a shared library.",
+        short="" if ready else "needs a Python with a shared library.",
     )
     yield Row("the documentation says what each kind of host needs", "docs/fmus.md, “What a host needs”")

@@ -1,0 +1,1 @@
+"""The tools, a file each; `tests.tools` says what such a file has."""

@@ -1,0 +1,41 @@
+"""A program in C (`tests/tools/host.c`)."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..case import Case, RefusedError
+from ..programs import Host, compiled, libpython
+
+TITLE = "program in C"
+REQUIREMENTS = ("fmpy", "ziglang")
+USE = "nothing else; for FMUs in Python, to load `libpython3.x.so` [first](fmus.md#what-a-host-needs)"
+
+
+def version() -> str:
+    from importlib.metadata import version
+
+    if libpython() is None:
+        raise RefusedError("this Python was built without a shared library, which a program would load")
+    return f"zig {version('ziglang')}"
+
+
+def values(case: Case) -> list[list[float]]:
+    with _host(case) as host:
+        return host.values(case)
+
+
+@contextmanager
+def timing(case: Case) -> Iterator[Callable[[int], float]]:
+    with _host(case) as host, host.timing(case) as seconds:
+        yield seconds
+
+
+@contextmanager
+def _host(case: Case) -> Iterator[Host]:
+    preload = str(libpython()) if case.python else "-"
+    with tempfile.TemporaryDirectory() as folder:
+        yield Host(compiled(Path(folder)), preload=preload)

@@ -1,0 +1,56 @@
+"""Runs one tool with one case, in a process of its own: `python -m tests.tools.inside HOST [CASE [RUNS]]`.
+
+Nothing of this repository's can be imported by the FMU or the tool. Tells on standard output, each as a
+line of JSON after its word: VERSION; LOADED; VALUES, those of the outputs after every step; RATE, steps per
+second, the best of RUNS; FAILED, what went wrong.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from tests.fmus.instance import Blocker
+
+from .case import Case, RefusedError
+
+OURS = ("models", "fmus", "orchestrator", "pythonfmu")
+# Steps before the first timed run, and of each.
+FIRST, STEPS = 50, 2000
+
+
+def tell(word: str, value: Any = None) -> None:
+    print(word, json.dumps(value), flush=True)
+
+
+def rate(host: Any, case: Case, runs: int) -> float:
+    """Steps per second, the best of several runs."""
+    with host.timing(case) as seconds:
+        seconds(FIRST)
+        return STEPS / min(seconds(STEPS) for _ in range(runs))
+
+
+def main(name: str, file: str = "", runs: str = "0") -> int:
+    host = importlib.import_module(f"tests.tools.hosts.{name}")
+    sys.meta_path.insert(0, Blocker(OURS))
+    try:
+        tell("VERSION", host.version())
+        if file:
+            case = Case.read(Path(file))
+            tell("VALUES", host.values(case))
+            if int(runs):
+                tell("RATE", rate(host, case, int(runs)))
+    except RefusedError as error:
+        tell("FAILED", str(error))
+        return 1
+    except Exception as error:
+        tell("FAILED", f"{type(error).__name__}: {error}")
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -1,0 +1,108 @@
+"""What every tool is asked to do with an FMU, and what the component says in this process."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import fmpy
+import numpy as np
+
+from fmus.build import build as build_python
+from fmus.build import default_structure, experiment
+from fmus.native.fmu import build as build_native
+from fmus.native.machine_code import this_platform
+from tests.fmus.reference import Reference, wave
+
+from .case import Case, equal_steps
+from .running import Answer, ask, host
+
+STEPS = 100
+
+
+@dataclass(frozen=True)
+class Kind:
+    """How an FMU is made: `structure` names its sizes in the component's folder."""
+
+    title: str
+    fmi: int
+    native: bool
+    structure: str
+
+    def build(self, name: str, platforms: Iterable[str] = ()) -> Path:
+        if self.native:
+            return build_native(name, platforms=[*platforms] or [this_platform()], fmi=self.fmi)
+        return build_python(name)
+
+
+KINDS: Mapping[str, Kind] = {
+    "python": Kind("Python, FMI 2", 2, False, "STRUCTURE"),
+    "native": Kind("native, FMI 2", 2, True, "NATIVE_STRUCTURE"),
+    "native3": Kind("native, FMI 3", 3, True, "NATIVE_STRUCTURE"),
+}
+
+
+def step_of(name: str) -> float:
+    """The power of two next to the step that the FMU offers: sums and multiples of it have no rounding."""
+    return 2.0 ** round(math.log2(experiment(name).step_size))
+
+
+def case_of(name: str, kind: Kind, fmu: Path, steps: int = STEPS) -> Case:
+    """Inputs that change from step to step, as `wave` says; all outputs that are real."""
+    reference = Reference(name, **default_structure(name, kind.structure))
+    description = fmpy.read_model_description(str(fmu), validate=False)
+    known = {v.name: v for v in description.modelVariables}
+    inputs = reference.component.inputs.names
+    outputs = [v.name for v in known.values() if v.causality == "output" and v.type in ("Real", "Float64")]
+    step = step_of(name)
+    table = [[wave(reference.component, i * step)[one] for one in inputs] for i in range(steps)]
+    return Case(
+        fmu=str(fmu),
+        fmi=kind.fmi,
+        python=not kind.native,
+        identifier=description.coSimulation.modelIdentifier,
+        token=description.guid or description.instantiationToken,
+        step=step,
+        inputs=list(inputs),
+        outputs=outputs,
+        references={one: known[one].valueReference for one in (*inputs, *outputs)},
+        table=table,
+    )
+
+
+def expected(name: str, kind: Kind, case: Case, steps: Iterable[tuple[float, float]]) -> list[list[float]]:
+    """The outputs after each of these steps (time and size)."""
+    reference = Reference(name, **default_structure(name, kind.structure))
+    outputs = reference.component.outputs
+    rated = [f"der({f.name})" for f in outputs.fields if not f.quantity.discrete]
+    found = []
+    for row, (time, size) in zip(case.rows(), steps, strict=True):
+        reference.set_inputs(row)
+        reference.t = time
+        reference.step(size)
+        known = dict(zip(outputs.names, reference.y, strict=True))
+        known |= dict(zip(rated, reference.rates(), strict=True))
+        found.append([float(known[one]) for one in case.outputs])
+    return found
+
+
+def largest_difference(found: list[list[float]], truth: list[list[float]]) -> float:
+    """Of all outputs and steps, in parts of the output's largest magnitude; infinity where one is missing."""
+    one, right = np.array(found), np.array(truth)
+    if one.shape != right.shape or not np.isfinite(one).all():
+        return math.inf
+    missed, scale = np.abs(one - right).max(axis=0), np.abs(right).max(axis=0)
+    apart = missed > 0.0
+    return float((missed[apart] / np.where(scale[apart] > 0.0, scale[apart], 1.0)).max(initial=0.0))
+
+
+def compared(name: str, fmu: str, kind: Kind, runs: int = 0) -> tuple[float | None, Answer]:
+    """The largest difference to the component, None where there are no values."""
+    case = case_of(fmu, kind, kind.build(fmu))
+    answer = ask(name, case, runs)
+    if answer.values is None:
+        return None, answer
+    steps = getattr(host(name), "steps", equal_steps)(case.steps, case.step)
+    return largest_difference(answer.values, expected(fmu, kind, case, steps)), answer
