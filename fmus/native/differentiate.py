@@ -3,7 +3,7 @@
 Every floating-point value gets a tangent, every pointer one to the tangents of what it points to, and every
 instruction is followed by its derivative. So the code that runs is differentiated, branch by branch, and not
 a formula beside it or a difference of two runs; what remains is rounding. At a kink the derivative is that of
-the branch that is taken.
+the branch that is taken. A function that a kernel calls becomes a function that computes its tangent as well.
 
     kernel_output(t, x, u, p, y)  becomes  tangent_output(t, dt, x, dx, u, du, p, dp, y, dy).
 """
@@ -11,7 +11,7 @@ the branch that is taken.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from typing import Any
 
 from .rules import RULES, ZERO, Code
@@ -23,6 +23,8 @@ unreachable
 """
 _WITHOUT = frozenset(_INSTRUCTIONS.split())
 _NO_POINTER = "null"
+_KERNEL, _TANGENT = "kernel_", "tangent_"
+_IGNORED = ("@llvm.lifetime", "@llvm.assume", "@llvm.experimental.noalias")
 
 
 class DifferentiationError(ValueError):
@@ -31,9 +33,11 @@ class DifferentiationError(ValueError):
 
 def differentiated(kernels: str, entries: Sequence[str]) -> str:
     """tangent_<entry> in LLVM's language, for these entries of translated `kernels`."""
-    module = _inlined(kernels, [f"kernel_{entry}" for entry in entries])
-    tangents = [_tangent_of(f) for f in module.functions if f.name.startswith("kernel_")]
-    known = {f.name for f in module.functions}
+    module = _simplified(kernels, {_KERNEL + entry for entry in entries})
+    functions = [f for f in module.functions if not f.is_declaration]
+    made = {f.name: _tangent_name(f.name) for f in functions}
+    tangents = [_tangent_of(f, made) for f in functions]
+    known = {f.name for f in module.functions} | set(made.values())
     calls = sorted(set(re.findall(r"= call double @([\w.]+)\((.*)\)", "\n".join(tangents))))
     new = {
         name: f"declare double @{name}({', '.join('double' for _ in arguments.split(','))})"
@@ -42,7 +46,7 @@ def differentiated(kernels: str, entries: Sequence[str]) -> str:
     }
     whole = llvm().parse_assembly("\n".join([str(module), *new.values(), *tangents]))
     for f in whole.functions:
-        if f.name.startswith("kernel_"):
+        if f.name in made:
             f.linkage = "internal"
     _run(whole, "global_dead_code_eliminate")
     return str(whole)
@@ -57,13 +61,12 @@ def llvm() -> Any:
     return llvmlite.binding
 
 
-def _inlined(kernels: str, names: Sequence[str]) -> Any:
-    """The module with these functions alone, each without calls of others, every value named."""
+def _simplified(kernels: str, names: Set[str]) -> Any:
+    """The module with these functions and what they call, every value named."""
     module = llvm().parse_assembly(kernels)
     for f in module.functions:
         if not f.is_declaration and f.name not in names:
             f.linkage = "internal"
-            f.add_function_attribute("alwaysinline")
     _run(module, speed=2)
     _run(module, "instruction_namer")
     return module
@@ -82,30 +85,41 @@ def _run(module: Any, name: str = "", speed: int = 0) -> None:
     passes.run(module, builder)
 
 
-def _tangent_of(function: Any) -> str:
-    """The text of the function that computes a kernel and its tangent."""
-    # The first two arguments are numba's: they hold nothing that has a tangent.
-    exempt = {argument.name for argument in list(function.arguments)[:2]}
-    name = function.name.replace("kernel_", "tangent_")
+def _tangent_name(name: str) -> str:
+    return _TANGENT + name.removeprefix(_KERNEL)
+
+
+def _tangent_of(function: Any, made: Mapping[str, str]) -> str:
+    """The text of the function that computes another and its tangent; `made`: the names of all of them."""
+    # The first two arguments of kernels are numba's: they hold nothing that has a tangent.
+    kernel = function.name.startswith(_KERNEL)
+    exempt = {argument.name for argument in list(function.arguments)[: 2 * kernel]}
     code = Code()
-    code.lines.append(f"define i32 @{name}({', '.join(_arguments(function, exempt))}) {{")
-    tangents = _Tangents(code, exempt)
-    ignored = ("@llvm.lifetime", "@llvm.assume", "@llvm.experimental.noalias")
+    kind = str(function.global_value_type).partition(" ")[0]
+    # They run where a host asks for derivatives, so that their size counts more than their speed.
+    code.lines.append(
+        f"define {'' if kernel else 'internal '}{kind} @{_quoted(made[function.name])}"
+        f"({', '.join(_arguments(function, exempt))}) minsize optsize {{"
+    )
+    tangents = _Tangents(code, exempt, made)
     for block in function.blocks:
         code.lines.append(f"{_quoted(block.name)}:")
-        instructions = [i for i in block.instructions if not any(name in str(i) for name in ignored)]
+        instructions = [i for i in block.instructions if not any(name in str(i) for name in _IGNORED)]
         phis = sum(i.opcode == "phi" for i in instructions)
         code.lines += map(_text, instructions[:phis])
         for i in instructions[:phis]:
             tangents.of_phi(i)
         for i in instructions[phis:]:
+            if tangents.calls(i):
+                tangents.of_known(i)
+                continue
             code.lines.append(_text(i))
             if i.opcode not in _WITHOUT:
                 tangents.of(i)
     return "\n".join([*code.lines, "}"])
 
 
-def _arguments(function: Any, exempt: set[str]) -> Iterator[str]:
+def _arguments(function: Any, exempt: Set[str]) -> Iterator[str]:
     for argument in function.arguments:
         kind, name = str(argument.type), _local(argument.name)
         yield f"{kind} {name}"
@@ -116,16 +130,41 @@ def _arguments(function: Any, exempt: set[str]) -> Iterator[str]:
 class _Tangents:
     """Writes the derivative of each instruction after it."""
 
-    def __init__(self, code: Code, exempt: set[str]) -> None:
-        self.code = code
+    def __init__(self, code: Code, exempt: Set[str], made: Mapping[str, str]) -> None:
+        self.code, self.made = code, made
         # Tangents that are known to be nothing, by the name of their value.
         self.nothing = dict.fromkeys(exempt, _NO_POINTER)
+        # Pointers of which some lead to constants, which have no place for tangents.
+        self.lost: set[str] = set()
+
+    def calls(self, i: Any) -> bool:
+        """Whether it is a call of a function that has a tangent."""
+        return i.opcode == "call" and list(i.operands)[-1].name in self.made
+
+    def of_known(self, i: Any) -> None:
+        """Such a call: that of the function that computes its tangent as well, in its place."""
+        *arguments, function = i.operands
+        given = []
+        for argument in arguments:
+            kind = str(argument.type)
+            given.append(f"{kind} {_value(argument)}")
+            if kind == "ptr" and self._is_lost(argument):
+                raise _unknown(i)
+            if kind in ("double", "ptr"):
+                given.append(f"{kind} {self._passed(argument)}")
+        kind, result = str(i.type), f"{_local(i.name)} = " if i.name else ""
+        if kind in ("double", "ptr"):
+            raise _unknown(i)
+        name = _quoted(self.made[function.name])
+        self.code.lines.append(f"  {result}call {kind} @{name}({', '.join(given)})")
 
     def of_phi(self, phi: Any) -> None:
         kind = str(phi.type)
         if kind in ("double", "ptr"):
-            pairs = zip(phi.operands, phi.incoming_blocks, strict=True)
-            arms = (f"[ {self._named(value)}, {_local(block.name)} ]" for value, block in pairs)
+            pairs = list(zip(phi.operands, phi.incoming_blocks, strict=True))
+            if kind == "ptr" and any(self._is_lost(value) for value, _ in pairs):
+                self.lost.add(phi.name)
+            arms = (f"[ {self._passed(value)}, {_local(block.name)} ]" for value, block in pairs)
             self.code.lines.append(f"  {_shadow(phi.name)} = phi {kind} {', '.join(arms)}")
 
     def of(self, i: Any) -> None:
@@ -142,15 +181,22 @@ class _Tangents:
         # A second name for it, of the one form that later uses expect; LLVM sees through it.
         self.code.lines.append(f"  {_shadow(i.name)} = select i1 true, {kind} {tangent}, {kind} {tangent}")
 
-    def _named(self, value: Any) -> str:
+    def _is_lost(self, pointer: Any) -> bool:
+        """Whether what is read there has no tangent though what is read at another may have one."""
+        constant = pointer.is_constant and _value(pointer) != _NO_POINTER
+        return constant or pointer.name in self.lost or pointer.name in self.nothing
+
+    def _passed(self, value: Any) -> str:
         """The tangent of an operand, by its name where it has one."""
-        if value.is_constant or value.is_global:
+        if value.is_constant:
             return ZERO if str(value.type) == "double" else _NO_POINTER
         return _shadow(value.name)
 
     def _tangent(self, value: Any) -> str:
         """The tangent of an operand; ZERO or null where it is known to be nothing."""
-        return self.nothing.get(value.name, self._named(value))
+        if value.is_constant:
+            return ZERO if str(value.type) == "double" else _NO_POINTER
+        return self.nothing.get(value.name) or _shadow(value.name)
 
     def _of_fadd(self, i: Any, a: Any, b: Any) -> str:
         return self.code.add(self._tangent(a), self._tangent(b))
@@ -198,11 +244,13 @@ class _Tangents:
             raise _unknown(i)
         return self.code(f"{head.partition('= ')[2]}ptr {shadow},{tail}")
 
-    def _of_alloca(self, i: Any) -> str:
+    def _of_alloca(self, i: Any, count: Any) -> str:
         return self.code(_text(i).partition("= ")[2])
 
     def _of_load(self, i: Any, place: Any) -> str | None:
         kind, shadow = str(i.type), self._tangent(place)
+        if place.name in self.lost:
+            raise _unknown(i)
         if kind != "double":
             # Whole numbers may be loaded from memory of the module's own.
             if shadow != _NO_POINTER:
@@ -212,7 +260,7 @@ class _Tangents:
 
     def _of_store(self, i: Any, value: Any, place: Any) -> None:
         shadow, kind = self._tangent(place), str(value.type)
-        if shadow == _NO_POINTER:
+        if shadow == _NO_POINTER or (kind == "ptr" and _value(value) == "null"):
             return
         if kind != "double":
             raise _unknown(i)

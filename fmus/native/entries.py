@@ -87,9 +87,9 @@ def entries(component: Any) -> Iterator[Entry]:
     yield Entry("step", entry_step, index(real, real, *[vector] * 7))
     yield Entry("output", entry_output, at_a_point, smooth=True)
     yield Entry("derivative", entry_derivative, at_a_point, smooth=True)
-    yield Entry("energy", entry_energy, at_a_point)
+    yield Entry("energy", entry_energy, at_a_point, smooth=True)
     yield Entry("slopes", entry_slopes, numba.void(vector, real, vector))
-    yield Entry("rates", entry_rates, numba.void(real, *[vector] * 6))
+    yield Entry("rates", entry_rates, numba.void(real, *[vector] * 6), smooth=True)
     yield from _of_requirements(component, n, m, parameters)
     if component.events is not None:
         yield from _of_events(component, n, m, parameters)

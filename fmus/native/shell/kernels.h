@@ -30,6 +30,10 @@ KERNEL(transition, int64_t k, double t, double *x, const double *u, const double
 
 TANGENT(output);
 TANGENT(derivative);
+TANGENT(energy);
 TANGENT(guards);
+int32_t tangent_rates(void *result, void **exception, double t, double dt, const double *x, const double *dx,
+                      const double *u, const double *du, const double *slope, const double *dslope, const double *p,
+                      const double *dp, double *work, double *dwork, double *value, double *change);
 
 #endif

@@ -6,17 +6,20 @@
 
 /* What changes: time stands still, as the standard has it. */
 typedef struct {
-    double x[STATES + 1], u[INPUTS + 1], p[PARAMETERS + 1];
+    double x[STATES + 1], u[INPUTS + 1], slopes[INPUTS + 1], p[PARAMETERS + 1];
 } Seed;
 
-/* Puts the change of one known variable into the seed; says so if it is none. */
+/* Puts the change of one known variable into the seed; says so if it is none. An input's derivatives are those at the
+   present time, as if they were set now, so that of what is calculated only rates depend on the first. */
 static Status seed_with(const Unit *unit, Seed *seed, uint32_t known, double change)
 {
     bool exchanging = unit->now.phase & (EVENT | CONTINUOUS), starting = unit->now.phase & (INSTANTIATED | INITIALIZING);
     if (!isfinite(change))
         return unit_say(unit, ERROR, "the change of value reference %u = %g: must be finite", (unsigned)known, change);
-    if (known >= INPUTS_AT && known < INPUTS_AT + INPUTS && variables[known].kind == REAL) seed->u[known - INPUTS_AT] = change;
-    else if (known < PARAMETERS && variables[known].kind == REAL) seed->p[known] = change;
+    if (known >= INPUTS_AT && known < OUTPUTS_AT && variables[known].kind == REAL) {
+        if (known < INPUTS_AT + INPUTS) seed->u[known - INPUTS_AT] = change;
+        else if (known < INPUTS_AT + 2 * INPUTS) seed->slopes[known - INPUTS_AT - INPUTS] = change;
+    } else if (known < PARAMETERS && variables[known].kind == REAL) seed->p[known] = change;
     else if (starting && known >= STARTS_AT && known < STARTS_AT + STARTED)
         seed->x[started[known - STARTS_AT]] = change;
     else if (exchanging && known >= X_AT && known < X_AT + STATES) seed->x[known - X_AT] = change;
@@ -26,28 +29,57 @@ static Status seed_with(const Unit *unit, Seed *seed, uint32_t known, double cha
     return OK;
 }
 
+static bool any(const uint32_t *references, size_t count, uint32_t from, uint32_t to)
+{
+    for (size_t i = 0; i < count; i++)
+        if (references[i] >= from && references[i] < to) return true;
+    return false;
+}
+
+/* Where the change of what is calculated lies, as its value in the memory and after it. */
+#define AT(reference) (changes + (reference) - OUTPUTS_AT)
+#define TANGENT_AT(kernel, change)                                                                                  \
+    tangent_##kernel(&(int64_t){0}, &(void *){NULL}, data[T_AT], 0.0, data + X_AT, seed->x, data + U_AT, seed->u,   \
+                     data, seed->p, value, change)
+
+/* The changes of what these references need, and perhaps of others. */
+static void change(Unit *unit, const Seed *seed, const uint32_t *unknown, size_t unknowns, double *changes)
+{
+    const double *data = unit->now.data;
+    double value[OUTPUTS + STATES + GUARDS + 3];
+    unit_ready(unit, OUTPUTS_AT);
+    memcpy(AT(X_AT), seed->x, STATES * sizeof *changes);
+    if (any(unknown, unknowns, OUTPUTS_AT, ENERGIES_AT)) TANGENT_AT(output, AT(OUTPUTS_AT));
+    if (any(unknown, unknowns, ENERGIES_AT, RATES_AT)) TANGENT_AT(energy, AT(ENERGIES_AT));
+    if (any(unknown, unknowns, RATES_AT, X_AT)) {
+        double dwork[RATES_WORK_SIZE], turned[OUTPUTS + 1];
+        kernel_slopes(&(int64_t){0}, &(void *){NULL}, data + INPUTS_AT, data[S_AT], unit->slopes);
+        tangent_rates(&(int64_t){0}, &(void *){NULL}, data[T_AT], 0.0, data + X_AT, seed->x, data + U_AT, seed->u,
+                      unit->slopes, seed->slopes, data, seed->p, unit->rates_work, dwork, value, turned);
+        for (int i = 0; i < RATED; i++) AT(RATES_AT)[i] = turned[rated[i]];
+    }
+    if (any(unknown, unknowns, DX_AT, GUARDS_AT)) TANGENT_AT(derivative, AT(DX_AT));
+#if GUARDS
+    if (any(unknown, unknowns, GUARDS_AT, GUARDS_AT + GUARDS)) TANGENT_AT(guards, AT(GUARDS_AT));
+#endif
+}
+
 Status unit_directional(Unit *unit, const uint32_t *unknown, size_t unknowns, const uint32_t *known, size_t knowns,
                         const double *changes, double *result)
 {
     Seed seed = {0};
-    const double *data = unit->now.data;
-    double value[OUTPUTS + STATES], changed[OUTPUTS + 1] = {0}, bent[STATES + 1] = {0};
+    double changed[GUARDS_AT + GUARDS - OUTPUTS_AT];
     if ((unknowns && (!unknown || !result)) || (knowns && (!known || !changes)))
         return unit_say(unit, ERROR, "no place for %zu results of %zu changes", unknowns, knowns);
     for (size_t i = 0; i < knowns; i++)
         if (seed_with(unit, &seed, known[i], changes[i]) != OK) return ERROR;
-    unit_ready(unit, OUTPUTS_AT);
-    tangent_output(&(int64_t){0}, &(void *){NULL}, data[T_AT], 0.0, data + X_AT, seed.x, data + U_AT, seed.u, data,
-                   seed.p, value, changed);
-    tangent_derivative(&(int64_t){0}, &(void *){NULL}, data[T_AT], 0.0, data + X_AT, seed.x, data + U_AT, seed.u,
-                       data, seed.p, value, bent);
     for (size_t i = 0; i < unknowns; i++) {
-        uint32_t at = unknown[i];
-        if (at >= OUTPUTS_AT && at < OUTPUTS_AT + OUTPUTS && variables[at].kind == REAL) result[i] = changed[at - OUTPUTS_AT];
-        else if (at >= DX_AT && at < DX_AT + STATES) result[i] = bent[at - DX_AT];
-        else
-            return unit_say(unit, ERROR, "value reference %u: derivatives are of outputs and of states' derivatives",
-                            (unsigned)at);
+        const Variable *variable = unit_variable(unknown[i]);
+        if (!variable || variable->kind != REAL || unknown[i] < OUTPUTS_AT || unknown[i] == T_AT)
+            return unit_say(unit, ERROR, "value reference %u: derivatives are of what is calculated and continuous",
+                            (unsigned)unknown[i]);
     }
+    change(unit, &seed, unknown, unknowns, changed);
+    for (size_t i = 0; i < unknowns; i++) result[i] = changed[unknown[i] - OUTPUTS_AT];
     return OK;
 }

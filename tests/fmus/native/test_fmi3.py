@@ -93,8 +93,8 @@ def test_derivatives_by_variables(name: str, native_files: Files, fmi3_files: Fi
     for slave in slaves:
         slave.initialize(1e-3, **values)
     outputs, inputs = (
-        [v.valueReference for n in layout.names if (v := slaves[0].variables[n]).type == "Real"]
-        for layout in (component.outputs, component.inputs)
+        [v.valueReference for n in names if (v := slaves[0].variables[n]).type == "Real"]
+        for names in ([*slaves[0].names("output"), "stored_energy"], component.inputs.names)
     )
     old, new = (
         np.array([slave.fmu.getDirectionalDerivative(outputs, [u], [1.0]) for u in inputs])
@@ -111,6 +111,17 @@ def test_derivatives_by_variables(name: str, native_files: Files, fmi3_files: Fi
     assert slaves[1].fmu.getOutputDerivatives(references, [1] * len(rates)) == slaves[1].get(rates)
     for slave in slaves:
         slave.free()
+
+
+def test_event_indicators_have_derivatives(fmi3_files: Files) -> None:
+    """Between the walls they are the distances to the upper and the lower one."""
+    slave = Instance3(fmi3_files["slider_crank"])
+    slave.fmu.enterInitializationMode()
+    names = ["event_indicator[1]", "event_indicator[2]", "event_indicator[3]", "stored_energy"]
+    unknown = [slave.variables[name].valueReference for name in names]
+    known = [slave.variables["psi_start"].valueReference]
+    assert slave.fmu.getDirectionalDerivative(unknown, known, [2.0])[:3] == [-2.0, 2.0, 0.0]
+    slave.free()
 
 
 @pytest.mark.parametrize("name", ["valve_spring", "slider_crank", "ehl_contact"])

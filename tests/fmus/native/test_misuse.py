@@ -79,9 +79,9 @@ class Host:
         reference, value = c_uint(self.at[name]), c_double(1.0)
         return getattr(self, which)(byref(reference), c_size_t(1), byref(c_int(order)), byref(value))
 
-    def directional(self, known: str, change: float = 1.0) -> int:
+    def directional(self, known: str, change: float = 1.0, of: str = "acceleration") -> int:
         one, result = c_size_t(1), c_double()
-        unknown, by = c_uint(self.at["acceleration"]), c_uint(self.at[known])
+        unknown, by = c_uint(self.at[of]), c_uint(self.at[known])
         return self.GetDirectionalDerivative(
             byref(unknown), one, byref(by), one, byref(c_double(change)), byref(result)
         )
@@ -223,6 +223,7 @@ MISUSES: dict[str, Callable[[Host], int | None]] = {
         "GetRealOutputDerivatives", "position", 2
     ),
     "a directional derivative by an output": lambda host: host.initialized().directional("position"),
+    "a directional derivative of an input": lambda host: host.initialized().directional("load", of="load"),
     "a directional derivative along NaN": lambda host: host.initialized().directional("load", math.nan),
     "no saved state (`NULL`)": lambda host: host.SetFMUstate(None),
     "too small a place for a serialised state": small_place,
