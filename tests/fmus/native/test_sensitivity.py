@@ -21,7 +21,7 @@ from fmus.native.differentiate import DifferentiationError, differentiated
 from models.component import Component
 
 from ..instance import Instance
-from ..reference import Reference, held, joined, wave
+from ..reference import Reference, joined, wave
 from .names import EVERY
 
 # Half steps of the differences, in nominal sizes: the best of several, as outputs are bent differently.
@@ -225,7 +225,7 @@ def test_derivatives_by_start_values(native_files: dict[str, Path]) -> None:
 
 
 def test_energies_and_rates_have_the_derivatives_of_their_formulas(native_files: dict[str, Path]) -> None:
-    """A mass on two springs: E = (m v^2 + k x^2 + k_c (x - x_2)^2)/2; F' = k_c (v - x_2') + c_c (a - v_2')."""
+    """Mass on two springs: E = (m v^2 + k x^2 + k_c (x - x_2)^2)/2; F' = k_c (v - x_2') + c_c (a - v_2')."""
     k, k_c, c, c_c, x, v, x_2, v_2, slope = 10.0, 40.0, 0.5, 1.0, 0.3, 2.0, 0.1, 0.7, 5.0
     slave = Instance(native_files["coupled_mass"]).initialize(
         position_start=x, velocity_start=v, other_position=x_2, other_velocity=v_2, other_position_der1=slope
