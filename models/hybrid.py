@@ -16,10 +16,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .integrator import (
+    MOST_STEPS,
     NOT_FINITE,
     OK,
     STEP_TOO_SMALL,
     TOO_MANY_EVENTS,
+    TOO_MANY_STEPS,
     copy,
     make_derivative_along,
     make_runge_kutta,
@@ -234,10 +236,14 @@ def make_hybrid_advance(component: Component) -> Any:
         g0, g = rest[0:count], rest[count : 2 * count]
         samples = shaped(rest[2 * count : (2 + points) * count], (points, count))
         copy(start, x)
-        s, micro, stalled, events = 0.0, h, 0, 0
+        s, micro, stalled, events, tried = 0.0, h, 0, 0, 0
         status = settle(t, s, x, U, u, p, g0)
         derivative_along(t, 0.0, x, U, u, p, k[0:n])
         while s < h and status == OK:
+            tried += 1
+            if tried > MOST_STEPS:
+                status = TOO_MANY_STEPS
+                break
             last = s + micro >= h
             length = h - s if last else micro
             # Time cannot be told apart more finely than this.

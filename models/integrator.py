@@ -17,12 +17,21 @@ NOT_FINITE = 1
 STEP_TOO_SMALL = 2
 TOO_MANY_EVENTS = 3
 NOT_CONVERGED = 4
+TOO_MANY_STEPS = 5
+
+# Micro-steps tried in one call, some seconds of computation. A stiffness of absurd size, whose vibrations
+# need more, would keep a step busy for days.
+MOST_STEPS = 1_000_000
 
 FAILURES = {
     NOT_FINITE: "the state is no longer finite",
     STEP_TOO_SMALL: "the micro-step had to become smaller than the resolution of time",
     TOO_MANY_EVENTS: "more events than the limit in one step",
     NOT_CONVERGED: "the implicit equations of the step did not converge",
+    TOO_MANY_STEPS: (
+        f"more than {MOST_STEPS} micro-steps in one step: something moves too fast for it; look for a "
+        "stiffness or damping that is too large or a mass that is too small, or take shorter steps"
+    ),
 }
 
 # Tolerance per micro-step, relative to nominal + |value|: four orders below the 1e-6 that the tightest
@@ -156,9 +165,13 @@ def make_advance(
         u = work[9 * n : 9 * n + m]
         start = work[9 * n + m : 10 * n + m]
         copy(start, x)
-        s, micro = 0.0, h
+        s, micro, tried = 0.0, h, 0
         derivative_along(t, 0.0, x, U, u, p, k[0:n])
         while s < h:
+            tried += 1
+            if tried > MOST_STEPS:
+                copy(x, start)
+                return TOO_MANY_STEPS
             last = s + micro >= h
             if last:
                 micro = h - s

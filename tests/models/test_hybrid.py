@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from models.component import Component, Events
-from models.integrator import NOT_FINITE, OK, TOO_MANY_EVENTS
+from models.integrator import NOT_FINITE, OK, TOO_MANY_EVENTS, TOO_MANY_STEPS
 from models.kernel import kernel
 from models.quantities import Layout, Quantity, Vector
 
@@ -184,6 +184,15 @@ def test_chatter_without_an_end_fails_and_leaves_the_state() -> None:
     x = OSCILLATOR.state.vector({"position": -1.0})
     before = x.copy()
     assert advance(x, falling(0.5, threshold=0.0), 0.0, 10.0) == TOO_MANY_EVENTS
+    assert np.array_equal(x, before)
+
+
+def test_a_vibration_that_no_step_can_follow_fails_and_leaves_the_state() -> None:
+    """1e7 rad/s for 1000 s, far from the wall."""
+    x = OSCILLATOR.state.vector({"position": -1e-6})
+    before = x.copy()
+    p = OSCILLATOR.parameters.vector({"spring": 1e14, "wall": 1.0})
+    assert advance(x, p, 0.0, 1e3) == TOO_MANY_STEPS
     assert np.array_equal(x, before)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.integrator import NOT_FINITE, OK, TOLERANCE
+from models.integrator import NOT_FINITE, OK, TOLERANCE, TOO_MANY_STEPS
 from models.monolithic import solve
 from models.quantities import Vector
 from models.system import Instance, System
@@ -108,3 +108,12 @@ def test_failure_leaves_the_state_and_says_why():
     before = runner.x.copy()
     assert runner.step(0.0, 1e-3) == NOT_FINITE
     assert np.array_equal(runner.x, before)
+
+
+@pytest.mark.parametrize(("spring_rate", "expected"), [(1e11, OK), (1e15, TOO_MANY_STEPS)])
+def test_more_vibrations_than_can_be_followed_are_refused_and_the_state_left(spring_rate, expected):
+    """At some 900 micro-steps a period: 100 and 10 000 periods, against the limit of a million."""
+    runner = loaded(spring_rate=spring_rate)
+    before = runner.x.copy()
+    assert runner.step(0.0, 1e-3) == expected
+    assert np.array_equal(runner.x, before) == (expected == TOO_MANY_STEPS)

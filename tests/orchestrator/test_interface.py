@@ -56,8 +56,8 @@ numbers = st.floats(-1.0, 1.0).filter(lambda value: abs(value) > 1e-3)
 
 @given(ends=st.tuples(numbers, numbers), rates=st.tuples(numbers, numbers), length=st.floats(1.0, 10.0))
 def test_an_indicator_that_dips_in_a_step_is_found_where_its_cubic_is_lowest(ends, rates, length):
-    """Against the cubic at a thousand instants: its second derivative is below 12 / L^2 + 6 / L, so that it is
-    lower between two of them by less than 1e-5."""
+    """Against the cubic at a thousand instants: its second derivative is below 12 / L^2 + 6 / L, so that
+    between two of them it is lower by less than 1e-5."""
     ends = ends[0], abs(ends[1]) * np.sign(ends[0])  # no change of sign from end to end
     exchange = SimpleNamespace(
         system=SimpleNamespace(instances={}),

@@ -122,7 +122,7 @@ static void fail(const char *format, ...)
     _exit(1);
 }
 
-/* Steps with absurd parameters may take for ever, as there are so many in them; hosts give up, and so does this. */
+/* Steps with absurd parameters take long, as there are so many in them; hosts give up, and so does this. */
 static sigjmp_buf way_out;
 static volatile sig_atomic_t patience; /* there is a way out */
 

@@ -151,6 +151,12 @@ def tuned_out_of_range(host: Host) -> int:
     return host.DoStep(0.0, 1e-5, 1)
 
 
+def too_stiff(host: Host) -> int:
+    assert not host.initialized().set("spring_rate", 1e15)
+    assert not host.set("load", 450.0)
+    return host.DoStep(0.0, 1e-3, 1)
+
+
 def damaged(host: Host) -> int:
     data = host.initialized().saved()
     data[len(data) // 2] = bytes([data[len(data) // 2][0] ^ 16])
@@ -213,6 +219,7 @@ MISUSES: dict[str, Callable[[Host], int | None]] = {
     "a step backwards, or from elsewhere": lambda host: host.initialized().DoStep(-1.0, 1e-5, 1),
     "an endless step": lambda host: host.initialized().DoStep(0.0, math.inf, 1),
     "a step that the component cannot make": lambda host: host.initialized().DoStep(0.0, 1e300, 1),
+    "a step with more vibrations in it than can be followed": too_stiff,
     "an input's derivative of order 4": lambda host: host.initialized().derivative(
         "SetRealInputDerivatives", "load", 4
     ),
