@@ -8,6 +8,7 @@ build leaves no trace in the building process.
 from __future__ import annotations
 
 import importlib
+import inspect
 import io
 import os
 import tempfile
@@ -23,6 +24,7 @@ from models.catalogue import CATALOGUE
 from models.component import Component
 from models.kernel import user_cache_directory
 
+from .cross_check.inside import references
 from .description import GUID_PLACE, PYTHON, Experiment, Origin, model_description
 from .documentation import page
 from .needed import with_needed
@@ -155,6 +157,8 @@ def content_of(
     licence = metadata.distribution("pythonfmu").read_text("licenses/LICENSE") or ""
     files["documentation/licenses/pythonfmu.txt"] = licence.encode()
     files |= _binaries(name, libpython) | documents(name, component)
+    if referenced(name, component):
+        files |= references(name, exchange=False)
     made_by = origin(f"PythonFMU {pythonfmu.__version__}")
     xml = model_description(component, name, experiment(name), made_by, PYTHON)
     guid = uuid.UUID(digest_of(files | {"modelDescription.xml": xml.encode()})[:32])
@@ -174,6 +178,14 @@ def chosen(
         return sizes, CATALOGUE[name](**sizes)
     except (TypeError, ValueError) as error:
         raise ValueError(f"structure of {name}: {error}") from None
+
+
+def referenced(name: str, component: Component) -> bool:
+    """Whether the reference results are of this component's sizes: the default ones of either FMU."""
+    factory = inspect.signature(CATALOGUE[name]).parameters.values()
+    usual = {parameter.name: parameter.default for parameter in factory}
+    kinds = ("STRUCTURE", "NATIVE_STRUCTURE")
+    return dict(component.structure) in [usual | default_structure(name, kind) for kind in kinds]
 
 
 def experiment(name: str) -> Experiment:

@@ -13,6 +13,7 @@ from models.component import Component
 
 from .. import build as python_build
 from .. import description3
+from ..cross_check.inside import references
 from ..description import EXCHANGE, GUID_PLACE, NATIVE, model_description
 from ..memory import Memory
 from ..sources import digest_of, shipped
@@ -67,6 +68,8 @@ def content_of(
     token = f"{{{uuid.UUID(digest[:32])}}}"
     named = tables(component, name, digest[:16], token)
     files = python_build.documents(name, component)
+    if python_build.referenced(name, component):
+        files |= references(name, exchange=True)
     described = {variable.name for variable in Memory(component).variables()}
     icon = files.pop("model.png") if fmi == 3 else files["model.png"]
     files[f"{FOLDER}/icon.png"] = icon
@@ -92,6 +95,7 @@ def _made_of(name: str, sizes: Mapping[str, int], platforms: Sequence[str]) -> s
     here = Path(__file__).parent
     files = {f"fmus/{path.relative_to(here.parent)}": path.read_bytes() for path in here.parent.rglob("*.py")}
     documents = {path.name: path.read_bytes() for path in (here.parent / name).iterdir() if path.is_file()}
+    documents |= references(name, exchange=True)
     versions = {tool: _version(tool) for tool in (*_TOOLS, "tribocosim")}
     said = f"{package} {sorted(sizes.items())} {sorted(platforms)} {versions}"
     return digest_of(files | documents | dict(_shell()) | {"said": said.encode()})

@@ -12,7 +12,7 @@ import typer
 from .analyse import run_analysis
 from .benchmark import benchmark_coupling
 from .diagnose import diagnose_run
-from .fmu import fmu_build, fmu_info, fmu_validate
+from .fmu import fmu_build, fmu_compare, fmu_cross_check, fmu_info, fmu_validate
 from .friction import friction_of_run
 from .reproduce import reproduce_source
 from .run import resume_run, run_scenario
@@ -35,10 +35,12 @@ app.command("analyse")(run_analysis)
 app.command("study")(run_study)
 app.command("reproduce")(reproduce_source)
 
-fmus = typer.Typer(help="Build and inspect the FMUs.", no_args_is_help=True)
+fmus = typer.Typer(help="Build, inspect and check FMUs.", no_args_is_help=True)
 fmus.command("build")(fmu_build)
 fmus.command("validate")(fmu_validate)
 fmus.command("info")(fmu_info)
+fmus.command("compare")(fmu_compare)
+fmus.command("cross-check")(fmu_cross_check)
 app.add_typer(fmus, name="fmu")
 
 packages = typer.Typer(help="Exchange scenarios with other tools.", no_args_is_help=True)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from .reported import reported
+from .reported import reported, say
 
 
 def built(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
@@ -68,6 +69,23 @@ def fmu_build(
     ] = None,
 ) -> None:
     """Build FMUs."""
+    for name in _checked(names, structure, native, platform, fmi, libpython):
+        sizes = dict(map(_size, structure)) if structure else None
+        with _writing(out):
+            print(
+                _native(name, out, sizes, platform, fmi) if native else _python(name, out, sizes, libpython)
+            )
+
+
+def _checked(
+    names: list[str] | None,
+    structure: list[str] | None,
+    native: bool,
+    platform: list[str] | None,
+    fmi: int,
+    libpython: str | None,
+) -> Sequence[str]:
+    """The components to build, after the options were looked at."""
     from fmus.build import NAMES
     from models.system import suggestion
 
@@ -92,12 +110,18 @@ def fmu_build(
             component_of(name, tuple((sizes or {}).items()))
         except ValueError as error:
             raise MistakeError(f"--structure: {error}") from None
-        try:
-            print(
-                _native(name, out, sizes, platform, fmi) if native else _python(name, out, sizes, libpython)
-            )
-        except OSError as error:
-            raise MistakeError(f"{out}: cannot be written ({error.strerror}); choose another --out") from None
+    return names or NAMES
+
+
+@contextmanager
+def _writing(out: Path) -> Iterator[None]:
+    """A folder that cannot be written is the user's to choose anew."""
+    from ..errors import MistakeError
+
+    try:
+        yield
+    except OSError as error:
+        raise MistakeError(f"{out}: cannot be written ({error.strerror}); choose another --out") from None
 
 
 def _python(name: str, out: Path, sizes: Mapping[str, int] | None, libpython: str | None) -> Path:
@@ -153,6 +177,67 @@ def fmu_validate(files: Annotated[list[Path], typer.Argument(help="The .fmu file
         for problem in problems:
             print(f"  {problem}")
     return 1 if found else 0
+
+
+@reported
+def fmu_cross_check(
+    names: Annotated[list[str] | None, typer.Argument(help="Components. [default: all]")] = None,
+    out: Annotated[Path, typer.Option(help="Folder in which fmus/ is made.")] = Path("cross-check"),
+    native: Annotated[bool, typer.Option("--native", help="Native FMUs, as for build.")] = False,
+    platform: Annotated[
+        list[str] | None, typer.Option(help="With --native: for it only; may be repeated. [default: all]")
+    ] = None,
+    fmi: Annotated[int, typer.Option(help="FMI version 2 or 3 (with --native).")] = 2,
+) -> None:
+    """Write FMUs with their reference results in the layout of the FMI Cross-Check project."""
+    import tempfile
+
+    from fmus.cross_check.layout import lay_out
+
+    for name in _checked(names, None, native, platform, fmi, None):
+        with _writing(out), tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
+            made = Path(folder)
+            file = _native(name, made, None, platform, fmi) if native else _python(name, made, None, None)
+            tool = "tribocosim-native" if native else "tribocosim-python"
+            for place in lay_out(name, file, tool, out):
+                print(place)
+
+
+@reported
+def fmu_compare(
+    files: Annotated[list[Path], typer.Argument(help="The .fmu files, or folders: all files below.")],
+    tolerance: Annotated[
+        float | None,
+        typer.Option(
+            help="Largest difference over a variable's largest value. [default: RelTol of the .opt file]"
+        ),
+    ] = None,
+) -> int:
+    """Run FMUs and compare with their reference results, inside the file or beside it; exit status 1 if one
+    differs, 2 if one has no reference or does not run."""
+    from fmus.cross_check.compare import compare
+    from fmus.cross_check.files import CrossCheckError
+
+    from ..errors import MistakeError
+
+    if tolerance is not None and not tolerance > 0.0:
+        raise MistakeError(f"--tolerance {tolerance:g}: must be > 0")
+    status = 0
+    for file in files:
+        below = sorted(file.rglob("*.fmu")) if file.is_dir() else [_existing(file)]
+        if not below:
+            raise MistakeError(f"{file}: has no .fmu files")
+        for path in below:
+            try:
+                found = compare(path, tolerance)
+            except CrossCheckError as error:
+                say(str(error))
+                status = 2
+                continue
+            print(path, *found, sep="\n", flush=True)
+            if not all(comparison.agrees for comparison in found):
+                status = status or 1
+    return status
 
 
 @reported

@@ -222,6 +222,13 @@ MISTAKES = {
     ("fmu", "info", "none.fmu"): "no such file",
     ("fmu", "info", "pyproject.toml"): "not an FMU",
     ("fmu", "build", "camsaft"): "did you mean camshaft?",
+    ("fmu", "cross-check", "camsaft"): "did you mean camshaft?",
+    ("fmu", "cross-check", "camshaft", "--fmi", "3"): "add --native",
+    ("fmu", "cross-check", "flywheel", "--out", "pyproject.toml"): "cannot be written",
+    ("fmu", "compare", "none.fmu"): "no such file",
+    ("fmu", "compare", "docs"): "docs: has no .fmu files",
+    ("fmu", "compare", "pyproject.toml"): "not a zip archive",
+    ("fmu", "compare", "docs", "--tolerance", "0"): "must be > 0",
     ("fmu", "build", "--structure", "coil_masses=3"): "name the one component",
     ("fmu", "build", "valve_spring", "--structure", "coil_masses"): "must be NAME=NUMBER",
     ("fmu", "build", "flywheel", "--fmi", "3"): "add --native",
@@ -265,6 +272,9 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_fmu_commands(fmu: Path) -> None:
     assert called("fmu", "validate", str(fmu)).returncode == 0
+    compared = called("fmu", "compare", str(fmu))
+    assert compared.returncode == 0
+    assert "agrees; largest" in compared.stdout
     lines = called("fmu", "info", str(fmu)).stdout.splitlines()
     (line,) = (line for line in lines if line.startswith("drive_angle "))
     assert line.split()[:5] == ["drive_angle", "Real", "input", "continuous", "rad"]

@@ -1,0 +1,252 @@
+"""Runs an FMU, ours or foreign, with its reference inputs, and compares with its reference results.
+
+Co-simulation is fmpy's; model exchange `exchange`'s, over fmpy's calls.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import fmpy
+import numpy as np
+from fmpy.model_description import ModelDescription, read_model_description
+from numpy.typing import NDArray
+
+from models.fmu_archive import FmuFileError, archive_faults, one_line, opened
+from models.monolithic.reference import SHARPEST
+
+from .exchange import integrated
+from .files import CrossCheckError, Options, Table, read_csv, read_options
+from .inside import FOLDER
+
+CO_SIMULATION, MODEL_EXCHANGE = "co-simulation", "model exchange"
+# What the solver of model exchange is told, over the tolerance of the results: errors of steps add up, and
+# impacts multiply them.
+SOLVER_SHARE = 1e-4
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What an FMU is compared with."""
+
+    options: Options
+    inputs: Table | None
+    results: Table
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """The largest difference of a variable: itself, over the largest value of the reference, and when (s)."""
+
+    variable: str
+    unit: str
+    largest: float
+    relative: float
+    time: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One way to run an FMU, how far each variable was off, and what is allowed (relative)."""
+
+    kind: str
+    options: Options
+    place: str
+    tolerance: float
+    deviations: Sequence[Deviation]
+
+    @property
+    def worst(self) -> Deviation:
+        """The variable that is furthest off."""
+        return max(self.deviations, key=lambda deviation: deviation.relative)
+
+    @property
+    def agrees(self) -> bool:
+        """Whether all variables are within the tolerance (a value that is no number is not)."""
+        return all(deviation.relative <= self.tolerance for deviation in self.deviations)
+
+    def __str__(self) -> str:
+        """A table for reading."""
+        o = self.options
+        fixed = self.kind == CO_SIMULATION and o.step_size > 0.0
+        steps = f"steps of {o.step_size:g} s" if fixed else "a solver's steps"
+        rows = [("variable", "largest difference", "relative", "at t (s)")]
+        rows += [
+            (d.variable, f"{d.largest:.2e} {d.unit}".strip(), f"{d.relative:.1e}", f"{d.time:g}")
+            for d in self.deviations
+        ]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        table = ("    " + "  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+        verdict = "agrees" if self.agrees else f"DIFFERS: {self.worst.variable}"
+        return "\n".join(
+            [
+                f"  {self.kind}, {o.start_time:g} to {o.stop_time:g} s in {steps}; {self.place}",
+                *table,
+                f"    {verdict}; largest {self.worst.relative:.1e}, allowed {self.tolerance:.0e}",
+            ]
+        )
+
+
+def compare(path: Path, tolerance: float | None = None) -> list[Comparison]:
+    """The FMU at `path`, in every way that it can be run and has a reference for.
+
+    The reference lies beside the file (`NAME_ref.csv`, `NAME_ref.opt`, and `NAME_in.csv` if there are
+    inputs), or else inside it (`extra/`). In the project's folders, .../cs/... or .../me/..., it is run so
+    only. `tolerance` replaces that of the .opt file. CrossCheckError, in one line, where there is nothing to
+    compare with or the FMU does not run.
+    """
+    files, place = _beside(path), "reference beside the file"
+    if not files:
+        files, place = _inside(path), "reference inside the file"
+    try:
+        described = read_model_description(str(path), validate=False)
+    except Exception as error:  # fmpy lets through whatever its XML libraries raise
+        raise CrossCheckError(f"{path}: modelDescription.xml cannot be read: {one_line(error)}") from None
+    found = []
+    for kind in _kinds(path, described):
+        try:
+            reference = _reference(kind, files)
+            _check_names(described, reference)
+            allowed = tolerance or reference.options.tolerance
+            result = _simulated(path, described, kind, reference, allowed)
+        except CrossCheckError as error:
+            raise CrossCheckError(f"{path}: {error}") from None
+        deviations = _deviations(described, reference.results, result)
+        found.append(Comparison(kind, reference.options, place, allowed, deviations))
+    return found
+
+
+def _kinds(path: Path, described: ModelDescription) -> list[str]:
+    """How the FMU can be run, or is to be by the folder it lies in."""
+    parts = path.resolve().parts
+    asked = parts[-6] if len(parts) > 8 and parts[-8] == "fmus" else ""
+    has = {"cs": described.coSimulation is not None, "me": described.modelExchange is not None}
+    kinds = {"cs": CO_SIMULATION, "me": MODEL_EXCHANGE}
+    wanted = [kind for kind in kinds if has[kind] and (asked not in kinds or asked == kind)]
+    if not wanted and asked in kinds:
+        raise CrossCheckError(f"{path}: lies in a folder {asked}, but is not for {kinds[asked]}")
+    if not wanted:
+        raise CrossCheckError(f"{path}: is neither for co-simulation nor for model exchange")
+    return [kinds[kind] for kind in wanted]
+
+
+def _beside(path: Path) -> dict[str, str]:
+    """Reference files that lie in the FMU's folder, by name."""
+    names = [f"{path.stem}{suffix}" for suffix in ("_ref.csv", "_ref.opt", "_in.csv")]
+    places = [path.parent / name for name in names]
+    if not places[0].is_file():
+        return {}
+    return {place.name: place.read_text("utf-8", "replace") for place in places if place.is_file()}
+
+
+def _inside(path: Path) -> dict[str, str]:
+    """Reference files that the FMU ships, by name."""
+    try:
+        with opened(path) as archive:
+            if faults := archive_faults(archive):
+                raise CrossCheckError(f"{path}: {faults[0]}")
+            names = [n for n in archive.namelist() if n.startswith(FOLDER) and n.endswith((".csv", ".opt"))]
+            texts = {name: archive.read(name).decode("utf-8", "replace") for name in names}
+    except FmuFileError as error:
+        raise CrossCheckError(str(error)) from None
+    return {name.removeprefix(FOLDER + "/"): text for name, text in texts.items()}
+
+
+def _reference(kind: str, files: Mapping[str, str]) -> Reference:
+    """What there is for this way of running. CrossCheckError if it is missing or not as the rules say."""
+    results = next((name for name in files if name.endswith("_ref.csv")), None)
+    if results is None:
+        raise CrossCheckError(
+            f"has no reference results: NAME_ref.csv must lie beside the FMU or inside it, in {FOLDER}"
+        )
+    name = results.removesuffix("_ref.csv")
+    own = f"me/{name}_ref.opt"
+    chosen = own if kind == MODEL_EXCHANGE and own in files else f"{name}_ref.opt"
+    if chosen not in files:
+        raise CrossCheckError(f"{chosen} is missing: it has the times and the tolerance")
+    inputs = files.get(f"{name}_in.csv")
+    return Reference(
+        options=read_options(files[chosen], chosen),
+        inputs=None if inputs is None else read_csv(inputs, f"{name}_in.csv"),
+        results=read_csv(files[results], results),
+    )
+
+
+def _check_names(described: ModelDescription, reference: Reference) -> None:
+    known = {variable.name for variable in described.modelVariables}
+    tables = [reference.results] if reference.inputs is None else [reference.results, reference.inputs]
+    for name in (name for table in tables for name in table.columns):
+        if name not in known:
+            raise CrossCheckError(f"has no variable {name}, which its reference files name")
+
+
+def _simulated(
+    path: Path, described: ModelDescription, kind: str, reference: Reference, allowed: float
+) -> NDArray[np.void]:
+    """The run's variables over time, as fmpy gives them; an instant may stand more than once."""
+    o, named = reference.options, [*reference.results.columns]
+    times = np.unique(reference.results.times)
+    with _silence() as said:
+        try:
+            if kind == MODEL_EXCHANGE:
+                told = max(SOLVER_SHARE * allowed, SHARPEST)
+                return integrated(path, described, o, reference.inputs, times, named, told)
+            result: NDArray[np.void] = fmpy.simulate_fmu(
+                str(path),
+                validate=False,
+                start_time=o.start_time,
+                stop_time=o.stop_time,
+                output_interval=o.step_size or o.interval or float(np.min(np.diff(times))),
+                fmi_type="CoSimulation",
+                input=None if reference.inputs is None else reference.inputs.structured(),
+                output=named,
+                model_description=described,
+            )
+            return result
+        except Exception as error:  # whatever the FMU, fmpy or the system's loader say
+            last = [line for line in said.getvalue().splitlines() if "missing input" not in line][-1:]
+            told_by = "".join(f" ({line})" for line in last)
+            raise CrossCheckError(f"{kind}: {one_line(error)}{told_by}") from None
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[io.StringIO]:
+    """What fmpy prints goes into a buffer: that inputs have no column, and what the FMU logs."""
+    buffer = io.StringIO()
+    with contextlib.redirect_stdout(buffer):
+        yield buffer
+
+
+def _deviations(described: ModelDescription, reference: Table, result: NDArray[np.void]) -> list[Deviation]:
+    """How far each variable is off at the reference's instants; between the run's own by interpolation."""
+    times = np.asarray(result["time"], dtype=np.float64)
+    units = {variable.name: variable.unit or "" for variable in described.modelVariables}
+    close = 1e-9 * max(abs(times[-1]), abs(times[0]))
+    found = []
+    for name, values in reference.columns.items():
+        run = np.asarray(result[name], dtype=np.float64)
+        apart = np.array(
+            [_apart(t, value, times, run, close) for t, value in zip(reference.times, values, strict=True)]
+        )
+        at = int(np.argmax(np.where(np.isnan(apart), np.inf, apart)))
+        size = float(np.max(np.abs(values))) or 1.0
+        unit = "" if units[name] == "1" else units[name]
+        largest, when = float(apart[at]), float(reference.times[at])
+        found.append(Deviation(name, unit, largest, largest / size, when))
+    return found
+
+
+def _apart(
+    t: float, value: float, times: NDArray[np.float64], run: NDArray[np.float64], close: float
+) -> float:
+    """The difference at t; where the run has t more than once, at an event, the least."""
+    same = np.abs(times - t) <= close
+    if np.any(same):
+        return float(np.min(np.abs(run[same] - value)))
+    if not times[0] <= t <= times[-1]:
+        return float("nan")
+    return abs(float(np.interp(t, times, run)) - value)

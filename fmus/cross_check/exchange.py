@@ -1,0 +1,231 @@
+"""A host of model exchange: the monolithic reference's CVODE over an FMU, with inputs and location of events.
+
+fmpy's own host holds inputs while its solver steps, which is good for FMUs without any.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from ctypes import POINTER, c_double
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+from fmpy.model_description import ModelDescription
+from fmpy.simulation import Recorder, instantiate_fmu
+from numpy.typing import NDArray
+
+from models.monolithic.cvode import Cvode
+from models.monolithic.march import march
+from models.monolithic.problem import Event
+from models.monolithic.reference import stiffness
+from models.quantities import Vector
+
+from .files import CrossCheckError, Options, Table
+
+# Whole numbers among inputs are set at corners only, as events.
+_CONTINUOUS = ("Real", "Float64", "Float32")
+_INTEGERS = {"Enumeration": {"2.0": "Integer", "3": "Int64"}}
+# Event iterations after which an FMU is taken to be stuck.
+_MOST = 1000
+# An instant so near to another (s, over the time) is the same.
+_SAME = 1e-12
+
+
+def integrated(
+    path: Path,
+    described: ModelDescription,
+    options: Options,
+    inputs: Table | None,
+    instants: Vector,
+    names: list[str],
+    tolerance: float,
+) -> NDArray[np.void]:
+    """Variables `names` of the FMU at `instants`, as fmpy records them, integrated to `tolerance`."""
+    folder = fmpy.extract(str(path))
+    try:
+        fmu = instantiate_fmu(folder, described, "ModelExchange")
+        try:
+            return _run(_Hosted(fmu, described, inputs), described, options, instants, names, tolerance)
+        finally:
+            fmu.freeInstance()
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _run(
+    problem: _Hosted,
+    described: ModelDescription,
+    options: Options,
+    instants: Vector,
+    names: list[str],
+    tolerance: float,
+) -> NDArray[np.void]:
+    recorder = Recorder(problem.fmu, described, names)
+    t, stop = options.start_time, options.stop_time
+    problem.initialise(t, stop)
+    z = problem.state()
+    recorder.sample(t)
+    stiff, longest = stiffness(problem, t, z, np.union1d([t, stop], instants))
+    corners = problem.corners[(problem.corners > t) & (problem.corners < stop)]
+    targets = np.union1d(corners, instants[(instants > t) & (instants <= stop)])
+    for target in targets.tolist():
+        if target - t > _SAME * abs(stop):
+            states, _ = march(problem, Cvode(problem, tolerance, stiff, longest), z, t, np.array([target]))
+            t, z = target, states[-1]
+            problem.completed(t, z)
+            z = problem.state()
+        recorder.sample(t)
+        if target in corners:
+            problem.corner(t)
+            z = problem.state()
+            recorder.sample(t)
+    return np.asarray(recorder.result())
+
+
+class _Hosted:
+    """An FMU as a problem for the reference's solvers.
+
+    Its event indicators become guards, by the sign that they have after each event; the last guard is the
+    time left to the next time event. What a transition does is the FMU's event mode.
+    """
+
+    def __init__(self, fmu: Any, described: ModelDescription, inputs: Table | None) -> None:
+        self.fmu = fmu
+        self._second = described.fmiVersion == "2.0"
+        self.size = int(described.numberOfContinuousStates)
+        self._indicators = int(described.numberOfEventIndicators)
+        self.guard_count = self._indicators + 1
+        self.nominal = np.ones(max(self.size, 1))
+        self.whole = np.zeros(self.nominal.size, dtype=bool)
+        self._rate = np.zeros(self.nominal.size)
+        self._values = np.ones(max(self._indicators, 1))
+        self._signs = np.ones(max(self._indicators, 1))
+        self._next = np.inf
+        self._table = inputs
+        self.corners = np.zeros(0) if inputs is None else np.unique(inputs.times)
+        self._row = 0
+        self._groups = _groups(described, inputs)
+
+    def initialise(self, start: float, stop: float) -> None:
+        """Ready to integrate from `start`."""
+        if self._second:
+            self.fmu.setupExperiment(startTime=start, stopTime=stop)
+            self.fmu.enterInitializationMode()
+        else:
+            self.fmu.enterInitializationMode(startTime=start, stopTime=stop)
+        self._enter(start)
+        self._set_inputs(start, discrete=True)
+        self.fmu.exitInitializationMode()
+        self._update()
+        if self.size:
+            self.fmu.getNominalsOfContinuousStates(_pointer(self.nominal), self.size)
+
+    def state(self) -> Vector:
+        """The continuous states as they are."""
+        z = np.zeros(self.nominal.size)
+        if self.size:
+            self.fmu.getContinuousStates(_pointer(z), self.size)
+        return z
+
+    def rate(self, t: float, z: Vector) -> Vector:
+        self._at(t, z)
+        get = self.fmu.getDerivatives if self._second else self.fmu.getContinuousStateDerivatives
+        if self.size:
+            get(_pointer(self._rate), self.size)
+        return self._rate
+
+    def guards(self, t: float, z: Vector) -> Vector:
+        self._at(t, z)
+        if self._indicators:
+            self.fmu.getEventIndicators(_pointer(self._values), self._indicators)
+        return np.append((self._signs * self._values)[: self._indicators], self._next - t)
+
+    def transition(self, guard: int, t: float, z: Vector) -> Event:
+        self._at(t, z)
+        self.fmu.enterEventMode()
+        self._update()
+        z[:] = self.state()
+        return Event(t, "", guard)
+
+    def completed(self, t: float, z: Vector) -> None:
+        """The solver has come to (t, z); the FMU may ask for an event."""
+        self._at(t, z)
+        asks, ends = self.fmu.completedIntegratorStep()
+        if ends:
+            raise CrossCheckError(f"the FMU ends the simulation at t = {t:g} s")
+        if asks:
+            self.transition(0, t, z)
+
+    def corner(self, t: float) -> None:
+        """From here on inputs are those of the next piece: an event."""
+        self.fmu.enterEventMode()
+        self._enter(t)
+        self._set_inputs(t, discrete=True)
+        self._update()
+
+    def _at(self, t: float, z: Vector) -> None:
+        self.fmu.setTime(t)
+        if self.size:
+            self._held = np.ascontiguousarray(z)
+            self.fmu.setContinuousStates(_pointer(self._held), self.size)
+        self._set_inputs(t, discrete=False)
+
+    def _enter(self, t: float) -> None:
+        """The piece of the inputs that begins at t, or in which t lies."""
+        if self._table is not None:
+            later = np.flatnonzero(self._table.times > t)
+            self._row = int(later[0]) - 1 if later.size else self._table.times.size - 1
+            self._row = max(self._row, 0)
+
+    def _set_inputs(self, t: float, discrete: bool) -> None:
+        if self._table is None:
+            return
+        times, i = self._table.times, self._row
+        j = min(i + 1, times.size - 1)
+        share = (min(max(t, times[i]), times[j]) - times[i]) / (times[j] - times[i]) if j > i else 0.0
+        for kind, (names, references) in self._groups.items():
+            columns = [self._table.columns[name] for name in names]
+            if kind in _CONTINUOUS:
+                values = [float(c[i] + share * (c[j] - c[i])) for c in columns]
+            elif discrete:
+                values = [int(c[i]) for c in columns]
+            else:
+                continue
+            getattr(self.fmu, f"set{kind}")(references, values)
+
+    def _update(self) -> None:
+        """Event iteration, then the signs of the indicators and the next time event."""
+        for _ in range(_MOST):
+            update = self.fmu.newDiscreteStates if self._second else self.fmu.updateDiscreteStates
+            again, ends, _, _, known, at = update()
+            if ends:
+                raise CrossCheckError("the FMU ends the simulation in an event")
+            if not again:
+                break
+        else:
+            raise CrossCheckError(f"an event of the FMU takes more than {_MOST} iterations")
+        self.fmu.enterContinuousTimeMode()
+        self._next = float(at) if known else np.inf
+        if self._indicators:
+            self.fmu.getEventIndicators(_pointer(self._values), self._indicators)
+            self._signs = np.where(self._values < 0.0, -1.0, 1.0)
+
+
+def _groups(described: ModelDescription, inputs: Table | None) -> Mapping[str, tuple[list[str], list[int]]]:
+    """Names and references of the inputs by the type whose function sets them."""
+    version = "2.0" if described.fmiVersion == "2.0" else "3"
+    groups: dict[str, tuple[list[str], list[int]]] = {}
+    for variable in described.modelVariables:
+        if inputs is not None and variable.name in inputs.columns:
+            kind = _INTEGERS.get(variable.type, {}).get(version, variable.type)
+            names, references = groups.setdefault(kind, ([], []))
+            names.append(variable.name)
+            references.append(variable.valueReference)
+    return groups
+
+
+def _pointer(values: Vector) -> Any:
+    return values.ctypes.data_as(POINTER(c_double))

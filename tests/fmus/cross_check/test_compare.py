@@ -1,0 +1,114 @@
+"""FMUs are run and compared with their references: what agrees is said to, what does not is named."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmus.build import NAMES
+from fmus.cross_check.compare import compare
+from fmus.cross_check.files import CrossCheckError, csv_text, read_csv
+from fmus.cross_check.inside import FOLDER, folder_of
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_fmus_in_python_reproduce_their_references(name: str, fmu_files: dict[str, Path]) -> None:
+    """To the tolerance that ships with each: that of the component's own steps, as the FMU adds nothing."""
+    (found,) = compare(fmu_files[name])
+    assert found.agrees, str(found)
+    assert len(found.deviations) > 1
+    assert str(found).count("\n") == len(found.deviations) + 2
+
+
+def changed(fmu: Path, target: Path, change: Callable[[str, bytes], bytes | None]) -> Path:
+    """The FMU with every file as `change` gives it; without those for which it gives None."""
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(target, "w") as new:
+        for name in old.namelist():
+            content = change(name.removeprefix(FOLDER + "/"), old.read(name))
+            if content is not None:
+                new.writestr(name, content)
+    return target
+
+
+def test_a_difference_is_found_in_the_variable_and_at_the_time_where_it_is(
+    fmu_files: dict[str, Path], tmp_path: Path
+) -> None:
+    """One number is changed by 1e-7 of the variable's largest value, ten times the tolerance."""
+
+    def moved(name: str, content: bytes) -> bytes:
+        if name != "quarter_car_chassis_ref.csv":
+            return content
+        table = read_csv(content.decode(), name)
+        column = table.columns["velocity"]
+        column[40] += 1e-7 * np.max(np.abs(column))
+        rows = np.column_stack([table.times, *table.columns.values()])
+        return csv_text(["time", *table.columns], rows.tolist(), 12).encode()
+
+    (found,) = compare(changed(fmu_files["quarter_car_chassis"], tmp_path / "moved.fmu", moved))
+    assert not found.agrees
+    assert found.worst.variable == "velocity"
+    assert found.worst.relative == pytest.approx(1e-7, rel=0.02)
+    times = read_csv(
+        (folder_of("quarter_car_chassis") / "quarter_car_chassis_ref.csv").read_text(), "ref"
+    ).times
+    assert found.worst.time == times[40]
+    assert "DIFFERS: velocity" in str(found)
+    (wider,) = compare(tmp_path / "moved.fmu", tolerance=1e-6)
+    assert wider.agrees
+
+
+def test_a_reference_beside_the_file_is_taken_first(fmu_files: dict[str, Path], tmp_path: Path) -> None:
+    """As a third party's FMU lies in the project's folders; without `OutputIntervalLength`, without `me/`."""
+    folder = tmp_path / "fmus/2.0/cs/linux64/Other/1.0/hop"
+    folder.mkdir(parents=True)
+    fmu = changed(
+        fmu_files["falling_mass"],
+        folder / "hop.fmu",
+        lambda n, c: None if n.startswith("falling_mass_") else c,
+    )
+    for suffix in ("_in.csv", "_ref.csv"):
+        text = (folder_of("falling_mass") / f"falling_mass{suffix}").read_text()
+        (folder / f"hop{suffix}").write_text(text)
+    (folder / "hop_ref.opt").write_text("StartTime,0\nStopTime,0.5\nStepSize,0.001\nRelTol,1e-6\n")
+    (found,) = compare(fmu)
+    assert found.agrees
+    assert found.place == "reference beside the file"
+    assert found.options.step_size == 1e-3
+    (folder / "hop_ref.opt").unlink()
+    with pytest.raises(CrossCheckError, match=r"hop_ref\.opt is missing"):
+        compare(fmu)
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "message"),
+    [
+        ("falling_mass_ref.csv", None, None, "has no reference results"),
+        ("falling_mass_ref.opt", None, None, "falling_mass_ref.opt is missing"),
+        ("falling_mass_ref.csv", '"velocity"', '"speed"', "has no variable speed"),
+        ("falling_mass_in.csv", '"force"', '"push"', "has no variable push"),
+        ("falling_mass_in.csv", "0.1,0,0", "0.1,a,0", "line 3 must be finite numbers"),
+        ("falling_mass_in.csv", "0.3,30,", "0.3,1e999,", "must be finite numbers"),
+        ("falling_mass_ref.opt", "StopTime, 0.5", "StopTime, -1", "must be later than StartTime"),
+    ],
+)
+def test_what_cannot_be_compared_is_said_in_one_line(
+    file: str, old: str | None, new: str, message: str, fmu_files: dict[str, Path], tmp_path: Path
+) -> None:
+    def broken(name: str, content: bytes) -> bytes | None:
+        if name != file:
+            return content
+        if old is None:
+            return None
+        assert old.encode() in content
+        return content.replace(old.encode(), new.encode())
+
+    fmu = changed(fmu_files["falling_mass"], tmp_path / "broken.fmu", broken)
+    with pytest.raises(CrossCheckError) as raised:
+        compare(fmu)
+    assert message in str(raised.value)
+    assert "\n" not in str(raised.value)
+    assert str(raised.value).startswith(str(fmu))

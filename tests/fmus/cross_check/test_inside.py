@@ -1,0 +1,48 @@
+"""What ships inside an FMU: the files beside its sources, told by the manifest of FMI-LS-REF."""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from fmus.build import NAMES, build
+from fmus.cross_check.inside import FOLDER, MANIFEST, folder_of
+
+# The standard's roles, version 1.0.0-alpha.1, of those that are used.
+ROLES = {"testcase", "result", "document"}
+LAYERED = "{http://fmi-standard.org/fmi-ls-manifest}"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_manifest_tells_of_every_file_and_of_no_other(name: str, fmu_files: dict[str, Path]) -> None:
+    with zipfile.ZipFile(fmu_files[name]) as archive:
+        root = ElementTree.fromstring(archive.read(MANIFEST))
+        there = {n.removeprefix(FOLDER + "/") for n in archive.namelist() if n.startswith(FOLDER)}
+        for file in ("README.md", f"{name}_in.csv", f"{name}_ref.csv", f"{name}_ref.opt"):
+            assert archive.read(f"{FOLDER}/{file}") == (folder_of(name) / file).read_bytes()
+    assert root.tag == "fmiReferences"
+    assert root.get(f"{LAYERED}fmi-ls-name") == FOLDER.removeprefix("extra/")
+    assert root.get(f"{LAYERED}fmi-ls-description")
+    assert re.fullmatch(r"\d+\.\d+\.\d+(-.+)?", root.get(f"{LAYERED}fmi-ls-version", ""))
+    told = {related.get("source"): related.get("role") for related in root.iter("Related")}
+    assert set(told) == there - {"fmi-ls-manifest.xml"}
+    assert set(told.values()) == ROLES
+    assert told[f"{name}_ref.csv"] == "result"
+
+
+def test_other_sizes_have_no_reference(tmp_path: Path) -> None:
+    """Eight coil masses move otherwise than two; a contact's nodes do not matter to a formula's film."""
+
+    def ships(name: str, **structure: int) -> bool:
+        with zipfile.ZipFile(build(name, tmp_path, structure)) as archive:
+            return MANIFEST in archive.namelist()
+
+    assert ships("valve_spring", coil_masses=2)
+    assert not ships("valve_spring", coil_masses=8)
+    assert ships("ehl_contact", nodes=301)
+    assert ships("ehl_contact", nodes=0)
+    assert not ships("ehl_contact", nodes=101)

@@ -1,0 +1,45 @@
+"""Folders as the FMI Cross-Check project has them, judged by the project's own script (fmpy keeps it)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from fmpy.cross_check.validate_vendor_repo import validate_repo, validate_test_fmu
+
+from fmus.build import NAMES
+from fmus.cross_check.compare import compare
+from fmus.cross_check.files import CrossCheckError
+from fmus.cross_check.layout import lay_out
+
+
+def test_the_projects_script_finds_nothing(fmu_files: dict[str, Path], tmp_path: Path) -> None:
+    """Every FMU that runs in Python, for both of its platforms."""
+    made = [folder for name in NAMES for folder in lay_out(name, fmu_files[name], "tool", tmp_path)]
+    count, _, problems = validate_repo(str(tmp_path))
+    assert problems == []
+    assert count == len(made) == 2 * len(NAMES)
+    folder = tmp_path / "fmus/2.0/cs/linux64/tool"
+    assert folder in made[0].parents
+    assert sorted(path.name for path in made[0].iterdir()) == sorted(
+        ["README.md", *(f"{NAMES[0]}{suffix}" for suffix in (".fmu", "_in.csv", "_ref.csv", "_ref.opt"))]
+    )
+    for path in made[0].iterdir():
+        assert path.stat().st_size < 1e6
+
+
+def test_the_script_does_find_what_is_wrong(fmu_files: dict[str, Path], tmp_path: Path) -> None:
+    (folder, _) = lay_out("falling_mass", fmu_files["falling_mass"], "tool", tmp_path)
+    results = folder / "falling_mass_ref.csv"
+    results.write_text(results.read_text().replace('"velocity"', '"speed"'))
+    assert "Variable 'speed' does not exist" in validate_test_fmu(str(folder))[0]
+
+
+def test_an_fmu_is_run_as_its_folder_says(fmu_files: dict[str, Path], tmp_path: Path) -> None:
+    (folder, _) = lay_out("falling_mass", fmu_files["falling_mass"], "tool", tmp_path)
+    assert [found.kind for found in compare(folder / "falling_mass.fmu")] == ["co-simulation"]
+    other = Path(str(folder).replace("/cs/", "/me/"))
+    other.parent.mkdir(parents=True)
+    folder.rename(other)
+    with pytest.raises(CrossCheckError, match="lies in a folder me, but is not for model exchange"):
+        compare(other / "falling_mass.fmu")

@@ -1,0 +1,163 @@
+"""The reference results that ship are what the code computes, to the digits that they are written with."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from pathlib import Path
+
+import fmpy.util
+import numpy as np
+import pytest
+
+from fmus.build import NAMES
+from fmus.cross_check.course import Course, course_of
+from fmus.cross_check.files import Table, csv_text, read_csv, read_options
+from fmus.cross_check.inside import folder_of
+from fmus.cross_check.reference import LEAST, MARGIN, component_of, largest, pieces_of, results, stepped
+
+# What the files are written with (5e-10), and what two solvers of 1e-12 a step leave (3e-9 at most, in the
+# slider-crank, by other compilers and libraries perhaps twice that), over an output's largest value.
+SAME = 1e-8
+
+
+def course(name: str) -> Course:
+    found = course_of(name)
+    assert found is not None
+    return found
+
+
+def shipped(name: str, file: str) -> str:
+    return (folder_of(name) / file).read_text("utf-8")
+
+
+def apart(found: Table, wanted: Table) -> dict[str, float]:
+    """By variable, over its largest value."""
+    assert found.times.tolist() == wanted.times.tolist()
+    assert list(found.columns) == list(wanted.columns)
+    columns = wanted.columns.items()
+    return {o: float(np.max(np.abs(found.columns[o] - values))) / largest(values) for o, values in columns}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_shipped_results_are_what_the_physics_gives(name: str) -> None:
+    """A change of an equation or a default fails here, by the component's and the output's name.
+
+    `python -m fmus.cross_check NAME` writes the files anew.
+    """
+    now = results(name, course(name))
+    differences = apart(
+        read_csv(now.files[f"{name}_ref.csv"], "now"), read_csv(shipped(name, f"{name}_ref.csv"), "shipped")
+    )
+    drifted = {f"{name}.{o}": difference for o, difference in differences.items() if difference > SAME}
+    assert not drifted
+    assert now.files[f"{name}_in.csv"] == shipped(name, f"{name}_in.csv")
+    assert now.files[f"me/{name}_ref.opt"] == shipped(name, f"me/{name}_ref.opt")
+    assert set(now.files) == {
+        path.relative_to(folder_of(name)).as_posix() for path in folder_of(name).rglob("*.*")
+    }
+    stated = read_options(shipped(name, f"{name}_ref.opt"), "opt").tolerance
+    measured = max(*now.stepped.values(), *now.uncertainty.values())
+    assert measured < stated
+    assert stated <= 10.0 * MARGIN * max(measured, LEAST)  # nor is it stated wider than the rule says
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter"),
+    [
+        ("valve_spring", "valve_mass"),
+        ("slider_crank", "restitution"),
+        ("ehl_contact", "viscosity"),
+        ("camshaft", "base_radius"),
+        ("cylinder_gas", "expansion_exponent"),
+        ("spring_stop", "stiffness"),
+    ],
+)
+def test_a_drift_of_a_millionth_in_the_physics_is_seen(name: str, parameter: str) -> None:
+    component, own = component_of(name), course(name)
+    instants = np.array(own.instants())
+    pieces = pieces_of(component, read_csv(shipped(name, f"{name}_in.csv"), "in"))
+    start = component.parameters.start
+    start[component.parameters.index(parameter)] *= 1.0 + 1e-6
+    rows = stepped(component, pieces, instants, own.step_size)
+    columns = {o: rows[:, component.outputs.index(o)] for o in own.outputs}
+    wanted = read_csv(shipped(name, f"{name}_ref.csv"), "shipped")
+    assert max(apart(Table(instants, columns), wanted).values()) > SAME
+
+
+def test_the_slider_cranks_horizon() -> None:
+    """As its README says: until the end a small error of the start grows less than a thousandfold."""
+    own = course("slider_crank")
+    runs = []
+    for error in (0.0, 1e-8):
+        component = component_of("slider_crank")
+        component.state.start[component.state.index("psi")] += error
+        pieces = pieces_of(component, read_csv(shipped("slider_crank", "slider_crank_in.csv"), "in"))
+        rows = stepped(component, pieces, np.array(own.instants()), own.step_size)
+        runs.append(rows[:, component.outputs.index("psi")])
+    assert 10.0 < np.max(np.abs(runs[1] - runs[0])) / 1e-8 < 1000.0
+
+
+def test_the_piston_cranks_forget_a_small_error() -> None:
+    """As the README of `piston_crank` says: sequences of impacts end in sliding, and leave nothing of it."""
+    own = course("piston_crank")
+    runs = []
+    for error in (0.0, 1e-9):
+        component = component_of("piston_crank")
+        component.state.start[component.state.index("offset")] += error
+        pieces = pieces_of(component, read_csv(shipped("piston_crank", "piston_crank_in.csv"), "in"))
+        rows = stepped(component, pieces, np.array(own.instants()), own.step_size)
+        runs.append(rows[:, component.outputs.index("piston_offset")])
+    assert abs(runs[1][-1] - runs[0][-1]) < 1e-15 < np.max(np.abs(runs[1] - runs[0]))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_files_keep_the_rules(name: str) -> None:
+    """Those of the project (4.1, appendix B), and as fmpy reads them."""
+    own, component = course(name), component_of(name)
+    assert 1 <= len(own.outputs) <= 10
+    steps = np.asarray(own.corners) / own.step_size
+    np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
+    wide = own.interval / own.step_size
+    assert abs(wide - round(wide)) < 1e-9
+    options = read_options(shipped(name, f"{name}_ref.opt"), "opt")
+    reference = folder_of(name) / f"{name}_ref.csv"
+    table = fmpy.util.read_csv(reference)
+    assert table.dtype.names == ("time", *own.outputs)
+    assert (table["time"][0], table["time"][-1]) == (options.start_time, options.stop_time)
+    inputs = fmpy.util.read_csv(folder_of(name) / f"{name}_in.csv")
+    known = {f"{f.suffixed(s)}" for f in component.inputs.fields for s in ("", "_der1")}
+    assert set(inputs.dtype.names[1:]) <= known
+    assert np.all(np.diff(inputs["time"]) >= 0.0)
+    read = fmpy.util.read_ref_opt_file(str(folder_of(name) / f"{name}_ref.opt"))
+    assert (read["StepSize"], read["StopTime"]) == (own.step_size, own.stop_time)
+    for column in table.dtype.names[1:]:
+        assert np.ptp(table[column]) > 0.0 or column in ("cam_speed", "speed"), f"{column} tells nothing"
+
+
+def test_inputs_are_read_back_as_the_broken_lines_that_they_are() -> None:
+    """Values on both sides of every corner, slopes between; a jump has one row before and one after."""
+    component = component_of("sprung_mass")
+    course = dataclasses.replace(
+        course_of("sprung_mass"),
+        corners=[0.0, 1.0, 1.0, 3.0],
+        inputs={"force": [0.0, 2.0, 5.0, 4.0]},
+    )
+    text = csv_text(*course.table())
+    assert text.splitlines()[1:] == ["0,0,2", "1,2,2", "1,5,-0.5", "3,4,-0.5"]
+    pieces = pieces_of(component, read_csv(text, "in"))
+    assert [(p.start, p.u[0], p.du[0]) for p in pieces] == [(0.0, 0.0, 2.0), (1.0, 5.0, -0.5)]
+    assert 1.0 not in course.instants()
+
+
+def test_the_page_states_the_tolerances_that_ship() -> None:
+    """In docs/cross-check.md; and what it says was measured is below them."""
+    page = (Path(__file__).parents[3] / "docs" / "cross-check.md").read_text("utf-8")
+    lines = re.findall(r"^\| `(\w+)` \| .* \| (\S+) \| (\S+) \| (\S+) \| (\S+) \|$", page, re.MULTILINE)
+    assert [name for name, *_ in lines] == list(NAMES)
+    for name, *numbers in lines:
+        stepped, stated, exchanged, allowed = map(float, numbers)
+        assert stated == read_options(shipped(name, f"{name}_ref.opt"), "opt").tolerance
+        assert allowed == read_options(shipped(name, f"me/{name}_ref.opt"), "opt").tolerance
+        assert stepped < stated
+        assert exchanged < allowed

@@ -1,0 +1,103 @@
+"""A component under given inputs: both methods find the closed form, through corners and jumps."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from models.component import Component
+from models.contact.ehl_contact import ehl_contact
+from models.monolithic import solve
+from models.monolithic.driven import Piece, solve_driven
+from models.oscillators.bouncing_mass import falling_mass
+from models.oscillators.two_masses import sprung_mass
+from models.slider_crank.slider_crank import slider_crank
+from models.system import Instance, ModelError, System
+
+# Integrators are asked for 1e-12 a step; some hundred steps add up, and times 10.
+CLOSE = 1e-9
+
+
+def pieces(component: Component, name: str, corners: list[tuple[float, float, float]]) -> list[Piece]:
+    """(start, value, slope) of the input `name`."""
+    found = []
+    for start, value, slope in corners:
+        u, du = component.inputs.start.copy(), np.zeros(component.inputs.size)
+        u[component.inputs.index(name)], du[component.inputs.index(name)] = value, slope
+        found.append(Piece(start, u, du))
+    return found
+
+
+def test_free_fall_then_a_force_that_jumps_and_grows() -> None:
+    """x'' = F/m - g, with F = 0, then 4 N, then 4 N + 20 N/s: polynomials, joined."""
+    component = falling_mass()
+    given = pieces(component, "force", [(0.0, 0.0, 0.0), (0.2, 4.0, 0.0), (0.4, 4.0, 20.0)])
+    times = np.linspace(0.0, 0.7, 29)
+    found = solve_driven(component, given, times)
+    m, g, x0 = 1.0, 9.81, 0.1
+    after = [np.clip(times - t, 0.0, None) for t in (0.2, 0.4)]
+    exact = x0 - 0.5 * g * times**2 + 4.0 * after[0] ** 2 / (2.0 * m) + 20.0 * after[1] ** 3 / (6.0 * m)
+    place = component.outputs.index("position")
+    np.testing.assert_allclose(found.outputs[:, place], exact, atol=CLOSE, rtol=0.0)
+    assert np.max(found.difference[:, place]) <= CLOSE
+
+
+def test_an_oscillator_under_a_ramp() -> None:
+    """m x'' + d x' + k x = r t: the steady lag behind r t / k, and the free motion that starts at rest."""
+    component = sprung_mass()
+    m, k, d, r = 1.0, 10.0, 0.5, 3.0
+    times = np.linspace(0.0, 4.0, 41)
+    found = solve_driven(component, pieces(component, "force", [(0.0, 0.0, r)]), times)
+    decay, w = 0.5 * d / m, math.sqrt(k / m - 0.25 * (d / m) ** 2)
+    a = r * d / k**2
+    b = (a * decay - r / k) / w
+    exact = (
+        r * times / k
+        - r * d / k**2
+        + np.exp(-decay * times) * (a * np.cos(w * times) + b * np.sin(w * times))
+    )
+    place = component.outputs.index("position")
+    np.testing.assert_allclose(found.outputs[:, place], exact, atol=CLOSE, rtol=0.0)
+
+
+def test_impacts_are_those_of_the_system_with_the_same_constant_inputs() -> None:
+    """With a crank that stands, impacts of a slider between its walls: the same solvers, another way in."""
+    component = slider_crank()
+    start = {"psi": 0.0, "psi_rate": 4.0}
+    x0 = component.state.vector(start)
+    u = component.inputs.vector({"crank_angle": 1.0})
+    times = np.linspace(0.0, 0.05, 26)
+    found = solve_driven(component, [Piece(0.0, u, np.zeros(u.size))], times, x0=x0)
+    system = System({"s": Instance(component, start=start, inputs={"crank_angle": 1.0})}, [])
+    whole = solve(system, times)
+    assert len(found.events) == len(whole.events) >= 2
+    np.testing.assert_allclose(found.outputs, whole.outputs, rtol=1e-8, atol=1e-8)
+
+
+def test_outputs_at_a_jump_are_those_after_it() -> None:
+    component = slider_crank()
+    u = component.inputs.vector({"crank_angle": 1.0})
+    later = component.inputs.vector({"crank_angle": 2.0})
+    still = np.zeros(u.size)
+    found = solve_driven(
+        component, [Piece(0.0, u, still), Piece(0.001, later, still)], np.array([0.0, 0.001])
+    )
+    place = component.outputs.index("piston_position")
+    assert found.outputs[0, place] != found.outputs[1, place]
+
+
+def test_what_cannot_be_solved_is_refused() -> None:
+    contact = ehl_contact(nodes=51)
+    p = contact.parameters.start.copy()
+    p[contact.parameters.index("film_model")] = contact.parameters.field("film_model").quantity.choices.index(
+        "line_transient"
+    )
+    with pytest.raises(ModelError, match="no form as ordinary differential equations"):
+        solve_driven(contact, pieces(contact, "approach", [(0.0, 0.0, 0.0)]), np.array([1e-3]), p=p)
+    mass = falling_mass()
+    with pytest.raises(ModelError, match="must ascend"):
+        solve_driven(mass, pieces(mass, "force", [(0.1, 0.0, 0.0), (0.1, 1.0, 0.0)]), np.array([1.0]))
+    with pytest.raises(ModelError, match="must not be behind"):
+        solve_driven(mass, pieces(mass, "force", [(0.5, 0.0, 0.0)]), np.array([0.0, 1.0]))
