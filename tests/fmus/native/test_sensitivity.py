@@ -98,17 +98,35 @@ def differences(point: Point, kind: str, place: int, size: float) -> tuple[np.nd
     return np.array(rows), np.array(rounding)
 
 
-def compare(point: Point, found: Any, names: list[str], kind: str, place: int, size: float) -> None:
-    """found: the derivatives of the variables `names`."""
-    every = point.names()
-    columns = [every.index(name) for name in names]
-    expected, rounding = (values[:, columns] for values in differences(point, kind, place, size))
-    error = np.abs(np.array(found) - expected) - RELATIVE * np.abs(expected) - rounding
-    worst = int(np.nanargmax(np.nanmin(error, axis=0)))
-    best = int(np.nanargmin(error[:, worst]))
-    assert np.nanmin(error[:, worst]) <= 0.0, (
-        f"d {names[worst]} / d {kind}[{place}] = {found[worst]:.12g} and not {expected[best, worst]:.12g}"
-    )
+@dataclass(frozen=True)
+class Derivatives:
+    """What the FMU says of the variables `names` when one value changes, whose size is about `size`."""
+
+    point: Point
+    names: list[str]
+    kind: str
+    place: int
+    size: float
+    found: np.ndarray
+
+    def missed(self) -> tuple[np.ndarray, np.ndarray]:
+        """Distances from differences beyond their rounding, and the differences: a row for each step."""
+        every = self.point.names()
+        columns = [every.index(name) for name in self.names]
+        expected, rounding = (
+            values[:, columns] for values in differences(self.point, self.kind, self.place, self.size)
+        )
+        return np.abs(self.found - expected) - rounding, expected
+
+    def check(self) -> None:
+        beyond, expected = self.missed()
+        error = beyond - RELATIVE * np.abs(expected)
+        worst = int(np.nanargmax(np.nanmin(error, axis=0)))
+        best = int(np.nanargmin(error[:, worst]))
+        assert error[best, worst] <= 0.0, (
+            f"d {self.names[worst]} / d {self.kind}[{self.place}] = {self.found[worst]:.12g} "
+            f"and not {expected[best, worst]:.12g}"
+        )
 
 
 def known_by(variables: Any, names: list[str]) -> list[str]:
@@ -141,10 +159,9 @@ def point_of(reference: Reference) -> Point:
     return Point(r.component, r.t, r.x.copy(), r.u.copy(), r.du.copy(), r.p.copy())
 
 
-@pytest.mark.parametrize("name", EVERY)
-def test_derivatives_by_inputs_and_parameters(name: str, native_files: dict[str, Path]) -> None:
-    """In co-simulation: of outputs, energies and rates by inputs, their derivatives and parameters."""
-    reference, slave = moving(name, native_files[name])
+def in_motion(name: str, fmu: Path) -> Iterator[Derivatives]:
+    """Of outputs, energies and rates by inputs, their derivatives and parameters, in co-simulation."""
+    reference, slave = moving(name, fmu)
     point, c = point_of(reference), reference.component
     names = [n for n in known_by(slave.variables, point.names()) if not n.startswith("der(state.")]
     unknown = [slave.variables[n].valueReference for n in names]
@@ -154,14 +171,20 @@ def test_derivatives_by_inputs_and_parameters(name: str, native_files: dict[str,
             variable = slave.variables[joined(field.name, order)]
             if variable.type != "Real" or field.quantity.discrete:
                 continue
-            found = slave.fmu.getDirectionalDerivative(unknown, [variable.valueReference], [1.0])
             size = field.quantity.nominal / (1e-3 if kind == "du" else 1.0)
             if kind == "p":
                 if point.p[place] in field.quantity.limits():  # a kink
                     continue
                 size = 0.1 * abs(point.p[place]) or size
-            compare(point, found, names, kind, place, size)
+            found = slave.fmu.getDirectionalDerivative(unknown, [variable.valueReference], [1.0])
+            yield Derivatives(point, names, kind, place, size, np.array(found))
     slave.free()
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_derivatives_by_inputs_and_parameters(name: str, native_files: dict[str, Path]) -> None:
+    for derivatives in in_motion(name, native_files[name]):
+        derivatives.check()
 
 
 @contextlib.contextmanager
@@ -206,7 +229,8 @@ def test_derivatives_by_states(name: str, native_files: dict[str, Path]) -> None
         for state, place in zip(states, places, strict=True):
             known = [slave.variables[state].valueReference]
             found = model.getDirectionalDerivative(unknown, known, [1.0])
-            compare(point, found, names, "x", place, c.state.nominal[place])
+            size = float(c.state.nominal[place])
+            Derivatives(point, names, "x", place, size, np.array(found)).check()
     slave.free()
 
 
