@@ -47,7 +47,7 @@ def _native_here(name: str, structure: Mapping[str, int]) -> Path:
 
 @reported
 def fmu_build(
-    names: Annotated[list[str] | None, typer.Argument(help="Components. [default: all]")] = None,
+    names: Annotated[list[str] | None, typer.Argument(help="Components.", show_default="all")] = None,
     out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("."),
     structure: Annotated[
         list[str] | None, typer.Option(help="A structural size, e.g. coil_masses=8; may be repeated.")
@@ -57,7 +57,7 @@ def fmu_build(
     ] = False,
     platform: Annotated[
         list[str] | None,
-        typer.Option(help="With --native: build for it; may be repeated. [default: all]"),
+        typer.Option(help="With --native: build for it; may be repeated.", show_default="all"),
     ] = None,
     fmi: Annotated[int, typer.Option(help="FMI version 2 or 3 (with --native: NAME-native-fmi3.fmu).")] = 2,
     libpython: Annotated[
@@ -181,11 +181,12 @@ def fmu_validate(files: Annotated[list[Path], typer.Argument(help="The .fmu file
 
 @reported
 def fmu_cross_check(
-    names: Annotated[list[str] | None, typer.Argument(help="Components. [default: all]")] = None,
+    names: Annotated[list[str] | None, typer.Argument(help="Components.", show_default="all")] = None,
     out: Annotated[Path, typer.Option(help="Folder in which fmus/ is made.")] = Path("cross-check"),
     native: Annotated[bool, typer.Option("--native", help="Native FMUs, as for build.")] = False,
     platform: Annotated[
-        list[str] | None, typer.Option(help="With --native: for it only; may be repeated. [default: all]")
+        list[str] | None,
+        typer.Option(help="With --native: for it only; may be repeated.", show_default="all"),
     ] = None,
     fmi: Annotated[int, typer.Option(help="FMI version 2 or 3 (with --native).")] = 2,
 ) -> None:
@@ -209,7 +210,7 @@ def fmu_compare(
     tolerance: Annotated[
         float | None,
         typer.Option(
-            help="Largest difference over a variable's largest value. [default: RelTol of the .opt file]"
+            help="Allowed difference over a variable's largest value.", show_default="RelTol of the .opt file"
         ),
     ] = None,
 ) -> int:

@@ -104,6 +104,7 @@ PAGES = (
             "fmus_in_hosts": "FMUs in Python: FMI 3, and hosts that are not Python",
             "ssp_packages": "SSP",
             "foreign_fmus": "FMUs from elsewhere",
+            "reference_results": "Reference results",
             "native_numbers": "Equal, faster, and a million times",
             "native_mistakes": "Bad input",
         },

@@ -13,6 +13,7 @@ from fmus.build import NAMES
 from fmus.cross_check.compare import compare
 from fmus.cross_check.files import CrossCheckError, csv_text, read_csv
 from fmus.cross_check.inside import FOLDER, folder_of
+from tests.foreign.c_fmus import fmu as foreign
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -81,6 +82,23 @@ def test_a_reference_beside_the_file_is_taken_first(fmu_files: dict[str, Path], 
     (folder / "hop_ref.opt").unlink()
     with pytest.raises(CrossCheckError, match=r"hop_ref\.opt is missing"):
         compare(fmu)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_an_fmu_from_elsewhere_against_its_closed_form(version: int, tmp_path: Path) -> None:
+    """x' = -x in C, exact in its steps; a reference without inputs, at instants between its steps too."""
+    path = Path(foreign("dahlquist", version, tmp_path))
+    times = np.arange(21) * 0.05
+    rows = np.column_stack([times, np.exp(-times)]).tolist()
+    (path.parent / f"{path.stem}_ref.csv").write_text(csv_text(["time", "x"], rows))
+    options = path.parent / f"{path.stem}_ref.opt"
+    options.write_text("StartTime, 0\nStopTime, 1\nStepSize, 0.05\nRelTol, 1e-12\n")
+    (found,) = compare(path)
+    assert found.agrees
+    options.write_text("StartTime, 0\nStopTime, 1\nStepSize, 0.1\nRelTol, 1e-3\n")
+    (between,) = compare(path)
+    assert not between.agrees  # a straight line between e^0 and e^-0.1 is up to 1.2e-3 off
+    assert between.worst.relative == pytest.approx(1.2e-3, rel=0.1)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,101 @@
+"""The coupled valve train with native FMUs, with FMUs in Python and in this process: the same numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmus.build import build
+from models.quantities import Vector
+from models.system import System
+from orchestrator import assembly
+from orchestrator.masters import GaussSeidel, Jacobi, Master
+from orchestrator.participants import Participant, fmu, in_process
+from orchestrator.scenario_files import load
+from orchestrator.simulation import simulate
+from orchestrator.stepping import Step
+
+STEP = 5e-6
+
+
+class Every:
+    """All outputs after every step."""
+
+    def __init__(self) -> None:
+        self.rows: list[Vector] = []
+
+    def begin(self, names: Sequence[str]) -> None:
+        self.names = names
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        self.rows.append(outputs().copy())
+
+    def end(self, complete: bool, message: str) -> None:
+        assert complete, message
+
+
+@cache
+def valve_train() -> tuple[System, float]:
+    """The scenario's system, set to its equilibrium, and where it ends (s): two turns of the cam."""
+    scenario = load("valve-train")
+    return assembly.at_start(scenario, assembly.system_of(scenario)), scenario.stop_time
+
+
+def ran(participants: Mapping[str, Participant], master: Master, stop: float) -> Vector:
+    """Every output after every macro step, the rows."""
+    system, _ = valve_train()
+    every = Every()
+    simulate(system, participants, master, STEP, stop, [every])
+    for participant in participants.values():
+        participant.close()
+    assert every.names == system.outputs.names
+    assert len(every.rows) == round(stop / STEP) + 1
+    return np.array(every.rows)
+
+
+@pytest.fixture(scope="module")
+def files(
+    native_files: dict[str, Path], tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, dict[str, Path]]:
+    """The FMU of every instance, by kind, with the sizes of the scenario."""
+    folder = tmp_path_factory.mktemp("in-python")
+    components = {name: instance.component for name, instance in valve_train()[0].instances.items()}
+    return {
+        "in Python": {name: build(c.name, folder, c.structure) for name, c in components.items()},
+        "native": {name: native_files[c.name] for name, c in components.items()},
+    }
+
+
+def agree(files: Mapping[str, Mapping[str, Path]], master: Callable[[], Master], stop: float) -> Vector:
+    """The run, after all three kinds gave it."""
+    system, _ = valve_train()
+    instances = system.instances.items()
+    here = ran({name: in_process(name, instance) for name, instance in instances}, master(), stop)
+    for kind, paths in files.items():
+        found = ran({name: fmu(name, paths[name], instance) for name, instance in instances}, master(), stop)
+        different = np.flatnonzero(np.any(found != here, axis=0))
+        assert [system.outputs.names[i] for i in different] == [], kind
+    return here
+
+
+def test_the_beginning_of_a_lift_is_the_same_to_the_last_bit(files: dict[str, dict[str, Path]]) -> None:
+    """From the equilibrium into the rise, with inputs that follow parabolas: every output of every step."""
+    system, _ = valve_train()
+    found = agree(files, lambda: GaussSeidel("quadratic"), 20e-3)
+    assert found[-1, system.outputs.names.index("valve_spring.valve_lift")] > 1e-5
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("master", [lambda: GaussSeidel("quadratic"), lambda: Jacobi("hold")])
+def test_both_turns_of_the_cam_are_the_same_to_the_last_bit(
+    files: dict[str, dict[str, Path]], master: Callable[[], Master]
+) -> None:
+    """Rise, nose and fall twice, with 24 000 steps; and it is a lift, not a rest."""
+    system, stop = valve_train()
+    found = agree(files, master, stop)
+    lift = found[:, system.outputs.names.index("valve_spring.valve_lift")]
+    assert 0.9 < np.max(lift) / system.p[system.parameters.names.index("camshaft.lift")] < 1.1
