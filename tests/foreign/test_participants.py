@@ -78,8 +78,16 @@ MASTERS: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("master", MASTERS)
-@pytest.mark.parametrize("version", VERSIONS)
+# Each starts two processes: one master for each version in every run.
+ALWAYS = {(2, "control"), (3, "iterated")}
+OWN = [
+    pytest.param(version, master, marks=() if (version, master) in ALWAYS else pytest.mark.long)
+    for version in VERSIONS
+    for master in MASTERS
+]
+
+
+@pytest.mark.parametrize(("version", "master"), OWN)
 def test_a_process_of_its_own_changes_no_bit(version: int, master: str, tmp_path: Path) -> None:
     """Whatever the master saves, restores and exchanges."""
     shared, own = (coupled(version, process, tmp_path, **MASTERS[master]) for process in PROCESSES)
@@ -155,14 +163,14 @@ def test_both_versions_of_fmi_give_the_same(
 def test_whole_numbers_and_truth_values_are_exchanged(version: int, process: str, tmp_path: Path) -> None:
     stair, through = fmu("stair", version, tmp_path), fmu("feedthrough", version, tmp_path)
     tables = {
-        "stair": {"participant": stair, "process": process},
+        "stair": {"participant": stair},
         "first": {
             "participant": through,
             "process": process,
             "parameters": {"count": 3, "negate": True, "offset": 0.5},
             "inputs": {"real in": 2.0},
         },
-        "second": {"participant": through, "process": process},
+        "second": {"participant": through},
     }
     lines = [
         "stair.counter -> first.whole_in",
@@ -248,8 +256,10 @@ def test_a_step_that_returns_early_is_gone_on_with(tmp_path: Path) -> None:
     np.testing.assert_allclose(early, whole, rtol=400 * EPSILON)
 
 
-@pytest.mark.parametrize("process", PROCESSES)
-@pytest.mark.parametrize(("signal", "order"), [("hold", 1), ("linear", 2), ("quadratic", 3)])
+@pytest.mark.parametrize(
+    ("signal", "order", "process"),
+    [("hold", 1, "shared"), ("linear", 2, "shared"), ("quadratic", 3, "shared"), ("quadratic", 3, "own")],
+)
 def test_inputs_follow_signals_by_the_standards_call(
     signal: str, order: int, process: str, tmp_path: Path
 ) -> None:
