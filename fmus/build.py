@@ -24,7 +24,7 @@ from models.catalogue import CATALOGUE
 from models.component import Component
 from models.kernel import user_cache_directory
 
-from .cross_check.inside import references
+from .cross_check.inside import TOLD, references
 from .description import GUID_PLACE, PYTHON, Experiment, Origin, model_description
 from .documentation import page
 from .needed import with_needed
@@ -90,11 +90,11 @@ def build(
     replaced whole: a reader sees the old or the new one. KeyError with the known names for an unknown one;
     ValueError for sizes that the component refuses, and for what cannot be such a library.
     """
-    content = packed(content_of(name, structure, libpython))
+    files = content_of(name, structure, libpython)
     if destination is not None:
-        return written(content, name, Path(destination))
-    target = cached(name, digest_of({"": content}))
-    return target if target.is_file() else written(content, name, target)
+        return written(packed(files), name, Path(destination))
+    target = cached(name, digest_of(files))
+    return target if target.is_file() else written(packed(files), name, target)
 
 
 def cached(name: str, digest: str) -> Path:
@@ -230,8 +230,9 @@ def _binaries(name: str, libpython: str | None) -> dict[str, bytes]:
 def documents(name: str, component: Component) -> dict[str, bytes]:
     """What every FMU has for its readers."""
     folder = HERE / name
+    readme = (folder / "README.md").read_text("utf-8") + (TOLD if referenced(name, component) else "")
     return {
-        "documentation/index.html": page((folder / "README.md").read_text("utf-8"), component).encode(),
+        "documentation/index.html": page(readme, component).encode(),
         "documentation/licenses/LICENSE": _license().encode(),
         "model.png": (folder / "model.png").read_bytes(),
     }

@@ -12,6 +12,14 @@ from xml.sax.saxutils import quoteattr
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 MANIFEST = f"{FOLDER}/fmi-ls-manifest.xml"
 
+# What the FMU's documentation says of it.
+TOLD = f"""
+## Reference results
+
+Inputs and results of a run, found by another solver, are in `{FOLDER}/` of this file; the `README.md` there
+says what happens in it and within what an FMU agrees. `tribocosim fmu compare` runs the FMU and compares.
+"""
+
 _NAMESPACE = "http://fmi-standard.org/fmi-ls-manifest"
 _HEAD = f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiReferences xmlns:fmi-ls="{_NAMESPACE}"

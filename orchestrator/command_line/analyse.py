@@ -16,8 +16,8 @@ def run_analysis(
     name: Annotated[
         str | None,
         typer.Argument(
-            help="An analysis, your own as module:object, or a scenario: how each master will do. "
-            "[default: list the analyses]"
+            help="An analysis, your own as module:object, or a scenario: how each master will do. ",
+            show_default="list the analyses",
         ),
     ] = None,
     set_: Annotated[
@@ -44,7 +44,7 @@ def run_analysis(
     ] = False,
     out: Annotated[
         Path | None,
-        typer.Option(help="Output folder. [default: results/NAME, or results/SCENARIO-stability]"),
+        typer.Option(help="Output folder.", show_default="results/NAME, or results/SCENARIO-stability"),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
 ) -> None:

@@ -15,7 +15,7 @@ from .reported import reported
 def benchmark_coupling(
     problem: Annotated[str, typer.Option(help="quarter-car, two-masses or valve-train.")] = "quarter-car",
     out: Annotated[
-        Path | None, typer.Option(help="Output folder. [default: results/benchmark-PROBLEM]")
+        Path | None, typer.Option(help="Output folder.", show_default="results/benchmark-PROBLEM")
     ] = None,
     duration: Annotated[float | None, typer.Option(help="Simulated time in seconds.")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,

@@ -216,28 +216,28 @@ def fmu_compare(
 ) -> int:
     """Run FMUs and compare with their reference results, inside the file or beside it; exit status 1 if one
     differs, 2 if one has no reference or does not run."""
-    from fmus.cross_check.compare import compare
+    from fmus.cross_check.apart import compared
     from fmus.cross_check.files import CrossCheckError
 
     from ..errors import MistakeError
 
     if tolerance is not None and not tolerance > 0.0:
         raise MistakeError(f"--tolerance {tolerance:g}: must be > 0")
-    status = 0
+    paths: list[Path] = []
     for file in files:
         below = sorted(file.rglob("*.fmu")) if file.is_dir() else [_existing(file)]
         if not below:
             raise MistakeError(f"{file}: has no .fmu files")
-        for path in below:
-            try:
-                found = compare(path, tolerance)
-            except CrossCheckError as error:
-                say(str(error))
-                status = 2
-                continue
-            print(path, *found, sep="\n", flush=True)
-            if not all(comparison.agrees for comparison in found):
-                status = status or 1
+        paths += below
+    status = 0
+    for path, found in compared(paths, tolerance):
+        if isinstance(found, CrossCheckError):
+            say(str(found))
+            status = 2
+            continue
+        print(path, *found, sep="\n", flush=True)
+        if not all(comparison.agrees for comparison in found):
+            status = status or 1
     return status
 
 

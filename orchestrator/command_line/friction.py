@@ -16,7 +16,7 @@ COEFFICIENT = 1e-17
 @reported
 def friction_of_run(
     folder: Annotated[Path, typer.Argument(help="A run's output folder, of a valve train.")],
-    contact: Annotated[str | None, typer.Option(help="One contact. [default: all]")] = None,
+    contact: Annotated[str | None, typer.Option(help="One contact.", show_default="all")] = None,
     wear_coefficient: Annotated[
         float, typer.Option(help="Wear volume over load times sliding distance, in m2/N.")
     ] = COEFFICIENT,

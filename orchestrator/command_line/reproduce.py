@@ -13,7 +13,7 @@ from .reported import reported
 @reported
 def reproduce_source(
     source: Annotated[str, typer.Argument(help="A published source: farahanchi1991, films or kushwaha2000.")],
-    out: Annotated[Path | None, typer.Option(help="Output folder. [default: results/SOURCE]")] = None,
+    out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="results/SOURCE")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
 ) -> None:
     """Draw the figures of a published source and check its quantitative statements."""

@@ -14,7 +14,7 @@ from .reported import reported, say
 @reported
 def run_scenario(
     scenario: Annotated[str, typer.Argument(help="A shipped scenario, or the path of a .toml file.")],
-    out: Annotated[Path | None, typer.Option(help="Output folder. [default: results/SCENARIO]")] = None,
+    out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO")] = None,
     set_: Annotated[
         list[str] | None,
         typer.Option(

@@ -14,7 +14,7 @@ from .reported import reported
 @reported
 def ssp_export(
     scenario: Annotated[str, typer.Argument(help="A shipped scenario, or the path of a .toml file.")],
-    out: Annotated[Path | None, typer.Option(help="The file. [default: SCENARIO.ssp]")] = None,
+    out: Annotated[Path | None, typer.Option(help="The file.", show_default="SCENARIO.ssp")] = None,
     set_: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario, as for run."),
@@ -39,7 +39,7 @@ def ssp_export(
 @reported
 def ssp_import(
     file: Annotated[Path, typer.Argument(help="The .ssp file.")],
-    out: Annotated[Path | None, typer.Option(help="The folder. [default: the file's name]")] = None,
+    out: Annotated[Path | None, typer.Option(help="The folder.", show_default="the file's name")] = None,
 ) -> None:
     """Write an SSP package as a scenario file with its FMUs, to be changed; `run` takes packages too."""
     from ..errors import MistakeError

@@ -14,13 +14,15 @@ from .reported import reported
 @reported
 def run_study(
     study: Annotated[str, typer.Argument(help="A shipped study, or the path of a .toml file.")],
-    out: Annotated[Path | None, typer.Option(help="The zarr store. [default: results/STUDY.zarr]")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="The zarr store.", show_default="results/STUDY.zarr")
+    ] = None,
     scheduler: Annotated[
         str | None,
         typer.Option(metavar="ADDRESS", help="Use a dask scheduler that runs, e.g. tcp://host:8786."),
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes on this machine. [default: one a core]")
+        int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one a core")
     ] = None,
     timeout: Annotated[
         float, typer.Option(min=0.1, help="Seconds to wait for the scheduler's answer.")

@@ -8,7 +8,9 @@ import subprocess
 import sys
 import tomllib
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -252,6 +254,20 @@ def test_listing_and_version() -> None:
     assert all(name in listed.stdout for name in ("valve-train", "run-up"))
     assert called("--version").stdout.startswith("tribocosim ")
     assert json.loads(called("scenarios", "--schema").stdout)["title"] == "tribocosim scenario"
+
+
+def test_no_help_has_words_that_are_swallowed_as_markup() -> None:
+    """What stands in square brackets is a style to the help's formatter: defaults are given as such."""
+
+    def helps(command: Any) -> Iterator[str]:
+        for one in getattr(command, "commands", {}).values():
+            yield from helps(one)
+        yield command.help or ""
+        yield from (getattr(parameter, "help", None) or "" for parameter in command.params)
+
+    texts = list(helps(typer.main.get_command(app)))
+    assert len(texts) > 50
+    assert [text for text in texts if "[" in text] == []
 
 
 def test_importing_the_command_line_imports_nothing_slow() -> None:

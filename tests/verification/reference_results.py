@@ -68,8 +68,8 @@ def _shipped(files: list[Path], out: Path) -> Row:
     return Row(
         "reference results in FMI cross-check layout ship with each FMU",
         f"inside {sum(size > 0.0 for size in sizes)} of {len(files)} files (in Python, native FMI 2.0, 3.0), "
-        f"{min(sizes):.1f} to {max(sizes):.1f} kB; the project's own script finds {len(problems)} problems in "
-        f"the {folders} folders that `fmu cross-check` makes of them",
+        f"{min(sizes):.1f} to {max(sizes):.1f} kB; the project's own script finds {len(problems)} problems "
+        f"in the {folders} folders that `fmu cross-check` makes of them",
         (
             TESTS + "test_layout.py::test_the_projects_script_finds_nothing",
             TESTS + "test_inside.py::test_the_manifest_tells_of_every_file_and_of_no_other",

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from fmus.build import NAMES
+from fmus.cross_check.apart import compared
 from fmus.cross_check.compare import compare
 from fmus.cross_check.files import CrossCheckError, csv_text, read_csv
 from fmus.cross_check.inside import FOLDER, folder_of
@@ -99,6 +100,20 @@ def test_an_fmu_from_elsewhere_against_its_closed_form(version: int, tmp_path: P
     (between,) = compare(path)
     assert not between.agrees  # a straight line between e^0 and e^-0.1 is up to 1.2e-3 off
     assert between.worst.relative == pytest.approx(1.2e-3, rel=0.1)
+
+
+def test_a_crash_is_an_answer_and_the_next_file_is_run(fmu_files: dict[str, Path], tmp_path: Path) -> None:
+    paths = [Path(foreign("crashing", 2, tmp_path)), fmu_files["falling_mass"], tmp_path / "none.fmu"]
+    (tmp_path / f"{paths[0].stem}_ref.csv").write_text('"time","x"\n0,1\n1,0\n')
+    (tmp_path / f"{paths[0].stem}_ref.opt").write_text(
+        "StartTime, 0\nStopTime, 1\nStepSize, 0.1\nRelTol, 1e-3\n"
+    )
+    (_, crashed), (_, found), (_, absent) = compared(paths, None)
+    assert isinstance(crashed, CrossCheckError)
+    assert "the FMU crashed: it ended the process" in str(crashed)
+    assert not isinstance(found, CrossCheckError)
+    assert found[0].agrees
+    assert "no such file" in str(absent)
 
 
 @pytest.mark.parametrize(

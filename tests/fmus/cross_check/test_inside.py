@@ -24,6 +24,7 @@ def test_the_manifest_tells_of_every_file_and_of_no_other(name: str, fmu_files: 
         there = {n.removeprefix(FOLDER + "/") for n in archive.namelist() if n.startswith(FOLDER)}
         for file in ("README.md", f"{name}_in.csv", f"{name}_ref.csv", f"{name}_ref.opt"):
             assert archive.read(f"{FOLDER}/{file}") == (folder_of(name) / file).read_bytes()
+        assert FOLDER in archive.read("documentation/index.html").decode()
     assert root.tag == "fmiReferences"
     assert root.get(f"{LAYERED}fmi-ls-name") == FOLDER.removeprefix("extra/")
     assert root.get(f"{LAYERED}fmi-ls-description")
