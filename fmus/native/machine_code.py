@@ -13,10 +13,12 @@ import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import fmpy
 
 from .differentiate import llvm
+from .translate import MATHEMATICS
 
 SHELL = Path(__file__).parent / "shell"
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
@@ -64,8 +66,21 @@ def this_platform() -> str:
     return name
 
 
-_C = ["-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fno-sanitize=all"]
+# Small, as a file holds five of them; what runs for long are the kernels. No tables for unwinding: nothing is
+# thrown through C.
+_C = ["-std=c11", "-Os", "-ffp-contract=off", "-fvisibility=hidden", "-fno-sanitize=all"]
+_C += ["-fno-unwind-tables", "-fno-asynchronous-unwind-tables"]
 _STRICT = ["-Wall", "-Wextra", "-Werror"]
+_ELF = ["-Wl,--hash-style=gnu", "-Wl,--build-id=none", "-Wl,--gc-sections"]
+
+# Of Windows' C library, by the part that has them.
+_UCRT = {
+    "math": sorted(MATHEMATICS - {"memcpy", "memmove", "memset"}),
+    "private": ["memcmp", "memcpy", "memmove", "strchr"],
+    "string": ["memset", "strcmp", "strcpy", "strlen", "strncmp"],
+    "heap": ["calloc", "free", "malloc"],
+    "stdio": ["__stdio_common_vsprintf"],
+}
 
 
 class NativeBuildError(RuntimeError):
@@ -86,9 +101,29 @@ def shared_library(
             (here / source.name).write_bytes(source.read_bytes())
         sources = [*(source.name for source in shell_sources(fmi)), "tables.c"]
         target = f"{name}{place.suffix}"
-        inputs = ["-I.", f"-I{FMI_HEADERS}", *sources, "kernels.o", "-lm"]
-        _zig(["cc", "-target", place.zig, *_C, *_STRICT, "-shared", "-s", *inputs, "-o", target], here)
+        compiler = ["cc", "-target", place.zig, *_C, *_STRICT, "-I.", f"-I{FMI_HEADERS}"]
+        if place.suffix == ".dll":
+            for source in sources:
+                _zig([*compiler, "-D__USE_MINGW_ANSI_STDIO=0", "-c", source, "-o", f"{source}.o"], here)
+            _link_for_windows(here, target)
+        else:
+            special = _ELF if place.suffix == ".so" else []
+            _zig([*compiler, *sources, "kernels.o", "-shared", "-s", *special, "-lm", "-o", target], here)
         return (here / target).read_bytes()
+
+
+def _link_for_windows(folder: Path, target: str) -> None:
+    """Of all object files there. Without the start-up code and the additions to the C library that zig would
+    compile, which are larger than most units; what is needed of them is in shell/windows.c."""
+    objects = sorted(path.name for path in folder.glob("*.o"))
+    libraries = []
+    for part, names in _UCRT.items():
+        lines = [f"LIBRARY api-ms-win-crt-{part}-l1-1-0.dll", "EXPORTS", *names]
+        (folder / f"{part}.def").write_text("\n".join(lines), encoding="utf-8")
+        libraries.append(f"{part}.lib")
+        _zig(["dlltool", "-m", "i386:x86-64", "-d", f"{part}.def", "-l", libraries[-1]], folder)
+    options = ["/dll", "/noentry", "/lldmingw", "/machine:x64", "/opt:ref", "/opt:icf", "/timestamp:0"]
+    _zig(["lld-link", *options, f"/out:{target}", *objects, *libraries], folder)
 
 
 def shell_sources(fmi: int) -> list[Path]:
@@ -116,8 +151,20 @@ def object_code(place: Platform, kernels: Sequence[str]) -> bytes:
         module.link_in(binding.parse_assembly(other))
     module.triple = place.triple
     module.data_layout = str(machine.target_data)
+    _hide(module)
     tuning = binding.create_pipeline_tuning_options(speed_level=2)
     tuning.loop_vectorization = tuning.slp_vectorization = True
     builder = binding.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(module, builder)
     return machine.emit_object(module)
+
+
+def _hide(module: Any) -> None:
+    """What the shell calls is not exported; of the rest not even names are left."""
+    for place in (*module.functions, *module.global_variables):
+        if place.is_declaration:
+            continue
+        if place.linkage == llvm().Linkage.external:
+            place.visibility = "hidden"
+        else:
+            place.linkage = "private"
