@@ -181,11 +181,13 @@ def chosen(
 
 
 def referenced(name: str, component: Component) -> bool:
-    """Whether the reference results are of this component's sizes: the default ones of either FMU."""
+    """Whether the reference results are of this component's sizes: those of the native FMU without others, and
+    what its folder says moves likewise (`ALIKE`)."""
     factory = inspect.signature(CATALOGUE[name]).parameters.values()
     usual = {parameter.name: parameter.default for parameter in factory}
-    kinds = ("STRUCTURE", "NATIVE_STRUCTURE")
-    return dict(component.structure) in [usual | default_structure(name, kind) for kind in kinds]
+    alike = getattr(importlib.import_module(f"fmus.{name}"), "ALIKE", ())
+    sizes = [default_structure(name, "NATIVE_STRUCTURE"), *alike]
+    return dict(component.structure) in [usual | found for found in sizes]
 
 
 def experiment(name: str) -> Experiment:
