@@ -181,8 +181,8 @@ def chosen(
 
 
 def referenced(name: str, component: Component) -> bool:
-    """Whether the reference results are of this component's sizes: those of the native FMU without others, and
-    what its folder says moves likewise (`ALIKE`)."""
+    """Whether the reference results are of this component's sizes: those of the native FMU without others,
+    and those that its folder says move likewise (`ALIKE`)."""
     factory = inspect.signature(CATALOGUE[name]).parameters.values()
     usual = {parameter.name: parameter.default for parameter in factory}
     alike = getattr(importlib.import_module(f"fmus.{name}"), "ALIKE", ())
