@@ -112,6 +112,8 @@ def compare(path: Path, tolerance: float | None = None) -> list[Comparison]:
             reference = _reference(kind, files)
             _check_names(described, reference)
             allowed = tolerance or reference.options.tolerance
+            if allowed == 0.0:
+                raise CrossCheckError("RelTol = 0 in the .opt file says nothing; give --tolerance")
             result = _simulated(path, described, kind, reference, allowed)
         except CrossCheckError as error:
             raise CrossCheckError(f"{path}: {error}") from None
@@ -222,7 +224,13 @@ def _silence() -> Iterator[io.StringIO]:
 
 
 def _deviations(described: ModelDescription, reference: Table, result: NDArray[np.void]) -> list[Deviation]:
-    """How far each variable is off at the reference's instants; between the run's own by interpolation."""
+    """How far each variable is off at the reference's instants; between the run's own by interpolation.
+
+    Instants that the reference has more than once are its events, where values jump: they are left out.
+    """
+    instants, counts = np.unique(reference.times, return_counts=True)
+    smooth = np.isin(reference.times, instants[counts == 1])
+    at = reference.times[smooth]
     times = np.asarray(result["time"], dtype=np.float64)
     units = {variable.name: variable.unit or "" for variable in described.modelVariables}
     close = 1e-9 * max(abs(times[-1]), abs(times[0]))
@@ -230,12 +238,12 @@ def _deviations(described: ModelDescription, reference: Table, result: NDArray[n
     for name, values in reference.columns.items():
         run = np.asarray(result[name], dtype=np.float64)
         apart = np.array(
-            [_apart(t, value, times, run, close) for t, value in zip(reference.times, values, strict=True)]
+            [_apart(t, value, times, run, close) for t, value in zip(at, values[smooth], strict=True)]
         )
-        at = int(np.argmax(np.where(np.isnan(apart), np.inf, apart)))
+        worst = int(np.argmax(np.where(np.isnan(apart), np.inf, apart)))
         size = float(np.max(np.abs(values))) or 1.0
         unit = "" if units[name] == "1" else units[name]
-        largest, when = float(apart[at]), float(reference.times[at])
+        largest, when = float(apart[worst]), float(at[worst])
         found.append(Deviation(name, unit, largest, largest / size, when))
     return found
 

@@ -48,21 +48,22 @@ def integrated(
     try:
         fmu = instantiate_fmu(folder, described, "ModelExchange")
         try:
-            return _run(_Hosted(fmu, described, inputs), described, options, instants, names, tolerance)
+            return run(Hosted(fmu, described, inputs), described, options, instants, names, tolerance)
         finally:
             fmu.freeInstance()
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def _run(
-    problem: _Hosted,
+def run(
+    problem: Hosted,
     described: ModelDescription,
     options: Options,
     instants: Vector,
     names: list[str],
     tolerance: float,
 ) -> NDArray[np.void]:
+    """As `integrated`, of an instance that is not yet initialised."""
     recorder = Recorder(problem.fmu, described, names)
     t, stop = options.start_time, options.stop_time
     problem.initialise(t, stop)
@@ -85,7 +86,7 @@ def _run(
     return np.asarray(recorder.result())
 
 
-class _Hosted:
+class Hosted:
     """An FMU as a problem for the reference's solvers.
 
     Its event indicators become guards, by the sign that they have after each event; the last guard is the

@@ -115,6 +115,6 @@ def read_options(text: str, name: str) -> Options:
         raise CrossCheckError(f"{name}: StopTime = {stop:g} s: must be later than StartTime = {start:g} s")
     if not 0.0 <= step <= stop - start:
         raise CrossCheckError(f"{name}: StepSize = {step:g} s: must be from 0 to {stop - start:g} s")
-    if tolerance <= 0.0:
-        raise CrossCheckError(f"{name}: RelTol = {tolerance:g}: must be > 0")
+    if tolerance < 0.0:
+        raise CrossCheckError(f"{name}: RelTol = {tolerance:g}: must not be negative")
     return Options(start, stop, step, tolerance, found.get("OutputIntervalLength"))

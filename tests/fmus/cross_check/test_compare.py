@@ -63,6 +63,21 @@ def test_a_difference_is_found_in_the_variable_and_at_the_time_where_it_is(
     assert wider.agrees
 
 
+def test_events_of_a_reference_are_left_out(fmu_files: dict[str, Path], tmp_path: Path) -> None:
+    """An instant that stands twice is one at which values jump; which side a host records is its matter."""
+
+    def jumping(name: str, content: bytes) -> bytes:
+        if name != "quarter_car_chassis_ref.csv":
+            return content
+        lines = content.decode().splitlines()
+        lines.insert(41, lines[41].split(",")[0] + ",99,99,99")
+        return "\n".join(lines).encode()
+
+    (found,) = compare(changed(fmu_files["quarter_car_chassis"], tmp_path / "jumping.fmu", jumping))
+    assert [d.variable for d in found.deviations if d.largest > 1e-3] == []
+    assert len(found.deviations) == 3
+
+
 def test_a_reference_beside_the_file_is_taken_first(fmu_files: dict[str, Path], tmp_path: Path) -> None:
     """As a third party's FMU lies in the project's folders; without `OutputIntervalLength`, without `me/`."""
     folder = tmp_path / "fmus/2.0/cs/linux64/Other/1.0/hop"
@@ -80,6 +95,10 @@ def test_a_reference_beside_the_file_is_taken_first(fmu_files: dict[str, Path], 
     assert found.agrees
     assert found.place == "reference beside the file"
     assert found.options.step_size == 1e-3
+    (folder / "hop_ref.opt").write_text("StartTime,0\nStopTime,0.5\nStepSize,0.001\nRelTol,0\n")
+    with pytest.raises(CrossCheckError, match="give --tolerance"):
+        compare(fmu)
+    assert compare(fmu, 1e-6)[0].agrees
     (folder / "hop_ref.opt").unlink()
     with pytest.raises(CrossCheckError, match=r"hop_ref\.opt is missing"):
         compare(fmu)
