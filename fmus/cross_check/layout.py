@@ -15,21 +15,31 @@ from ..validate import info
 from .files import CrossCheckError
 from .inside import folder_of
 
+# Platforms that the rules know; FMI 3.0 names its own.
+_KNOWN = ("c-code", "darwin64", "linux32", "linux64", "win32", "win64")
 _KINDS = {"co-simulation": "cs", "model exchange": "me"}
 
 
 def lay_out(name: str, fmu: Path, tool: str, out: Path) -> Iterator[Path]:
     """Copy the FMU file of the component `name` with its reference below `out`; the folders that were made.
 
-    One folder for each kind and platform that the file has. CrossCheckError if it has no reference.
+    One folder for each kind and platform that the file has and the rules know. CrossCheckError if there is
+    none, or no reference.
     """
     reference, found = folder_of(name), info(fmu)
     if not reference.is_dir():
         raise CrossCheckError(
             f"{name}: has no reference results; fmus/{name}/course.py says what they are to be of"
         )
+    old = found.fmi_version == "2.0"
+    platforms = [platform for platform in found.platforms if not old or platform in _KNOWN]
+    if not platforms:
+        has = ", ".join(found.platforms)
+        raise CrossCheckError(
+            f"{name}: the rules know no platform of this FMU ({has}), only {', '.join(_KNOWN)}"
+        )
     for kind in found.kinds:
-        for platform in found.platforms:
+        for platform in platforms:
             place = (found.fmi_version, _KINDS[kind], platform, tool, metadata.version("tribocosim"), name)
             folder = out.joinpath("fmus", *place)
             folder.mkdir(parents=True, exist_ok=True)

@@ -193,15 +193,21 @@ def fmu_cross_check(
     """Write FMUs with their reference results in the layout of the FMI Cross-Check project."""
     import tempfile
 
+    from fmus.cross_check.files import CrossCheckError
     from fmus.cross_check.layout import lay_out
+
+    from ..errors import MistakeError
 
     for name in _checked(names, None, native, platform, fmi, None):
         with _writing(out), tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
             made = Path(folder)
             file = _native(name, made, None, platform, fmi) if native else _python(name, made, None, None)
             tool = "tribocosim-native" if native else "tribocosim-python"
-            for place in lay_out(name, file, tool, out):
-                print(place)
+            try:
+                for place in lay_out(name, file, tool, out):
+                    print(place)
+            except CrossCheckError as error:
+                raise MistakeError(str(error)) from None
 
 
 @reported

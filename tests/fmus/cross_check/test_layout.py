@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -33,6 +35,23 @@ def test_the_script_does_find_what_is_wrong(fmu_files: dict[str, Path], tmp_path
     results = folder / "falling_mass_ref.csv"
     results.write_text(results.read_text().replace('"velocity"', '"speed"'))
     assert "Variable 'speed' does not exist" in validate_test_fmu(str(folder))[0]
+
+
+def test_platforms_that_the_rules_do_not_know_have_no_folder(
+    fmu_files: dict[str, Path], tmp_path: Path
+) -> None:
+    fmu = tmp_path / "more.fmu"
+    shutil.copyfile(fmu_files["falling_mass"], fmu)
+    with zipfile.ZipFile(fmu, "a") as archive:
+        archive.writestr("binaries/aarch64-linux/falling_mass.so", b"")
+    folders = lay_out("falling_mass", fmu, "tool", tmp_path)
+    assert [folder.parts[-4] for folder in folders] == ["linux64", "win64"]
+    with zipfile.ZipFile(fmu_files["falling_mass"]) as old, zipfile.ZipFile(fmu, "w") as new:
+        for name in (name for name in old.namelist() if not name.startswith("binaries/")):
+            new.writestr(name, old.read(name))
+        new.writestr("binaries/aarch64-linux/falling_mass.so", b"")
+    with pytest.raises(CrossCheckError, match=r"know no platform of this FMU \(aarch64-linux\)"):
+        list(lay_out("falling_mass", fmu, "tool", tmp_path))
 
 
 def test_an_fmu_is_run_as_its_folder_says(fmu_files: dict[str, Path], tmp_path: Path) -> None:
