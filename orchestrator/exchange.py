@@ -144,6 +144,9 @@ class Exchange:
         self.agree(start_time)
         for participant in self.participants:
             participant.finish_initialisation()
+        if self.degree == 3:
+            for i in self.listed:  # rates that an FMU gives by the standard's call come only now
+                self.read(i)
         self.history.begin(start_time, self.values, self.rates)
 
     def agree(self, time: float) -> None:

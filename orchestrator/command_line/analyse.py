@@ -39,7 +39,8 @@ def run_analysis(
         bool,
         typer.Option(
             "--responses",
-            help="Linearise all of a scenario's participants by their responses, as .fmu files always are.",
+            help="Linearise all of a scenario's participants by their responses, as .fmu files are that give "
+            "no directional derivatives.",
         ),
     ] = False,
     out: Annotated[

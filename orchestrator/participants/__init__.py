@@ -17,6 +17,7 @@ from .substeps import Substepped as substepped
 from .transformed import Transformed as transformed
 
 __all__ = [
+    "FmuParticipant",
     "ForeignComponent",
     "Participant",
     "component_of_file",

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import math
+import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 from fmpy import read_model_description
 
@@ -66,9 +68,11 @@ class Description:
     """Of an FMU for co-simulation.
 
     `variables` by name; `depends` gives, for each output, the inputs it depends on at the same instant, where
-    the file says it. `fixed_step` (s) is that of an FMU that moves by equal steps, else 0; one that
-    `returns_early` may come back from a step before its end, one that `interpolates` takes derivatives of
-    inputs by the standard's call. `start`, `stop` and `step` (s) are those of its default experiment.
+    the file says it. `states` are the continuous states and their derivatives by time, if it gives
+    directional derivatives by and of them as scalars; else None. `fixed_step` (s) is that of an FMU that
+    moves by equal steps, else 0; one that `returns_early` may come back from a step before its end, one that
+    `interpolates` takes derivatives of inputs by the standard's call, one that `gives_rates` gives those of
+    outputs so. `start`, `stop` and `step` (s) are those of its default experiment.
     """
 
     version: str
@@ -78,6 +82,7 @@ class Description:
     identifier: str
     variables: Mapping[str, Variable]
     depends: Mapping[str, tuple[str, ...]]
+    states: Mapping[str, str] | None
     units: Mapping[str, Unit]
     restorable: bool
     serialisable: bool
@@ -85,6 +90,7 @@ class Description:
     fixed_step: float
     returns_early: bool
     interpolates: bool
+    gives_rates: bool
     once_per_process: bool
     start: float | None
     stop: float | None
@@ -117,6 +123,7 @@ def described(path: Path) -> Description:
         identifier=about.modelIdentifier,
         variables={v.name: v for variable in found.modelVariables for v in _scalars(variable)},
         depends=_dependencies(found),
+        states=_states(found) if _differentiates(path, about, found.fmiVersion) else None,
         units={unit.name: _base(unit.baseUnit) for unit in found.unitDefinitions if unit.baseUnit},
         restorable=bool(about.canGetAndSetFMUstate),
         serialisable=bool(about.canSerializeFMUstate),
@@ -124,6 +131,7 @@ def described(path: Path) -> Description:
         fixed_step=float(about.fixedInternalStepSize or 0.0),
         returns_early=bool(about.mightReturnEarlyFromDoStep or about.canReturnEarlyAfterIntermediateUpdate),
         interpolates=bool(about.canInterpolateInputs) and found.fmiVersion == "2.0",
+        gives_rates=int(about.maxOutputDerivativeOrder or 0) > 0,
         once_per_process=bool(about.canBeInstantiatedOnlyOncePerProcess),
         **{
             short: _number(getattr(experiment, name, None))
@@ -204,6 +212,25 @@ def _dependencies(found: Any) -> dict[str, tuple[str, ...]]:
         names = tuple(v.name for one in inputs for v in _scalars(one))
         depends |= {v.name: names for v in _scalars(unknown.variable)}
     return depends
+
+
+def _differentiates(path: Path, about: Any, version: str) -> bool:
+    """It gives directional derivatives; of FMI 3.0 fmpy does not tell."""
+    if version == "2.0":
+        return bool(about.providesDirectionalDerivative)
+    with zipfile.ZipFile(path) as archive:
+        kind = ElementTree.fromstring(archive.read("modelDescription.xml")).find("CoSimulation")
+    return kind is not None and kind.get("providesDirectionalDerivatives") in ("true", "1")
+
+
+def _states(found: Any) -> dict[str, str] | None:
+    """None where not all are told, as scalars; that there are none is told by a file for model exchange."""
+    derivatives = [unknown.variable for unknown in found.derivatives]
+    if not derivatives and found.modelExchange is None:
+        return None
+    if any(v is None or v.derivative is None or v.shape or v.derivative.shape for v in derivatives):
+        return None
+    return {v.derivative.name: v.name for v in derivatives}
 
 
 def _base(unit: Any) -> Unit:

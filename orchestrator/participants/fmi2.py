@@ -6,6 +6,7 @@ import ctypes
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
+import numpy as np
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 from models.quantities import Vector
@@ -92,6 +93,15 @@ class Fmi2(BoundCalls):
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
     ) -> Callable[[], None]:
         return self._transfer("fmi2SetRealInputDerivatives", references, orders, values=values, fail=fail)
+
+    def output_derivatives(
+        self, references: Any, values: Vector, fail: Callable[[int], None]
+    ) -> Callable[[], None]:
+        orders = np.ones(len(references), dtype=np.intc)
+        return self._transfer("fmi2GetRealOutputDerivatives", references, orders, values=values, fail=fail)
+
+    def directional(self, unknown: Sequence[int], known: int) -> list[float]:
+        return list(self._slave.getDirectionalDerivative(unknown, [known], [1.0]))
 
     def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         call, handle, yes = self._function("fmi2DoStep"), self._handle, ctypes.c_int(1)

@@ -113,6 +113,17 @@ class Fmi3(BoundCalls):
     ) -> Callable[[], None]:
         raise NotImplementedError("FMI 3 has no such call")
 
+    def output_derivatives(
+        self, references: Any, values: Vector, fail: Callable[[int], None]
+    ) -> Callable[[], None]:
+        orders, size = np.ones(len(references), dtype=np.int32), (ctypes.c_size_t(values.size),)
+        return self._transfer(
+            "fmi3GetOutputDerivatives", references, orders, values=values, after=size, fail=fail
+        )
+
+    def directional(self, unknown: Sequence[int], known: int) -> list[float]:
+        return list(self._slave.getDirectionalDerivative(unknown, [known], [1.0]))
+
     def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         call, handle = self._function("fmi3DoStep"), self._handle
         yes, begin, duration = ctypes.c_bool(True), ctypes.c_double(), ctypes.c_double()

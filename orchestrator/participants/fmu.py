@@ -5,8 +5,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import shutil
-from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
@@ -19,22 +18,16 @@ from models.system import suggestion
 
 from ..errors import (
     CannotSerializeError,
-    DiscardedStepError,
-    EndedError,
-    LostParticipantError,
     ParticipantError,
-    RecoverableError,
-    instead_of_discarded,
 )
 from .binding import Elements, array_of
 from .compiled import SET, STEP
 from .description import REALS, Variable, described
+from .failures import Failing
 from .fmi2 import Fmi2
 from .fmi3 import Fmi3
 from .offers import derivative
-from .standard import DISCARD, FATAL, STATUS, WARNING, Standard
-
-REMEDY = "look at its inputs and parameters, reduce macro_step or use the iterated master"
+from .standard import DISCARD, WARNING, Standard
 
 
 @dataclass(frozen=True)
@@ -47,14 +40,16 @@ class Given:
     inputs: Mapping[str, float] = field(default_factory=dict)
 
 
-class FmuParticipant:
+class FmuParticipant(Failing):
     """Implements `Participant` for the FMU at `path`.
 
     Inputs follow a polynomial over the step where the FMU offers `<input>_der1`, `_der2`, or the standard's
     call for derivatives (canInterpolateInputs of FMI 2.0); others are held.
     Whole numbers and truth values are exchanged as the nearest number.
     Rates are those of outputs for which the FMU has an output or local variable that it declares to be
-    their `derivative`, and of discrete outputs.
+    their `derivative`, or which it gives by the standard's call, and of discrete outputs.
+
+    `follows` says which derivatives of its inputs it makes use of, as `inputs` of `connect` has them.
 
     For compiled code that makes the calls of a step itself, which it can where `compilable`: the references
     `given` are set to the inputs `picked` (rows, columns); those `taken` are the outputs, then the rates of
@@ -62,12 +57,9 @@ class FmuParticipant:
     """
 
     def __init__(self, name: str, path: Path, given: Given) -> None:
-        self.name = name
+        super().__init__(name)
         self._asked = given
-        # The last ones: an FMU that says something in every step must not fill the memory.
-        self._messages: deque[str] = deque(maxlen=20)
         self._instantiated = self._stepping = False
-        self._fatal = False
         try:
             self._description = described(path)
             self._folder = extract(str(path))
@@ -86,58 +78,6 @@ class FmuParticipant:
             raise
         # What runs in every step are such functions themselves, not methods around them.
         self.advance = self._fmi.steps(self._not_advanced)
-
-    def _log(self, status: int, message: bytes) -> None:
-        # Of a Python FMU's traceback the last line says what happened.
-        if message and (lines := message.decode(errors="replace").strip().splitlines()):
-            self._messages.append(lines[-1])
-
-    @contextlib.contextmanager
-    def _naming(self, what: str) -> Any:
-        """Turn fmpy's exceptions into a message with what the FMU said."""
-        try:
-            yield
-        except ParticipantError:
-            raise
-        except Exception as error:
-            self._fatal |= getattr(error, "status", None) == FATAL
-            kind = LostParticipantError if self._fatal else ParticipantError
-            raise kind(f"{self.name}: {what}: {self._said() or error}") from None
-
-    def _said(self) -> str:
-        said = "; ".join(dict.fromkeys(self._messages))
-        self._messages.clear()
-        return said
-
-    def _fail(self, status: int, what: str) -> NoReturn:
-        """Raise the error of a call that did not succeed."""
-        said = self._said() or "no message"
-        message = f"{self.name}: {what} returned {STATUS[status]}: {said}; {REMEDY}"
-        if status == FATAL:
-            self._fatal = True
-            raise LostParticipantError(message)
-        raise RecoverableError(message)
-
-    def _discarded(self, time: float, step: float) -> NoReturn:
-        """Raise the error of a discarded step, with how far it came."""
-        what = f"{self.name}: step from t = {time:.9g} s by {step:g} s returned {STATUS[DISCARD]}"
-        said = self._said()
-        reached = self._fmi.reached()
-        if self._fmi.ended():
-            when = time if reached is None else reached
-            raise EndedError(
-                f"{self.name}: the FMU asks to end the simulation at t = {when:.9g} s"
-                f"{f': {said}' if said else ''}; set stop_time to that, or look at its parameters"
-            )
-        self._messages.clear()  # what it said about that question
-        # A time outside the step says as little as none.
-        if reached is not None and not time <= reached < time + step:
-            reached = None
-        raise DiscardedStepError(
-            f"{what}: {said or 'no message'}; look at its inputs and parameters, "
-            f"{instead_of_discarded(self.name)}",
-            reached,
-        )
 
     def _variable(self, name: str) -> Variable:
         if name not in self._variables:
@@ -171,11 +111,14 @@ class FmuParticipant:
         self._set = elements.setting(self._setting_failed, inputs.ravel() if whole else None)
         self.write = self._set.transfer if whole else self._write_picked
         self._interpolate(input_names, inputs)
+        self.follows = np.zeros(inputs.shape, dtype=np.bool_)
+        self.follows[self.picked] = True
+        self.follows[:, self._interpolated] = True
         self._all = Elements(self._fmi, self._variables, map(self._variable, self._asked.outputs)).getting(
             self._reading_failed
         )
         rated = self._bind_read(output_names, outputs, rates)
-        plain = elements.plain and self._get.plain and not self._interpolated
+        plain = elements.plain and self._get.plain and not self._interpolated and not self._called
         self.compilable = bool(self._fmi.addresses()) and plain
         return rated
 
@@ -219,11 +162,38 @@ class FmuParticipant:
         direct = elements.plain and not rated
         self._get = elements.getting(self._reading_failed, outputs if direct else None)
         self.read = self._get.transfer if direct else self._read_with_rates
+        self._called: list[int] = []
         if not rates.size:
             return [False] * len(output_names)
         discrete = [v.variability == "discrete" or v.discrete for v in wanted]
         rates[discrete] = 0.0
-        return [name in companions or still for name, still in zip(output_names, discrete, strict=True)]
+        given = [name in companions or still for name, still in zip(output_names, discrete, strict=True)]
+        self._call_rates([i for i, known in enumerate(given) if not known], wanted)
+        return [known or i in self._called for i, known in enumerate(given)]
+
+    def _call_rates(self, lacking: Sequence[int], wanted: Sequence[Variable]) -> None:
+        """Have rates of outputs without variables for them got by the standard's call."""
+        self._called = [
+            i
+            for i in lacking
+            if self._description.gives_rates
+            and wanted[i].type in self._fmi.real_types
+            and wanted[i].size == 1
+        ]
+        if not self._called:
+            return
+        references = np.array([wanted[i].reference for i in self._called], dtype=np.uintc)
+        found = np.zeros(len(references))
+        get = self._fmi.output_derivatives(references, found, self._reading_failed)
+        read = self.read
+
+        def read_called() -> None:
+            read()
+            if self._stepping:  # before that the standard has no such call
+                get()
+                self._rates[self._called] = found
+
+        self.read = read_called
 
     def _rates_by_output(self) -> dict[str, Variable]:
         """The variables that the FMU declares to be derivatives of others, by these."""
@@ -295,6 +265,28 @@ class FmuParticipant:
     def read_all(self, values: Vector) -> None:
         with self._naming("reading the outputs"):
             values[:] = self._all.values()
+
+    def linearisable(self, names: Iterable[str]) -> bool:
+        """Directional derivatives by and of these variables and its states say all about it."""
+        found = (self._variables.get(name) for name in names)
+        scalars = (v is not None and v.type in REALS and v.size == 1 for v in found)
+        return self._description.states is not None and all(scalars)
+
+    @property
+    def states(self) -> dict[str, str]:
+        """Its continuous states, and their derivatives by time, where it tells."""
+        return dict(self._description.states or {})
+
+    def nominal(self, name: str) -> float:
+        """A variable's nominal size."""
+        return self._variable(name).nominal
+
+    def jacobian(self, unknown: Sequence[str], known: Sequence[str]) -> Vector:
+        """d unknown / d known (rows x columns), at the present point, by directional derivatives."""
+        of, by = ([self._variable(name).reference for name in names] for names in (unknown, known))
+        with self._naming("directional derivatives"):
+            columns = [self._fmi.directional(of, one) for one in by] if of else []
+        return np.array(columns).T.reshape(len(of), len(by))
 
     def save(self) -> ctypes.c_void_p:
         if not self.restorable:

@@ -56,6 +56,18 @@ class Standard(Protocol):
         that say that they interpolate."""
         ...
 
+    def output_derivatives(
+        self, references: Any, values: Vector, fail: Callable[[int], None]
+    ) -> Callable[[], None]:
+        """A function that gets the first derivatives of outputs by time into `values`; for FMUs that say that
+        they give them, after initialisation."""
+        ...
+
+    def directional(self, unknown: Sequence[int], known: int) -> list[float]:
+        """The derivatives of these unknown scalars by a known one, by references; for FMUs that say that
+        they give them."""
+        ...
+
     def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         """A function that steps from a time by a length; `fail` gets these as well, after the status.
 

@@ -10,10 +10,10 @@ from models.system import Port, System
 
 from ..masters import Master, name_of
 from ..scenario import Scenario
+from .along import Along
 from .behaviour import At
 from .partition import Partition
 from .points import Point
-from .responses import Responses
 
 
 @dataclass
@@ -56,8 +56,8 @@ class Surveyed:
 class Survey:
     """A scenario's methods, cheapest first; `own` is the scenario's, `best` the recommended one, if any.
 
-    Errors are those along the course up to `until`, about the instant `typical` (s). `responses` were
-    measured of participants, the others are components; `left_out` says why instants were.
+    Errors are those along the course up to `until`, about the instant `typical` (s). `participants` are
+    those that were linearised as such, the others are components; `left_out` says why instants were.
     """
 
     scenario: Scenario
@@ -69,7 +69,7 @@ class Survey:
     best: Surveyed | None
     until: float
     typical: float
-    responses: Mapping[str, Responses]
+    participants: Mapping[str, Along]
     left_out: list[str]
 
     @property

@@ -12,9 +12,9 @@ from models.monolithic.course import Course
 from models.quantities import Vector
 from models.system import Port, System
 
+from .along import NotLinearError
 from .linear import Linear
 from .linearisation import Equations, Linearisation
-from .responses import NotLinearError
 from .spectra import eigenvalues
 
 

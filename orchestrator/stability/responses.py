@@ -13,9 +13,9 @@ from models.system import ModelError, System
 
 from ..errors import RecoverableError
 from ..participants import Participant
+from .along import Along, NotLinearError
 from .linear import ROWS, Linear
 from .realisation import Realised, realised
-from .slopes import slopes
 
 # Samples of a response.
 SAMPLES = 60
@@ -28,44 +28,28 @@ EVEN, KINK = 1e-3, 1e-2
 SILENT = 1e-13
 # Effects of a Taylor coefficient below this, in nominal sizes, are lost in what a participant integrates to.
 FAINT = 1e-10
-# Instants of the course in a step in which a participant is brought along it.
-STRIDE = 2
 # What a linear system may miss of the responses before this is said, and before it is refused.
 DOUBTFUL, USELESS = 1e-2, 0.5
 
 
-class NotLinearError(ModelError):
-    """A participant that cannot be linearised at an instant."""
-
-
-class Responses:
+class Responses(Along):
     """Implements `Linearisation` for a participant that can save and restore its state.
 
     It is brought along the course with the inputs that it has there. At an instant its inputs are held, and
     each in turn gets a pulse that lasts one sample, up and down; what its outputs change by over SAMPLES
-    samples of `spacing` seconds is realised by a linear system. Closing the participant is the caller's.
+    samples of `spacing` seconds is realised by a linear system.
     """
 
     def __init__(self, name: str, participant: Participant, system: System, spacing: float) -> None:
+        super().__init__(name, participant, system)
         component = system.instances[name].component
-        self.name, self._participant, self._spacing = name, participant, spacing
-        self._layouts = component.inputs, component.outputs
+        self._spacing = spacing
         self._instead = ""
         if component.ode:
             self._instead = ", or analyse the component in its place (participant = 'in-process')"
-        targets = {c.target.variable for c in system.connections if c.target.instance == name}
-        self._fed = [n for n in component.inputs.names if n in targets]
-        self._shown = [f.name for f in component.outputs.fields if not f.quantity.discrete]
-        self._columns = [component.inputs.index(n) for n in self._fed]
-        self._rows = [component.outputs.index(n) for n in self._shown]
-        whole = [component.inputs.field(n).quantity.discrete for n in self._fed]
+        whole = [component.inputs.field(n).quantity.discrete for n in self.fed]
         self._perturbed = np.flatnonzero(~np.array(whole, dtype=bool))
-        self._slots = system.inputs.of(name)
-        self._inputs, self._outputs = np.zeros((ROWS - 1, len(self._fed))), np.zeros(len(self._shown))
-        participant.connect(self._fed, self._inputs, self._shown, self._outputs, np.zeros(0))
-        self._at: int | None = None
         self.residuals: dict[float, float] = {}
-        self.held: list[str] = []
 
     def about(self, course: Course, row: int, outputs: Collection[str]) -> Linear:
         self._bring(course, row)
@@ -84,30 +68,7 @@ class Responses:
                 f"{found.residual:.0%}); shorten macro_step, by which they are sampled{self._instead}"
             )
         self.residuals[t] = found.residual
-        self.held = [n for n, rate in zip(self._fed, taken[1], strict=True) if not rate]
         return self._whole(found.linear, taken, kinks, outputs)
-
-    def _bring(self, course: Course, row: int) -> None:
-        """Along the course to a row."""
-        if self._at is None:
-            self._values = course.inputs[:, self._slots][:, self._columns]
-            self._slopes = slopes(self._values) / float(course.times[1] - course.times[0])
-            self._participant.initialise(float(course.times[0]), float(course.times[-1]))
-            self._inputs[0], self._at = self._values[0], 0
-            self._participant.write()
-            self._participant.read()
-            self._participant.finish_initialisation()
-        while self._at < row:
-            end = min(self._at + STRIDE, row)
-            t, h = float(course.times[self._at]), float(course.times[end] - course.times[self._at])
-            value, rate = self._values[[self._at, end]], self._slopes[[self._at, end]]
-            mean = (value[1] - value[0]) / h
-            self._inputs[:2] = value[0], rate[0]
-            self._inputs[2] = 2.0 * (3.0 * mean - 2.0 * rate[0] - rate[1]) / h
-            self._inputs[3] = 6.0 * (rate[0] + rate[1] - 2.0 * mean) / h**2
-            self._participant.write()
-            self._participant.advance(t, h)
-            self._at = end
 
     def _answer(self, t: float, held: Vector, pulse: Vector, saved: object) -> Vector:
         """Outputs at once and after each sample, (1 + SAMPLES) x outputs."""
@@ -130,14 +91,14 @@ class Responses:
 
     def _measured(self, t: float, held: Vector, saved: object) -> tuple[Realised, list[str]]:
         rest = self._answer(t, held, np.zeros_like(held), saved)
-        answers = np.zeros((*rest.shape, len(self._fed)))
-        noise = np.zeros((len(self._rows), len(self._fed)))
+        answers = np.zeros((*rest.shape, len(self.fed)))
+        noise = np.zeros((len(self._rows), len(self.fed)))
         kinks = []
         for j in self._perturbed:
             answers[:, :, j], even, pulse = self._slope(t, held, saved, rest, int(j))
             noise[:, j] = SILENT * self._layouts[1].nominal[self._rows] / pulse
             if even > KINK:
-                kinks.append(self._fed[j])
+                kinks.append(self.fed[j])
         sizes = self._layouts[0].nominal[self._columns]
         return realised(answers[1:], answers[0], self._spacing, sizes, noise), kinks
 
@@ -172,7 +133,7 @@ class Responses:
         if best is None:
             said = f": {failed}" if failed else ""
             raise ModelError(
-                f"{self.name}: no answer to small changes of {self._fed[j]} at t = {t:.6g} s{said}; shorten "
+                f"{self.name}: no answer to small changes of {self.fed[j]} at t = {t:.6g} s{said}; shorten "
                 f"macro_step, by which it is sampled{self._instead}"
             )
         return best[1], best[0], best[2]
@@ -181,17 +142,17 @@ class Responses:
         """Which Taylor coefficients of its inputs it takes: whose answer is that of the linear system rather
         than none."""
         unit, h = self._participant, self._spacing
-        taken = np.ones((ROWS, len(self._fed)))
+        taken = np.ones((ROWS, len(self.fed)))
         rest = self._answer(t, held, np.zeros_like(held), saved)[1]
         _, gamma, ends = linear.step(h)
-        effect = linear.C @ gamma + linear.D @ ends[: len(self._fed)]
+        effect = linear.C @ gamma + linear.D @ ends[: len(self.fed)]
         size = self._layouts[1].nominal[self._rows]
         for k in range(1, ROWS - 1):
             for j in self._perturbed:
                 # The value at the end changes by a small share.
                 nominal = self._layouts[0].nominal[self._columns[j]]
                 amount = SHARES[2] * nominal * math.factorial(k) / h**k
-                expected = effect[:, k * len(self._fed) + j] * amount / size
+                expected = effect[:, k * len(self.fed) + j] * amount / size
                 if np.linalg.norm(expected) < FAINT:
                     continue
                 unit.restore(saved)
@@ -206,30 +167,19 @@ class Responses:
                     taken[k, j] = 0.0
         return taken
 
-    def _whole(self, found: Linear, taken: Vector, kinks: list[str], outputs: Collection[str]) -> Linear:
-        """With all of the component's inputs and outputs."""
-        n, m, p = len(found.A), self._layouts[0].size, self._layouts[1].size
-        B, C, D, coefficients = np.zeros((n, m)), np.zeros((p, n)), np.zeros((p, m)), np.ones((ROWS, m))
-        B[:, self._columns] = found.B
-        wanted = [(k, row) for k, row in enumerate(self._rows) if self._shown[k] in outputs]
-        for k, row in wanted:
-            C[row] = found.C[k]
-            D[row, self._columns] = found.D[k]
-        coefficients[:, self._columns] = taken
-        return Linear(found.A, B, C, D, found.scale, tuple(kinks), coefficients)
-
     @property
     def residual(self) -> float:
         """The largest so far."""
         return max(self.residuals.values(), default=0.0)
 
+    @property
+    def told(self) -> tuple[str, str]:
+        how = "By responses to pulses, from saved and restored states"
+        return how, f"{self.name} (residual {self.residual:.1g})"
+
     def doubts(self) -> Iterator[str]:
         """What is to be said of residuals that are large, and of inputs that are held."""
-        if self.held:
-            yield (
-                f"{self.name} holds its inputs {', '.join(self.held)} over a step (no _der1): estimated "
-                "errors leave that out."
-            )
+        yield from super().doubts()
         t, worst = max(self.residuals.items(), key=lambda item: item[1], default=(0.0, 0.0))
         if worst > DOUBTFUL:
             yield (

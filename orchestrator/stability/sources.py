@@ -1,5 +1,5 @@
-"""Which participants are linearised how: components by their equations where they have any, others by their
-responses."""
+"""Which participants are linearised how: components by their equations where they have any, FMU files by
+their directional derivatives where they give them, others by their responses."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from pathlib import Path
 from models.system import System
 
 from ..assembly import Builder, check_analysable
-from ..participants import Participant, fmu, in_process
+from ..participants import FmuParticipant, Participant, fmu, in_process
 from ..scenario import Scenario, ScenarioError
+from .along import Along, fed, shown
+from .directional import Directional
 from .linearisation import Equations, Linearisation
 from .responses import Responses
 
@@ -20,8 +22,8 @@ from .responses import Responses
 def linearisations(
     scenario: Scenario, system: System, build: Builder | None, every: bool = False
 ) -> Iterator[dict[str, Linearisation]]:
-    """Of every instance: FMU files, and components that are no ODE, by their responses, others by their
-    equations.
+    """Of every instance: FMU files by their directional derivatives or else their responses, as components
+    that are no ODE, others by their equations.
 
     `every`: all as they would take part in a run, by their responses. Participants live as long as the
     block. ScenarioError for one that cannot save its state, or that has a field, and for what
@@ -46,6 +48,10 @@ def linearisations(
                 continue
             unit = _participant(scenario, system, name, build)
             stack.callback(unit.close)
+            exchanged = [*fed(name, system), *shown(name, system)]
+            if not every and isinstance(unit, FmuParticipant) and unit.linearisable(exchanged):
+                made[name] = Directional(name, unit, system)
+                continue
             if not unit.restorable:
                 raise ScenarioError(
                     f"components.{name}.participant: {table.participant} cannot save and restore its state "
@@ -65,6 +71,6 @@ def _participant(scenario: Scenario, system: System, name: str, build: Builder |
     return fmu(name, build(table.component, table.structure, table.participant), instance)
 
 
-def by_responses(made: Mapping[str, Linearisation]) -> dict[str, Responses]:
+def as_participants(made: Mapping[str, Linearisation]) -> dict[str, Along]:
     """Those that are participants."""
-    return {name: source for name, source in made.items() if isinstance(source, Responses)}
+    return {name: source for name, source in made.items() if isinstance(source, Along)}

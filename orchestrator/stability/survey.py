@@ -23,7 +23,7 @@ from .linearisation import Linearisation
 from .missed import HERMITE
 from .partition import Partition
 from .points import Point, points_at
-from .sources import by_responses
+from .sources import as_participants
 from .steps import reached, rounded_down
 
 # Of the course: instants for each macro step, most instants, and the integrator's tolerance. The highest
@@ -78,7 +78,7 @@ def survey(
     return Survey(
         scenario, system, surveyor.partition, surveyor.points, methods, own,
         min(usable, key=lambda m: m.cost, default=None), float(where.times[-1]), surveyor.typical.time,
-        by_responses(made or {}), left,
+        as_participants(made or {}), left,
     )  # fmt: skip
 
 

@@ -98,15 +98,17 @@ def sentences(found: Survey) -> Iterator[str]:
 
 def _linearised(found: Survey) -> Iterator[str]:
     """How participants were, and what is doubtful about it."""
-    components = [name for name in found.system.instances if name not in found.responses]
-    who = ", ".join(components) if found.responses else "all participants"
+    components = [name for name in found.system.instances if name not in found.participants]
+    who = ", ".join(components) if found.participants else "all participants"
     said = [f"By their equations: {who} (components stand for their own FMUs)"] * bool(components)
-    if found.responses:
-        each = ", ".join(f"{name} (residual {r.residual:.1g})" for name, r in found.responses.items())
-        said.append(f"By responses to pulses, from saved and restored states: {each}")
+    ways: dict[str, list[str]] = {}
+    for participant in found.participants.values():
+        how, which = participant.told
+        ways.setdefault(how, []).append(which)
+    said += [f"{how}: {', '.join(each)}" for how, each in ways.items()]
     yield f"{'. '.join(said)}."
-    for response in found.responses.values():
-        yield from response.doubts()
+    for participant in found.participants.values():
+        yield from participant.doubts()
     for reason in found.left_out:
         yield f"Instant left out: {reason}."
 

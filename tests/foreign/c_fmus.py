@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import zipfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
@@ -50,7 +50,8 @@ class V:
 class Model:
     """`step` is C that moves v from t to t + h (`h`), `output` C that computes outputs of v and inputs.
 
-    Variables are named in C by macros: `$name`. `depends`: the inputs of every output.
+    Variables are named in C by macros: `$name`. `depends`: the inputs of every output; `rates`: the variables
+    that are derivatives of outputs, for the standard's call.
     """
 
     variables: tuple[V, ...]
@@ -59,6 +60,7 @@ class Model:
     depends: dict[str, tuple[str, ...]] = field(default_factory=dict)
     abilities: str = 'canGetAndSetFMUstate="true" canSerializeFMUstate="true" '
     variable_step: bool = True
+    rates: dict[str, str] = field(default_factory=dict)
 
 
 UNITS = {
@@ -148,6 +150,31 @@ MODELS = {
         "$y += h * ($u + h / 2 * ($u1 + h / 3 * ($u2 + h / 4 * $u3)));",
         abilities='canGetAndSetFMUstate="true" canInterpolateInputs="true" ',
     ),
+    # A mass on a spring and a damper: m a = f - k x - d v, by Heun's steps of 0.1 ms at most.
+    "sprung": Model(
+        (
+            V("position", "output", unit="m", initial="exact"),
+            V("velocity", "output", unit="m/s", initial="exact"),
+            V("force", "input"),
+            V("mass", "parameter", 1.0),
+            V("stiffness", "parameter", 10.0),
+            V("damping", "parameter", 0.5),
+            V("der(position)", unit="m/s", derivative="position"),
+            V("der(velocity)", derivative="velocity"),
+        ),
+        """
+        int n = (int)ceil(h / 1e-4 - 1e-9);
+        for (int i = 0; i < n; i++) {
+            double d = h / n, a = ($force - $stiffness * $position - $damping * $velocity) / $mass;
+            double p = $position + d * $velocity, q = $velocity + d * a;
+            double b = ($force - $stiffness * p - $damping * q) / $mass;
+            $position += 0.5 * d * ($velocity + q); $velocity += 0.5 * d * (a + b);
+        }""",
+        "${der(position)} = $velocity; "
+        "${der(velocity)} = ($force - $stiffness * $position - $damping * $velocity) / $mass;",
+        depends={"position": (), "velocity": ()},
+        abilities='providesDirectionalDerivative="true" ',
+    ),
     # What names may be.
     "named": Model((V('a/b "c", [µ] <->', "output", 1.0, initial="exact"), V("der(x)", "output", 2.0)), ""),
     "shaft": Model(
@@ -180,6 +207,13 @@ MODELS["early"] = Model(
     MODELS["dahlquist"].variables,
     "if (h > 6e-3) { $x *= exp(-$k * h / 2); m->reached = t + h / 2; return EARLY; } " + EXPONENTIAL,
     abilities='mightReturnEarlyFromDoStep="true" ',
+)
+# Gives its rates by the standard's call only.
+MODELS["called"] = replace(
+    MODELS["sprung"],
+    variables=tuple(replace(v, derivative="") for v in MODELS["sprung"].variables),
+    abilities='maxOutputDerivativeOrder="1" ',
+    rates={"position": "der(position)", "velocity": "der(velocity)"},
 )
 # Cannot be looked at.
 MODELS["blind"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, "raise(SIGSEGV);")
@@ -253,8 +287,10 @@ def _c_of(model: Model) -> str:
 
     starts = ", ".join(repr(value) for v in model.variables for value in v.starts)
     sizes = " ".join(f"(r) == {places[v.name]} ? {v.size} :" for v in model.variables if v.size > 1)
+    rates = " ".join(f"(r) == {places[of]} ? {places[rate]} :" for of, rate in model.rates.items())
     return (
         f"#define COUNT {count}\n#define START {{ {starts} }}\n#define SIZE(r) ({sizes} 1)\n"
+        f"#define RATE(r) ({rates} -1)\n"
         f"static void output(Instance *m, double *v) {{ {named(model.output)} }}\n"
         f"static int step(Instance *m, double *v, double t, double h) {{ {named(model.step)} return OK; }}\n"
     )
@@ -270,7 +306,9 @@ def _place(name: str, version: int) -> str:
 
 def _description(name: str, model: Model, version: int) -> str:
     kind = "guid" if version == 2 else "instantiationToken"
-    abilities = model.abilities if version == 2 else model.abilities.replace("FMUstate", "FMUState")
+    abilities = model.abilities
+    if version == 3:
+        abilities = abilities.replace("FMUstate", "FMUState").replace("Derivative=", "Derivatives=")
     variables, index, reference = [], {}, 0
     for number, v in enumerate(model.variables, 1):
         index[v.name] = number if version == 2 else reference
@@ -297,7 +335,16 @@ def _description(name: str, model: Model, version: int) -> str:
             found.append(f'<{tag} {attribute}="{index[one]}" dependencies="{inputs}"/>')
         return "".join(found)
 
-    structure = f"<Outputs>{unknown('Unknown')}</Outputs>" if version == 2 else unknown("Output")
+    states = [v.name for v in model.variables if v.derivative and "Directional" in abilities]
+    if version == 2:
+        derivatives = "".join(f'<Unknown index="{index[name]}"/>' for name in states)
+        structure = f"<Outputs>{unknown('Unknown')}</Outputs>"
+        structure += f"<Derivatives>{derivatives}</Derivatives>" if states else ""
+    else:
+        structure = unknown("Output")
+        structure += "".join(
+            f'<ContinuousStateDerivative valueReference="{index[name]}"/>' for name in states
+        )
     return (
         f'<?xml version="1.0" encoding="UTF-8"?>\n<fmiModelDescription fmiVersion="{version}.0" '
         f'modelName="{name}" {kind}="{TOKEN}">'

@@ -61,6 +61,30 @@ static int moved(Instance *m, double t, double h) {
     return status;
 }
 
+/* Of models that are linear, whose differences are exact. */
+static int directional(Instance *m, const unsigned u[], size_t nu, const unsigned k[], size_t nk, const double dk[],
+                       double du[]) {
+    double here[COUNT], there[COUNT];
+    memcpy(here, m->v, sizeof here);
+    memcpy(there, m->v, sizeof there);
+    for (size_t i = 0; i < nk; i++) there[k[i]] += dk[i];
+    output(m, here);
+    output(m, there);
+    for (size_t i = 0; i < nu; i++) du[i] = there[u[i]] - here[u[i]];
+    return OK;
+}
+
+/* Derivatives of outputs: RATE(reference) is where they are. */
+static int rates(Instance *m, const unsigned r[], size_t n, const int order[], double x[]) {
+    if (!m->initialised) return ERROR;
+    output(m, m->v);
+    for (size_t i = 0; i < n; i++) {
+        if (RATE(r[i]) < 0 || order[i] != 1) return ERROR;
+        x[i] = m->v[RATE(r[i])];
+    }
+    return OK;
+}
+
 #if FMI == 2
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
@@ -124,7 +148,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte b[], size_t n
 }
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference u[], size_t nu,
                                         const fmi2ValueReference k[], size_t nk, const fmi2Real dk[], fmi2Real du[]) {
-    return fmi2Error;
+    return (fmi2Status)directional(c, u, nu, k, nk, dk, du);
 }
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
                                        const fmi2Integer o[], const fmi2Real x[]) {
@@ -134,7 +158,9 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     return fmi2OK;
 }
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
-                                        const fmi2Integer o[], fmi2Real x[]) { return fmi2Error; }
+                                        const fmi2Integer o[], fmi2Real x[]) {
+    return (fmi2Status)rates(c, r, n, o, x);
+}
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_rollback) {
     int status = moved(c, t, h);
     return status >= ENDED ? fmi2Discard : (fmi2Status)status;
@@ -215,6 +241,13 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte b[], size_t n,
     memcpy(*s, b, n);
     return fmi3OK;
 }
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference u[], size_t nu,
+                                        const fmi3ValueReference k[], size_t nk, const fmi3Float64 dk[], size_t ndk,
+                                        fmi3Float64 du[], size_t ndu) {
+    return (fmi3Status)directional(c, u, nu, k, nk, dk, du);
+}
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference r[], size_t n, const fmi3Int32 o[],
+                                    fmi3Float64 x[], size_t nx) { return (fmi3Status)rates(c, r, n, o, x); }
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean no_rollback, fmi3Boolean *event,
                       fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *last) {
     Instance *m = c;

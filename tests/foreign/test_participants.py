@@ -301,6 +301,32 @@ def test_the_declared_derivative_is_the_rate(tmp_path: Path) -> None:
     assert rated == [{"ball.body.h": True}]
 
 
+@pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.parametrize("version", VERSIONS)
+def test_rates_by_the_standards_call_are_those_of_declared_variables(
+    version: int, process: str, tmp_path: Path
+) -> None:
+    """To the last bit, from the start on; without rates the signals of its outputs are parabolas."""
+    found = {}
+    for name in ("called", "sprung"):
+        tables = {
+            "mass": {
+                "participant": fmu(name, version, tmp_path),
+                "process": process,
+                "start": {"position": 1.0},
+            },
+            "driven": {"component": "sprung_mass", "participant": "in-process"},
+        }
+        lines = ["mass.position * 1 -> driven.force", "driven.position * 1 -> mass.force"]
+        for signal in ("hermite", "quadratic"):
+            master = {"name": "jacobi", "extrapolation": signal}
+            one = scenario(tables, connections=lines, master=master)
+            found[name, signal] = ran(one, tmp_path / f"{name} {signal}")[1]["mass.position"]
+    np.testing.assert_array_equal(found["called", "hermite"], found["sprung", "hermite"])
+    np.testing.assert_array_equal(found["called", "quadratic"], found["sprung", "quadratic"])
+    assert not np.array_equal(found["called", "hermite"], found["called", "quadratic"])
+
+
 def test_the_shortest_scenario_is_a_file(tmp_path: Path) -> None:
     component = component_of_file(fmu("feedthrough", 3, tmp_path))
     assert component.parameters.names == ("offset", "count", "negate")

@@ -16,12 +16,13 @@ from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import fmu, in_process
 from orchestrator.scenario_files import load
+from orchestrator.stability.along import NotLinearError
 from orchestrator.stability.behaviour import Behaviour, largest_stable
 from orchestrator.stability.linear import Linear
 from orchestrator.stability.linearisation import Equations
 from orchestrator.stability.points import point_at, points_at
 from orchestrator.stability.realisation import continuous, realised
-from orchestrator.stability.responses import NotLinearError, Responses
+from orchestrator.stability.responses import Responses
 
 from .coupled import grown
 from .small_fmus import small_fmu

@@ -13,7 +13,7 @@ typedef struct {
    present time, as if they were set now, so that of what is calculated only rates depend on the first. */
 static Status seed_with(const Unit *unit, Seed *seed, uint32_t known, double change)
 {
-    bool exchanging = unit->now.phase & (EVENT | CONTINUOUS), starting = unit->now.phase & (INSTANTIATED | INITIALIZING);
+    bool starting = unit->now.phase & (INSTANTIATED | INITIALIZING); /* then states follow their start values */
     if (!isfinite(change))
         return unit_say(unit, ERROR, "the change of value reference %u = %g: must be finite", (unsigned)known, change);
     if (known >= INPUTS_AT && known < OUTPUTS_AT && variables[known].kind == REAL) {
@@ -22,7 +22,7 @@ static Status seed_with(const Unit *unit, Seed *seed, uint32_t known, double cha
     } else if (known < PARAMETERS && variables[known].kind == REAL) seed->p[known] = change;
     else if (starting && known >= STARTS_AT && known < STARTS_AT + STARTED)
         seed->x[started[known - STARTS_AT]] = change;
-    else if (exchanging && known >= X_AT && known < X_AT + STATES) seed->x[known - X_AT] = change;
+    else if (!starting && known >= X_AT && known < X_AT + STATES) seed->x[known - X_AT] = change;
     else
         return unit_say(unit, ERROR, "value reference %u: derivatives are by inputs, parameters and states",
                         (unsigned)known);

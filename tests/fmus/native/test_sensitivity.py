@@ -234,6 +234,21 @@ def test_derivatives_by_states(name: str, native_files: dict[str, Path]) -> None
     slave.free()
 
 
+@pytest.mark.parametrize("name", EVERY)
+def test_derivatives_by_states_between_steps(name: str, native_files: dict[str, Path]) -> None:
+    """In co-simulation, at a communication point."""
+    reference, slave = moving(name, native_files[name])
+    point, c = point_of(reference), reference.component
+    names = known_by(slave.variables, point.names())
+    unknown = [slave.variables[n].valueReference for n in names]
+    for state in (u.variable.derivative for u in slave.description.derivatives):
+        place = c.state.index(state.name.removeprefix("state."))
+        found = slave.fmu.getDirectionalDerivative(unknown, [state.valueReference], [1.0])
+        size = float(c.state.nominal[place])
+        Derivatives(point, names, "x", place, size, np.array(found)).check()
+    slave.free()
+
+
 def test_derivatives_by_start_values(native_files: dict[str, Path]) -> None:
     """In initialisation: a state follows its start value, and what is calculated follows the state."""
     slave = Instance(native_files["coupled_mass"])
@@ -297,7 +312,7 @@ def test_derivatives_are_linear_in_the_direction(native_files: dict[str, Path]) 
     ("unknown", "known", "said"),
     [
         ("drive_angle", "drive_angle", "derivatives are of what is calculated and continuous"),
-        ("surface_position", "state.twist", "derivatives are by inputs"),
+        ("surface_position", "twist_start", "derivatives are by inputs"),
         ("surface_position", "surface_velocity", "derivatives are by inputs"),
         ("surface_position", "flexible", "derivatives are by inputs"),
     ],

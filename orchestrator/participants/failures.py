@@ -1,0 +1,83 @@
+"""What an FMU said, and the errors of calls that did not succeed."""
+
+from __future__ import annotations
+
+import contextlib
+from collections import deque
+from typing import Any, NoReturn
+
+from ..errors import (
+    DiscardedStepError,
+    EndedError,
+    LostParticipantError,
+    ParticipantError,
+    RecoverableError,
+    instead_of_discarded,
+)
+from .standard import DISCARD, FATAL, STATUS, Standard
+
+REMEDY = "look at its inputs and parameters, reduce macro_step or use the iterated master"
+
+
+class Failing:
+    """A participant whose calls may fail; `_fmi` is its instance."""
+
+    _fmi: Standard
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        # The last ones: an FMU that says something in every step must not fill the memory.
+        self._messages: deque[str] = deque(maxlen=20)
+        self._fatal = False
+
+    def _log(self, status: int, message: bytes) -> None:
+        # Of a Python FMU's traceback the last line says what happened.
+        if message and (lines := message.decode(errors="replace").strip().splitlines()):
+            self._messages.append(lines[-1])
+
+    @contextlib.contextmanager
+    def _naming(self, what: str) -> Any:
+        """Turn fmpy's exceptions into a message with what the FMU said."""
+        try:
+            yield
+        except ParticipantError:
+            raise
+        except Exception as error:
+            self._fatal |= getattr(error, "status", None) == FATAL
+            kind = LostParticipantError if self._fatal else ParticipantError
+            raise kind(f"{self.name}: {what}: {self._said() or error}") from None
+
+    def _said(self) -> str:
+        said = "; ".join(dict.fromkeys(self._messages))
+        self._messages.clear()
+        return said
+
+    def _fail(self, status: int, what: str) -> NoReturn:
+        """Raise the error of a call that did not succeed."""
+        said = self._said() or "no message"
+        message = f"{self.name}: {what} returned {STATUS[status]}: {said}; {REMEDY}"
+        if status == FATAL:
+            self._fatal = True
+            raise LostParticipantError(message)
+        raise RecoverableError(message)
+
+    def _discarded(self, time: float, step: float) -> NoReturn:
+        """Raise the error of a discarded step, with how far it came."""
+        what = f"{self.name}: step from t = {time:.9g} s by {step:g} s returned {STATUS[DISCARD]}"
+        said = self._said()
+        reached = self._fmi.reached()
+        if self._fmi.ended():
+            when = time if reached is None else reached
+            raise EndedError(
+                f"{self.name}: the FMU asks to end the simulation at t = {when:.9g} s"
+                f"{f': {said}' if said else ''}; set stop_time to that, or look at its parameters"
+            )
+        self._messages.clear()  # what it said about that question
+        # A time outside the step says as little as none.
+        if reached is not None and not time <= reached < time + step:
+            reached = None
+        raise DiscardedStepError(
+            f"{what}: {said or 'no message'}; look at its inputs and parameters, "
+            f"{instead_of_discarded(self.name)}",
+            reached,
+        )

@@ -1,0 +1,146 @@
+"""FMUs linearised by their directional derivatives: those of the components in whose place they are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fmus.native.fmu import build
+from fmus.native.machine_code import this_platform
+from models.system import Instance
+from orchestrator.command_line import app
+from orchestrator.masters import GaussSeidel
+from orchestrator.participants import component_of_file, fmu
+from orchestrator.stability.along import fed, shown
+from orchestrator.stability.behaviour import Behaviour, largest_stable
+from orchestrator.stability.directional import Directional
+from orchestrator.stability.linearisation import Equations
+from orchestrator.stability.points import point_at
+
+from ..foreign.c_fmus import fmu as c_fmu
+from .coupled import grown
+from .test_linearisation import SCENARIO, SPACING, along, flexible, quarter_car, sources  # noqa: F401
+from .two_masses import two_masses
+
+
+def both(system, name, where, row, path):
+    """An FMU by its directional derivatives, and the component by its equations."""
+    unit = fmu(name, path, system.instances[name])
+    try:
+        assert unit.linearisable([*fed(name, system), *shown(name, system)])
+        found = Directional(name, unit, system).about(where, row, sources(system, name))
+    finally:
+        unit.close()
+    return found, Equations(system, name).about(where, row, sources(system, name))
+
+
+def assert_alike(found, expected, system, name, tolerance):
+    """Each matrix, in nominal units, to `tolerance` of its largest element: for the component's states
+    without modes, as the FMU has them, and the inputs that are driven."""
+    component = system.instances[name].component
+    smooth = [i for i, field in enumerate(component.state.fields) if not field.quantity.discrete]
+    driven = [component.inputs.index(variable) for variable in fed(name, system)]
+    x, u, y = expected.scale[smooth], component.inputs.nominal[driven], component.outputs.nominal[:, None]
+    np.testing.assert_array_equal(found.scale, x)
+    pairs = [
+        (found.A * x / x[:, None], expected.A[np.ix_(smooth, smooth)] * x / x[:, None]),
+        (found.B[:, driven] * u / x[:, None], expected.B[np.ix_(smooth, driven)] * u / x[:, None]),
+        (found.C * x / y, expected.C[:, smooth] * x / y),
+        (found.D[:, driven] * u / y, expected.D[:, driven] * u / y),
+    ]
+    for one, other in pairs:
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=tolerance * np.abs(other).max(initial=0.0))
+
+
+def native(component, fmi):
+    return build(component.name, structure=component.structure, platforms=[this_platform()], fmi=fmi)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize(
+    "system", [quarter_car(), two_masses(damping=2.0)], ids=["quarter car", "two masses"]
+)
+def test_native_fmus_have_the_matrices_of_their_equations(system, fmi):
+    """Equations are differenced, to 1e-9 of what is linear."""
+    where = along(system, 0.2, SPACING)
+    for name, instance in system.instances.items():
+        found, expected = both(system, name, where, 40, native(instance.component, fmi))
+        assert_alike(found, expected, system, name, 1e-8)
+        fed_to = instance.component.inputs.index(fed(name, system)[0])
+        np.testing.assert_array_equal(found.taken[:, fed_to], 1.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "tolerance"), [("camshaft", 1e-8), ("valve_spring", 1e-8), ("contact", 1e-6)]
+)
+def test_native_fmus_of_a_loaded_valve_train_do(flexible, name, tolerance):  # noqa: F811
+    """To differences of the equations: over 1e-8 m of approach, a thousandth of the contact's deflection, of
+    which the load is a power, 1e-6 is left."""
+    system, where = flexible
+    path = native(system.instances[name].component, 2)
+    found, expected = both(system, name, where, 3000, path)
+    assert_alike(found, expected, system, name, tolerance)
+
+
+def stiff():
+    """Two masses whose second one is the foreign FMU's; the start is the first one's."""
+    system = two_masses(coupling_stiffness=400.0)
+    second = replace(system.instances["second"], parameters={"mass": 1.0, "stiffness": 10.0, "damping": 0.5})
+    return system.with_instances({**system.instances, "second": second})
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_foreign_fmu_has_the_matrices_of_its_law(version, tmp_path):
+    """m a = f - k x - d v: to the rounding of its own differences, of values below 10. It holds its input."""
+    system = stiff()
+    where = along(system, 0.2, SPACING)
+    found, _ = both(system, "second", where, 40, c_fmu("sprung", version, tmp_path))
+    np.testing.assert_allclose(found.A, [[0.0, 1.0], [-10.0, -0.5]], atol=1e-13)
+    np.testing.assert_allclose(found.B, [[0.0], [1.0]], atol=1e-13)
+    np.testing.assert_array_equal(found.C, np.eye(2))
+    np.testing.assert_array_equal(found.D, 0.0)
+    np.testing.assert_array_equal(found.taken[:4, 0], [1.0, 0.0, 0.0, 0.0])
+
+
+def test_a_run_of_a_foreign_fmu_grows_beyond_the_limit_predicted_by_its_derivatives(tmp_path):
+    """As with responses: 4 % to both sides, over steps enough for a factor of exp(10). The FMU cannot be
+    brought back to a saved state, which this way of linearisation does not need."""
+    system, path, master = stiff(), c_fmu("sprung", 2, tmp_path), GaussSeidel("linear")
+    where = along(system, 0.2, SPACING)
+    unit = fmu("second", path, system.instances["second"])
+    assert not unit.restorable
+    made = {"first": Equations(system, "first"), "second": Directional("second", unit, system)}
+    behaviour = Behaviour(point_at(system, where, 20, [], made), master)
+    unit.close()
+    limit = largest_stable(behaviour.at, 1e-4, 0.5, [])
+    for share in (0.96, 1.04):
+        rate = np.log(behaviour.at(share * limit).radius)
+        units = {name: fmu(name, native(i.component, 2), i) for name, i in system.instances.items()}
+        units["second"].close()
+        units["second"] = fmu("second", path, system.instances["second"])
+        factor = grown(system, units, master, share * limit, int(10.0 / abs(rate)))
+        for one in units.values():
+            one.close()
+        assert (factor > 1.0) == (share > 1.0)
+
+
+def test_the_command_takes_derivatives_where_an_fmu_gives_them(tmp_path):
+    path, scenario = c_fmu("sprung", 3, tmp_path), tmp_path / "masses.toml"
+    scenario.write_text(SCENARIO.format(path=path.as_posix()), "utf-8")
+    said = CliRunner().invoke(app, ["analyse", str(scenario), "--out", str(tmp_path / "out")])
+    assert said.exit_code == 0, said.output
+    output = " ".join(said.output.split())
+    assert "By their equations: first" in output
+    assert "By their directional derivatives: second." in output
+    assert "second holds its inputs force over a step" in output
+
+
+@pytest.mark.parametrize("name", ["vanderpol", "feedthrough"])
+def test_an_fmu_that_gives_no_derivatives_is_not_linearised_by_them(name, tmp_path):
+    path = c_fmu(name, 2, tmp_path)
+    unit = fmu(name, path, Instance(component_of_file(path)))
+    assert not unit.linearisable([])
+    unit.close()
