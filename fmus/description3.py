@@ -1,15 +1,15 @@
 """modelDescription.xml of FMI 3.0, from the same metadata as that of FMI 2.0, for native FMUs.
 
-Every variable is a scalar, also those of arrays, with the name that it has in FMI 2.0: connections and
-scenarios are the same for both.
+Vectors are arrays (`arrays`), with the reference of their first element.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
+from .arrays import Shaped, shaped
 from .description import (
     GUID_PLACE,
     Experiment,
@@ -65,8 +65,11 @@ def model_description(component: Any, model_name: str, experiment: Experiment, o
     _types(SubElement(root, "TypeDefinitions"), types(variables))
     running(root, experiment)
     listed = SubElement(root, "ModelVariables")
-    for variable in variables:
-        _variable(listed, variable)
+    declared = shaped(model_name, variables)
+    for one in declared:
+        _variable(listed, one)
+    # Of each element the reference of its array.
+    array = {element.reference: one.first.reference for one in declared for element in one.elements}
     unknowns = structure(component, described)
     parts = {
         "Output": unknowns.outputs,
@@ -76,9 +79,24 @@ def model_description(component: Any, model_name: str, experiment: Experiment, o
     }
     made = SubElement(root, "ModelStructure")
     for name, calculated in parts.items():
-        for reference, through in calculated.items():
+        for reference, through in _whole(calculated, array).items():
             SubElement(made, name, valueReference=str(reference), **dependencies(through))
     return text_of(root)
+
+
+def _whole(
+    calculated: Mapping[int, Iterable[int] | None], array: Mapping[int, int]
+) -> dict[int, list[int] | None]:
+    """The same of arrays, which depend on all that one of their elements depends on."""
+    found: dict[int, list[int] | None] = {}
+    for reference, through in calculated.items():
+        whole = array[reference]
+        before = found.get(whole, [])
+        if through is None or before is None:
+            found[whole] = None
+        else:
+            found[whole] = list(dict.fromkeys([*before, *(array[other] for other in through)]))
+    return found
 
 
 def _types(parent: Element, examples: Mapping[str, Variable]) -> None:
@@ -89,9 +107,10 @@ def _types(parent: Element, examples: Mapping[str, Variable]) -> None:
             items(SubElement(parent, "EnumerationType", name=name), variable)
 
 
-def _variable(parent: Element, variable: Variable) -> None:
+def _variable(parent: Element, declared: Shaped) -> None:
+    variable = declared.first
     attributes = {
-        "name": variable.name,
+        "name": declared.name,
         "valueReference": str(variable.reference),
         "description": variable.description,
         "causality": variable.causality,
@@ -104,8 +123,12 @@ def _variable(parent: Element, variable: Variable) -> None:
     if variable.variability == "continuous" and variable.causality != "independent":
         attributes["intermediateUpdate"] = "true"  # what a host may set or read in the course of a step
     attributes |= value_attributes(variable)
+    if "start" in attributes:
+        attributes["start"] = " ".join(value_attributes(v)["start"] for v in declared.elements)
     if variable.rate_of is not None:
         attributes["derivative"] = str(variable.rate_of)
     if variable.jumps:
         attributes["reinit"] = "true"
-    SubElement(parent, _TYPES[variable.kind], attributes)
+    element = SubElement(parent, _TYPES[variable.kind], attributes)
+    if declared.array:
+        SubElement(element, "Dimension", start=str(len(declared.elements)))

@@ -36,7 +36,8 @@ class Variable:
     """One scalar variable of an FMU. `kind` is Real, Integer, Boolean or Enumeration.
 
     `unit` is that of the quantity, also where the variable is its derivative of `derivative_order`. The rate
-    of an output has that output's reference as `rate_of`. A state that `jumps` may do so at events.
+    of an output has that output's reference as `rate_of`. A state that `jumps` may do so at events. An
+    element of a vector has the name of its structural size.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Variable:
     rate_of: int | None = None
     state_start: bool = False
     jumps: bool = False
+    size: str = ""
 
 
 class Memory:
@@ -185,6 +187,7 @@ def _variable(
         prefix + quantity.description,
         quantity,
         state_start=state_start,
+        size=quantity.size,
     )
 
 
@@ -201,6 +204,7 @@ def _derivative(field: Any, reference: int, order: int) -> Variable:
         field.quantity.unit,
         text,
         derivative_order=order,
+        size=field.quantity.size,
     )
 
 
@@ -216,4 +220,5 @@ def _rate(name: str, field: Any, reference: int, rate_of: int, causality: str = 
         f"derivative of {field.name} by time",
         derivative_order=1,
         rate_of=rate_of,
+        size=field.quantity.size,
     )

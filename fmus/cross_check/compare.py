@@ -180,17 +180,28 @@ def _reference(kind: str, files: Mapping[str, str]) -> Reference:
 
 def _check_names(described: ModelDescription, reference: Reference) -> None:
     known = {variable.name for variable in described.modelVariables}
-    tables = [reference.results] if reference.inputs is None else [reference.results, reference.inputs]
-    for name in (name for table in tables for name in table.columns):
+    inputs = () if reference.inputs is None else reference.inputs.columns
+    for name in (*(_recorded(described, name)[0] for name in reference.results.columns), *inputs):
         if name not in known:
             raise CrossCheckError(f"has no variable {name}, which its reference files name")
+
+
+def _recorded(described: ModelDescription, name: str) -> tuple[str, int | None]:
+    """The variable that is recorded for a column, and the place of the element where it is an array of FMI 3:
+    x[2] is the second one of x."""
+    stem, bracket, index = name.partition("[")
+    for variable in described.modelVariables:
+        if bracket and variable.name == stem and len(variable.shape or ()) == 1 and index[:-1].isdigit():
+            return stem, int(index[:-1]) - 1
+    return name, None
 
 
 def _simulated(
     path: Path, described: ModelDescription, kind: str, reference: Reference, allowed: float
 ) -> NDArray[np.void]:
     """The run's variables over time, as fmpy gives them; an instant may stand more than once."""
-    o, named = reference.options, [*reference.results.columns]
+    columns = (_recorded(described, name)[0] for name in reference.results.columns)
+    o, named = reference.options, list(dict.fromkeys(columns))
     times = np.unique(reference.results.times)
     with _silence() as said:
         try:
@@ -236,13 +247,15 @@ def _deviations(described: ModelDescription, reference: Table, result: NDArray[n
     close = 1e-9 * max(abs(times[-1]), abs(times[0]))
     found = []
     for name, values in reference.columns.items():
-        run = np.asarray(result[name], dtype=np.float64)
+        recorded, place = _recorded(described, name)
+        run = np.asarray(result[recorded], dtype=np.float64)
+        run = run if place is None else run[:, place]
         apart = np.array(
             [_apart(t, value, times, run, close) for t, value in zip(at, values[smooth], strict=True)]
         )
         worst = int(np.argmax(np.where(np.isnan(apart), np.inf, apart)))
         size = float(np.max(np.abs(values))) or 1.0
-        unit = "" if units[name] == "1" else units[name]
+        unit = "" if units[recorded] == "1" else units[recorded]
         largest, when = float(apart[worst]), float(at[worst])
         found.append(Deviation(name, unit, largest, largest / size, when))
     return found

@@ -63,10 +63,14 @@ def content_of(
         xml = model_description(component, name, experiment, made_by, NATIVE, EXCHANGE)
     else:
         xml = description3.model_description(component, name, experiment, made_by)
-    unnamed = {**tables(component, name, "", ""), "kernels.ll": "".join(kernels), "modelDescription.xml": xml}
+    unnamed = {
+        **tables(component, name, "", "", fmi),
+        "kernels.ll": "".join(kernels),
+        "modelDescription.xml": xml,
+    }
     digest = digest_of({**_shell(), **{path: text.encode() for path, text in unnamed.items()}})
     token = f"{{{uuid.UUID(digest[:32])}}}"
-    named = tables(component, name, digest[:16], token)
+    named = tables(component, name, digest[:16], token, fmi)
     files = python_build.documents(name, component)
     if python_build.referenced(name, component):
         files |= references(name, exchange=True)

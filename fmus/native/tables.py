@@ -11,6 +11,7 @@ from models.component import NO_EVENT
 from models.integrator import FAILURES
 from models.requirements import PLACES, Requirement
 
+from ..arrays import shaped
 from ..memory import Memory, Variable, of_start
 from .entries import REQUIREMENT, START_REQUIREMENT
 
@@ -21,8 +22,9 @@ _CAUSALITIES = {name: name.upper() for name in ("parameter", "input", "output", 
 }
 
 
-def tables(component: Any, name: str, digest: str, token: str) -> dict[str, str]:
-    """Files in C by name. `digest` identifies the code in saved states, `token` the description."""
+def tables(component: Any, name: str, digest: str, token: str, fmi: int = 2) -> dict[str, str]:
+    """Files in C by name. `digest` identifies the code in saved states, `token` the description; `fmi` is the
+    version, of which 3 has arrays."""
     memory = Memory(component)
     continuous = [v.reference - memory.x for v in memory.motion() if v.rate_of is None]
     sizes: dict[str, int | str] = {
@@ -59,11 +61,16 @@ def tables(component: Any, name: str, digest: str, token: str) -> dict[str, str]
         sizes["EVENT_COUNT_AT"] = memory.outputs + component.outputs.index(component.event_counter)
         sizes["EVENT_TIME_AT"] = memory.outputs + component.outputs.index(component.event_time)
     variables = [*memory.variables(), *memory.states(), memory.time(), *memory.indicators()]
+    elements = {v.reference: 1 for v in variables}
+    if fmi == 3:
+        elements = {v.reference: 0 for v in variables}
+        elements |= {one.first.reference: len(one.elements) for one in shaped(name, variables)}
+    declared = (_variable(v, elements[v.reference]) for v in variables)
     messages = [FAILURES.get(status, "") for status in range(max(FAILURES) + 1)]
     strings = {"MODEL": name, "TOKEN": token, "DIGEST": digest}
     defined = {key: _string(text) for key, text in strings.items()} | sizes
     arrays = (
-        _array("Variable", "variables", "VARIABLES + STATES + 1 + GUARDS", map(_variable, variables)),
+        _array("Variable", "variables", "VARIABLES + STATES + 1 + GUARDS", declared),
         _array("double", "beginning", "SIZE", map(_number, memory.beginning())),
         _array("double", "nominal", "", map(_number, (*component.state.nominal, 1.0))),
         _array("int", "started", "", map(str, (*memory.started, -1))),
@@ -97,13 +104,14 @@ def _requirements(
     return "\n".join([*declared, _array("Requirement", name, "", [*items, "{0}"])])
 
 
-def _variable(variable: Variable) -> str:
+def _variable(variable: Variable, elements: int) -> str:
     quantity = variable.quantity
     low, high = quantity.limits() if quantity else (-math.inf, math.inf)
     parts = (
         _string(variable.name),
         _KINDS[variable.kind],
         _CAUSALITIES[variable.causality],
+        str(elements),
         _truth(variable.variability == "fixed"),
         _truth(quantity is not None and quantity.positive),
         _number(low),

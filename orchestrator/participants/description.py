@@ -158,9 +158,12 @@ def _scalars(variable: Any) -> Iterator[Variable]:
     declared = variable.declaredType
     unit = variable.unit or (declared.unit if declared else None) or ""
     limits = {key: _limit(variable, declared, key) for key in ("min", "max", "nominal")}
+    derived = variable.derivative
+    rate_of = derived.name if derived is not None and tuple(derived.shape or ()) == shape else ""
     for place, index in enumerate(product(*(range(1, n + 1) for n in shape))):
+        element = f"[{','.join(map(str, index))}]" if shape else ""
         yield Variable(
-            name=variable.name + (f"[{','.join(map(str, index))}]" if shape else ""),
+            name=variable.name + element,
             type=variable.type,
             reference=int(variable.valueReference),
             causality=variable.causality or "local",
@@ -172,7 +175,7 @@ def _scalars(variable: Any) -> Iterator[Variable]:
             maximum=math.inf if limits["max"] is None else limits["max"],
             nominal=abs(limits["nominal"] or 1.0),
             start=starts[place],
-            derivative=variable.derivative.name if variable.derivative is not None and not shape else "",
+            derivative=rate_of and rate_of + element,
             place=place,
             size=size,
         )

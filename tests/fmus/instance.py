@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import ctypes
 import json
+import math
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -169,20 +171,43 @@ class Instance3(Instance):
         assert not self.fmu.updateDiscreteStates()[0]
         self.fmu.enterStepMode()
 
-    def set(self, values: dict[str, float]) -> None:
+    def size(self, name: str) -> int:
+        """Elements of a variable."""
+        return math.prod(self.variables[name].shape or ())
+
+    def set(self, values: dict[str, Any]) -> None:
+        """Scalars, arrays by a list of their elements, and elements by their names."""
         for name, value in values.items():
-            variable = self.variables[name]
-            kind = {"Enumeration": "Int64"}.get(variable.type, variable.type)
-            whole = {"Float64": float, "Boolean": bool}.get(kind, int)
-            getattr(self.fmu, f"set{kind}")([variable.valueReference], [whole(value)])
+            if name in self.variables:
+                self._call("set", name, value if isinstance(value, list) else [value])
+            else:
+                array, place = self._element(name)
+                whole = self._call("get", array, self.size(array))
+                self._call("set", array, [*whole[:place], value, *whole[place + 1 :]])
 
     def get(self, names: list[str]) -> list[float]:
-        found = []
+        """The elements of these variables, one after the other; elements by their names."""
+        found: list[float] = []
         for name in names:
-            variable = self.variables[name]
-            kind = {"Enumeration": "Int64"}.get(variable.type, variable.type)
-            found.append(float(getattr(self.fmu, f"get{kind}")([variable.valueReference])[0]))
+            if name in self.variables:
+                found += map(float, self._call("get", name, self.size(name)))
+            else:
+                array, place = self._element(name)
+                found.append(float(self._call("get", array, self.size(array))[place]))
         return found
+
+    def _element(self, name: str) -> tuple[str, int]:
+        """The array of which it is an element, and its place there; der(x[2]) is one of der(x)."""
+        (index,) = re.findall(r"\[(\d+)\]", name)
+        return name.replace(f"[{index}]", ""), int(index) - 1
+
+    def _call(self, what: str, name: str, given: Any) -> Any:
+        variable = self.variables[name]
+        kind = {"Enumeration": "Int64"}.get(variable.type, variable.type)
+        if what == "set":
+            whole = {"Float64": float, "Boolean": bool}.get(kind, int)
+            given = [whole(value) for value in given]
+        return getattr(self.fmu, what + kind)([variable.valueReference], given)
 
     def step(self, t: float, h: float) -> tuple[bool, bool, bool, float]:
         """eventHandlingNeeded, terminateSimulation, earlyReturn, lastSuccessfulTime."""

@@ -138,11 +138,15 @@ MODELS = {
             V("A", "parameter", [1.0, 0.0, 0.0, 1.0], size=4),
             V("u", "input", [0.0, 0.0], size=2),
             V("y", "output", [0.0, 0.0], size=2),
+            V("slope", "output", [0.0, 0.0], size=2, derivative="y"),
             V("started", "local"),
         ),
         "for (int i = 0; i < 2; i++) (&$x0)[i] += h * (&$u)[i];",
-        "for (int i = 0; i < 2; i++) (&$y)[i] = (&$A)[2 * i] * (&$x0)[0] + (&$A)[2 * i + 1] * (&$x0)[1];",
-        depends={"y": ()},
+        """for (int i = 0; i < 2; i++) {
+            (&$y)[i] = (&$A)[2 * i] * (&$x0)[0] + (&$A)[2 * i + 1] * (&$x0)[1];
+            (&$slope)[i] = (&$A)[2 * i] * (&$u)[0] + (&$A)[2 * i + 1] * (&$u)[1];
+        }""",
+        depends={"y": (), "slope": ("u",)},
     ),
     # dy/dt = u, exactly for inputs that are cubics.
     "integral": Model(

@@ -285,7 +285,19 @@ def test_the_declared_derivative_is_the_rate(tmp_path: Path) -> None:
     """By which Hermite signals have their fourth order."""
     component = component_of_file(fmu("ball", 2, tmp_path))
     assert component.outputs.names == ("body.h", "body.v")
-    rated = []
+    tables = {name: {"participant": fmu(name, 2, tmp_path)} for name in ("ball", "vanderpol")}
+    assert rated_of(tables, "ball.body.h * 1 -> vanderpol.force", tmp_path) == {"ball.body.h": True}
+
+
+def test_the_declared_derivative_of_an_array_has_the_rates_of_its_elements(tmp_path: Path) -> None:
+    tables = {"vector": {"participant": fmu("vector", 3, tmp_path), "inputs": {"u[2]": 3.0}}}
+    tables["vanderpol"] = {"participant": fmu("vanderpol", 3, tmp_path)}
+    assert rated_of(tables, "vector.y[2] -> vanderpol.force", tmp_path) == {"vector.y[2]": True}
+
+
+def rated_of(tables: dict[str, Any], line: str, folder: Path) -> dict[str, bool]:
+    """Of a coupled run with Hermite signals: whether the rate of each connected output is given."""
+    rated: list[dict[str, bool]] = []
     attached = Exchange.initialise
 
     def initialise(self: Exchange, *times: float) -> None:
@@ -294,11 +306,9 @@ def test_the_declared_derivative_is_the_rate(tmp_path: Path) -> None:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Exchange, "initialise", initialise)
-        tables = {name: {"participant": fmu(name, 2, tmp_path)} for name in ("ball", "vanderpol")}
-        lines = ["ball.body.h * 1 -> vanderpol.force"]
         master = {"name": "gauss_seidel", "extrapolation": "hermite"}
-        ran(scenario(tables, connections=lines, master=master), tmp_path / "out")
-    assert rated == [{"ball.body.h": True}]
+        ran(scenario(tables, connections=[line], master=master), folder / "out")
+    return rated[0]
 
 
 @pytest.mark.parametrize("process", PROCESSES)

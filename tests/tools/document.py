@@ -98,8 +98,8 @@ writes this page. Every FMU ([in Python](fmus.md), [native](native.md) for FMI 2
 steps in every tool, with inputs that change from step to step and are held in it, and in this process the
 component makes the same steps. The step is the power of two next to the one that the FMU offers.
 
-- *difference*: the largest one of any output (rates among them) after any step, in parts of that output's
-  largest magnitude; 0 is equality to the last bit.
+- *difference*: the largest one of any output (rates among them, arrays of FMI 3.0 not) after any step, in
+  parts of that output's largest magnitude; 0 is equality to the last bit.
 - *steps/s*: in the tool's own loop, with inputs held and as little recorded as the tool lets; the best of
   some short runs. Compare rates within one tool's table only: the machine was doing other work, at some times
   more than at others.

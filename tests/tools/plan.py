@@ -50,12 +50,14 @@ def step_of(name: str) -> float:
 
 
 def case_of(name: str, kind: Kind, fmu: Path, steps: int = STEPS) -> Case:
-    """Inputs that change from step to step, as `wave` says; all outputs that are real."""
+    """Inputs that change from step to step, as `wave` says; all outputs that are real, but for arrays, which
+    not every tool of FMI 3 takes."""
     reference = Reference(name, **default_structure(name, kind.structure))
     description = fmpy.read_model_description(str(fmu), validate=False)
     known = {v.name: v for v in description.modelVariables}
     inputs = reference.component.inputs.names
-    outputs = [v.name for v in known.values() if v.causality == "output" and v.type in ("Real", "Float64")]
+    real = [v for v in known.values() if v.type in ("Real", "Float64") and not v.dimensions]
+    outputs = [v.name for v in real if v.causality == "output"]
     step = step_of(name)
     table = [[wave(reference.component, i * step)[one] for one in inputs] for i in range(steps)]
     return Case(

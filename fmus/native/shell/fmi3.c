@@ -79,14 +79,15 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     made->update = update;
     for (size_t i = 0; i < count; i++) {
         const Variable *variable = required ? unit_variable(required[i]) : NULL;
-        if (!variable || variable->kind != REAL) {
+        if (!variable || !variable->elements || variable->kind != REAL) {
             unit_say(made->unit, ERROR, "requiredIntermediateVariables: %s is not continuous",
                      variable ? variable->name : "what is not known");
             fmi3FreeInstance(made);
             return NULL;
         }
         if (!update || required[i] < INPUTS_AT || required[i] >= INPUTS_AT + INPUTS) continue;
-        made->given[required[i] - INPUTS_AT] = made->gives = true;
+        for (uint32_t j = 0; j < variable->elements; j++) made->given[required[i] - INPUTS_AT + j] = true;
+        made->gives = true;
     }
     return made;
 }
@@ -173,45 +174,64 @@ fmi3Status fmi3Reset(fmi3Instance instance)
 
 /* Variables */
 
-/* Every variable is a scalar. */
-static Status fits(const Unit *unit, const char *call, size_t references, size_t values)
-{
-    if (references == values) return OK;
-    return unit_say(unit, ERROR, "%s: %zu values for %zu variables, which are scalars", call, values, references);
-}
-
 /* In a call from within a step the host sets those inputs that it said it would, and nothing else. */
-static Status may_set(const Instance *one, const char *call, const fmi3ValueReference vr[], size_t count)
+static bool may_set(const Instance *one, const char *call, const Elements *some)
 {
-    if (one->unit->now.phase != INTERMEDIATE) return OK;
-    if (!one->setting) return unit_say(one->unit, ERROR, "%s: inputs are not requested in this intermediate update", call);
-    for (size_t i = 0; vr && i < count; i++)
-        if (vr[i] < INPUTS_AT || vr[i] >= INPUTS_AT + INPUTS || !one->given[vr[i] - INPUTS_AT])
-            return unit_say(one->unit, ERROR, "%s: value reference %u is no input among the requiredIntermediateVariables",
-                            call, (unsigned)vr[i]);
-    return OK;
+    if (one->unit->now.phase != INTERMEDIATE) return true;
+    if (!one->setting) {
+        unit_say(one->unit, ERROR, "%s: inputs are not requested in this intermediate update", call);
+        return false;
+    }
+    for (size_t i = 0; some->references && i < some->count; i++) {
+        uint32_t at = some->references[i];
+        if (at >= INPUTS_AT && at < INPUTS_AT + INPUTS && one->given[at - INPUTS_AT]) continue;
+        unit_say(one->unit, ERROR, "%s: value reference %u is no input among the requiredIntermediateVariables", call,
+                 (unsigned)at);
+        return false;
+    }
+    return true;
 }
 
-static Status may_get(const Instance *one, const char *call)
+/* Whether a call may be answered, which is to be followed by free(some->made); says why not. */
+
+static bool to_set(const Instance *one, const char *call, Elements *some, const uint32_t vr[], size_t count, size_t size)
 {
-    if (one->unit->now.phase != INTERMEDIATE || one->getting) return OK;
-    return unit_say(one->unit, ERROR, "%s: values cannot be read in this intermediate update", call);
+    if (!elements_of(some, one->unit, call, vr, count, size)) return false;
+    if (may_set(one, call, some)) return true;
+    free(some->made);
+    return false;
+}
+
+static bool to_get(const Instance *one, const char *call, Elements *some, const uint32_t vr[], size_t count, size_t size)
+{
+    if (one->unit->now.phase != INTERMEDIATE || one->getting)
+        return elements_of(some, one->unit, call, vr, count, size);
+    unit_say(one->unit, ERROR, "%s: values cannot be read in this intermediate update", call);
+    return false;
 }
 
 fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], size_t count, fmi3Float64 values[],
                           size_t size)
 {
+    Elements some;
+    Status status;
     NEEDS(READABLE, "fmi3GetFloat64");
-    if (fits(UNIT, "fmi3GetFloat64", count, size) || may_get(INSTANCE, "fmi3GetFloat64")) return fmi3Error;
-    return unit_get(UNIT, REAL, vr, count, values);
+    if (!to_get(INSTANCE, "fmi3GetFloat64", &some, vr, count, size)) return fmi3Error;
+    status = unit_get(UNIT, REAL, some.references, some.count, values);
+    free(some.made);
+    return status;
 }
 
 fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
                           const fmi3Float64 values[], size_t size)
 {
+    Elements some;
+    Status status;
     NEEDS(SETTABLE, "fmi3SetFloat64");
-    if (fits(UNIT, "fmi3SetFloat64", count, size) || may_set(INSTANCE, "fmi3SetFloat64", vr, count)) return fmi3Error;
-    return unit_set(UNIT, REAL, vr, count, values);
+    if (!to_set(INSTANCE, "fmi3SetFloat64", &some, vr, count, size)) return fmi3Error;
+    status = unit_set(UNIT, REAL, some.references, some.count, values);
+    free(some.made);
+    return status;
 }
 
 /* Whole numbers are doubles in the memory. Choices are of type Enumeration, and 64 bits wide. All can be set before
@@ -220,34 +240,39 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], 
     fmi3Status fmi3Get##Type(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,                \
                              fmi3##Type values[], size_t size)                                                  \
     {                                                                                                           \
+        Elements all;                                                                                           \
+        Status status = OK;                                                                                     \
         NEEDS(READABLE, "fmi3Get" #Type);                                                                       \
-        if (fits(UNIT, "fmi3Get" #Type, count, size) || may_get(INSTANCE, "fmi3Get" #Type)) return fmi3Error;   \
-        for (size_t i = 0; i < count; i += SOME) {                                                              \
+        if (!to_get(INSTANCE, "fmi3Get" #Type, &all, vr, count, size)) return fmi3Error;                        \
+        for (size_t i = 0; i < all.count && status == OK; i += SOME) {                                          \
             double some[SOME];                                                                                  \
-            size_t n = count - i < SOME ? count - i : SOME;                                                     \
-            Status status = unit_get(UNIT, KIND, vr ? vr + i : NULL, n, values ? some : NULL);                  \
-            if (status != OK) return status;                                                                    \
-            for (size_t j = 0; j < n; j++) values[i + j] = (fmi3##Type)unit_whole(some[j], LOW, HIGH);          \
+            size_t n = all.count - i < SOME ? all.count - i : SOME;                                             \
+            const uint32_t *r = all.references ? all.references + i : NULL;                                     \
+            status = unit_get(UNIT, KIND, r, n, values ? some : NULL);                                          \
+            for (size_t j = 0; j < n && status == OK; j++)                                                      \
+                values[i + j] = (fmi3##Type)unit_whole(some[j], LOW, HIGH);                                     \
         }                                                                                                       \
-        return fmi3OK;                                                                                          \
+        free(all.made);                                                                                         \
+        return status;                                                                                          \
     }                                                                                                           \
     fmi3Status fmi3Set##Type(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,                \
                              const fmi3##Type values[], size_t size)                                            \
     {                                                                                                           \
+        Elements all;                                                                                           \
+        Status status = OK;                                                                                     \
         NEEDS(SETTABLE, "fmi3Set" #Type);                                                                       \
-        if (fits(UNIT, "fmi3Set" #Type, count, size) || may_set(INSTANCE, "fmi3Set" #Type, vr, count))          \
-            return fmi3Error;                                                                                   \
+        if (!to_set(INSTANCE, "fmi3Set" #Type, &all, vr, count, size)) return fmi3Error;                        \
         for (int set = 0; set < 2; set++)                                                                       \
-            for (size_t i = 0; i < count; i += SOME) {                                                          \
+            for (size_t i = 0; i < all.count && status == OK; i += SOME) {                                      \
                 double some[SOME];                                                                              \
-                size_t n = count - i < SOME ? count - i : SOME;                                                 \
-                const fmi3ValueReference *r = vr ? vr + i : NULL;                                               \
+                size_t n = all.count - i < SOME ? all.count - i : SOME;                                         \
+                const uint32_t *r = all.references ? all.references + i : NULL;                                 \
                 const double *v = values ? some : NULL;                                                         \
                 for (size_t j = 0; v && j < n; j++) some[j] = (double)values[i + j];                            \
-                if ((set ? unit_set(UNIT, KIND, r, n, v) : unit_can_set(UNIT, KIND, r, n, v)) != OK)            \
-                    return fmi3Error;                                                                           \
+                status = set ? unit_set(UNIT, KIND, r, n, v) : unit_can_set(UNIT, KIND, r, n, v);               \
             }                                                                                                   \
-        return fmi3OK;                                                                                          \
+        free(all.made);                                                                                         \
+        return status;                                                                                          \
     }
 
 WHOLE(Int32, INTEGER, INT32_MIN, INT32_MAX)

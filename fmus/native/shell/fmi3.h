@@ -15,6 +15,17 @@ typedef struct {
     State before, beginning;      /* of the step that is being made: as the host left it, with all inputs */
 } Instance;
 
+/* What a list of value references stands for, with one reference for each element. */
+typedef struct {
+    const uint32_t *references;
+    size_t count;
+    uint32_t *made; /* to be freed */
+} Elements;
+
+/* For a call with so many values; false after a message if they are not as many as elements. */
+bool elements_of(Elements *some, const Unit *unit, const char *call, const fmi3ValueReference vr[], size_t count,
+                 size_t values);
+
 /* After a step: inputs go on as they were in it, from where it has ended. */
 void inputs_go_on(Unit *unit);
 

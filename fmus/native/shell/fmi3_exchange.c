@@ -98,10 +98,46 @@ fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *count)
 
 /* Derivatives by variables */
 
-static Status paired(Unit *unit, const char *call, size_t seeds, size_t of, size_t results, size_t by)
+/* One pass forward for each known variable. */
+static Status adjoint(Unit *unit, const Elements *unknowns, const Elements *knowns, const double *seed, double *result)
 {
-    if (seeds == of && results == by) return OK;
-    return unit_say(unit, ERROR, "%s: %zu seeds for %zu scalars, %zu results for %zu", call, seeds, of, results, by);
+    Status status = OK;
+    double *column;
+    size_t n = unknowns->count, m = knowns->count;
+    if ((n && (!unknowns->references || !seed)) || (m && (!knowns->references || !result)))
+        return unit_say(unit, ERROR, "no place for %zu results of %zu changes", m, n);
+    for (size_t i = 0; i < n; i++)
+        if (!isfinite(seed[i]))
+            return unit_say(unit, ERROR, "the seed of value reference %u = %g: must be finite",
+                            (unsigned)unknowns->references[i], seed[i]);
+    column = malloc((n + 1) * sizeof *column);
+    if (!column) return unit_say(unit, ERROR, "out of memory");
+    for (size_t j = 0; j < m && status == OK; j++) {
+        double sum = 0.0;
+        status = unit_directional(unit, unknowns->references, n, &knowns->references[j], 1, &(double){1.0}, column);
+        for (size_t i = 0; i < n && status == OK; i++) sum += seed[i] * column[i];
+        result[j] = sum;
+    }
+    free(column);
+    return status;
+}
+
+static Status derivatives(Unit *unit, const char *call, const fmi3ValueReference unknowns[], size_t n, size_t values,
+                          const fmi3ValueReference knowns[], size_t m, size_t changes, bool backward,
+                          const double *seed, double *result)
+{
+    Elements of, by;
+    Status status;
+    if (!elements_of(&of, unit, call, unknowns, n, values)) return ERROR;
+    if (!elements_of(&by, unit, call, knowns, m, changes)) {
+        free(of.made);
+        return ERROR;
+    }
+    if (backward) status = adjoint(unit, &of, &by, seed, result);
+    else status = unit_directional(unit, of.references, of.count, by.references, by.count, seed, result);
+    free(of.made);
+    free(by.made);
+    return status;
 }
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t n,
@@ -109,32 +145,14 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
                                         size_t seeds, fmi3Float64 sensitivity[], size_t results)
 {
     NEEDS(DIFFERENTIABLE, "fmi3GetDirectionalDerivative");
-    if (paired(UNIT, "fmi3GetDirectionalDerivative", seeds, m, results, n)) return fmi3Error;
-    return unit_directional(UNIT, unknowns, n, knowns, m, seed, sensitivity);
+    return derivatives(UNIT, "fmi3GetDirectionalDerivative", unknowns, n, results, knowns, m, seeds, false, seed,
+                       sensitivity);
 }
 
-/* One pass forward for each known variable. */
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t n,
                                     const fmi3ValueReference knowns[], size_t m, const fmi3Float64 seed[],
                                     size_t seeds, fmi3Float64 sensitivity[], size_t results)
 {
-    Status status = OK;
-    double *column;
     NEEDS(DIFFERENTIABLE, "fmi3GetAdjointDerivative");
-    if (paired(UNIT, "fmi3GetAdjointDerivative", seeds, n, results, m)) return fmi3Error;
-    if ((n && (!unknowns || !seed)) || (m && (!knowns || !sensitivity)))
-        return unit_say(UNIT, ERROR, "no place for %zu results of %zu changes", m, n);
-    for (size_t i = 0; i < n; i++)
-        if (!isfinite(seed[i]))
-            return unit_say(UNIT, ERROR, "the seed of value reference %u = %g: must be finite", (unsigned)unknowns[i],
-                            seed[i]);
-    column = malloc((n + 1) * sizeof *column);
-    if (!column) return unit_say(UNIT, ERROR, "out of memory");
-    for (size_t j = 0; j < m && status == OK; j++) {
-        status = unit_directional(UNIT, unknowns, n, &knowns[j], 1, &(double){1.0}, column);
-        sensitivity[j] = 0.0;
-        for (size_t i = 0; i < n && status == OK; i++) sensitivity[j] += seed[i] * column[i];
-    }
-    free(column);
-    return status;
+    return derivatives(UNIT, "fmi3GetAdjointDerivative", unknowns, n, seeds, knowns, m, results, true, seed, sensitivity);
 }

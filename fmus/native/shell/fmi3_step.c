@@ -1,6 +1,7 @@
 /* FMI 3.0 for co-simulation over `unit`: steps, which may end at an event or where the host wants it, and inputs
    that the host gives in the course of a step. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "fmi3.h"
@@ -24,12 +25,22 @@ fmi3Status fmi3EnterStepMode(fmi3Instance instance)
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
                                     const fmi3Int32 orders[], fmi3Float64 values[], size_t size)
 {
+    Elements some;
+    Status status;
+    int32_t *of_elements;
     NEEDS(INITIALIZING | MOVING | INTERMEDIATE | TERMINATED, "fmi3GetOutputDerivatives");
-    if (count != size)
-        return unit_say(UNIT, ERROR, "fmi3GetOutputDerivatives: %zu values for %zu scalars", size, count);
     if (UNIT->now.phase == INTERMEDIATE && !INSTANCE->getting)
         return unit_say(UNIT, ERROR, "fmi3GetOutputDerivatives: values cannot be read in this intermediate update");
-    return unit_output_derivatives(UNIT, vr, count, orders, values);
+    if (!elements_of(&some, UNIT, "fmi3GetOutputDerivatives", vr, count, size)) return fmi3Error;
+    if (!some.made || !orders) return unit_output_derivatives(UNIT, some.references, some.count, orders, values);
+    of_elements = malloc(some.count * sizeof *of_elements);
+    for (size_t i = 0, j = 0; of_elements && i < count; i++)
+        for (uint32_t n = unit_variable(vr[i])->elements; n > 0; n--) of_elements[j++] = orders[i];
+    if (of_elements) status = unit_output_derivatives(UNIT, some.references, some.count, of_elements, values);
+    else status = unit_say(UNIT, ERROR, "out of memory");
+    free(of_elements);
+    free(some.made);
+    return status;
 }
 
 /* Calls of the host's in the course of a step */

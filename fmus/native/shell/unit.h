@@ -16,6 +16,7 @@ typedef struct {
     const char *name;
     Kind kind;
     Causality causality;
+    uint32_t elements;   /* that its value reference stands for: of an array as many as follow, 0 for those */
     bool fixed;          /* no longer set once the initialisation is over */
     bool positive;       /* zero excluded */
     double low, high;    /* of what may be set */

@@ -50,7 +50,7 @@ static void logger(fmi2ComponentEnvironment environment, fmi2String instance, fm
 
 static const fmi2CallbackFunctions callbacks = {logger, calloc, free, NULL, &places};
 
-static int read_value(void *unit, const Known *variable, double *value)
+static int read_values(void *unit, const Known *variable, double *value)
 {
     int whole = 0;
     fmi2Status status;

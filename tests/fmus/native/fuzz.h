@@ -16,7 +16,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#define MOST 3000  /* values in one call */
+#define MOST 3000  /* references in one call */
+#define LONGEST 10 /* elements of an array */
 #define SECONDS 60 /* after which a call hangs */
 
 /* Random numbers: splitmix64, the same on every machine. */
@@ -68,19 +69,24 @@ typedef struct {
     char kind;      /* r, i, b: real, integer or enumeration, boolean */
     char causality; /* p, i, d, o, l: parameter, input, derivative of one by time, output, local */
     char change;    /* f, t, d, c: fixed, tunable, discrete, continuous */
-    double start;
+    unsigned size;  /* elements: 1 of scalars */
+    double start;   /* of the first */
+    unsigned first; /* where the values begin that are looked at */
 } Known;
 
 static Known known[1000];
-static unsigned known_count, of_kind[128];
+static unsigned known_count, value_count, of_kind[128];
 
 static void read_variables(const char *path)
 {
     FILE *file = fopen(path, "r");
     Known *v = known;
     if (!file) exit(2);
-    while (known_count < 1000 && fscanf(file, "%u %c %c %c %lf", &v->reference, &v->kind, &v->causality, &v->change,
-                                        &v->start) == 5) {
+    while (known_count < 1000 && fscanf(file, "%u %c %c %c %u %lf", &v->reference, &v->kind, &v->causality, &v->change,
+                                        &v->size, &v->start) == 6) {
+        if (v->size > LONGEST || value_count + v->size > 1000) exit(2);
+        v->first = value_count;
+        value_count += v->size;
         of_kind[(int)v->kind]++;
         known_count++, v++;
     }

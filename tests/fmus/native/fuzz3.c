@@ -35,8 +35,8 @@ static fmi3FreeInstanceTYPE *FreeInstance;
 static struct {
     bool events, early; /* the host handles events; steps may end before their time */
 } hosts[INSTANCES];
-static fmi3Int64 longs[MOST];
-static bool truths[MOST];
+static fmi3Int64 longs[MOST * LONGEST];
+static bool truths[MOST * LONGEST];
 
 static void logger(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message)
 {
@@ -44,18 +44,19 @@ static void logger(fmi3InstanceEnvironment environment, fmi3Status status, fmi3S
     listen((int)status, "fuzz", category, message);
 }
 
-static int read_value(void *unit, const Known *variable, double *value)
+static int read_values(void *unit, const Known *variable, double *found)
 {
     const fmi3ValueReference *r = &variable->reference;
-    fmi3Int32 whole = 0;
-    fmi3Int64 choice = 0;
-    bool truth = false;
+    const size_t size = variable->size;
+    fmi3Int32 whole[LONGEST] = {0};
+    fmi3Int64 choice[LONGEST] = {0};
+    bool truth[LONGEST] = {false};
     fmi3Status status;
-    if (variable->kind == 'r') return (int)GetFloat64(unit, r, 1, value, 1);
-    if (variable->kind == 'i') status = GetInt32(unit, r, 1, &whole, 1);
-    else if (variable->kind == 'e') status = GetInt64(unit, r, 1, &choice, 1);
-    else status = GetBoolean(unit, r, 1, &truth, 1);
-    *value = whole + (double)choice + truth;
+    if (variable->kind == 'r') return (int)GetFloat64(unit, r, 1, found, size);
+    if (variable->kind == 'i') status = GetInt32(unit, r, 1, whole, size);
+    else if (variable->kind == 'e') status = GetInt64(unit, r, 1, choice, size);
+    else status = GetBoolean(unit, r, 1, truth, size);
+    for (size_t i = 0; i < size; i++) found[i] = whole[i] + (double)choice[i] + truth[i];
     return (int)status;
 }
 
@@ -67,16 +68,16 @@ static fmi3Status with_values(int f, const char **wrong)
     size_t count, size;
     *wrong = choose(kind, set, set ? "pid" : "pidol", &count, &no_references, &no_values);
     const fmi3ValueReference *r = no_references ? NULL : vr;
-    size = percent(95) ? count : below(MOST);
-    if (size != count) *wrong = "size";
-    for (size_t i = 0; i < count; i++) {
+    size = percent(95) ? values : below(MOST);
+    if (size != values) *wrong = "size";
+    for (size_t i = 0; i < values; i++) {
         longs[i] = at->tame ? ints[i] : percent(30) ? INT64_MAX : (fmi3Int64)random_bits() >> below(64);
         truths[i] = ints[i] & 1;
     }
     switch (f) {
-#define CASES(Type, values)                                                                         \
-    case AT_Get##Type: return Get##Type(at->unit, r, count, no_values ? NULL : (values), size);      \
-    case AT_Set##Type: return Set##Type(at->unit, r, count, no_values ? NULL : (values), size);
+#define CASES(Type, place)                                                                         \
+    case AT_Get##Type: return Get##Type(at->unit, r, count, no_values ? NULL : (place), size);      \
+    case AT_Set##Type: return Set##Type(at->unit, r, count, no_values ? NULL : (place), size);
         CASES(Float64, reals)
         CASES(Int32, ints)
         CASES(Int64, longs)
@@ -88,23 +89,27 @@ static fmi3Status with_values(int f, const char **wrong)
 static fmi3Status with_derivatives(int f, const char **wrong)
 {
     bool no_references, no_values;
-    size_t count, knowns = below(5);
+    size_t count, knowns = below(5), changes = 0;
     *wrong = choose('r', false, "o", &count, &no_references, &no_values);
     const fmi3ValueReference *r = no_references ? NULL : vr;
     double *result = no_values ? NULL : reals;
     for (size_t i = 0; i < count; i++) ints[i] = percent(95) ? 1 : (int)random_bits();
-    if (f == AT_GetOutputDerivatives) return GetOutputDerivatives(at->unit, r, count, ints, result, count);
+    if (f == AT_GetOutputDerivatives) return GetOutputDerivatives(at->unit, r, count, ints, result, values);
     const bool adjoint = f == AT_GetAdjointDerivative;
     if (adjoint && !knowns) *wrong = NULL; /* nothing is asked for */
-    const size_t seeds = adjoint ? count : knowns, given = percent(95) ? seeds : below(MOST);
-    for (size_t i = 0; i < knowns; i++) others[i] = some_variable('r', "i")->reference;
+    for (size_t i = 0; i < knowns; i++) {
+        const Known *v = some_variable('r', percent(50) ? "i" : "ip");
+        others[i] = v->reference;
+        changes += v->size;
+    }
+    const size_t seeds = adjoint ? values : changes, given = percent(95) ? seeds : below(MOST);
     for (size_t i = 0; i < seeds; i++) {
         more[i] = percent(99) ? wild_real() : no_number();
         if (!isfinite(more[i])) *wrong = "no number";
     }
     if (given != seeds) *wrong = "size";
-    if (!adjoint) return GetDirectionalDerivative(at->unit, r, count, others, knowns, more, given, result, count);
-    return GetAdjointDerivative(at->unit, r, count, others, knowns, more, given, result, knowns);
+    if (!adjoint) return GetDirectionalDerivative(at->unit, r, count, others, knowns, more, given, result, values);
+    return GetAdjointDerivative(at->unit, r, count, others, knowns, more, given, result, changes);
 }
 
 static fmi3Status with_states(int f, const char **wrong)

@@ -38,24 +38,26 @@ static double before[1000], after[1000];
 static size_t states, indicators; /* as modelDescription.xml tells */
 static const char *token;
 
-/* Of the program: the value of a variable through the standard's call, which is to give status OK. */
-static int read_value(void *unit, const Known *variable, double *value);
+/* Of the program: the values of a variable through the standard's call, which is to give status OK. */
+static int read_values(void *unit, const Known *variable, double *values);
 
 /* All variables' values. The FMU computes what it has put off, so this is not done before every call. */
 static void look(void *unit, double *values)
 {
     for (unsigned i = 0; i < known_count; i++) {
-        const int status = read_value(unit, &known[i], values + i);
+        const int status = read_values(unit, &known[i], values + known[i].first);
         if (status) fail("reading value reference %u: status %d", known[i].reference, status);
     }
 }
 
 static bool same(const double *a, const double *b)
 {
-    for (unsigned i = 0; i < known_count; i++)
+    for (unsigned i = 0; i < value_count; i++)
         if (memcmp(a + i, b + i, sizeof *a)) {
+            unsigned k = known_count - 1;
+            while (known[k].first > i) k--;
             snprintf(said.message, sizeof said.message, "value reference %u was %.17g and is %.17g",
-                     known[i].reference, a[i], b[i]);
+                     known[k].reference, a[i], b[i]);
             said.count = 1;
             return false;
         }
@@ -109,8 +111,9 @@ static bool damaged(void)
 /* Arguments */
 
 static unsigned vr[MOST], others[MOST];
-static double reals[MOST], more[MOST];
-static int ints[MOST];
+static double reals[MOST * LONGEST], more[MOST * LONGEST];
+static int ints[MOST * LONGEST];
+static size_t values; /* that the references stand for */
 
 /* References for a call of that kind, mostly of those causalities, and values for a call that sets; why it must
    be refused, or NULL. */
@@ -118,6 +121,7 @@ static const char *choose(char kind, bool to_set, const char *causalities, size_
                           bool *no_values)
 {
     const char *wrong = NULL;
+    values = 0;
     const bool spoilt = percent(20);
     *count = percent(5) ? 0 : percent(70) ? 1 : percent(95) ? 1 + below(10) : 1 + below(MOST);
     *no_references = *count && percent(3), *no_values = *count && percent(3);
@@ -129,10 +133,13 @@ static const char *choose(char kind, bool to_set, const char *causalities, size_
         if (v->kind != kind) wrong = "another kind";
         if (to_set && strchr("ol", v->causality)) wrong = "calculated";
         if (to_set && v->change == 'f' && !(at->phase & (NEW | INIT))) wrong = "fixed";
-        reals[i] = at->tame ? near : wild_real();
-        ints[i] = at->tame ? (v->kind == 'r' ? 1 : (int)v->start) : (int)random_bits() >> below(32);
+        for (unsigned j = 0; j < v->size; j++, values++) {
+            reals[values] = at->tame ? near : wild_real();
+            ints[values] = at->tame ? (v->kind == 'r' ? 1 : (int)v->start) : (int)random_bits() >> below(32);
+        }
         if (!spoilt || percent(90)) continue;
-        if (to_set && kind == 'r' && percent(50)) reals[i] = no_number(), wrong = "no number";
+        if (to_set && kind == 'r' && percent(50)) reals[values - 1] = no_number(), wrong = "no number";
+        else if (v->size > 1 && percent(50)) vr[i] += 1 + below(v->size - 1), wrong = "not the first of an array";
         else vr[i] = percent(50) ? UINT32_MAX - below(9) : 1000000 + below(1u << 31), wrong = "unknown";
     }
     return *count && !of_kind[(int)kind] ? "none of that kind" : wrong;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import re
 import shutil
 import subprocess
@@ -66,7 +67,7 @@ def sanitized_library(name: str, folder: Path, fmi: int) -> Path:
     """The FMU's library with sanitizers in the shell, its kernels as they always are; its token is TOKEN."""
     _, component = chosen(name, None, "NATIVE_STRUCTURE")
     (folder / "kernels.o").write_bytes(kernels(name))
-    for file, text in tables(component, name, "0" * 16, TOKEN).items():
+    for file, text in tables(component, name, "0" * 16, TOKEN, fmi).items():
         (folder / file).write_text(text, encoding="utf-8")
     target = folder / f"{name}.so"
     inputs = [*shell_sources(fmi), folder / "tables.c", folder / "kernels.o", "-lm", "-o", target]
@@ -112,9 +113,11 @@ def _variable(variable: ScalarVariable, fmi: str) -> str:
     kind = _KINDS[fmi][variable.type]
     derivative = variable.causality == "input" and re.search(r"_der\d", variable.name)
     causality = "d" if derivative else variable.causality[0]
-    words = {None: 0.0, "true": 1.0, "false": 0.0}
-    start = words[variable.start] if variable.start in words else float(variable.start)
-    return f"{variable.valueReference} {kind} {causality} {variable.variability[0]} {start!r}"
+    words = {"true": 1.0, "false": 0.0}
+    start = (variable.start or "0.0").split()[0]
+    size = math.prod(variable.shape or ())
+    number = words[start] if start in words else float(start)
+    return f"{variable.valueReference} {kind} {causality} {variable.variability[0]} {size} {number!r}"
 
 
 def library_in(fmu: Path, folder: Path) -> tuple[Path, ModelDescription]:

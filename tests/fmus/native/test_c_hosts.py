@@ -176,7 +176,7 @@ def test_random_calls(name: str, fmi: int, files: Files, compiled: Compiled, tmp
     """Any function with any arguments in any phase: what fuzz.c says must hold, and every function is taken
     as well as refused, but for those that can only be one of them."""
     library, description = library_in(files[fmi][name], tmp_path)
-    rest = arguments_of_fuzz(description, tmp_path, 1, 20_000)
+    rest = arguments_of_fuzz(description, tmp_path, 1, 40_000)
     said = run([compiled(PROGRAMS[fmi], False), library, token_of(description), *rest], 300)
     counts = [line.split() for line in said.splitlines()]
     assert {call for call, *_ in counts} == functions(fmi)

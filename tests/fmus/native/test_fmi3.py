@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import fmpy
 import numpy as np
 import pytest
+from fmpy.model_description import ModelDescription, ScalarVariable
 
 from fmus.build import default_structure
 from fmus.native.machine_code import this_platform
@@ -60,28 +63,60 @@ def test_a_host_runs_it(name: str, kind: str, fmi3_files: Files) -> None:
 
 @pytest.mark.parametrize("name", EVERY)
 def test_variables_are_those_of_fmi_2(name: str, native_files: Files, fmi3_files: Files) -> None:
-    """And besides them time and what indicates events, which FMI 3.0 has as variables."""
+    """And besides them time and what indicates events, which FMI 3.0 has as variables. Vectors are arrays."""
     before, after = (fmpy.read_model_description(str(files[name])) for files in (native_files, fmi3_files))
     kinds = {"Real": "Float64", "Integer": "Int32"}
     told = [
-        {v.name: (v.valueReference, kinds.get(v.type, v.type), v.causality, v.unit, v.min, v.max, v.start)}
+        [
+            (element, reference, kinds.get(v.type, v.type), v.causality, v.unit, v.min, v.max, start)
+            for v in described.modelVariables
+            if v.name != "time" and not v.name.startswith("event_indicator")
+            for element, reference, start in elements(v)
+        ]
         for described in (before, after)
-        for v in described.modelVariables
-        if v.name != "time" and not v.name.startswith("event_indicator")
     ]
-    count = len(before.modelVariables)
-    assert told[:count] == told[count:]
-    assert len(after.modelVariables) == count + 1 + before.numberOfEventIndicators
+    assert told[0] == told[1]
+    wholes = {whole_of(after)(element) for element, *_ in told[1]}
+    assert len(after.modelVariables) == len(wholes) + 1 + before.numberOfEventIndicators
     assert after.numberOfEventIndicators == before.numberOfEventIndicators
     for unknowns in ("outputs", "derivatives", "initialUnknowns"):
-        assert dependencies(before, unknowns) == dependencies(after, unknowns)
+        assert dependencies(before, unknowns, whole_of(after)) == dependencies(after, unknowns, str)
 
 
-def dependencies(described: fmpy.model_description.ModelDescription, unknowns: str) -> dict:
-    return {
-        u.variable.name: None if u.dependencies is None else [v.name for v in u.dependencies]
-        for u in getattr(described, unknowns)
-    }
+def elements(variable: ScalarVariable) -> list[tuple[str, int, str | None]]:
+    """Name, reference as in FMI 2.0, and start value of each."""
+    if not variable.dimensions:
+        return [(variable.name, variable.valueReference, variable.start)]
+    ((count,),) = [variable.shape]
+    starts = [None] * count if variable.start is None else variable.start.split()
+    stem, bracket, end = variable.name.partition(")")
+    return [
+        (f"{stem}[{i + 1}]{bracket}{end}", variable.valueReference + i, start)
+        for i, start in enumerate(starts)
+    ]
+
+
+def whole_of(described: ModelDescription) -> Callable[[str], str]:
+    """From the name of an element to that of the array, where it is one."""
+    arrays = {v.name for v in described.modelVariables if v.dimensions}
+
+    def whole(name: str) -> str:
+        stem = re.sub(r"\[\d+\]", "", name)
+        return stem if stem in arrays else name
+
+    return whole
+
+
+def dependencies(described: ModelDescription, unknowns: str, named: Callable[[str], str]) -> dict:
+    """What each unknown depends on, with all that its elements depend on."""
+    found: dict[str, set[str] | None] = {}
+    for u in getattr(described, unknowns):
+        name = named(u.variable.name)
+        if u.dependencies is None:
+            found[name] = None
+        else:
+            found[name] = (found.get(name) or set()) | {named(v.name) for v in u.dependencies}
+    return found
 
 
 @pytest.mark.parametrize("name", ["camshaft", "ehl_contact", "slider_crank"])
@@ -154,16 +189,16 @@ def test_a_saved_state_brings_the_same_motion(name: str, fmi3_files: Files) -> N
 def test_the_hosts_integrator_finds_the_same_motion(name: str, fmi3_files: Files) -> None:
     """As with FMI 2.0: at the end, and everywhere but about impacts, whose instants differ."""
     start, stop = MOTIONS[name]
-    names = Reference(name, **default_structure(name, "NATIVE_STRUCTURE")).component.outputs.names
+    described = fmpy.read_model_description(str(fmi3_files[name]))
+    names = [u.variable.name for u in described.outputs if not u.variable.name.startswith("der(")]
     host, own = (
-        simulated(fmi3_files[name], kind, start, stop, list(names))
-        for kind in ("ModelExchange", "CoSimulation")
+        simulated(fmi3_files[name], kind, start, stop, names) for kind in ("ModelExchange", "CoSimulation")
     )
     for output in names:
         differences = np.abs(host[output].astype(float) - own[output].astype(float))
         size = np.abs(own[output].astype(float)).max() + 1e-12
         assert np.median(differences) <= 1e4 * TOLERANCE * size, output
-        assert differences[-1] <= 1e5 * TOLERANCE * size, output
+        assert differences[-1].max() <= 1e5 * TOLERANCE * size, output
 
 
 def test_choices_counts_and_truths_have_types_of_their_own(fmi3_files: Files) -> None:
