@@ -12,12 +12,14 @@ import pytest
 
 from fmus.build import NAMES, build
 from tests.tools.case import Case, equal_steps
+from tests.tools.document import cells, cells_of, written
 from tests.tools.plan import KINDS, case_of, compared, expected
 from tests.tools.programs import Host, compiled, libpython
+from tests.tools.running import NAMES as NAMES_OF_TOOLS
 from tests.tools.running import host, missing
 
 # What the extra `dev` installs.
-TOOLS = ("fmpy", "libcosim", "ecos", "c_host")
+TOOLS = ("fmpy", "libcosim", "ecos", "fmucontainer", "c_host")
 # One with states, one with impacts, in every run of the tests; the others take long.
 QUICK = ("valve_spring", "slider_crank")
 FMUS = [name if name in QUICK else pytest.param(name, marks=pytest.mark.long) for name in NAMES]
@@ -35,6 +37,18 @@ def test_other_masters(tool: str, name: str, kind: str) -> None:
         assert (answer.failed, answer.loaded, difference) == ("", True, 0.0)
     else:
         assert "FMI version" in answer.failed
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("tool", sorted({*NAMES_OF_TOOLS} - {*TOOLS}))
+def test_tools_that_are_not_always_here(tool: str, name: str, kind: str) -> None:
+    """What docs/tools.md says of them."""
+    if why := missing(tool):
+        pytest.skip(why)
+    said = cells_of(written()[host(tool).TITLE])[name][2 * list(KINDS).index(kind)]
+    assert cells(*compared(tool, name, KINDS[kind]))[0] == said
 
 
 @pytest.fixture(scope="session")

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 
 from fmus.build import NAMES as FMUS
 
-from .document import FILE, LOADS_NOT, STOPS, Section, shown, text, thousands, written
+from .document import FILE, Section, cells, text, written
 from .plan import KINDS, compared
-from .running import NAMES, Answer, host, install, missing
+from .running import NAMES, host, install, missing
 
 RUNS = 4  # of which the best is told
 
@@ -56,7 +56,8 @@ def of_tool(name: str, fmus: Sequence[str]) -> Section:
             section.version = answer.version or section.version
             row += cells(difference, answer)
             if answer.failed:
-                section.said.setdefault(answer.failed, []).append(f"{fmu}, {kind.title}")
+                words = answer.failed.replace(fmu, "NAME")
+                section.said.setdefault((words, kind.title), []).append(fmu)
             passed = time.perf_counter() - began
             print(
                 f"{name}: {fmu}, {kind.title}: {' '.join(row[-2:])} {answer.failed} ({passed:.1f} s)",
@@ -64,13 +65,6 @@ def of_tool(name: str, fmus: Sequence[str]) -> Section:
             )
         section.rows[fmu] = row
     return section
-
-
-def cells(difference: float | None, answer: Answer) -> list[str]:
-    """What the table says."""
-    if difference is None:
-        return [STOPS if answer.loaded else LOADS_NOT, "–"]
-    return [shown(difference), "–" if answer.rate is None else thousands(answer.rate)]
 
 
 if __name__ == "__main__":

@@ -10,6 +10,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+# The environment variable that names the tool's own folder.
+FOLDER = "TRIBOCOSIM_TOOL"
+
 
 @dataclass(frozen=True)
 class Case:
@@ -58,6 +61,10 @@ class Case:
 
 class RefusedError(Exception):
     """The tool said that it cannot go on; the message is the tool's."""
+
+
+class NotTriedError(Exception):
+    """There is nothing here to try it with; the message says what is missing."""
 
 
 def loaded() -> None:

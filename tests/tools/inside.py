@@ -2,7 +2,7 @@
 
 Nothing of this repository's can be imported by the FMU or the tool. Tells on standard output, each as a
 line of JSON after its word: VERSION; LOADED; VALUES, those of the outputs after every step; RATE, steps per
-second, the best of RUNS; FAILED, what went wrong.
+second, the best of RUNS; FAILED, what went wrong; UNTRIED, what is missing.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from typing import Any
 
 from tests.fmus.instance import Blocker
 
-from .case import Case, RefusedError
+from .case import Case, NotTriedError, RefusedError
 
 OURS = ("models", "fmus", "orchestrator", "pythonfmu")
-# Steps before the first timed run, and of each.
-FIRST, STEPS = 50, 2000
+# Steps before the first timed run; of each at most; and how long each should take at most (s).
+FIRST, STEPS, LONG = 50, 2000, 0.3
 
 
 def tell(word: str, value: Any = None) -> None:
@@ -29,8 +29,8 @@ def tell(word: str, value: Any = None) -> None:
 def rate(host: Any, case: Case, runs: int) -> float:
     """Steps per second, the best of several runs."""
     with host.timing(case) as seconds:
-        seconds(FIRST)
-        return STEPS / min(seconds(STEPS) for _ in range(runs))
+        count = min(STEPS, int(FIRST + LONG * FIRST / seconds(FIRST)))
+        return count / min(seconds(count) for _ in range(runs))
 
 
 def main(name: str, file: str = "", runs: str = "0") -> int:
@@ -43,8 +43,8 @@ def main(name: str, file: str = "", runs: str = "0") -> int:
             tell("VALUES", host.values(case))
             if int(runs):
                 tell("RATE", rate(host, case, int(runs)))
-    except RefusedError as error:
-        tell("FAILED", str(error))
+    except (RefusedError, NotTriedError) as error:
+        tell("FAILED" if isinstance(error, RefusedError) else "UNTRIED", str(error))
         return 1
     except Exception as error:
         tell("FAILED", f"{type(error).__name__}: {error}")

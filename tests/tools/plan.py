@@ -31,9 +31,9 @@ class Kind:
     native: bool
     structure: str
 
-    def build(self, name: str, platforms: Iterable[str] = ()) -> Path:
+    def build(self, name: str, platform: str = "") -> Path:
         if self.native:
-            return build_native(name, platforms=[*platforms] or [this_platform()], fmi=self.fmi)
+            return build_native(name, platforms=[platform or this_platform()], fmi=self.fmi)
         return build_python(name)
 
 
@@ -74,16 +74,24 @@ def case_of(name: str, kind: Kind, fmu: Path, steps: int = STEPS) -> Case:
     )
 
 
-def expected(name: str, kind: Kind, case: Case, steps: Iterable[tuple[float, float]]) -> list[list[float]]:
-    """The outputs after each of these steps (time and size)."""
+def expected(
+    name: str,
+    kind: Kind,
+    case: Case,
+    steps: Iterable[tuple[float, float]],
+    next_inputs: bool = False,
+) -> list[list[float]]:
+    """The outputs after each of these steps (time and size), maybe with the inputs of the next step."""
     reference = Reference(name, **default_structure(name, kind.structure))
     outputs = reference.component.outputs
     rated = [f"der({f.name})" for f in outputs.fields if not f.quantity.discrete]
-    found = []
-    for row, (time, size) in zip(case.rows(), steps, strict=True):
-        reference.set_inputs(row)
+    found, rows = [], case.rows()
+    for i, (time, size) in enumerate(steps):
+        reference.set_inputs(rows[i])
         reference.t = time
         reference.step(size)
+        if next_inputs and i + 1 < len(rows):
+            reference.set_inputs(rows[i + 1])
         known = dict(zip(outputs.names, reference.y, strict=True))
         known |= dict(zip(rated, reference.rates(), strict=True))
         found.append([float(known[one]) for one in case.outputs])
@@ -102,9 +110,10 @@ def largest_difference(found: list[list[float]], truth: list[list[float]]) -> fl
 
 def compared(name: str, fmu: str, kind: Kind, runs: int = 0) -> tuple[float | None, Answer]:
     """The largest difference to the component, None where there are no values."""
-    case = case_of(fmu, kind, kind.build(fmu))
+    case = case_of(fmu, kind, kind.build(fmu, getattr(host(name), "PLATFORM", "")))
     answer = ask(name, case, runs)
     if answer.values is None:
         return None, answer
     steps = getattr(host(name), "steps", equal_steps)(case.steps, case.step)
-    return largest_difference(answer.values, expected(fmu, kind, case, steps)), answer
+    truth = expected(fmu, kind, case, steps, getattr(host(name), "NEXT_INPUTS", False))
+    return largest_difference(answer.values, truth), answer

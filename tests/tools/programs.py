@@ -43,13 +43,15 @@ def libpython() -> Path | None:
 @dataclass(frozen=True)
 class Host:
     """The program and how it is started: `places`, the folder of an FMU's binaries by version of FMI;
-    `runner`, the command that runs it; `preload`, the library that it loads first, or "-"."""
+    `runner`, the command that runs it; `preload`, the library that it loads first, or "-"; `drive`, what
+    stands before paths as the program sees them."""
 
     program: Path
     places: Mapping[int, str] = field(default_factory=lambda: {2: "linux64", 3: "x86_64-linux"})
     suffix: str = ".so"
     runner: Sequence[str] = ()
     preload: str = "-"
+    drive: str = ""
 
     def values(self, case: Case, at_end: str = "free", **environment: str) -> list[list[float]]:
         """Outputs after every step; at the end the instance is freed, or with `keep` not."""
@@ -86,10 +88,10 @@ class Host:
         library = folder / "binaries" / self.places[case.fmi] / f"{case.identifier}{self.suffix}"
         if not library.is_file():
             raise RefusedError(f"the FMU has no binary in {self.places[case.fmi]}")
-        resources = (folder / "resources").as_uri() if case.fmi == 2 else f"{folder / 'resources'}/"
-        numbers = folder / "numbers"
-        numbers.write_text(numbers_of(case))
-        command = [*self.runner, self.program, self.preload, library, resources, case.token, numbers, at_end]
+        (folder / "numbers").write_text(numbers_of(case))
+        seen = [f"{self.drive}{path}" for path in (library, folder / "resources", folder / "numbers")]
+        seen[1] = f"file:///{seen[1].lstrip('/')}" if case.fmi == 2 else f"{seen[1]}/"
+        command = [*self.runner, self.program, self.preload, *seen[:2], case.token, seen[2], at_end]
         # Python inside the program finds the packages of the interpreter that comes first on the path.
         path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
         kept = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}

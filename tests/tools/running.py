@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -19,7 +20,7 @@ from typing import Any
 from models.kernel import user_cache_directory
 
 from . import hosts
-from .case import Case
+from .case import FOLDER, Case
 
 ROOT = Path(__file__).parents[2]
 NAMES: tuple[str, ...] = tuple(sorted(file.stem for file in Path(hosts.__file__).parent.glob("[a-z]*.py")))
@@ -37,13 +38,14 @@ def host(name: str) -> ModuleType:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a tool made of a case: `failed` is why it ended early, or empty."""
+    """What a tool made of a case: `failed` is why it ended early, or was not tried, or empty."""
 
     version: str = ""
     loaded: bool = False
     values: list[list[float]] | None = None
     rate: float | None = None
     failed: str = ""
+    tried: bool = True
 
 
 def environment(name: str) -> Path:
@@ -87,7 +89,7 @@ def ask(name: str, case: Case | None = None, runs: int = 0, python: Path | None 
             finished = subprocess.run(
                 command,
                 cwd=folder,
-                env=kept | {"PYTHONPATH": str(ROOT), "TMPDIR": folder},
+                env=kept | {"PYTHONPATH": str(ROOT), "TMPDIR": folder, FOLDER: str(environment(name))},
                 capture_output=True,
                 text=True,
                 errors="replace",
@@ -97,18 +99,19 @@ def ask(name: str, case: Case | None = None, runs: int = 0, python: Path | None 
         except subprocess.TimeoutExpired:
             return Answer(failed=f"no answer in {PATIENCE:g} s")
     answer = _answer(finished)
-    return replace(answer, failed=answer.failed.replace(case.fmu, "the FMU")) if case else answer
+    known = answer.failed.replace(case.fmu, "the FMU") if case else answer.failed
+    return replace(answer, failed=re.sub(r"(/[^\s/'\"]+)+/", "…/", known))
 
 
 def _answer(finished: subprocess.CompletedProcess[str]) -> Answer:
     told: dict[str, Any] = {}
     for line in finished.stdout.splitlines():
         word, _, rest = line.partition(" ")
-        if word in ("VERSION", "VALUES", "RATE", "FAILED"):
+        if word in ("VERSION", "VALUES", "RATE", "FAILED", "UNTRIED"):
             told[word] = json.loads(rest)
         elif word == "LOADED":
             told[word] = True
-    failed = told.get("FAILED", "")
+    failed = told.get("FAILED", "") or told.get("UNTRIED", "")
     if finished.returncode and not failed:
         failed = _ending(finished.returncode) + ": " + (finished.stderr.strip().splitlines() or [""])[-1]
     return Answer(
@@ -117,6 +120,7 @@ def _answer(finished: subprocess.CompletedProcess[str]) -> Answer:
         values=told.get("VALUES"),
         rate=told.get("RATE"),
         failed=failed,
+        tried="UNTRIED" not in told,
     )
 
 

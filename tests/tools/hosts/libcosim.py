@@ -14,6 +14,10 @@ TITLE = "libcosim"
 REQUIREMENTS = ("libcosimpy",)
 USE = "nothing else"
 FMI = (2,)
+FINDINGS = (
+    "It does not know FMI 3.0. `CosimExecution.add_local_slave` takes a slave that could not be made "
+    "and ends the process with SIGSEGV; `CosimLocalSlave.ptr()` says whether it was made.",
+)
 
 SECOND = 1_000_000_000  # it counts nanoseconds
 

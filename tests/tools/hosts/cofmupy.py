@@ -1,0 +1,77 @@
+"""CoFmuPy: a coordinator, with the inputs as literal streams."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from ..case import Case, loaded
+
+TITLE = "CoFmuPy"
+REQUIREMENTS = ("cofmupy",)
+USE = "a stream or connection for every input"
+FINDINGS = (
+    "It reads every output as a Real, truth values and counts too (`Fmu2Handler.step`, "
+    "`Fmu3Handler.step`). Native FMUs answer with an error, as the standard asks, pythonfmu's C layer "
+    "with a number: those that have such outputs run here only in Python.",
+    "Inputs that nothing is connected to are set to 0, whatever their start value "
+    "(`DefaultMaster.init_simulation`).",
+    "It records a step too early: `DefaultMaster.do_step` notes the time before the step and the "
+    "outputs after it.",
+)
+
+
+def version() -> str:
+    from importlib.metadata import version
+
+    import cofmupy  # noqa: F401
+
+    return version("cofmupy")
+
+
+def values(case: Case) -> list[list[float]]:
+    coordinator = _started(case, case.table)
+    coordinator.run_simulation(case.step, case.steps * case.step)
+    found = coordinator.get_results()
+    return [[float(found["unit", name][i]) for name in case.outputs] for i in range(case.steps)]
+
+
+@contextmanager
+def timing(case: Case) -> Iterator[Callable[[int], float]]:
+    coordinator, done = _started(case, case.table[:1]), 0
+
+    def seconds(steps: int) -> float:
+        nonlocal done
+        done += steps
+        began = time.perf_counter()
+        coordinator.run_simulation(case.step, done * case.step)
+        return time.perf_counter() - began
+
+    yield seconds
+
+
+def _started(case: Case, table: Sequence[Sequence[float]]) -> Any:
+    from cofmupy import Coordinator
+
+    streams = {
+        name: {str(i * case.step): row[j] for i, row in enumerate(table)}
+        for j, name in enumerate(case.inputs)
+    }
+    coordinator = Coordinator()
+    coordinator.start(
+        {
+            "fmus": [{"id": "unit", "name": "unit", "path": case.fmu}],
+            "connections": [
+                {"source": {"type": "literal", "values": stream}, "target": {"id": "unit", "variable": name}}
+                for name, stream in streams.items()
+            ],
+            "data_storages": [],
+            "cosim_method": "jacobi",
+            "edge_sep": " -> ",
+            "root": "",
+        }
+    )
+    loaded()
+    return coordinator

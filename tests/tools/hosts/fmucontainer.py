@@ -1,0 +1,53 @@
+"""FMUContainer: an FMU in C that has ours inside, run by FMPy."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from ..case import Case, RefusedError
+from . import fmpy
+
+TITLE = "FMUContainer"
+REQUIREMENTS = ("fmu-manipulation-toolbox", "fmpy")
+USE = "nothing else"
+PROGRAM = Path(sys.executable).with_name("fmucontainer")
+
+
+def version() -> str:
+    from importlib.metadata import version
+
+    if not PROGRAM.is_file():
+        raise RefusedError("there is no command fmucontainer (package fmu-manipulation-toolbox)")
+    return f"fmu-manipulation-toolbox {version('fmu-manipulation-toolbox')}, FMPy {fmpy.version()}"
+
+
+def values(case: Case) -> list[list[float]]:
+    with _contained(case) as container:
+        return fmpy.values(container)
+
+
+@contextmanager
+def timing(case: Case) -> Iterator[Callable[[int], float]]:
+    with _contained(case) as container, fmpy.timing(container) as seconds:
+        yield seconds
+
+
+@contextmanager
+def _contained(case: Case) -> Iterator[Case]:
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copy(case.fmu, Path(folder) / "unit.fmu")
+        (Path(folder) / "container.csv").write_text(
+            "rule;from_fmu;from_port;to_fmu;to_port\nFMU;unit.fmu;;;\n"
+        )
+        command = [PROGRAM, "-container", f"container.csv:{case.step!r}", "-fmi", str(case.fmi)]
+        made = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        if made.returncode:
+            raise RefusedError((made.stdout + made.stderr).strip().splitlines()[-1])
+        yield replace(case, fmu=str(Path(folder) / "container.fmu"))

@@ -1,0 +1,80 @@
+"""fmuloader: the standard's calls, one by one, from Python."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from ..case import Case, loaded
+
+TITLE = "fmuloader"
+REQUIREMENTS = ("fmuloader",)
+USE = "to write the loop"
+FINDINGS = (
+    "`Fmi2Slave` looks for all functions of the standard, those of model exchange too, which FMUs for "
+    "co-simulation alone (those in Python) need not have.",
+)
+
+
+def version() -> str:
+    from importlib.metadata import version
+
+    import fmuloader  # noqa: F401
+
+    return version("fmuloader")
+
+
+def values(case: Case) -> list[list[float]]:
+    inputs, outputs = case.references_of(case.inputs), case.references_of(case.outputs)
+    found = []
+    with _begun(case) as (unit, set_values, get_values):
+        for i, row in enumerate(case.table):
+            set_values(inputs, row)
+            unit.do_step(i * case.step, case.step)
+            found.append(get_values(outputs))
+    return found
+
+
+@contextmanager
+def timing(case: Case) -> Iterator[Callable[[int], float]]:
+    with _begun(case) as (unit, set_values, _):
+        set_values(case.references_of(case.inputs), case.table[0])
+        done = 0
+
+        def seconds(steps: int) -> float:
+            nonlocal done
+            began = time.perf_counter()
+            for i in range(done, done + steps):
+                unit.do_step(i * case.step, case.step)
+            done += steps
+            return time.perf_counter() - began
+
+        yield seconds
+
+
+@contextmanager
+def _begun(case: Case) -> Iterator[tuple[Any, Any, Any]]:
+    from fmuloader.fmi2 import Fmi2Slave, Fmi2Type
+    from fmuloader.fmi3 import Fmi3Slave
+
+    kind = Fmi2Slave if case.fmi == 2 else Fmi3Slave
+    with kind(case.fmu, model_identifier=case.identifier) as unit:
+        if case.fmi == 2:
+            unit.instantiate("unit", Fmi2Type.CO_SIMULATION, guid=case.token)
+            loaded()
+            unit.setup_experiment(start_time=0.0)
+            unit.enter_initialization_mode()
+        else:
+            unit.instantiate_co_simulation("unit", instantiation_token=case.token)
+            loaded()
+            unit.enter_initialization_mode(start_time=0.0)
+        unit.exit_initialization_mode()
+        yield (
+            (unit, unit.set_real, unit.get_real)
+            if case.fmi == 2
+            else (unit, unit.set_float64, unit.get_float64)
+        )
+        unit.terminate()
+        unit.free_instance()

@@ -1,0 +1,62 @@
+"""GEMSEO: a discipline with the inputs as time series."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from ..case import Case, loaded
+
+TITLE = "GEMSEO"
+REQUIREMENTS = ("gemseo-fmu",)
+USE = "nothing else"
+FINDINGS = (
+    "It records the outputs after a step with the inputs of the next one already set (it sets them in "
+    "FMPy's `step_finished`, after which FMPy 0.3.19 samples): compared here with the component's so.",
+)
+NEXT_INPUTS = True
+
+
+def version() -> str:
+    from importlib.metadata import version
+
+    import gemseo_fmu  # noqa: F401
+
+    return f"gemseo-fmu {version('gemseo-fmu')}"
+
+
+def values(case: Case) -> list[list[float]]:
+    found = _discipline(case, case.table, case.steps, case.outputs).execute()
+    return [[float(found[name][i + 1]) for name in case.outputs] for i in range(case.steps)]
+
+
+@contextmanager
+def timing(case: Case) -> Iterator[Callable[[int], float]]:
+    def seconds(steps: int) -> float:
+        discipline = _discipline(case, case.table[:1] * 2, steps, case.outputs[:1])
+        began = time.perf_counter()
+        discipline.execute()
+        return time.perf_counter() - began
+
+    yield seconds
+
+
+def _discipline(case: Case, table: Sequence[Sequence[float]], steps: int, outputs: Sequence[str]) -> Any:
+    from gemseo_fmu.disciplines.fmu_discipline import FMUDiscipline
+    from gemseo_fmu.utils.time_series import TimeSeries
+
+    discipline = FMUDiscipline(
+        case.fmu,
+        input_names=list(case.inputs) or None,
+        output_names=list(outputs),
+        initial_time=0.0,
+        final_time=steps * case.step,
+        time_step=case.step,
+    )
+    loaded()
+    times = [i * case.step for i in range(len(table))]
+    for j, name in enumerate(case.inputs):
+        discipline.default_input_data[name] = TimeSeries(times, [row[j] for row in table])
+    return discipline

@@ -1,0 +1,67 @@
+"""PathSim: a block `CoSimulationFMU` with a source at every input."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from ..case import Case, loaded
+
+TITLE = "PathSim"
+REQUIREMENTS = ("pathsim-fmi", "pathsim", "fmpy")
+USE = "nothing else"
+FINDINGS = (
+    "It reads every output as a Real, truth values and counts too (`FMUWrapper.get_outputs_as_array`). "
+    "Native FMUs answer with an error, as the standard asks, pythonfmu's C layer with a number: those "
+    "that have such outputs run here only in Python.",
+    "It records a step too early: outputs at the end of a step stand at the time of its beginning, "
+    "where the block makes the step before they are sampled.",
+)
+
+
+def version() -> str:
+    from importlib.metadata import version
+
+    import pathsim_fmi  # noqa: F401
+
+    return f"{version('pathsim')} with pathsim-fmi {version('pathsim-fmi')}"
+
+
+def values(case: Case) -> list[list[float]]:
+    def held(column: int) -> Callable[[float], float]:
+        return lambda t: case.table[min(round(t / case.step), case.steps - 1)][column]
+
+    sources = {name: held(j) for j, name in enumerate(case.inputs)}
+    simulation, scope = _simulation(case, sources, case.outputs)
+    simulation.run((case.steps - 1) * case.step, adaptive=False)
+    _, found = scope.read()
+    return [[float(value) for value in row] for row in found.T]
+
+
+@contextmanager
+def timing(case: Case) -> Iterator[Callable[[int], float]]:
+    sources = {name: (lambda t, value=value: value) for name, value in case.start.items()}
+    simulation, _ = _simulation(case, sources, ())
+
+    def seconds(steps: int) -> float:
+        began = time.perf_counter()
+        simulation.run(steps * case.step, adaptive=False)
+        return time.perf_counter() - began
+
+    yield seconds
+
+
+def _simulation(case: Case, sources: Mapping[str, Callable[[float], float]], outputs: Any) -> tuple[Any, Any]:
+    from pathsim import Connection, Simulation
+    from pathsim.blocks import Scope, Source
+    from pathsim_fmi import CoSimulationFMU
+
+    unit = CoSimulationFMU(case.fmu, dt=case.step)
+    loaded()
+    scope = Scope(labels=list(outputs))
+    blocks = {name: Source(source) for name, source in sources.items()}
+    connections = [Connection(block, unit[name]) for name, block in blocks.items()]
+    connections += [Connection(unit[name], scope[j]) for j, name in enumerate(outputs)]
+    return Simulation([unit, *blocks.values(), scope], connections, dt=case.step, log=False), scope

@@ -1,0 +1,52 @@
+"""The program in C for Linux on ARM64, run by qemu."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..case import Case, RefusedError
+from ..programs import Host, compiled
+
+TITLE = "program in C for ARM64, in qemu"
+REQUIREMENTS = ("fmpy", "ziglang")
+USE = "Debian's qemu-user and libc6-arm64-cross, or such a machine"
+PLATFORM = "aarch64-linux"
+FINDINGS = (
+    "The difference of `ehl_contact` is glibc's `erfc` (load of asperities), which for ARM64 has "
+    "another last bit in one value of twenty; `sin`, `cos`, `exp`, `log`, `pow`, `tanh` and others have "
+    "the same bits.",
+    "Rates are those of an emulator.",
+)
+
+LIBRARIES = "/usr/aarch64-linux-gnu"
+
+
+def version() -> str:
+    if shutil.which("qemu-aarch64") is None or not Path(LIBRARIES).is_dir():
+        raise RefusedError("there is no qemu-aarch64 with libraries (Debian's qemu-user, libc6-arm64-cross)")
+    said = subprocess.run(["qemu-aarch64", "--version"], capture_output=True, text=True, check=True).stdout
+    return said.splitlines()[0].partition(" (")[0]
+
+
+def values(case: Case) -> list[list[float]]:
+    with _host(case) as host:
+        return host.values(case)
+
+
+@contextmanager
+def timing(case: Case) -> Iterator[Callable[[int], float]]:
+    with _host(case) as host, host.timing(case) as seconds:
+        yield seconds
+
+
+@contextmanager
+def _host(case: Case) -> Iterator[Host]:
+    with tempfile.TemporaryDirectory() as folder:
+        program = compiled(Path(folder), "aarch64-linux-gnu.2.17")
+        places = {2: PLATFORM, 3: PLATFORM}
+        yield Host(program, places, runner=["qemu-aarch64", "-L", LIBRARIES])

@@ -1,0 +1,54 @@
+"""The program in C for Windows, run by wine."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..case import FOLDER, Case, NotTriedError, RefusedError
+from ..programs import Host, compiled
+
+TITLE = "program in C for Windows, in wine"
+REQUIREMENTS = ("fmpy", "ziglang")
+USE = "Debian's wine64, or Windows"
+PLATFORM = "x86_64-windows"
+FINDINGS = (
+    "Differences are those of MinGW's C library, which is inside the FMUs for Windows: its `sin`, "
+    "`cos`, `exp`, `pow`, `erfc` and `tanh` are now and then one to three units of the last place from "
+    "glibc's. Rates, which are differences along the motion, multiply that.",
+    "FMUs in Python need a Python for Windows.",
+)
+
+
+def version() -> str:
+    if shutil.which("wine") is None:
+        raise RefusedError("there is no wine (Debian's wine64)")
+    return subprocess.run(["wine", "--version"], capture_output=True, text=True, check=True).stdout.strip()
+
+
+def values(case: Case) -> list[list[float]]:
+    with _host(case) as host:
+        return host.values(case)
+
+
+@contextmanager
+def timing(case: Case) -> Iterator[Callable[[int], float]]:
+    with _host(case) as host, host.timing(case) as seconds:
+        yield seconds
+
+
+@contextmanager
+def _host(case: Case) -> Iterator[Host]:
+    if case.python:
+        raise NotTriedError("there is no Python for Windows here")
+    prefix = Path(os.environ[FOLDER]) / "prefix"
+    prefix.parent.mkdir(parents=True, exist_ok=True)
+    os.environ |= {"WINEPREFIX": str(prefix), "WINEDEBUG": "-all"}
+    with tempfile.TemporaryDirectory() as folder:
+        program = compiled(Path(folder), "x86_64-windows-gnu", ".exe")
+        yield Host(program, {2: "win64", 3: PLATFORM}, ".dll", runner=["wine"], drive="Z:")
