@@ -110,7 +110,7 @@ def compare(path: Path, tolerance: float | None = None) -> list[Comparison]:
     for kind in _kinds(path, described):
         try:
             reference = _reference(kind, files)
-            _check_names(described, reference)
+            _check_variables(described, reference)
             allowed = tolerance or reference.options.tolerance
             if allowed == 0.0:
                 raise CrossCheckError("RelTol = 0 in the .opt file says nothing; give --tolerance")
@@ -171,19 +171,34 @@ def _reference(kind: str, files: Mapping[str, str]) -> Reference:
     if chosen not in files:
         raise CrossCheckError(f"{chosen} is missing: it has the times and the tolerance")
     inputs = files.get(f"{name}_in.csv")
+    options = read_options(files[chosen], chosen)
     return Reference(
-        options=read_options(files[chosen], chosen),
+        options=options,
         inputs=None if inputs is None else read_csv(inputs, f"{name}_in.csv"),
-        results=read_csv(files[results], results),
+        results=_judged(read_csv(files[results], results), options, results),
     )
 
 
-def _check_names(described: ModelDescription, reference: Reference) -> None:
-    known = {variable.name for variable in described.modelVariables}
-    inputs = () if reference.inputs is None else reference.inputs.columns
-    for name in (*(_recorded(described, name)[0] for name in reference.results.columns), *inputs):
+def _judged(results: Table, options: Options, name: str) -> Table:
+    """The results within the run, without instants that stand more than once: events, where values jump."""
+    instants, counts = np.unique(results.times, return_counts=True)
+    near = 1e-9 * (options.stop_time - options.start_time)
+    inside = np.abs(np.clip(results.times, options.start_time, options.stop_time) - results.times) <= near
+    kept = inside & np.isin(results.times, instants[counts == 1])
+    if np.count_nonzero(kept) < 2:
+        raise CrossCheckError(f"{name}: must have two instants from StartTime to StopTime at least")
+    return Table(results.times[kept], {n: column[kept] for n, column in results.columns.items()})
+
+
+def _check_variables(described: ModelDescription, reference: Reference) -> None:
+    known = {variable.name: variable for variable in described.modelVariables}
+    inputs = [(name, None) for name in (reference.inputs.columns if reference.inputs else ())]
+    for name, place in [*(_recorded(described, name) for name in reference.results.columns), *inputs]:
         if name not in known:
             raise CrossCheckError(f"has no variable {name}, which its reference files name")
+        array = bool(known[name].dimensions) and place is None
+        if array or known[name].type in ("String", "Binary", "Clock"):
+            raise CrossCheckError(f"{name}, which its reference files name, is no single number")
 
 
 def _recorded(described: ModelDescription, name: str) -> tuple[str, int | None]:
@@ -235,13 +250,7 @@ def _silence() -> Iterator[io.StringIO]:
 
 
 def _deviations(described: ModelDescription, reference: Table, result: NDArray[np.void]) -> list[Deviation]:
-    """How far each variable is off at the reference's instants; between the run's own by interpolation.
-
-    Instants that the reference has more than once are its events, where values jump: they are left out.
-    """
-    instants, counts = np.unique(reference.times, return_counts=True)
-    smooth = np.isin(reference.times, instants[counts == 1])
-    at = reference.times[smooth]
+    """How far each variable is off at the reference's instants; between the run's own by interpolation."""
     times = np.asarray(result["time"], dtype=np.float64)
     units = {variable.name: variable.unit or "" for variable in described.modelVariables}
     close = 1e-9 * max(abs(times[-1]), abs(times[0]))
@@ -251,12 +260,12 @@ def _deviations(described: ModelDescription, reference: Table, result: NDArray[n
         run = np.asarray(result[recorded], dtype=np.float64)
         run = run if place is None else run[:, place]
         apart = np.array(
-            [_apart(t, value, times, run, close) for t, value in zip(at, values[smooth], strict=True)]
+            [_apart(t, value, times, run, close) for t, value in zip(reference.times, values, strict=True)]
         )
         worst = int(np.argmax(np.where(np.isnan(apart), np.inf, apart)))
         size = float(np.max(np.abs(values))) or 1.0
         unit = "" if units[recorded] == "1" else units[recorded]
-        largest, when = float(apart[worst]), float(at[worst])
+        largest, when = float(apart[worst]), float(reference.times[worst])
         found.append(Deviation(name, unit, largest, largest / size, when))
     return found
 

@@ -12,7 +12,7 @@ import pytest
 from fmus.build import NAMES
 from fmus.cross_check.apart import compared
 from fmus.cross_check.compare import compare
-from fmus.cross_check.files import CrossCheckError, csv_text, read_csv
+from fmus.cross_check.files import CrossCheckError, Options, csv_text, read_csv
 from fmus.cross_check.inside import FOLDER, folder_of
 from tests.foreign.c_fmus import fmu as foreign
 
@@ -145,6 +145,7 @@ def test_a_crash_is_an_answer_and_the_next_file_is_run(fmu_files: dict[str, Path
         ("falling_mass_in.csv", "0.1,0,0", "0.1,a,0", "line 3 must be finite numbers"),
         ("falling_mass_in.csv", "0.3,30,", "0.3,1e999,", "must be finite numbers"),
         ("falling_mass_ref.opt", "StopTime, 0.5", "StopTime, -1", "must be later than StartTime"),
+        ("falling_mass_ref.opt", "StartTime, 0.0", "StartTime, 0.498", "must have two instants"),
     ],
 )
 def test_what_cannot_be_compared_is_said_in_one_line(
@@ -164,3 +165,12 @@ def test_what_cannot_be_compared_is_said_in_one_line(
     assert message in str(raised.value)
     assert "\n" not in str(raised.value)
     assert str(raised.value).startswith(str(fmu))
+
+
+def test_what_is_no_number_is_not_compared(tmp_path: Path) -> None:
+    """An array of FMI 3.0."""
+    path = Path(foreign("vector", 3, tmp_path))
+    (path.parent / f"{path.stem}_ref.csv").write_text('"time","y"\n0,1\n1,0\n')
+    (path.parent / f"{path.stem}_ref.opt").write_text(Options(0.0, 1.0, 0.1, 1e-3).text())
+    with pytest.raises(CrossCheckError, match="y, which its reference files name, is no single number"):
+        compare(path)
