@@ -7,13 +7,30 @@ methods build lists at every call.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 from models.quantities import Vector
 
+from .description import Variable
 from .standard import WARNING
+
+
+class Wholes:
+    """Variables of which some are elements of arrays, which a call transfers whole: the references of all,
+    each once, how many values these have, and the places of the variables among them."""
+
+    def __init__(self, variables: Iterable[Variable]) -> None:
+        first: dict[int, int] = {}
+        self.places: list[int] = []
+        self.size = 0
+        for v in variables:
+            if v.reference not in first:
+                first[v.reference] = self.size
+                self.size += v.size
+            self.places.append(first[v.reference] + v.place)
+        self.references = tuple(first)
 
 
 class BoundCalls:

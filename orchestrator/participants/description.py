@@ -69,7 +69,7 @@ class Description:
 
     `variables` by name; `depends` gives, for each output, the inputs it depends on at the same instant, where
     the file says it. `states` are the continuous states and their derivatives by time, if it gives
-    directional derivatives by and of them as scalars; else None. `fixed_step` (s) is that of an FMU that
+    directional derivatives by and of them; else None. `fixed_step` (s) is that of an FMU that
     moves by equal steps, else 0; one that `returns_early` may come back from a step before its end, one that
     `interpolates` takes derivatives of inputs by the standard's call, one that `gives_rates` gives those of
     outputs so. `start`, `stop` and `step` (s) are those of its default experiment.
@@ -227,13 +227,13 @@ def _differentiates(path: Path, about: Any, version: str) -> bool:
 
 
 def _states(found: Any) -> dict[str, str] | None:
-    """None where not all are told, as scalars; that there are none is told by a file for model exchange."""
-    derivatives = [unknown.variable for unknown in found.derivatives]
-    if not derivatives and found.modelExchange is None:
+    """None where not all are told; that there are none is told by a file for model exchange."""
+    if not found.derivatives and found.modelExchange is None:
         return None
-    if any(v is None or v.derivative is None or v.shape or v.derivative.shape for v in derivatives):
+    if any(unknown.variable is None for unknown in found.derivatives):
         return None
-    return {v.derivative.name: v.name for v in derivatives}
+    derivatives = [v for unknown in found.derivatives for v in _scalars(unknown.variable)]
+    return {v.derivative: v.name for v in derivatives} if all(v.derivative for v in derivatives) else None
 
 
 def _base(unit: Any) -> Unit:

@@ -100,8 +100,9 @@ class Fmi2(BoundCalls):
         orders = np.ones(len(references), dtype=np.intc)
         return self._transfer("fmi2GetRealOutputDerivatives", references, orders, values=values, fail=fail)
 
-    def directional(self, unknown: Sequence[int], known: int) -> list[float]:
-        return list(self._slave.getDirectionalDerivative(unknown, [known], [1.0]))
+    def directional(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
+        references = [v.reference for v in unknown]
+        return list(self._slave.getDirectionalDerivative(references, [known.reference], [1.0]))
 
     def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         call, handle, yes = self._function("fmi2DoStep"), self._handle, ctypes.c_int(1)

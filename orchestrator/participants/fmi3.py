@@ -16,7 +16,7 @@ from fmpy.fmi3 import FMU3Slave
 
 from models.quantities import Vector
 
-from .bound_calls import BoundCalls
+from .bound_calls import BoundCalls, Wholes
 from .description import REALS, TRUTHS, Description, Variable
 from .standard import DISCARD, WARNING
 
@@ -121,8 +121,12 @@ class Fmi3(BoundCalls):
             "fmi3GetOutputDerivatives", references, orders, values=values, after=size, fail=fail
         )
 
-    def directional(self, unknown: Sequence[int], known: int) -> list[float]:
-        return list(self._slave.getDirectionalDerivative(unknown, [known], [1.0]))
+    def directional(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
+        whole = Wholes(unknown)
+        seed = [float(place == known.place) for place in range(known.size)]
+        references = list(whole.references)
+        found = self._slave.getDirectionalDerivative(references, [known.reference], seed, whole.size)
+        return [found[place] for place in whole.places]
 
     def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         call, handle = self._function("fmi3DoStep"), self._handle

@@ -21,6 +21,7 @@ from ..errors import (
     ParticipantError,
 )
 from .binding import Elements, array_of
+from .bound_calls import Wholes
 from .compiled import SET, STEP
 from .description import REALS, Variable, described
 from .failures import Failing
@@ -174,16 +175,12 @@ class FmuParticipant(Failing):
     def _call_rates(self, lacking: Sequence[int], wanted: Sequence[Variable]) -> None:
         """Have rates of outputs without variables for them got by the standard's call."""
         self._called = [
-            i
-            for i in lacking
-            if self._description.gives_rates
-            and wanted[i].type in self._fmi.real_types
-            and wanted[i].size == 1
+            i for i in lacking if self._description.gives_rates and wanted[i].type in self._fmi.real_types
         ]
         if not self._called:
             return
-        references = np.array([wanted[i].reference for i in self._called], dtype=np.uintc)
-        found = np.zeros(len(references))
+        whole = Wholes(wanted[i] for i in self._called)
+        references, found = np.array(whole.references, dtype=np.uintc), np.zeros(whole.size)
         get = self._fmi.output_derivatives(references, found, self._reading_failed)
         read = self.read
 
@@ -191,7 +188,7 @@ class FmuParticipant(Failing):
             read()
             if self._stepping:  # before that the standard has no such call
                 get()
-                self._rates[self._called] = found
+                self._rates[self._called] = found[whole.places]
 
         self.read = read_called
 
@@ -269,8 +266,8 @@ class FmuParticipant(Failing):
     def linearisable(self, names: Iterable[str]) -> bool:
         """Directional derivatives by and of these variables and its states say all about it."""
         found = (self._variables.get(name) for name in names)
-        scalars = (v is not None and v.type in REALS and v.size == 1 for v in found)
-        return self._description.states is not None and all(scalars)
+        real = (v is not None and v.type in self._fmi.real_types for v in found)
+        return self._description.states is not None and all(real)
 
     @property
     def states(self) -> dict[str, str]:
@@ -283,7 +280,7 @@ class FmuParticipant(Failing):
 
     def jacobian(self, unknown: Sequence[str], known: Sequence[str]) -> Vector:
         """d unknown / d known (rows x columns), at the present point, by directional derivatives."""
-        of, by = ([self._variable(name).reference for name in names] for names in (unknown, known))
+        of, by = ([self._variable(name) for name in names] for names in (unknown, known))
         with self._naming("directional derivatives"):
             columns = [self._fmi.directional(of, one) for one in by] if of else []
         return np.array(columns).T.reshape(len(of), len(by))

@@ -59,13 +59,12 @@ class Standard(Protocol):
     def output_derivatives(
         self, references: Any, values: Vector, fail: Callable[[int], None]
     ) -> Callable[[], None]:
-        """A function that gets the first derivatives of outputs by time into `values`; for FMUs that say that
-        they give them, after initialisation."""
+        """A function that gets the first derivatives of outputs by time into `values`, those of arrays whole;
+        for FMUs that say that they give them, after initialisation."""
         ...
 
-    def directional(self, unknown: Sequence[int], known: int) -> list[float]:
-        """The derivatives of these unknown scalars by a known one, by references; for FMUs that say that
-        they give them."""
+    def directional(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
+        """The derivatives of these unknown scalars by a known one; for FMUs that say that they give them."""
         ...
 
     def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:

@@ -212,12 +212,18 @@ MODELS["early"] = Model(
     "if (h > 6e-3) { $x *= exp(-$k * h / 2); m->reached = t + h / 2; return EARLY; } " + EXPONENTIAL,
     abilities='mightReturnEarlyFromDoStep="true" ',
 )
-# Gives its rates by the standard's call only.
+# These give their rates by the standard's call only.
 MODELS["called"] = replace(
     MODELS["sprung"],
     variables=tuple(replace(v, derivative="") for v in MODELS["sprung"].variables),
     abilities='maxOutputDerivativeOrder="1" ',
     rates={"position": "der(position)", "velocity": "der(velocity)"},
+)
+MODELS["called_vector"] = replace(
+    MODELS["vector"],
+    variables=tuple(replace(v, derivative="") for v in MODELS["vector"].variables),
+    abilities='maxOutputDerivativeOrder="1" ',
+    rates={"y": "slope"},
 )
 # Cannot be looked at.
 MODELS["blind"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, "raise(SIGSEGV);")

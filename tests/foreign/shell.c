@@ -78,9 +78,9 @@ static int directional(Instance *m, const unsigned u[], size_t nu, const unsigne
 static int rates(Instance *m, const unsigned r[], size_t n, const int order[], double x[]) {
     if (!m->initialised) return ERROR;
     output(m, m->v);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0, k = 0; i < n; i++) {
         if (RATE(r[i]) < 0 || order[i] != 1) return ERROR;
-        x[i] = m->v[RATE(r[i])];
+        for (size_t j = 0; j < SIZE(r[i]); j++) x[k++] = m->v[RATE(r[i]) + j];
     }
     return OK;
 }

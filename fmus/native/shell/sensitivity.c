@@ -22,7 +22,8 @@ static Status seed_with(const Unit *unit, Seed *seed, uint32_t known, double cha
     } else if (known < PARAMETERS && variables[known].kind == REAL) seed->p[known] = change;
     else if (starting && known >= STARTS_AT && known < STARTS_AT + STARTED)
         seed->x[started[known - STARTS_AT]] = change;
-    else if (!starting && known >= X_AT && known < X_AT + STATES) seed->x[known - X_AT] = change;
+    else if (!starting && known >= X_AT && known < X_AT + STATES && variables[known].kind == REAL)
+        seed->x[known - X_AT] = change;
     else
         return unit_say(unit, ERROR, "value reference %u: derivatives are by inputs, parameters and states",
                         (unsigned)known);
