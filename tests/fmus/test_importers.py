@@ -12,7 +12,7 @@ import pytest
 
 from fmus.build import NAMES, build
 from tests.tools.case import Case, equal_steps
-from tests.tools.document import cells, cells_of, written
+from tests.tools.document import cells, written
 from tests.tools.plan import KINDS, case_of, compared, expected
 from tests.tools.programs import Host, compiled, libpython
 from tests.tools.running import NAMES as NAMES_OF_TOOLS
@@ -47,7 +47,7 @@ def test_tools_that_are_not_always_here(tool: str, name: str, kind: str) -> None
     """What docs/tools.md says of them."""
     if why := missing(tool):
         pytest.skip(why)
-    said = cells_of(written()[host(tool).TITLE])[name][2 * list(KINDS).index(kind)]
+    said = written()[tool].rows[name][2 * list(KINDS).index(kind)]
     assert cells(*compared(tool, name, KINDS[kind]))[0] == said
 
 

@@ -1,7 +1,7 @@
 """`python -m tests.tools [TOOL ...] [--fmu NAME ...] [--install]` runs our FMUs in other tools.
 
 Without names every tool that is here. With --install each of them gets an environment of its own first.
-With --fmu only these FMUs, and nothing is written; else docs/tools.md is.
+With --fmu only these FMUs; what docs/tools.md has of others, and of other tools, stays.
 """
 
 from __future__ import annotations
@@ -9,13 +9,12 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Sequence
 
 from fmus.build import NAMES as FMUS
 
-from .document import FILE, Section, cells, text, written
+from .document import FILE, Section, here, text, written
 from .plan import KINDS, compared
-from .running import NAMES, host, install, missing
+from .running import NAMES, install, missing
 
 RUNS = 4  # of which the best is told
 
@@ -37,34 +36,22 @@ def main() -> int:
             print(f"{name}: {why}")
             absent.append(name)
             continue
-        section = of_tool(name, given.fmu or FMUS)
-        if not given.fmu:
-            lines = section.lines(host(name).USE, getattr(host(name), "FINDINGS", ()))
-            sections[section.title] = lines
-            FILE.write_text(text(sections), "utf-8")
+        kept = sections.get(name) if given.fmu else None
+        sections[name] = kept or Section(name, "", here())
+        for fmu in given.fmu or FMUS:
+            run(sections[name], fmu)
+        FILE.write_text(text(sections), "utf-8")
     return 1 if given.tools and absent else 0
 
 
-def of_tool(name: str, fmus: Sequence[str]) -> Section:
-    """Every kind of these FMUs in one tool."""
-    section = Section(host(name).TITLE, "")
-    for fmu in fmus:
-        row = []
-        for kind in KINDS.values():
-            began = time.perf_counter()
-            difference, answer = compared(name, fmu, kind, RUNS)
-            section.version = answer.version or section.version
-            row += cells(difference, answer)
-            if answer.failed:
-                words = answer.failed.replace(fmu, "NAME")
-                section.said.setdefault((words, kind.title), []).append(fmu)
-            passed = time.perf_counter() - began
-            print(
-                f"{name}: {fmu}, {kind.title}: {' '.join(row[-2:])} {answer.failed} ({passed:.1f} s)",
-                flush=True,
-            )
-        section.rows[fmu] = row
-    return section
+def run(section: Section, fmu: str) -> None:
+    """Every kind of this FMU in the section's tool."""
+    for name, kind in KINDS.items():
+        began = time.perf_counter()
+        difference, answer = compared(section.tool, fmu, kind, RUNS)
+        told = " ".join(section.note(fmu, name, difference, answer))
+        passed = time.perf_counter() - began
+        print(f"{section.tool}: {fmu}, {kind.title}: {told} {answer.failed} ({passed:.1f} s)", flush=True)
 
 
 if __name__ == "__main__":

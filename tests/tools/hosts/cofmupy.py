@@ -18,6 +18,7 @@ FINDINGS = (
     "with a number: those that have such outputs run here only in Python.",
     "Inputs that nothing is connected to are set to 0, whatever their start value "
     "(`DefaultMaster.init_simulation`).",
+    "It asks for one number of every output: FMUs of FMI 3.0 with arrays among theirs do not run.",
     "It records a step too early: `DefaultMaster.do_step` notes the time before the step and the "
     "outputs after it.",
 )
