@@ -1,4 +1,4 @@
-"""Native FMUs against those that run in Python: `valve-train` in our master and in ecos, and single calls."""
+"""Native FMUs against those in Python: `valve-train` in ecos, and by processor time in our master."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
 from models.system import System
 from orchestrator import assembly
-from orchestrator.masters import GaussSeidel, Iterated, Jacobi
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Master, Newton
 from orchestrator.participants import fmu
 from orchestrator.scenario_files import load
 from orchestrator.simulation import simulate
+from orchestrator.stepping import FixedSteps, Stepper
 
-from .measure import medians
+from .measure import Clock, medians
 
 STEPS, STEP = 10_000, 2e-6
 PYTHON, NATIVE = "in Python", "native"
@@ -35,13 +36,19 @@ def files(system: System) -> dict[str, dict[str, Path]]:
     }
 
 
-def stepped(system: System, paths: Mapping[str, Path], master: Callable[[], object]) -> float:
-    """Macro steps per second of our master."""
+def stepped(
+    system: System,
+    paths: Mapping[str, Path],
+    master: Callable[[], Master],
+    steps: Callable[[], Stepper] = lambda: FixedSteps(STEP),
+) -> float:
+    """Macro steps of our master per second of processor time."""
     participants = {name: fmu(name, paths[name], instance) for name, instance in system.instances.items()}
-    statistics = simulate(system, participants, master(), STEP, STEPS * STEP, [])
+    clock = Clock()
+    statistics = simulate(system, participants, master(), steps(), STEPS * STEP, [clock])
     for participant in participants.values():
         participant.close()
-    return statistics.macro_steps / statistics.coupled_time_s
+    return statistics.macro_steps / clock.elapsed
 
 
 def in_ecos(system: System, paths: Mapping[str, Path]) -> float:
@@ -64,7 +71,7 @@ def in_ecos(system: System, paths: Mapping[str, Path]) -> float:
 
 def rows() -> Iterator[tuple[str, str]]:
     """Figures and their values: rates, and how many times faster native ones are."""
-    scenario = load("valve-train")
+    scenario, controlled = load("valve-train"), load("valve-train-controlled")
     system = assembly.at_start(scenario, assembly.system_of(scenario))
     found = files(system)
     ways: dict[str, Callable[[Mapping[str, Path]], float]] = {
@@ -72,6 +79,14 @@ def rows() -> Iterator[tuple[str, str]]:
         "gauss_seidel, quadratic": partial(stepped, system, master=lambda: GaussSeidel("quadratic")),
         "jacobi, quadratic": partial(stepped, system, master=lambda: Jacobi("quadratic")),
         "iterated, quadratic": partial(stepped, system, master=lambda: Iterated("quadratic")),
+        "iterated, hermite": partial(stepped, system, master=lambda: Iterated("hermite")),
+        "newton, quadratic": partial(stepped, system, master=lambda: Newton("quadratic")),
+        "step control of valve-train-controlled": partial(
+            stepped,
+            assembly.at_start(controlled, assembly.system_of(controlled)),
+            master=controlled.made_master,
+            steps=controlled.made_steps,
+        ),
     }
     try:
         import ecospy  # noqa: F401
@@ -80,7 +95,7 @@ def rows() -> Iterator[tuple[str, str]]:
     except (ImportError, OSError):
         yield "macro steps/s of valve-train in ecos", "not measured: ecospy or its libtbb12 is missing"
     for way, measured in ways.items():
-        rate = medians({kind: partial(measured, paths=paths) for kind, paths in found.items()}, rounds=3)
+        rate = medians({kind: partial(measured, paths=paths) for kind, paths in found.items()}, rounds=5)
         yield (
             f"macro steps/s of valve-train, FMUs in Python and native: {way}",
             f"{rate[PYTHON]:.0f}; {rate[NATIVE]:.0f} ({rate[NATIVE] / rate[PYTHON]:.1f} x)",

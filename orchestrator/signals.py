@@ -99,9 +99,11 @@ class History:
         return self.count < NEEDED[degree] or (degree == 3 and not _smooth(self.memory))
 
     def copy(self) -> History:
-        """An independent copy."""
-        twin = History(self.times[0], self.values[0], None, self.rated)
-        twin.put(self)
+        """An independent copy, between steps."""
+        twin = History.__new__(History)
+        twin.times, twin.values, twin.rates = self.times.copy(), self.values.copy(), self.rates.copy()
+        twin.smooth, twin.end_smooth = self.smooth.copy(), np.ones_like(self.end_smooth)
+        twin.rated, twin.count = self.rated, self.count
         return twin
 
     def put(self, other: History) -> None:

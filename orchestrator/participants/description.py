@@ -69,8 +69,8 @@ class Description:
 
     `variables` by name; `depends` gives, for each output, the inputs it depends on at the same instant, where
     the file says it. `states` are the continuous states and their derivatives by time, if it gives
-    directional derivatives by and of them; else None. `fixed_step` (s) is that of an FMU that
-    moves by equal steps, else 0; one that `returns_early` may come back from a step before its end, one that
+    directional derivatives by and of them; else None. `fixed_step` (s) is that of an FMU that moves by equal
+    steps, else 0; one that `returns_early` may of itself come back from a step before its end, one that
     `interpolates` takes derivatives of inputs by the standard's call, one that `gives_rates` gives those of
     outputs so. `start`, `stop` and `step` (s) are those of its default experiment.
     """
@@ -129,7 +129,7 @@ def described(path: Path) -> Description:
         serialisable=bool(about.canSerializeFMUstate),
         variable_step=bool(about.canHandleVariableCommunicationStepSize),
         fixed_step=float(about.fixedInternalStepSize or 0.0),
-        returns_early=bool(about.mightReturnEarlyFromDoStep or about.canReturnEarlyAfterIntermediateUpdate),
+        returns_early=bool(about.mightReturnEarlyFromDoStep),
         interpolates=bool(about.canInterpolateInputs) and found.fmiVersion == "2.0",
         gives_rates=int(about.maxOutputDerivativeOrder or 0) > 0,
         once_per_process=bool(about.canBeInstantiatedOnlyOncePerProcess),

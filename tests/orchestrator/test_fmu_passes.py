@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 from fmus.build import build
+from fmus.native.fmu import build as build_native
+from fmus.native.machine_code import this_platform
 from orchestrator import fmu_passes
 from orchestrator.errors import RunError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
@@ -56,10 +58,10 @@ def compiled(monkeypatch):
     return Counting(monkeypatch)
 
 
-def run(master, second, wrap, stop=0.3):
+def run(master, second, wrap, stop=0.3, files=None):
     """The outputs, the steps asked of participants, and the error."""
     system, recorder = two_masses(), Recorder()
-    files = {"first": build("coupled_mass"), "second": second or build("sprung_mass")}
+    files = files or {"first": build("coupled_mass"), "second": second or build("sprung_mass")}
     units = {name: wrap(fmu(name, files[name], instance)) for name, instance in system.instances.items()}
     statistics = ended = None
     try:
@@ -96,6 +98,21 @@ def test_an_fmu_that_holds_its_inputs_and_gives_no_rates(signal, tmp_path, compi
     found = run(GaussSeidel(signal), foreign, lambda unit: unit)
     assert compiled.made == 30  # such an FMU cannot be rolled back
     np.testing.assert_array_equal(found[0], run(GaussSeidel(signal), foreign, Wrapped)[0])
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_passes_over_native_fmus_are_compiled_too(fmi, compiled):
+    """Of both versions of FMI; their kernels are those of the FMUs in Python, to the bit."""
+    here = [this_platform()]
+    files = {
+        "first": build_native("coupled_mass", platforms=here, fmi=fmi),
+        "second": build_native("sprung_mass", platforms=here, fmi=fmi),
+    }
+    found = run(Iterated("hermite"), None, lambda unit: unit, files=files)
+    assert compiled.made >= 30
+    expected = run(Iterated("hermite"), None, Wrapped)
+    assert found[1:] == expected[1:]
+    np.testing.assert_array_equal(found[0], expected[0])
 
 
 def test_the_order_of_calls_may_be_another_one():
