@@ -30,10 +30,12 @@ def main() -> int:
         parser.error(f"no tool {unknown[0]!r}: there are {', '.join(NAMES)}")
     sections, absent = written(), []
     for name in given.tools or NAMES:
-        if given.install:
-            install(name)
+        if given.install and not install(name):
+            print(f"{name}: could not be installed")
+            absent.append(name)
+            continue
         if why := missing(name):
-            print(f"{name}: {why}")
+            print(why)
             absent.append(name)
             continue
         kept = sections.get(name) if given.fmu else None

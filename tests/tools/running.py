@@ -62,13 +62,13 @@ def interpreter(name: str) -> Path:
     return Path(sys.executable)
 
 
-def install(name: str) -> None:
-    """The tool's packages, in an environment of their own."""
+def install(name: str) -> bool:
+    """The tool's packages, in an environment of their own; False if pip cannot, which says why itself."""
     folder = environment(name)
     venv.create(folder, with_pip=True, clear=True)
     packages = [*host(name).REQUIREMENTS, *FOR_FMUS]
     command = [str(interpreter(name)), "-m", "pip", "install", "--quiet", *packages]
-    subprocess.run(command, check=True)
+    return subprocess.run(command, check=False).returncode == 0
 
 
 @cache

@@ -103,6 +103,7 @@ PAGES = (
             "native_abilities": "What the C layer of FMUs in Python refuses",
             "fmus_in_hosts": "FMUs in Python: FMI 3, and hosts that are not Python",
             "ssp_packages": "SSP",
+            "tool_matrix": "Other tools",
             "foreign_fmus": "FMUs from elsewhere",
             "reference_results": "Reference results",
             "native_numbers": "Equal, faster, and a million times",
