@@ -107,7 +107,7 @@ class _System:
         }
         # Elements that stand for the connectors of something else.
         places: dict[str, Path] = {}
-        for element in system.find(tag("ssd:Elements")) or ():
+        for element in system.iterfind(f"{tag('ssd:Elements')}/*"):
             own = (*path, element.get("name"))
             places[element.get("name")] = own
             if element.tag == tag("ssd:System"):
@@ -120,7 +120,7 @@ class _System:
                     raise self._refuse(f"{'.'.join(own)}: no signal dictionary {name!r}", "define it")
                 places[element.get("name")] = (f"dictionary {dictionaries[name]}",)
         self._bound(system, path)
-        for connection in system.find(tag("ssd:Connections")) or ():
+        for connection in system.iterfind(f"{tag('ssd:Connections')}/*"):
             self._connection(connection, path, places)
 
     def _component(self, element: Any, path: Path) -> None:
@@ -138,11 +138,11 @@ class _System:
         self._bound(element, path)
 
     def _bound(self, element: Any, path: Path) -> None:
-        for binding in element.find(tag("ssd:ParameterBindings")) or ():
+        for binding in element.iterfind(f"{tag('ssd:ParameterBindings')}/*"):
             self._found.bindings.append((path, binding))
 
     def _connectors(self, element: Any, path: Path) -> None:
-        for connector in element.find(tag("ssd:Connectors")) or ():
+        for connector in element.iterfind(f"{tag('ssd:Connectors')}/*"):
             port = Port(path, connector.get("name"))
             self._found.kinds[port] = connector.get("kind", "")
             real = connector.find(tag("ssc:Real"))
