@@ -173,6 +173,7 @@ class InOwnProcess:
         if process.poll() is None and not self._lost:
             with contextlib.suppress(errors.RunError, subprocess.TimeoutExpired):
                 self._call("close")
+                process.stdin.close()  # type: ignore[union-attr] # by which it ends
                 process.wait(PATIENCE_S)
         self._lost = True
         if process.poll() is None:

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.participants.fmu import Given
+from orchestrator.participants.in_own_process import InOwnProcess
 from orchestrator.report import Reporter
 from orchestrator.run import run
 
@@ -70,3 +72,11 @@ def test_no_process_is_left(tmp_path: Path) -> None:
     ran(case(fmu("dahlquist", 2, tmp_path), "own"), tmp_path / "well")
     ran(case(fmu("crashing", 2, tmp_path), "own"), tmp_path / "badly")
     assert set(psutil.Process().children(recursive=True)) == before
+
+
+def test_a_process_ends_when_it_is_told(tmp_path: Path) -> None:
+    """By itself, and so with its own status: nobody has to wait and end it."""
+    unit = InOwnProcess("decay", fmu("dahlquist", 2, tmp_path), Given(["x"], {}))
+    process = unit._process
+    unit.close()
+    assert process.returncode == 0
