@@ -13,12 +13,12 @@ TITLE = "CoFmuPy"
 REQUIREMENTS = ("cofmupy",)
 USE = "a stream or connection for every input"
 FINDINGS = (
-    "It reads every output as a Real, truth values and counts too (`Fmu2Handler.step`, "
+    "It reads one Real of every output, whatever its type and size (`Fmu2Handler.step`, "
     "`Fmu3Handler.step`). Native FMUs answer with an error, as the standard asks, pythonfmu's C layer "
-    "with a number: those that have such outputs run here only in Python.",
+    "with a number: native ones with other outputs [need to lose "
+    "them](#outputs-that-are-not-single-reals).",
     "Inputs that nothing is connected to are set to 0, whatever their start value "
     "(`DefaultMaster.init_simulation`).",
-    "It asks for one number of every output: FMUs of FMI 3.0 with arrays among theirs do not run.",
     "It records a step too early: `DefaultMaster.do_step` notes the time before the step and the "
     "outputs after it.",
 )

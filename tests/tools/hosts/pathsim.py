@@ -13,10 +13,9 @@ TITLE = "PathSim"
 REQUIREMENTS = ("pathsim-fmi", "pathsim", "fmpy")
 USE = "nothing else"
 FINDINGS = (
-    "It reads every output as a Real, truth values and counts too (`FMUWrapper.get_outputs_as_array`). "
-    "Native FMUs answer with an error, as the standard asks, pythonfmu's C layer with a number: those "
-    "that have such outputs run here only in Python.",
-    "It asks for one number of every output: FMUs of FMI 3.0 with arrays among theirs do not run.",
+    "It reads one Real of every output, whatever its type and size (`FMUWrapper.get_outputs_as_array`). "
+    "Native FMUs answer with an error, as the standard asks, pythonfmu's C layer with a number: native "
+    "ones with other outputs [need to lose them](#outputs-that-are-not-single-reals).",
     "It records a step too early: outputs at the end of a step stand at the time of its beginning, "
     "where the block makes the step before they are sampled.",
 )
