@@ -100,6 +100,11 @@ def test_ecos_simulates(kind: str, case: Case, tmp_path: Path) -> None:
     )
     text = f'<ecos:Scenario name="inputs" xmlns:ecos="ecos">{actions}</ecos:Scenario>'
     (tmp_path / "inputs.xml").write_text(text)
+    named = "".join(f'<ecos:variable name="{name}"/>' for name in case.outputs)
+    (tmp_path / "outputs.xml").write_text(
+        '<ecos:CsvConfig xmlns:ecos="ecos"><ecos:components>'
+        f'<ecos:component name="instance">{named}</ecos:component></ecos:components></ecos:CsvConfig>'
+    )
     # It is no Python program.
     preload = {"LD_PRELOAD": str(libpython())} if case.python else {}
     run(command("ecos", "simulate"), tmp_path, **preload)

@@ -12,6 +12,11 @@ from ..case import Case, RefusedError, loaded
 TITLE = "ecos"
 REQUIREMENTS = ("ecospy",)
 USE = "Debian's libtbb12"
+FINDINGS = (
+    "The command `ecos simulate` writes all variables where `--csvConfig` names none. It asks for an "
+    "array of FMI 3.0 as for one number, and then writes zeros for all, without a word: name the "
+    "outputs.",
+)
 
 
 def version() -> str:
