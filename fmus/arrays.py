@@ -1,13 +1,12 @@
 """Which variables of a component are elements of one array in FMI 3.0.
 
-Vectors of a component's records are arrays, and with them their start values, derivatives by time and states.
-Those whose elements are connected each to another participant stay scalars, which every tool can connect; a
-component's folder names their structural sizes in `PORTS`.
+Vectors among parameters, start values, states and their derivatives are arrays. Inputs and outputs are
+scalars, element by element: each may be connected to another participant, and of the tools of FMI 3.0 that
+read all outputs some stop at arrays.
 """
 
 from __future__ import annotations
 
-import importlib
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -31,17 +30,13 @@ class Shaped:
         return self.elements[0]
 
 
-def shaped(model_name: str, variables: Iterable[Variable]) -> list[Shaped]:
+def shaped(variables: Iterable[Variable]) -> list[Shaped]:
     """The variables of FMI 3.0, in the same order."""
-    ports = getattr(importlib.import_module(f"fmus.{model_name}"), "PORTS", ())
-    found = []
-    for (name, array), elements in groupby(variables, lambda v: _array_of(v, ports)):
-        found.append(Shaped(name, tuple(elements), array))
-    return found
+    return [Shaped(name, tuple(elements), array) for (name, array), elements in groupby(variables, _array_of)]
 
 
-def _array_of(variable: Variable, ports: Iterable[str]) -> tuple[str, bool]:
+def _array_of(variable: Variable) -> tuple[str, bool]:
     """The name of the array and whether it is one."""
-    if not variable.size or variable.size in ports:
+    if not variable.size or variable.causality in ("input", "output"):
         return variable.name, False
     return re.sub(r"\[\d+\]", "", variable.name), True

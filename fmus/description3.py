@@ -1,6 +1,6 @@
 """modelDescription.xml of FMI 3.0, from the same metadata as that of FMI 2.0, for native FMUs.
 
-Vectors are arrays (`arrays`), with the reference of their first element.
+Vectors that no tool connects are arrays (`arrays`), with the reference of their first element.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def model_description(component: Any, model_name: str, experiment: Experiment, o
     _types(SubElement(root, "TypeDefinitions"), types(variables))
     running(root, experiment)
     listed = SubElement(root, "ModelVariables")
-    declared = shaped(model_name, variables)
+    declared = shaped(variables)
     for one in declared:
         _variable(listed, one)
     # Of each element the reference of its array.

@@ -47,13 +47,4 @@ def lay_out(name: str, fmu: Path, tool: str, out: Path) -> Iterator[Path]:
             for file in ("README.md", f"{name}_in.csv", f"{name}_ref.csv", f"{name}_ref.opt"):
                 own = reference / _KINDS[kind] / file
                 shutil.copyfile(own if own.is_file() else reference / file, folder / file)
-            _keep_variables(folder / f"{name}_ref.csv", {variable.name for variable in found.variables})
             yield folder
-
-
-def _keep_variables(file: Path, names: set[str]) -> None:
-    """Leave the columns that are variables: elements of arrays of FMI 3.0 are none by themselves."""
-    rows = [line.split(",") for line in file.read_text("utf-8").splitlines()]
-    kept = [i for i, name in enumerate(rows[0]) if i == 0 or name.strip('"') in names]
-    if len(kept) < len(rows[0]):
-        file.write_text("".join(",".join(row[i] for i in kept) + "\n" for row in rows), "utf-8")

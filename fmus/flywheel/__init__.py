@@ -5,9 +5,6 @@ from ..terminals import Terminal
 
 EXPERIMENT = Experiment(stop_time=1.0, step_size=1e-3)
 
-# Each throw and each load belongs to a mechanism of its own.
-PORTS = ("throws", "loads")
-
 # Of mechanisms that have no impacts the impulse stays 0.
 TERMINALS = {
     "load[*]": Terminal(

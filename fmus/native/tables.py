@@ -64,7 +64,7 @@ def tables(component: Any, name: str, digest: str, token: str, fmi: int = 2) -> 
     elements = {v.reference: 1 for v in variables}
     if fmi == 3:
         elements = {v.reference: 0 for v in variables}
-        elements |= {one.first.reference: len(one.elements) for one in shaped(name, variables)}
+        elements |= {one.first.reference: len(one.elements) for one in shaped(variables)}
     declared = (_variable(v, elements[v.reference]) for v in variables)
     messages = [FAILURES.get(status, "") for status in range(max(FAILURES) + 1)]
     strings = {"MODEL": name, "TOKEN": token, "DIGEST": digest}

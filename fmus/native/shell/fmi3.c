@@ -196,7 +196,7 @@ static bool may_set(const Instance *one, const char *call, const Elements *some)
 
 static bool to_set(const Instance *one, const char *call, Elements *some, const uint32_t vr[], size_t count, size_t size)
 {
-    if (!elements_of(some, one->unit, call, vr, count, size)) return false;
+    if (!elements_of(some, one->unit, call, vr, count, size, false)) return false;
     if (may_set(one, call, some)) return true;
     free(some->made);
     return false;
@@ -205,9 +205,19 @@ static bool to_set(const Instance *one, const char *call, Elements *some, const 
 static bool to_get(const Instance *one, const char *call, Elements *some, const uint32_t vr[], size_t count, size_t size)
 {
     if (one->unit->now.phase != INTERMEDIATE || one->getting)
-        return elements_of(some, one->unit, call, vr, count, size);
+        return elements_of(some, one->unit, call, vr, count, size, true);
     unit_say(one->unit, ERROR, "%s: values cannot be read in this intermediate update", call);
     return false;
+}
+
+/* After `to_get`, and after values were got or not. Tools that know no arrays read all variables in one call, and take
+   an error for zeros. */
+static Status got(const Instance *one, const char *call, Elements *some, Status status)
+{
+    free(some->made);
+    if (status != OK || !some->missing) return status;
+    return unit_say(one->unit, WARNING, "%s: as many values as variables: of arrays the first elements, without %zu others",
+                    call, some->missing);
 }
 
 fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], size_t count, fmi3Float64 values[],
@@ -218,8 +228,7 @@ fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], 
     NEEDS(READABLE, "fmi3GetFloat64");
     if (!to_get(INSTANCE, "fmi3GetFloat64", &some, vr, count, size)) return fmi3Error;
     status = unit_get(UNIT, REAL, some.references, some.count, values);
-    free(some.made);
-    return status;
+    return got(INSTANCE, "fmi3GetFloat64", &some, status);
 }
 
 fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
@@ -252,8 +261,7 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], 
             for (size_t j = 0; j < n && status == OK; j++)                                                      \
                 values[i + j] = (fmi3##Type)unit_whole(some[j], LOW, HIGH);                                     \
         }                                                                                                       \
-        free(all.made);                                                                                         \
-        return status;                                                                                          \
+        return got(INSTANCE, "fmi3Get" #Type, &all, status);                                                    \
     }                                                                                                           \
     fmi3Status fmi3Set##Type(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,                \
                              const fmi3##Type values[], size_t size)                                            \

@@ -20,11 +20,13 @@ typedef struct {
     const uint32_t *references;
     size_t count;
     uint32_t *made; /* to be freed */
+    size_t missing; /* elements of arrays that are left out, for a host that knows none */
 } Elements;
 
-/* For a call with so many values; false after a message if they are not as many as elements. */
+/* For a call with so many values; false after a message if they are not as many as elements. Where `first` is true, as
+   many as variables will do: then they are the first elements. */
 bool elements_of(Elements *some, const Unit *unit, const char *call, const fmi3ValueReference vr[], size_t count,
-                 size_t values);
+                 size_t values, bool first);
 
 /* After a step: inputs go on as they were in it, from where it has ended. */
 void inputs_go_on(Unit *unit);

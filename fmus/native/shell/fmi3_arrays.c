@@ -5,10 +5,10 @@
 #include <stdlib.h>
 
 bool elements_of(Elements *some, const Unit *unit, const char *call, const fmi3ValueReference vr[], size_t count,
-                 size_t values)
+                 size_t values, bool first)
 {
     size_t total = 0, filled = 0;
-    *some = (Elements){vr, vr || values > count ? values : count, NULL};
+    *some = (Elements){vr, vr || values > count ? values : count, NULL, 0};
     for (size_t i = 0; vr && i < count; i++) {
         const Variable *variable = unit_variable(vr[i]);
         if (variable && !variable->elements) variable = NULL;
@@ -17,6 +17,10 @@ bool elements_of(Elements *some, const Unit *unit, const char *call, const fmi3V
             return false;
         }
         total += variable->elements;
+    }
+    if (vr && total != values && first && values == count) {
+        some->missing = total - values;
+        return true;
     }
     if (vr && total != values) {
         unit_say(unit, ERROR, "%s: %zu values for %zu variables, which have %zu elements", call, values, count, total);

@@ -128,8 +128,8 @@ static Status derivatives(Unit *unit, const char *call, const fmi3ValueReference
 {
     Elements of, by;
     Status status;
-    if (!elements_of(&of, unit, call, unknowns, n, values)) return ERROR;
-    if (!elements_of(&by, unit, call, knowns, m, changes)) {
+    if (!elements_of(&of, unit, call, unknowns, n, values, false)) return ERROR;
+    if (!elements_of(&by, unit, call, knowns, m, changes, false)) {
         free(of.made);
         return ERROR;
     }

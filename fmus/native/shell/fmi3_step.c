@@ -31,7 +31,7 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueRefere
     NEEDS(INITIALIZING | MOVING | INTERMEDIATE | TERMINATED, "fmi3GetOutputDerivatives");
     if (UNIT->now.phase == INTERMEDIATE && !INSTANCE->getting)
         return unit_say(UNIT, ERROR, "fmi3GetOutputDerivatives: values cannot be read in this intermediate update");
-    if (!elements_of(&some, UNIT, "fmi3GetOutputDerivatives", vr, count, size)) return fmi3Error;
+    if (!elements_of(&some, UNIT, "fmi3GetOutputDerivatives", vr, count, size, false)) return fmi3Error;
     if (!some.made || !orders) return unit_output_derivatives(UNIT, some.references, some.count, orders, values);
     of_elements = malloc(some.count * sizeof *of_elements);
     for (size_t i = 0, j = 0; of_elements && i < count; i++)

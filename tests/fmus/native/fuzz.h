@@ -175,7 +175,8 @@ static void judge(int status, const char *wrong)
 {
     if (status < 0 || status > 3) fail("status %d", status);
     if (wrong && status < 2) fail("status %d, in spite of: %s", status, wrong);
-    if (status < 2 && said.count) fail("status %d with a message", status);
+    if (status == 0 && said.count) fail("status 0 with a message");
+    if (status == 1 && said.count > 1) fail("a warning with %d messages", said.count);
     if (status >= 2 && said.count != 1) fail("status %d with %d messages", status, said.count);
     if (status >= 2 && said.status != status) fail("status %d with a message of status %d", status, said.status);
     if (status >= 2 && strcmp(said.category, status == 2 ? "logStatusDiscard" : "logStatusError"))
