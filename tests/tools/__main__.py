@@ -11,6 +11,7 @@ import sys
 import time
 
 from fmus.build import NAMES as FMUS
+from fmus.native.machine_code import NativeBuildError
 
 from .document import FILE, Section, here, text, written
 from .plan import KINDS, compared
@@ -57,4 +58,7 @@ def run(section: Section, fmu: str) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except NativeBuildError as error:
+        sys.exit(f"{error}; or set up what the tests need: pip install -e '.[dev]'")
