@@ -52,9 +52,7 @@ def check_abilities(scenario: Scenario) -> None:
     for name, path in files.items():
         if fault := _no_binary(path, described(path)) or _fault(scenario, name, described(path)):
             raise ScenarioError(f"components.{name}.participant: {path}: {fault}")
-    shared = Counter(
-        path.resolve() for name, path in files.items() if scenario.components[name].process == "shared"
-    )
+    shared = Counter(path.resolve() for name, path in files.items() if not scenario.components[name].apart)
     for name, path in files.items():
         if shared[path.resolve()] > 1 and described(path).once_per_process:
             raise ScenarioError(

@@ -255,7 +255,7 @@ def participants_of(
     try:
         for name, instance in system.instances.items():
             if name in files:
-                kind = in_own_process if scenario.components[name].process == "own" else fmu
+                kind = in_own_process if scenario.components[name].apart else fmu
                 make = partial(kind, name, files[name].path, without_estimates(instance))
             else:
                 make = partial(in_process, name, without_estimates(instance))

@@ -14,6 +14,7 @@ from .checkpoint import Checkpoints, Identity
 from .energy import Ledger, Trimmed, counted, estimated
 from .interruption import Interruption
 from .job import Job
+from .journal import FLUSH_SECONDS
 from .output_folder import CSV, SUMMARY
 from .plain_data import Plain
 from .recording import CsvRecorder, ResultRecorder
@@ -29,9 +30,11 @@ def run_coupled(
     """Make it, and put what it came to into the summary, also where it fails."""
     scenario, every = job.scenario, job.scenario.record_every
     quantities = assembly.output_quantities(system)
+    # An FMU that may end this process at any moment must not take records along.
+    exposed = any(table.unknown and not table.apart for table in scenario.components.values())
     recorders: list[Observer] = [
-        ResultRecorder(job.folder, quantities, every),
-        CsvRecorder(job.out / CSV, every),
+        ResultRecorder(job.folder, quantities, every, held_for=0.0 if exposed else FLUSH_SECONDS),
+        CsvRecorder(job.out / CSV, every, at_once=exposed),
     ]
     ledger = None
     if scenario.energy.ledger:

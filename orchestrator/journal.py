@@ -38,11 +38,18 @@ class Journal:
     """A journal being written: `variables` over their own `time`.
 
     `rows` continues the journal at `path` after so many rows, forgetting later ones; JournalError if it
-    has fewer, or other columns.
+    has fewer, or other columns. Rows are in memory for `held_for` (s) at most.
     """
 
-    def __init__(self, path: Path, variables: Mapping[str, Quantity], rows: int | None = None) -> None:
+    def __init__(
+        self,
+        path: Path,
+        variables: Mapping[str, Quantity],
+        rows: int | None = None,
+        held_for: float = FLUSH_SECONDS,
+    ) -> None:
         self.path = path
+        self._held_for = held_for
         columns = {"time": TIME, **variables}
         if rows is None:
             self._file = path.open("wb")
@@ -69,7 +76,7 @@ class Journal:
         row[0] = time
         row[1:] = values
         self._held += 1
-        if self._held == HELD or clock.monotonic() - self._flushed > FLUSH_SECONDS:
+        if self._held == HELD or clock.monotonic() - self._flushed >= self._held_for:
             self.flush()
 
     def flush(self) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from models.quantities import Quantity, Vector
 
-from .journal import START_OVER, SUFFIX, Journal, JournalError
+from .journal import FLUSH_SECONDS, START_OVER, SUFFIX, Journal, JournalError
 from .plain_data import Plain
 from .stepping import REASONS, Step
 
@@ -29,12 +29,20 @@ STEP_VARIABLES = {
 
 class ResultRecorder:
     """Records all outputs of every n-th macro step and every step's effort, in the journals of `folder`
-    that become the groups /coupled and /steps of the result."""
+    that become the groups /coupled and /steps of the result. Rows are in memory for `held_for` (s) at
+    most."""
 
-    def __init__(self, folder: Path, quantities: Mapping[str, Quantity], every: int) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        quantities: Mapping[str, Quantity],
+        every: int,
+        held_for: float = FLUSH_SECONDS,
+    ) -> None:
         self._folder = folder
         self._quantities = quantities
         self._every = every
+        self._held_for = held_for
         self._count = 0
         self._step = np.zeros(len(STEP_VARIABLES))
 
@@ -43,11 +51,11 @@ class ResultRecorder:
 
     def _open(self, names: Sequence[str], coupled: int | None, steps: int | None) -> None:
         variables = {name: self._quantities[name] for name in names}
-        self._coupled = Journal(self._folder / f"coupled{SUFFIX}", variables, coupled)
+        self._coupled = Journal(self._folder / f"coupled{SUFFIX}", variables, coupled, self._held_for)
         # With the names, so that a journal alone says which variable a number is.
         told = STEP_VARIABLES | {"source": replace(STEP_VARIABLES["source"], choices=tuple(names))}
         try:
-            self._steps = Journal(self._folder / f"steps{SUFFIX}", told, steps)
+            self._steps = Journal(self._folder / f"steps{SUFFIX}", told, steps, self._held_for)
         except BaseException:
             self._coupled.close()
             raise
@@ -86,15 +94,17 @@ class ResultRecorder:
 
 
 class CsvRecorder:
-    """Writes "time","instance.variable",... in SI units, every n-th macro step."""
+    """Writes "time","instance.variable",... in SI units, every n-th macro step; with `at_once` every line is
+    in the file when its step is over."""
 
-    def __init__(self, path: Path, every: int) -> None:
+    def __init__(self, path: Path, every: int, at_once: bool = False) -> None:
         self._path = path
         self._every = every
+        self._buffering = 1 if at_once else 1 << 20
         self._count = 0
 
     def begin(self, names: Sequence[str]) -> None:
-        self._file = self._path.open("w", encoding="utf-8", newline="\n", buffering=1 << 20)
+        self._file = self._path.open("w", encoding="utf-8", newline="\n", buffering=self._buffering)
         quoted = (name.replace('"', '""') for name in ("time", *names))
         self._file.write(",".join(f'"{name}"' for name in quoted) + "\n")
 
@@ -117,7 +127,7 @@ class CsvRecorder:
             )
         self._count = state["count"]
         os.truncate(self._path, state["bytes"])
-        self._file = self._path.open("a", encoding="utf-8", newline="\n", buffering=1 << 20)
+        self._file = self._path.open("a", encoding="utf-8", newline="\n", buffering=self._buffering)
 
     def end(self, complete: bool, message: str) -> None:
         self._file.close()

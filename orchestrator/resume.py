@@ -92,6 +92,13 @@ def _kept(job: Job) -> Summary:
         "incomplete: the run was killed and has left no checkpoint (checkpoint_every = 0, or "
         "an FMU that cannot be serialised); the result is what it had recorded"
     )
+    if names := [
+        name for name, table in job.scenario.components.items() if table.unknown and not table.apart
+    ]:
+        summary.message += (
+            f"; if one of its FMUs ended it ({', '.join(names)}), components.{names[0]}.process = 'own' says "
+            "which and where"
+        )
     summary.macro_steps = _rows(job.folder, "steps")
     _cut_to_lines(job.out / CSV)
     with written_result(job, summary):

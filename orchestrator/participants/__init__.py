@@ -7,6 +7,7 @@ from pathlib import Path
 
 from models.system import Instance
 
+from .description import made_here
 from .fmu import FmuParticipant, Given
 from .foreign import ForeignComponent, component_of_file
 from .in_own_process import InOwnProcess
@@ -25,6 +26,7 @@ __all__ = [
     "given",
     "in_own_process",
     "in_process",
+    "made_here",
     "missing",
     "signal_degrees",
     "substepped",

@@ -15,6 +15,7 @@ from xml.etree import ElementTree
 from fmpy import read_model_description
 
 VERSIONS = ("2.0", "3.0")
+OWN_TOOL = "tribocosim "
 REALS = ("Real", "Float64", "Float32")
 TRUTHS = ("Boolean",)
 WHOLE = (
@@ -72,13 +73,14 @@ class Description:
     directional derivatives by and of them; else None. `fixed_step` (s) is that of an FMU that moves by equal
     steps, else 0; one that `returns_early` may of itself come back from a step before its end, one that
     `interpolates` takes derivatives of inputs by the standard's call, one that `gives_rates` gives those of
-    outputs so. `start`, `stop` and `step` (s) are those of its default experiment.
+    outputs so. `start`, `stop` and `step` (s) are those of its default experiment; `tool` is what made it.
     """
 
     version: str
     model: str
     text: str
     token: str
+    tool: str
     identifier: str
     variables: Mapping[str, Variable]
     depends: Mapping[str, tuple[str, ...]]
@@ -101,6 +103,11 @@ class Description:
         return (v for v in self.variables.values() if v.causality == causality and v.numeric)
 
 
+def made_here(path: Path) -> bool:
+    """Whether the FMU at `path` says that this program made it."""
+    return described(path).tool.startswith(OWN_TOOL)
+
+
 class DescriptionError(ValueError):
     """The file is no FMU that can take part; a message without the file's name."""
 
@@ -120,6 +127,7 @@ def described(path: Path) -> Description:
         model=found.modelName,
         text=found.description or "",
         token=found.guid,
+        tool=found.generationTool or "",
         identifier=about.modelIdentifier,
         variables={v.name: v for variable in found.modelVariables for v in _scalars(variable)},
         depends=_dependencies(found),

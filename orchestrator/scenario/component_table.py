@@ -10,7 +10,7 @@ from pydantic import Field, ValidationInfo, field_validator
 from models.component import Component
 
 from ..errors import one_of
-from ..participants import component_of_file
+from ..participants import component_of_file, made_here
 from ..values import Value, component_of, meanings
 from .fields import Table, Written
 
@@ -27,8 +27,10 @@ class ComponentTable(Table):
         "in-process: without FMI; or the path of an .fmu file: with the component's variables, or any other "
         "that stands for itself",
     )
-    process: Literal["shared", "own"] = Field(
-        "shared", description="own: the FMU runs in a process of its own, so that it cannot end the run's"
+    process: Literal["shared", "own"] | None = Field(
+        None,
+        description="own: the FMU runs in a process of its own, so that it cannot end the run's; shared: in "
+        "the run's, faster; left out: own for .fmu files that tribocosim has not made, else shared",
     )
     component: str | None = Field(
         None,
@@ -60,7 +62,7 @@ class ComponentTable(Table):
 
     @field_validator("process")
     @classmethod
-    def _apart(cls, process: str, info: ValidationInfo) -> str:
+    def _apart(cls, process: str | None, info: ValidationInfo) -> str | None:
         if process == "own" and info.data.get("participant") == "in-process":
             raise ValueError("'own': participant = 'in-process' is in this process; take participant = 'fmu'")
         return process
@@ -102,6 +104,16 @@ class ComponentTable(Table):
     def foreign(self) -> bool:
         """Whether it is an FMU that stands for itself."""
         return self.component is None
+
+    @property
+    def apart(self) -> bool:
+        """Whether its FMU runs in a process of its own."""
+        return self.process == "own" or (self.process is None and self.unknown)
+
+    @property
+    def unknown(self) -> bool:
+        """Whether it is an FMU that this program has not made."""
+        return self.participant.endswith(".fmu") and not made_here(Path(self.participant))
 
     def made(self) -> Component:
         """The component with these sizes, or the one that the FMU is."""

@@ -196,6 +196,7 @@ LIMITED = "if (t > 0.495) "
 VICES = {
     "crashing": "raise(SIGSEGV);",
     "leaving": "_exit(7);",
+    "quitting": "exit(0);",
     "aborting": "abort();",
     "hanging": "for (;;) pause();",
     "discarding": '{ say(m, DISCARD, "no way on"); return DISCARD; }',

@@ -16,7 +16,7 @@ from orchestrator.summary import Summary
 
 
 def scenario(components: Mapping[str, Mapping[str, Any]], **changes: Any) -> Scenario:
-    """A second of these FMUs, in steps of 10 ms."""
+    """A second of these FMUs, in steps of 10 ms; in the run's process unless they say else."""
     tables = {
         "name": "foreign",
         "stop_time": 1.0,
@@ -25,7 +25,8 @@ def scenario(components: Mapping[str, Mapping[str, Any]], **changes: Any) -> Sce
         "start": "given",
         "reference": {"enabled": False},
         "components": {
-            name: {**table, "participant": str(table["participant"])} for name, table in components.items()
+            name: {"process": "shared", **table, "participant": str(table["participant"])}
+            for name, table in components.items()
         },
     }
     return scenario_of(tables | changes)

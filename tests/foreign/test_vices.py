@@ -2,33 +2,44 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+from fmus.build import build
 from orchestrator.participants.fmu import Given
 from orchestrator.participants.in_own_process import InOwnProcess
 from orchestrator.report import Reporter
+from orchestrator.results import open_result
 from orchestrator.run import run
+from orchestrator.scenario_files import stated
 
 from .c_fmus import fmu
-from .runs import never, ran, scenario
+from .runs import never, ran, recorded, scenario
 
 GONE = r"decay: its process ended {} in the step from t = 0.5 s by 0.01 s; look at"
 VICES = {
     "crashing": GONE.format("by SIGSEGV"),
     "aborting": GONE.format("by SIGABRT"),
     "leaving": GONE.format("with exit status 7"),
+    "quitting": GONE.format("with exit status 0"),
     "discarding": r"decay: step from t = 0.5 s .* returned Discard: no way on",
     "erring": r"decay: step from t = 0.5 s .* returned Error: out of range",
     "fatal": r"decay: step from t = 0.5 s .* returned Fatal: memory is gone",
     "ending": r"decay: the FMU asks to end the simulation at t = 0.5 s: has landed; set stop_time to that",
 }
 
+# These end the process that they are in.
+ENDING = ("crashing", "aborting", "leaving", "quitting")
 
-def case(path: Path, process: str, **changes: object):
+
+def case(path: Path, process: str | None, **changes: object):
     tables = {"decay": {"participant": path, "process": process}}
     return scenario(tables, master={"name": "jacobi"}, **changes)
 
@@ -36,10 +47,10 @@ def case(path: Path, process: str, **changes: object):
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("vice", VICES)
 def test_the_run_ends_with_what_it_has(vice: str, version: int, tmp_path: Path) -> None:
-    """Crashes only in a process of their own; everything else there and here."""
+    """Crashes in a process of their own, which is the default; everything else there and here."""
     path = fmu(vice, version, tmp_path)
-    for process in ("own",) if vice in ("crashing", "aborting", "leaving") else ("own", "shared"):
-        summary, found = ran(case(path, process), tmp_path / process)
+    for process in (None,) if vice in ENDING else ("own", "shared"):
+        summary, found = ran(case(path, process), tmp_path / str(process))
         assert summary.exit_status == 3
         assert not summary.complete
         assert re.search(VICES[vice], summary.message), summary.message
@@ -52,6 +63,42 @@ def test_one_that_crashes_before_the_start_is_named(tmp_path: Path) -> None:
     summary = run(case(path, "own"), tmp_path / "out", never, Reporter(), figures=False)
     assert summary.exit_status == 3
     assert "decay: its process ended by SIGSEGV in the call read_all" in summary.message
+
+
+@pytest.mark.parametrize("vice", ["crashing", "quitting"])
+def test_what_ends_the_run_s_process_leaves_what_was_recorded(vice: str, tmp_path: Path) -> None:
+    """Where `shared` was chosen: the summary tells that it did not end, `resume` makes the result."""
+    out, file = tmp_path / "out", tmp_path / "one.toml"
+    file.write_text(stated(case(fmu(vice, 2, tmp_path), "shared"), tmp_path), "utf-8")
+    status = command("run", str(file), "--out", str(out)).returncode
+    assert status == (0 if vice == "quitting" else -signal.SIGSEGV)  # the FMU's, not ours
+    left = json.loads((out / "summary.json").read_text("utf-8"))
+    assert (left["complete"], left["exit_status"]) == (False, 3)
+    assert len(recorded(out)["time"]) == 51
+    done = command("resume", str(out))
+    assert done.returncode == 3
+    assert "components.decay.process = 'own' says which and where" in done.stderr
+    with open_result(out / "result.nc") as result:
+        assert len(result["coupled"].time) == 51
+
+
+def command(*arguments: str) -> subprocess.CompletedProcess[str]:
+    program = "from orchestrator.command_line import main; main()"
+    return subprocess.run(
+        [sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False, timeout=300
+    )
+
+
+def test_only_fmus_that_are_not_ours_have_processes_of_their_own_by_default(tmp_path: Path) -> None:
+    """Ours do too where it is asked for."""
+    foreign, ours = fmu("dahlquist", 3, tmp_path), build("sprung_mass", tmp_path)
+    for path, process, apart in (
+        (foreign, None, True),
+        (foreign, "shared", False),
+        (ours, None, False),
+        (ours, "own", True),
+    ):
+        assert case(path, process).components["decay"].apart is apart
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="call_time_limit needs a POSIX system")
