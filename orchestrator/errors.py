@@ -49,6 +49,10 @@ class NotFiniteError(RecoverableError):
     """A participant gave values that are not numbers, or are infinite."""
 
 
+class RefusedError(ParticipantError):
+    """An FMU did not let itself be instantiated; nothing has been run."""
+
+
 class CannotSerializeError(ParticipantError):
     """A participant cannot give its evolving data as bytes."""
 

@@ -144,9 +144,12 @@ class Exchange:
         self.agree(start_time)
         for participant in self.participants:
             participant.finish_initialisation()
-        if self.degree == 3:
-            for i in self.listed:  # rates that an FMU gives by the standard's call come only now
-                self.read(i)
+        # Rates that an FMU gives by the standard's call come only now, outputs of some FMUs too.
+        before = self.values.copy()
+        for i in self.listed:
+            self.read(i)
+        if not np.array_equal(before, self.values):
+            self.agree(start_time)
         self.history.begin(start_time, self.values, self.rates)
 
     def agree(self, time: float) -> None:

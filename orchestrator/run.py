@@ -17,7 +17,7 @@ from .checkpoint import Identity
 from .contact_course import courses
 from .coupled_run import run_coupled
 from .diagnosis import Facts, diagnosed, steps_of, suggestions
-from .errors import CheckpointError, RunError
+from .errors import CheckpointError, RefusedError, RunError
 from .job import Job
 from .journal import Recorded, journals
 from .judgement import judge
@@ -27,7 +27,7 @@ from .overload import overloads
 from .replacement import replace
 from .report import Reporter
 from .results import ResultFile
-from .scenario import Scenario
+from .scenario import Scenario, ScenarioError
 from .scenario_files import written
 from .summary import FAILED, INTERRUPTED, Summary
 from .unfinished import clear
@@ -52,13 +52,20 @@ def run(
         replace(out / SCENARIO, written(scenario).encode())
         for line in notices(scenario):
             reporter.line(line)
-        return carry_out(Job(scenario, system, out, folder, build, reporter, figures))
+        try:
+            return carry_out(Job(scenario, system, out, folder, build, reporter, figures))
+        except RefusedError as error:  # a mistake in a given file
+            clear(folder)
+            for file in files(out):
+                file.unlink()
+            raise ScenarioError(str(error)) from None
 
 
 def carry_out(job: Job) -> Summary:
     """Run from the start or the checkpoint to the end, and write everything.
 
-    CheckpointError if the run cannot go on from the checkpoint; nothing that it needs is changed then.
+    CheckpointError if the run cannot go on from the checkpoint, RefusedError if an FMU cannot be
+    instantiated; nothing that it needs is changed then.
     """
     began = clock.perf_counter()
     summary = begun(job.scenario)
@@ -68,7 +75,7 @@ def carry_out(job: Job) -> Summary:
     try:
         with _outcome(summary, job.out):
             _stages(job, summary)
-    except CheckpointError:
+    except (CheckpointError, RefusedError):
         refused = True
         raise
     finally:
@@ -151,7 +158,7 @@ def _outcome(summary: Summary, out: Path) -> Iterator[None]:
     """Put what ends a run early into the summary."""
     try:
         yield
-    except CheckpointError:
+    except (CheckpointError, RefusedError):
         raise
     except KeyboardInterrupt:
         summary.message, summary.exit_status = "incomplete: interrupted", INTERRUPTED

@@ -98,6 +98,11 @@ class Description:
     stop: float | None
     step: float | None
 
+    @property
+    def made_here(self) -> bool:
+        """Whether the file says that this program made it."""
+        return self.tool.startswith(OWN_TOOL)
+
     def named(self, causality: str) -> Iterator[Variable]:
         """The numeric variables of this causality."""
         return (v for v in self.variables.values() if v.causality == causality and v.numeric)
@@ -105,7 +110,7 @@ class Description:
 
 def made_here(path: Path) -> bool:
     """Whether the FMU at `path` says that this program made it."""
-    return described(path).tool.startswith(OWN_TOOL)
+    return described(path).made_here
 
 
 class DescriptionError(ValueError):

@@ -14,9 +14,14 @@ from ..errors import (
     RecoverableError,
     instead_of_discarded,
 )
-from .standard import DISCARD, FATAL, STATUS, Standard
+from .standard import DISCARD, FATAL, PENDING, Standard, status_name
 
 REMEDY = "look at its inputs and parameters, reduce macro_step or use the iterated master"
+
+ASYNCHRONOUS = (
+    "asynchronous steps, which go on when the call has returned, are not supported; have the FMU made "
+    "without (canRunAsynchronuously = false)"
+)
 
 
 class Failing:
@@ -55,7 +60,10 @@ class Failing:
     def _fail(self, status: int, what: str) -> NoReturn:
         """Raise the error of a call that did not succeed."""
         said = self._said() or "no message"
-        message = f"{self.name}: {what} returned {STATUS[status]}: {said}; {REMEDY}"
+        message = f"{self.name}: {what} returned {status_name(status)}: {said}; "
+        if status == PENDING:
+            raise ParticipantError(f"{message}{ASYNCHRONOUS}")
+        message += REMEDY
         if status == FATAL:
             self._fatal = True
             raise LostParticipantError(message)
@@ -63,7 +71,7 @@ class Failing:
 
     def _discarded(self, time: float, step: float) -> NoReturn:
         """Raise the error of a discarded step, with how far it came."""
-        what = f"{self.name}: step from t = {time:.9g} s by {step:g} s returned {STATUS[DISCARD]}"
+        what = f"{self.name}: step from t = {time:.9g} s by {step:g} s returned {status_name(DISCARD)}"
         said = self._said()
         reached = self._fmi.reached()
         if self._fmi.ended():

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import itertools
 from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,8 +17,26 @@ from .bound_calls import BoundCalls
 from .description import TRUTHS, Description, Variable
 from .standard import WARNING
 
+try:
+    from fmpy.logging import addLoggerProxy as formatting
+except Exception:  # it has none for this platform: messages come as they are, without their arguments
+    formatting = None
+
 # fmi2StatusKind
 LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3
+# Who gets the messages of an instance, by its environment and by its name: C code that puts a message and its
+# arguments together knows one function for all instances.
+_listeners: dict[object, Callable[[int, bytes], None]] = {}
+_environments = itertools.count(1)
+
+
+def _told(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
+    listener = _listeners.get(environment) or _listeners.get(name)
+    if listener:
+        listener(status, message)
+
+
+_TOLD = fmi2CallbackLoggerTYPE(_told)
 
 
 class Fmi2(BoundCalls):
@@ -31,15 +51,26 @@ class Fmi2(BoundCalls):
             modelIdentifier=description.identifier,
             instanceName=name,
         )
+        # Python FMUs, and ours, say whole texts, in which a percent sign is one.
+        self._formats = not (description.made_here or Path(folder, "resources", "slavemodule.txt").is_file())
+        self._heard: tuple[object, ...] = ()
 
     def instantiate(self, log: Callable[[int, bytes], None]) -> None:
         callbacks = fmi2CallbackFunctions()
-        callbacks.logger = fmi2CallbackLoggerTYPE(
-            lambda environment, name, status, category, message: log(status, message)
-        )
+        callbacks.logger = _TOLD
+        environment = next(_environments)
+        callbacks.componentEnvironment = environment
+        self._heard = environment, self._slave.instanceName.encode()
+        _listeners.update(dict.fromkeys(self._heard, log))
+        if formatting and self._formats:
+            formatting(ctypes.byref(callbacks))
         callbacks.allocateMemory = defaultCallbacks.allocateMemory
         callbacks.freeMemory = defaultCallbacks.freeMemory
-        self._slave.instantiate(callbacks=callbacks, loggingOn=True)
+        try:
+            self._slave.instantiate(callbacks=callbacks, loggingOn=True)
+        except BaseException:
+            self._forget()
+            raise
         self._bind("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate")
 
     def set_up(self, start_time: float, stop_time: float) -> None:
@@ -79,6 +110,11 @@ class Fmi2(BoundCalls):
 
     def free(self) -> None:
         self._slave.freeInstance()
+        self._forget()
+
+    def _forget(self) -> None:
+        for key in self._heard:
+            _listeners.pop(key, None)
 
     def addresses(self) -> dict[str, int]:
         return self._addresses("fmi2SetReal", "fmi2DoStep", "fmi2GetReal") | {"fmi3": 0, "told": 0}

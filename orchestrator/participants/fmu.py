@@ -19,6 +19,7 @@ from models.system import suggestion
 from ..errors import (
     CannotSerializeError,
     ParticipantError,
+    RefusedError,
 )
 from .binding import Elements, array_of
 from .bound_calls import Wholes
@@ -69,11 +70,17 @@ class FmuParticipant(Failing):
         self._variables = self._description.variables
         self.restorable = self._description.restorable
         try:
-            with self._naming("instantiate"):
-                kind: type[Fmi2] | type[Fmi3] = Fmi3 if self._description.version == "3.0" else Fmi2
-                self._fmi: Standard = kind(name, self._description, self._folder)
-                self._fmi.instantiate(self._log)
+            kind: type[Fmi2] | type[Fmi3] = Fmi3 if self._description.version == "3.0" else Fmi2
+            self._fmi: Standard = kind(name, self._description, self._folder)
+            self._fmi.instantiate(self._log)
             self._instantiated = True
+        except Exception as error:
+            self.close()
+            raise RefusedError(
+                f"{name}: instantiate: {self._said() or error}; {path} cannot be used as it is: its library "
+                "may be damaged or not belong to its modelDescription.xml (guid, instantiationToken), or "
+                "lack what it needs on this machine; give another file"
+            ) from None
         except BaseException:
             self.close()
             raise

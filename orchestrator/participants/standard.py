@@ -11,7 +11,12 @@ from models.quantities import Vector
 from .description import Variable
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-WARNING, DISCARD, FATAL = 1, 2, 4  # what is above WARNING did not succeed
+WARNING, DISCARD, FATAL, PENDING = 1, 2, 4, 5  # what is above WARNING did not succeed
+
+
+def status_name(status: int) -> str:
+    """As FMI calls it; of a number that it does not have, that number."""
+    return STATUS[status] if 0 <= status < len(STATUS) else f"{status}, which is no status of FMI"
 
 
 class Standard(Protocol):

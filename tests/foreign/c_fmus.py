@@ -226,6 +226,19 @@ MODELS["called_vector"] = replace(
     abilities='maxOutputDerivativeOrder="1" ',
     rates={"y": "slope"},
 )
+# Its output is right only when initialisation is over.
+MODELS["late"] = Model(
+    (V("x", "output"), V("x0", "parameter", 0.5)), output="if (m->initialised) $x = $x0;", depends={"x": ()}
+)
+# Says why in a message with arguments, as FMI 2.0 has them.
+MODELS["formatting"] = Model(
+    MODELS["dahlquist"].variables,
+    LIMITED
+    + '{ m->log->logger(m->environment, m->name, ERROR, "logStatus", "the %s of %s burst at %g s, 100 %%", '
+    f'"boiler", m->name, t); return ERROR; }} {EXPONENTIAL}',
+)
+# Goes on when its step has returned.
+MODELS["pending"] = Model(MODELS["dahlquist"].variables, f"{LIMITED}return 5; {EXPONENTIAL}")
 # Cannot be looked at.
 MODELS["blind"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, "raise(SIGSEGV);")
 MODELS["rigid"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, abilities="", variable_step=False)

@@ -97,6 +97,24 @@ def test_a_process_of_its_own_changes_no_bit(version: int, master: str, tmp_path
 
 
 @pytest.mark.parametrize("version", VERSIONS)
+def test_outputs_that_are_right_after_initialisation_are_exchanged(version: int, tmp_path: Path) -> None:
+    """The first record is consistent, the first step has the input of that time: exactly, for it stays."""
+    tables = {
+        "late": {"participant": fmu("late", version, tmp_path), "parameters": {"x0": 0.25}},
+        "through": {"participant": fmu("feedthrough", version, tmp_path), "parameters": {"offset": 2.0}},
+    }
+    for master in (
+        {"name": "jacobi", "extrapolation": "hold"},
+        {"name": "iterated", "extrapolation": "hermite"},
+    ):
+        one = scenario(tables, connections=["late.x -> through.real in"], master=master, stop_time=0.02)
+        summary, found = ran(one, tmp_path / master["name"])
+        assert summary.complete
+        assert found["late.x"].tolist() == [0.25] * 3
+        assert found["through.real out"].tolist() == [2.25] * 3
+
+
+@pytest.mark.parametrize("version", VERSIONS)
 def test_a_serialised_state_goes_on_in_another_process(version: int, tmp_path: Path) -> None:
     """As a resumed run has it."""
     path, rows = fmu("vanderpol", version, tmp_path), []

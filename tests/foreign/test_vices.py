@@ -8,11 +8,13 @@ import re
 import signal
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
 
 from fmus.build import build
+from orchestrator.errors import MistakeError
 from orchestrator.participants.fmu import Given
 from orchestrator.participants.in_own_process import InOwnProcess
 from orchestrator.report import Reporter
@@ -20,7 +22,7 @@ from orchestrator.results import open_result
 from orchestrator.run import run
 from orchestrator.scenario_files import stated
 
-from .c_fmus import fmu
+from .c_fmus import TOKEN, fmu
 from .runs import never, ran, recorded, scenario
 
 GONE = r"decay: its process ended {} in the step from t = 0.5 s by 0.01 s; look at"
@@ -87,6 +89,38 @@ def command(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False, timeout=300
     )
+
+
+@pytest.mark.parametrize("process", ["own", "shared"])
+def test_arguments_of_messages_are_put_in(process: str, tmp_path: Path) -> None:
+    """As printf would, for each instance its own."""
+    path = fmu("formatting", 2, tmp_path)
+    tables = {name: {"participant": path, "process": process} for name in ("one", "other")}
+    summary, _ = ran(scenario(tables, master={"name": "jacobi"}), tmp_path / "out")
+    said = "one: step from t = 0.5 s by 0.01 s returned Error: the boiler of one burst at 0.5 s, 100 %; look"
+    assert said in summary.message
+
+
+def test_steps_that_go_on_by_themselves_are_said_to_be_unsupported(tmp_path: Path) -> None:
+    summary, found = ran(case(fmu("pending", 2, tmp_path), "shared"), tmp_path / "out")
+    assert "returned Pending: no message; asynchronous steps, which go on" in summary.message
+    assert len(found["time"]) == 51
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("process", ["own", "shared"])
+def test_a_file_that_cannot_be_instantiated_is_a_mistake(process: str, version: int, tmp_path: Path) -> None:
+    """Its token is not the library's: nothing is written."""
+    path, other, out = fmu("dahlquist", version, tmp_path), tmp_path / "other.fmu", tmp_path / "out"
+    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:
+        for name in archive.namelist():
+            content = archive.read(name)
+            if name == "modelDescription.xml":
+                content = content.replace(TOKEN.encode(), b"{of another model}")
+            target.writestr(name, content)
+    with pytest.raises(MistakeError, match=rf"^decay: instantiate: .*{other} cannot be used .* give another"):
+        run(case(other, process), out, never, Reporter(), figures=False)
+    assert not list(out.iterdir())
 
 
 def test_only_fmus_that_are_not_ours_have_processes_of_their_own_by_default(tmp_path: Path) -> None:
