@@ -37,12 +37,10 @@ def component_of(name: str, structure: tuple[tuple[str, int], ...] = ()) -> Comp
     if name not in CATALOGUE:
         raise ValueError(f"no component {name!r}; {suggestion(name, CATALOGUE)}")
     known = tuple(inspect.signature(CATALOGUE[name]).parameters)
-    for key, size in structure:
+    for key, _ in structure:
         if key not in known:
             sizes = suggestion(key, known) if known else "it has no structural sizes"
             raise ValueError(f"{name} has no size {key!r}; {sizes}")
-        if size < 0:
-            raise ValueError(f"{key} = {size}: must not be negative")
     return CATALOGUE[name](**dict(structure))
 
 

@@ -115,8 +115,7 @@ def lumping(coil_masses: int) -> Lumping:
     moving end feels (K's demand of 2 f0 carried on to N masses converges with N^-2/3 only: soft end springs
     would have to make up for the chain's dispersion). The second frequency is then 2 f0 cos(pi/2N).
     """
-    if coil_masses < 1:
-        raise ValueError(f"coil_masses = {coil_masses}: must be at least 1")
+    check_sizes(coil_masses=coil_masses)
     n = float(coil_masses)
     if coil_masses == 2:
         return Lumping(8.0 / 3.0, 4.0, 2.0 / 3.0)
@@ -140,7 +139,6 @@ def valve_spring(coil_masses: int = 2) -> Component:
     m y'' = (force of the segment above) - (force of the segment below); the last segment ends on the
     fixed head. W is the input `load`.
     """
-    check_sizes(coil_masses=coil_masses)
     n = coil_masses
     end_share, inner_share, mass_share = lumping(n)
 

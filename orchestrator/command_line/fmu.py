@@ -96,7 +96,10 @@ def _checked(
     if sizes and len(names or NAMES) > 1:
         raise MistakeError("--structure: name the one component that has these sizes")
     if platform and not native:
-        raise MistakeError("--platform: FMUs that run in Python are for all platforms; add --native")
+        raise MistakeError(
+            "--platform: FMUs that run in Python are one file for Linux and Windows alike; add --native to "
+            "choose"
+        )
     if fmi not in (2, 3):
         raise MistakeError(f"--fmi {fmi}: must be 2 or 3")
     if fmi == 3 and not native:
@@ -159,9 +162,12 @@ def _size(text: str) -> tuple[str, int]:
     from ..errors import MistakeError
 
     name, _, number = text.partition("=")
-    if not number.strip().isdecimal():
-        raise MistakeError(f"--structure {text}: must be NAME=NUMBER, e.g. coil_masses=8")
-    return name.strip(), int(number)
+    try:
+        return name.strip(), int(number)
+    except ValueError:
+        raise MistakeError(
+            f"--structure {text}: must be NAME=NUMBER with a whole number, e.g. coil_masses=8"
+        ) from None
 
 
 @reported

@@ -101,7 +101,7 @@ BAD = {
     ),
     "components.contact.parameters.film_model=3": ("film_model", "3", "one of"),
     "components.valve_spring.structure.coils=3": ("coils", "did you mean coil_masses?"),
-    "components.valve_spring.structure.coil_masses=0": ("coil_masses", "0", "at least 1"),
+    "components.valve_spring.structure.coil_masses=0": ("coil_masses", "0", "from 1 to 500"),
     "components.valve_spring.structure.coil_masses=2.5": ("coil_masses", "2.5", "integer"),
     "components.camshaft.structure.cams=2": ("cams", "no structural sizes"),
     "macro_step": ("macro_step", "path=value"),

@@ -71,12 +71,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_defined, f
 {
     NEEDS(INSTANTIATED, "fmi2SetupExperiment");
     (void)tolerance_defined, (void)tolerance; /* the component keeps its own, which is tighter */
-    if (!isfinite(start)) return unit_say(UNIT, ERROR, "start time = %g s: must be finite", start);
-    if (stop_defined && !(stop >= start))
-        return unit_say(UNIT, ERROR, "stop time = %g s: must not be before the start time = %g s", stop, start);
-    UNIT->now.data[T_AT] = start;
-    UNIT->now.outputs_stale = true;
-    return fmi2OK;
+    return unit_set_times(UNIT, start, stop_defined, stop);
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c)
@@ -275,6 +270,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
 {
     NEEDS(STEPPING, "fmi2DoStep");
     (void)no_set_state;
+    if (unit_goes_too_far(UNIT, time, step)) return fmi2Error;
     return unit_step(UNIT, time, step);
 }
 

@@ -47,10 +47,7 @@ static Instance *new_instance(fmi3String name, fmi3String token, fmi3Boolean log
         return refused(environment, say, "the instantiationToken must be " TOKEN ", that of modelDescription.xml");
     made = calloc(1, sizeof *made);
     if (made) made->unit = unit_new(name, say ? tell : NULL, environment, (void *)say, logging);
-    if (made && made->unit) {
-        made->stop = INFINITY;
-        return made;
-    }
+    if (made && made->unit) return made;
     free(made);
     return refused(environment, say, "out of memory");
 }
@@ -114,12 +111,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
 {
     NEEDS(INSTANTIATED, "fmi3EnterInitializationMode");
     (void)tolerance_defined, (void)tolerance; /* the component keeps its own, which is tighter */
-    if (!isfinite(start)) return unit_say(UNIT, ERROR, "start time = %g s: must be finite", start);
-    if (stop_defined && !(stop >= start))
-        return unit_say(UNIT, ERROR, "stop time = %g s: must not be before the start time = %g s", stop, start);
-    INSTANCE->stop = stop_defined ? stop : INFINITY;
-    UNIT->now.data[T_AT] = start;
-    UNIT->now.outputs_stale = true;
+    if (unit_set_times(UNIT, start, stop_defined, stop) != OK) return fmi3Error;
     UNIT->now.phase = INITIALIZING;
     return fmi3OK;
 }
@@ -168,7 +160,6 @@ fmi3Status fmi3Reset(fmi3Instance instance)
 {
     NEEDS(ANY, "fmi3Reset");
     unit_reset(UNIT);
-    INSTANCE->stop = INFINITY;
     return fmi3OK;
 }
 

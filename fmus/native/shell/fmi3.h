@@ -8,7 +8,6 @@
 typedef struct {
     Unit *unit;
     bool event_mode, early_return; /* the host handles events; it lets steps end before their time */
-    double stop;                   /* no step may go beyond; INFINITY where none is known */
     fmi3IntermediateUpdateCallback update;
     bool given[INPUTS + 1];   /* inputs that the host gives in the course of a step */
     bool gives, setting, getting; /* any of them; what it may do in the present call of its own */

@@ -6,8 +6,6 @@
 
 #include "fmi3.h"
 
-/* Room for rounding where the host adds up time to the stop time, relative to 1 s or to the time itself. */
-#define STOP_SLACK 1e-9
 /* A step that would end so close to its beginning goes on over the event, so that time does not stand still. */
 #define LEAST_PROGRESS 1e-9
 /* How far, relative, times that can be told apart lie from each other. */
@@ -175,9 +173,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
         return unit_say(UNIT, ERROR, "fmi3DoStep: no place for what it tells");
     *event = *terminate = *early = false; /* it never ends a run by itself */
     *reached = UNIT->now.data[T_AT];
-    if (whole > one->stop + STOP_SLACK * (1.0 + fabs(one->stop)))
-        return unit_say(UNIT, ERROR, "step from t = %.12g s by %g s: goes beyond the stop time = %.12g s", time, step,
-                        one->stop);
+    if (unit_goes_too_far(UNIT, time, step)) return fmi3Error;
     asks = one->update && step > 0.0 && isfinite(whole);
     if (asks || one->early_return) one->before = UNIT->now; /* else a step changes nothing unless it is made */
     if (asks) {

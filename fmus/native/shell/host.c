@@ -1,8 +1,31 @@
-/* What hosts ask in the same way in every version of FMI: kept states, derivatives of outputs by time. */
+/* What hosts ask in the same way in every version of FMI: times, kept states, derivatives of outputs by time. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "unit.h"
+
+/* Room for rounding where the host adds up time to the stop time, relative to 1 s or to the time itself. */
+#define STOP_SLACK 1e-9
+
+Status unit_set_times(Unit *unit, double start, bool stop_defined, double stop)
+{
+    if (!isfinite(start)) return unit_say(unit, ERROR, "start time = %g s: must be finite", start);
+    if (stop_defined && !(stop >= start))
+        return unit_say(unit, ERROR, "stop time = %g s: must not be before the start time = %g s", stop, start);
+    unit->stop = stop_defined ? stop : INFINITY;
+    unit->now.data[T_AT] = start;
+    unit->now.outputs_stale = true;
+    return OK;
+}
+
+bool unit_goes_too_far(const Unit *unit, double time, double step)
+{
+    if (!(time + step > unit->stop + STOP_SLACK * (1.0 + fabs(unit->stop)))) return false;
+    unit_say(unit, ERROR, "step from t = %.12g s by %g s: goes beyond the stop time = %.12g s", time, step,
+             unit->stop);
+    return true;
+}
 
 Status unit_keep(const Unit *unit, void **kept)
 {

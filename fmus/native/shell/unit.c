@@ -52,6 +52,7 @@ void unit_reset(Unit *unit)
     unit->now.phase = INSTANTIATED;
     unit->now.outputs_stale = unit->now.energies_stale = unit->now.rates_stale = true;
     unit->now.parameters_unchecked = true;
+    unit->stop = INFINITY;
 }
 
 /* Messages */

@@ -82,6 +82,7 @@ struct Unit {
     Logger logger;
     void *environment, *callback; /* the host's, for the logger */
     bool logging;                 /* more than errors */
+    double stop;                  /* no step may go beyond; INFINITY where none is known */
     double work[WORK_SIZE], rates_work[RATES_WORK_SIZE], slopes[INPUTS + 1], all_rates[OUTPUTS + 1], dx[STATES + 1],
         guards[GUARDS + 1];
 };
@@ -101,6 +102,11 @@ bool unit_refuses_parameters(Unit *unit, Status status);
 
 Status unit_initialize(Unit *unit);                   /* at the end of the initialisation */
 Status unit_step(Unit *unit, double time, double step); /* DISCARD, and nothing changed, if it cannot be made */
+
+/* When the experiment begins and, if that is defined, stops; ERROR, and nothing changed, for what cannot be. */
+Status unit_set_times(Unit *unit, double start, bool stop_defined, double stop);
+/* Whether a step goes beyond the stop time; says so. Where the host adds up time to it, rounding is allowed. */
+bool unit_goes_too_far(const Unit *unit, double time, double step);
 
 /* Values by reference. Nothing is set unless all can be. Kind: of the call. */
 Status unit_can_set(const Unit *unit, Kind kind, const uint32_t *references, size_t count, const double *values);

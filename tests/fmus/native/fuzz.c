@@ -63,7 +63,7 @@ static int read_values(void *unit, const Known *variable, double *value)
 static void create(void)
 {
     const fmi2Type type = percent(50) ? fmi2CoSimulation : fmi2ModelExchange;
-    Place place = {NULL, NEW, type == fmi2ModelExchange, percent(70), 0.0};
+    Place place = {NULL, NEW, type == fmi2ModelExchange, percent(70), 0.0, INFINITY};
     begin("fmi2Instantiate");
     if (percent(30)) {
         const char *guid = percent(50) ? "{another}" : NULL, *name = percent(50) ? "" : NULL;
@@ -208,6 +208,7 @@ static fmi2Status step(const char **wrong)
     *wrong = choose_step(&time, &h);
     const fmi2Status status = DoStep(at->unit, time, h, percent(50));
     patience = 0;
+    look_at_stop((int)status, time + h);
     if (!status) at->time = time + h;
     return status;
 }
@@ -228,7 +229,7 @@ static int perform(int f, const char **wrong)
         whole = percent(50);
         if (!isfinite(start) || (whole && !(stop >= start))) *wrong = "no times";
         status = SetupExperiment(at->unit, percent(50), wild_real(), start, whole, stop);
-        if (!status) at->time = start;
+        if (!status) at->time = start, at->stop = whole ? stop : INFINITY;
         return status;
     case AT_DoStep: return step(wrong);
     case AT_CancelStep: return *wrong = "nothing pends", CancelStep(at->unit);
@@ -254,7 +255,7 @@ static int perform(int f, const char **wrong)
     default: return f >= AT_NewDiscreteStates ? in_exchange(f, wrong) : with_vectors(f, wrong);
     }
     if (status) return status;
-    if (f == AT_Reset) at->time = 0.0;
+    if (f == AT_Reset) at->time = 0.0, at->stop = INFINITY;
     at->phase = f == AT_EnterInitializationMode ? INIT : f == AT_Terminate ? END : f == AT_Reset ? NEW
               : f == AT_ExitInitializationMode ? (at->exchange ? EVENT : STEP) : f == AT_EnterEventMode ? EVENT : TIME;
     return status;

@@ -240,6 +240,7 @@ static fmi3Status step(const char **wrong)
     const fmi3Status status =
         DoStep(at->unit, time, h, percent(50), &event, nowhere ? NULL : &terminate, &early, &reached);
     patience = 0;
+    look_at_stop((int)status, time + h);
     if (status) return status;
     const double end = time + h, slack = 1e-9 * (1.0 + fabs(end));
     if (!(reached >= at->time - slack && reached <= end + slack) || terminate) fail("reached %.17g", reached);
@@ -267,7 +268,7 @@ static int perform(int f, const char **wrong)
         stop = percent(80) ? start + unit_random() : percent(50) ? wild_real() : no_number();
         if (!isfinite(start) || (has_stop && !(stop >= start))) *wrong = "no times";
         status = EnterInitializationMode(at->unit, percent(50), wild_real(), start, has_stop, stop);
-        if (!status) at->phase = INIT, at->time = start;
+        if (!status) at->phase = INIT, at->time = start, at->stop = has_stop ? stop : INFINITY;
         return status;
     case AT_ExitInitializationMode: status = ExitInitializationMode(at->unit); break;
     case AT_Terminate: status = Terminate(at->unit); break;
@@ -286,7 +287,7 @@ static int perform(int f, const char **wrong)
     default: return step(wrong);
     }
     if (status) return status;
-    if (f == AT_Reset) at->time = 0.0;
+    if (f == AT_Reset) at->time = 0.0, at->stop = INFINITY;
     const bool events = at->exchange || hosts[at - places].events || f == AT_EnterEventMode;
     at->phase = f == AT_Terminate ? END : f == AT_Reset ? NEW : f != AT_EnterStepMode && events ? EVENT : STEP;
     return status;
@@ -316,7 +317,7 @@ static void call(void)
 
 static void create(void)
 {
-    Place place = {NULL, NEW, percent(40), percent(70), 0.0};
+    Place place = {NULL, NEW, percent(40), percent(70), 0.0, INFINITY};
     const char *right = "fuzz", *name = right, *guid = token;
     const bool wrong = percent(20), events = percent(50), early = percent(50), updates = percent(50);
     const unsigned count = below(3);

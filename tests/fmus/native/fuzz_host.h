@@ -17,7 +17,7 @@ typedef struct {
     void *unit;
     int phase;
     bool exchange, tame; /* tame ones get values near to their starts */
-    double time;
+    double time, stop; /* the latter of the instance, not of its state */
 } Place;
 
 typedef struct {
@@ -79,9 +79,9 @@ static void was_kept(Kept *some, bool seen)
 
 static void was_restored(const Kept *some)
 {
-    void *unit = at->unit;
+    const Place now = *at;
     *at = some->of;
-    at->unit = unit;
+    at->unit = now.unit, at->stop = now.stop;
     if (!some->seen) return;
     look(at->unit, after);
     if (!same(some->values, after)) fail("a restored state is another");
@@ -145,6 +145,11 @@ static const char *choose(char kind, bool to_set, const char *causalities, size_
     return *count && !of_kind[(int)kind] ? "none of that kind" : wrong;
 }
 
+static bool beyond_stop(double time, double slack)
+{
+    return time > at->stop + slack * (1.0 + fabs(at->stop));
+}
+
 /* A step from near or far, sensible or not; why it must be refused, or NULL. */
 static const char *choose_step(double *time, double *step)
 {
@@ -158,7 +163,15 @@ static const char *choose_step(double *time, double *step)
         alarm(1);
     }
     if (!(*step >= 0.0) || !isfinite(*step) || !isfinite(*time)) return "no step";
+    if (beyond_stop(*time + *step, 2e-9)) return "beyond the stop time"; /* 1e-9 is allowed, for rounding */
     return fabs(*time - at->time) > 1e-3 * (1.0 + fabs(at->time) + *step) ? "elsewhere" : NULL;
+}
+
+/* After a step to that time. */
+static void look_at_stop(int status, double end)
+{
+    if (status == 3 && said.count && strstr(said.message, "beyond the stop time") && !beyond_stop(end, 0.0))
+        fail("a stop time too early, of %.17g for %.17g", at->stop, end);
 }
 
 static unsigned long taken[100], refused[100]; /* how often, by function */

@@ -157,6 +157,14 @@ def too_stiff(host: Host) -> int:
     return host.DoStep(0.0, 1e-3, 1)
 
 
+def beyond_stop(host: Host) -> int:
+    assert not host.SetupExperiment(0, 0.0, 0.0, 1, 1e-4)
+    assert not host.EnterInitializationMode()
+    assert not host.ExitInitializationMode()
+    assert not host.DoStep(0.0, 6e-5, 1)
+    return host.DoStep(6e-5, 6e-5, 1)
+
+
 def damaged(host: Host) -> int:
     data = host.initialized().saved()
     data[len(data) // 2] = bytes([data[len(data) // 2][0] ^ 16])
@@ -220,6 +228,7 @@ MISUSES: dict[str, Callable[[Host], int | None]] = {
     "an endless step": lambda host: host.initialized().DoStep(0.0, math.inf, 1),
     "a step that the component cannot make": lambda host: host.initialized().DoStep(0.0, 1e300, 1),
     "a step with more vibrations in it than can be followed": too_stiff,
+    "a step beyond the stop time, if one was given": beyond_stop,
     "an input's derivative of order 4": lambda host: host.initialized().derivative(
         "SetRealInputDerivatives", "load", 4
     ),
@@ -281,3 +290,18 @@ def test_a_misused_instance_can_be_reset(misuse: str, host: Host, place: tuple[P
         end[i] = one.get("spring_force")
     assert end[0] == end[1]
     other.free()
+
+
+def test_hosts_may_reach_the_stop_time_by_adding_up(host: Host) -> None:
+    """A thousand additions of 0.1 ms end 2e-15 s beyond 0.1 s; another step is refused until the next run."""
+    assert not host.SetupExperiment(0, 0.0, 0.0, 1, 0.1)
+    assert not host.EnterInitializationMode()
+    assert not host.ExitInitializationMode()
+    time = 0.0
+    for _ in range(1000):
+        assert not host.DoStep(time, 1e-4, 1)
+        time += 1e-4
+    assert time > 0.1
+    assert host.DoStep(time, 1e-4, 1) == 3
+    assert not host.Reset()
+    assert not host.initialized().DoStep(0.0, 0.2, 1)
