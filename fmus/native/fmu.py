@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from importlib import metadata
 from pathlib import Path
@@ -34,18 +34,19 @@ def build(
     structure: Mapping[str, int] | None = None,
     platforms: Sequence[str] = tuple(PLATFORMS),
     fmi: int = 2,
+    told: Callable[[str], None] = lambda step: None,
 ) -> Path:
     """Build the native FMU `name` for these platforms and this version of FMI, 2 or 3, and return its path.
 
     Otherwise as the build of the FMU that runs in Python; a file in a folder is called `name`-native.fmu or
-    `name`-native-fmi3.fmu.
+    `name`-native-fmi3.fmu. `told` is called with each step of the work (seconds to minutes) as it begins.
     TranslationError for kernels that need Python, NativeBuildError without the tools.
     """
     sizes, component = python_build.chosen(name, structure, "NATIVE_STRUCTURE")
     label = f"{name}-native" if fmi == 2 else f"{name}-native-fmi{fmi}"
     target = python_build.cached(label, _made_of(name, sizes, platforms))
     if not target.is_file():
-        files = content_of(name, component, sizes, platforms, fmi)
+        files = content_of(name, component, sizes, platforms, fmi, told)
         python_build.written(python_build.packed(files), label, target)
     if destination is None:
         return target
@@ -53,9 +54,15 @@ def build(
 
 
 def content_of(
-    name: str, component: Component, sizes: Mapping[str, int], platforms: Sequence[str], fmi: int = 2
+    name: str,
+    component: Component,
+    sizes: Mapping[str, int],
+    platforms: Sequence[str],
+    fmi: int = 2,
+    told: Callable[[str], None] = lambda step: None,
 ) -> dict[str, bytes]:
     """The FMU's files by path."""
+    told("its equations and their derivatives")
     kernels = _kernels(name, tuple(sorted(sizes.items())), tuple(smooth(component)))
     made_by = python_build.origin("LLVM and zig")
     experiment = python_build.experiment(name)
@@ -79,7 +86,8 @@ def content_of(
     files[f"{FOLDER}/icon.png"] = icon
     files[f"{FOLDER}/{FOLDER}.xml"] = terminals_and_icons(name, described).encode()
     files["modelDescription.xml"] = xml.replace(GUID_PLACE, token).encode()
-    for platform in map(PLATFORMS.__getitem__, platforms):
+    for count, platform in enumerate(map(PLATFORMS.__getitem__, platforms), 1):
+        told(f"machine code for {platform.fmi3} ({count} of {len(platforms)})")
         folder = platform.fmi2 if fmi == 2 else platform.fmi3
         library = shared_library(platform, kernels, named, name, fmi)
         files[f"binaries/{folder}/{name}{platform.suffix}"] = library

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
@@ -71,7 +71,7 @@ def fmu_build(
     """Build FMUs."""
     for name in _checked(names, structure, native, platform, fmi, libpython):
         sizes = dict(map(_size, structure)) if structure else None
-        with _writing(out):
+        with _writing(out), _replacing_is_said(name, out):
             print(
                 _native(name, out, sizes, platform, fmi) if native else _python(name, out, sizes, libpython)
             )
@@ -152,9 +152,46 @@ def _native(
         if platform not in PLATFORMS:
             raise MistakeError(f"no platform {platform!r}; {suggestion(platform, PLATFORMS)}")
     try:
-        return build(name, out, sizes, tuple(platforms or PLATFORMS), fmi)
+        with _shown(name) as told:
+            return build(name, out, sizes, tuple(platforms or PLATFORMS), fmi, told)
     except (NativeBuildError, TranslationError) as error:
         raise MistakeError(str(error)) from None
+
+
+@contextmanager
+def _replacing_is_said(name: str, out: Path) -> Iterator[None]:
+    """A file of the same name is renewed, as whoever builds again expects; if it was another, it is said."""
+    before = {file: file.read_bytes() for file in _of_component(name, out)}
+    yield
+    for file, content in before.items():
+        if file.read_bytes() != content:
+            say(f"{file}: there was another file of this name; it is replaced")
+
+
+def _of_component(name: str, out: Path) -> Sequence[Path]:
+    """The FMUs there are of a component."""
+    files = [out] if out.suffix == ".fmu" else out.glob(f"{name}*.fmu")
+    return [file for file in files if file.is_file()]
+
+
+@contextmanager
+def _shown(name: str) -> Iterator[Callable[[str], None]]:
+    """What is called with each step of a native build, and shows it on the terminal; where standard error is
+    none, a line when the work begins, and nothing more."""
+    from rich.console import Console
+
+    console = Console(stderr=True, highlight=False)
+    begun = False
+    with console.status(f"native FMU {name}") as status:
+
+        def told(step: str) -> None:
+            nonlocal begun
+            if not begun and not console.is_terminal:
+                say(f"building the native FMU {name} (once; up to minutes)")
+            begun = True
+            status.update(f"native FMU {name}: {step}")
+
+        yield told
 
 
 def _size(text: str) -> tuple[str, int]:

@@ -17,6 +17,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+from fmus.native import fmu as native
 from orchestrator.assembly import system_of
 from orchestrator.command_line import app
 from orchestrator.command_line.reported import reported
@@ -299,6 +300,35 @@ def test_fmu_commands(fmu: Path) -> None:
     lines = called("fmu", "info", str(fmu)).stdout.splitlines()
     (line,) = (line for line in lines if line.startswith("drive_angle "))
     assert line.split()[:5] == ["drive_angle", "Real", "input", "continuous", "rad"]
+
+
+def test_an_fmu_is_renewed_and_another_one_replaced_with_a_word(tmp_path: Path) -> None:
+    build = ("fmu", "build", "coupled_mass", "--out", str(tmp_path))
+    assert not called(*build).stderr
+    assert not called(*build).stderr  # the same bytes
+    file = tmp_path / "coupled_mass.fmu"
+    file.write_bytes(b"of another tool")
+    assert said(called(*build)) == f"tribocosim: {file}: there was another file of this name; it is replaced"
+    assert zipfile.is_zipfile(file)
+
+
+def test_the_build_of_a_native_fmu_says_what_it_waits_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One line where no terminal shows the steps; nothing where the FMU is in the cache."""
+    monkeypatch.setenv("TRIBOCOSIM_CACHE", str(tmp_path))
+    monkeypatch.setattr(native, "_kernels", lambda *component: ("", ""))
+    monkeypatch.setattr(native, "shared_library", lambda *contents: b"")
+    build = ("fmu", "build", "coupled_mass", "--native", "--out", str(tmp_path))
+    assert said(called(*build)) == "tribocosim: building the native FMU coupled_mass (once; up to minutes)"
+    assert not called(*build).stderr
+    steps: list[str] = []
+    native.build("coupled_mass", tmp_path, platforms=["x86_64-linux", "x86_64-windows"], told=steps.append)
+    assert steps == [
+        "its equations and their derivatives",
+        "machine code for x86_64-linux (1 of 2)",
+        "machine code for x86_64-windows (2 of 2)",
+    ]
 
 
 def _tampered(fmu: Path, target: Path, code: str) -> Path:
