@@ -10,7 +10,6 @@ tool's packages and this folder can be imported, and has
   the inputs of the first row held, and as little recorded as the tool lets. Its first call is not counted;
 - steps(count, step), only where the tool's steps are not at i * step: the time and size of each;
 - NEXT_INPUTS, only where outputs are those with the inputs of the next step set: true;
-- ARRAYS, only where it takes arrays of FMI 3.0 (`case.arrays`): true;
 - FMI, only where the tool does not take both versions: those that it takes;
 - PLATFORM, only where native FMUs are built for another platform than this one;
 - FINDINGS, only where there are some: lines for the document.

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 # The environment variable that names the tool's own folder.
@@ -20,8 +20,7 @@ class Case:
 
     inputs, outputs: names of variables of type Real (FMI 3: Float64); references: their value references.
     table: a row of input values for every step. identifier and token: those of modelDescription.xml.
-    python: it runs in Python. arrays: of FMI 3.0, outputs too, with their numbers of elements; a tool that
-    takes them gives their elements after the other outputs.
+    python: it runs in Python.
     """
 
     fmu: str
@@ -34,7 +33,6 @@ class Case:
     outputs: Sequence[str]
     references: Mapping[str, int]
     table: Sequence[Sequence[float]]
-    arrays: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def steps(self) -> int:

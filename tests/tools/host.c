@@ -4,11 +4,11 @@
 
    LIBPYTHON is loaded first, for all to see, because libraries of FMUs that run in Python name it nowhere; "-" is
    none. CASE has whole numbers and doubles, the latter as their bits in hexadecimal: version of FMI, step, numbers of
-   inputs, outputs, elements of the outputs (arrays have several), and steps; the references of inputs and outputs; the
-   inputs' values, step by step. The outputs' bits after each step are a line. Then, for each number that standard input
-   has, so many steps are made without setting or getting anything, and their seconds are a line. Last, the instance is
-   freed, or kept until the process ends. Messages of the FMU go to standard error. Exit status: 2 wrong arguments, 3 a
-   library or function missing, 4 a call that fails. */
+   inputs, outputs and steps; the references of inputs and outputs; the inputs' values, step by step. The outputs' bits
+   after each step are a line. Then, for each number that standard input has, so many steps are made without setting
+   or getting anything, and their seconds are a line. Last, the instance is freed, or kept until the process ends.
+   Messages of the FMU go to standard error. Exit status: 2 wrong arguments, 3 a library or function missing, 4 a call
+   that fails. */
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -137,9 +137,9 @@ static void set(const fmi2ValueReference *inputs, size_t count, const double *va
     check(fmi == 2 ? (int)set2(unit, inputs, count, values) : (int)set3(unit, inputs, count, values, count), "set");
 }
 
-static void get(const fmi2ValueReference *outputs, size_t count, double *values, size_t elements)
+static void get(const fmi2ValueReference *outputs, size_t count, double *values)
 {
-    check(fmi == 2 ? (int)get2(unit, outputs, count, values) : (int)get3(unit, outputs, count, values, elements), "get");
+    check(fmi == 2 ? (int)get2(unit, outputs, count, values) : (int)get3(unit, outputs, count, values, count), "get");
 }
 
 static void advance(double time, double step)
@@ -171,9 +171,9 @@ int main(int argc, char **argv)
     }
     fmi = (int)whole();
     const double step = real();
-    const size_t inputs = whole(), outputs = whole(), elements = whole(), steps = whole();
+    const size_t inputs = whole(), outputs = whole(), steps = whole();
     fmi2ValueReference *input = calloc(inputs + 1, sizeof *input), *output = calloc(outputs + 1, sizeof *output);
-    double *given = calloc(inputs + 1, sizeof *given), *found = calloc(elements + 1, sizeof *found);
+    double *given = calloc(inputs + 1, sizeof *given), *found = calloc(outputs + 1, sizeof *found);
     for (size_t i = 0; i < inputs; i++) input[i] = (fmi2ValueReference)whole();
     for (size_t i = 0; i < outputs; i++) output[i] = (fmi2ValueReference)whole();
 
@@ -183,11 +183,11 @@ int main(int argc, char **argv)
         for (size_t i = 0; i < inputs; i++) given[i] = real();
         set(input, inputs, given);
         advance((double)k * step, step);
-        get(output, outputs, found, elements);
-        for (size_t i = 0; i < elements; i++) {
+        get(output, outputs, found);
+        for (size_t i = 0; i < outputs; i++) {
             uint64_t bits;
             memcpy(&bits, found + i, sizeof bits);
-            printf("%016" PRIx64 "%c", bits, i + 1 < elements ? ' ' : '\n');
+            printf("%016" PRIx64 "%c", bits, i + 1 < outputs ? ' ' : '\n');
         }
     }
     fflush(stdout);

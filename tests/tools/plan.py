@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import fmpy
@@ -55,9 +55,7 @@ def case_of(name: str, kind: Kind, fmu: Path, steps: int = STEPS) -> Case:
     description = fmpy.read_model_description(str(fmu), validate=False)
     known = {v.name: v for v in description.modelVariables}
     inputs = reference.component.inputs.names
-    real = [v for v in known.values() if v.type in ("Real", "Float64") and v.causality == "output"]
-    outputs = [v.name for v in real if not v.dimensions]
-    arrays = {v.name: math.prod(v.shape) for v in real if v.dimensions}
+    outputs = [v.name for v in known.values() if v.causality == "output" and v.type in ("Real", "Float64")]
     step = step_of(name)
     table = [[wave(reference.component, i * step)[one] for one in inputs] for i in range(steps)]
     return Case(
@@ -69,9 +67,8 @@ def case_of(name: str, kind: Kind, fmu: Path, steps: int = STEPS) -> Case:
         step=step,
         inputs=list(inputs),
         outputs=outputs,
-        references={one: known[one].valueReference for one in (*inputs, *outputs, *arrays)},
+        references={one: known[one].valueReference for one in (*inputs, *outputs)},
         table=table,
-        arrays=arrays,
     )
 
 
@@ -86,7 +83,6 @@ def expected(
     reference = Reference(name, **default_structure(name, kind.structure))
     outputs = reference.component.outputs
     rated = [f"der({f.name})" for f in outputs.fields if not f.quantity.discrete]
-    elements = [element(array, i) for array, size in case.arrays.items() for i in range(size)]
     found, rows = [], case.rows()
     for i, (time, size) in enumerate(steps):
         reference.set_inputs(rows[i])
@@ -96,13 +92,8 @@ def expected(
             reference.set_inputs(rows[i + 1])
         known = dict(zip(outputs.names, reference.y, strict=True))
         known |= dict(zip(rated, reference.rates(), strict=True))
-        found.append([float(known[one]) for one in (*case.outputs, *elements)])
+        found.append([float(known[one]) for one in case.outputs])
     return found
-
-
-def element(array: str, i: int) -> str:
-    """Its name where arrays are scalars: position[1], der(position[1])."""
-    return f"{array.removesuffix(')')}[{i + 1}]{')' * array.endswith(')')}"
 
 
 def largest_difference(found: list[list[float]], truth: list[list[float]]) -> float:
@@ -118,8 +109,6 @@ def largest_difference(found: list[list[float]], truth: list[list[float]]) -> fl
 def compared(name: str, fmu: str, kind: Kind, runs: int = 0) -> tuple[float | None, Answer]:
     """The largest difference to the component, None where there are no values."""
     case = case_of(fmu, kind, kind.build(fmu, getattr(host(name), "PLATFORM", "")))
-    if not getattr(host(name), "ARRAYS", False):
-        case = replace(case, arrays={})
     answer = ask(name, case, runs)
     if answer.values is None:
         return None, answer

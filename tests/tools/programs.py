@@ -109,11 +109,9 @@ class Host:
 
 def numbers_of(case: Case) -> str:
     """The case as host.c reads it."""
-    outputs = [*case.outputs, *case.arrays]
-    size = len(case.outputs) + sum(case.arrays.values())
-    counts = [len(case.inputs), len(outputs), size, case.steps]
+    counts = [len(case.inputs), len(case.outputs), case.steps]
     lines = [f"{case.fmi} {_bits(case.step)}", " ".join(map(str, counts))]
-    lines += [" ".join(map(str, case.references_of(names))) for names in (case.inputs, outputs)]
+    lines += [" ".join(map(str, case.references_of(names))) for names in (case.inputs, case.outputs)]
     lines += [" ".join(map(_bits, row)) for row in case.table]
     return "\n".join(lines) + "\n"
 

@@ -41,9 +41,9 @@ def kind(request: pytest.FixtureRequest) -> str:
 
 @pytest.fixture
 def case(kind: str, tmp_path: Path) -> Case:
-    """Of an FMU that is called in this folder as in the document, without its arrays."""
+    """Of an FMU that is called in this folder as in the document."""
     fmu = shutil.copy(KINDS[kind].build(NAME), tmp_path / DOCUMENTED)
-    return replace(case_of(NAME, KINDS[kind], Path(fmu)), step=STEP, arrays={})
+    return replace(case_of(NAME, KINDS[kind], Path(fmu)), step=STEP)
 
 
 def run(line: str, folder: Path, **environment: str) -> str:

@@ -13,7 +13,6 @@ from ..programs import Host, compiled, libpython
 TITLE = "program in C"
 REQUIREMENTS = ("fmpy", "ziglang")
 USE = "nothing else; for FMUs in Python, to load `libpython3.x.so` [first](fmus.md#what-a-host-needs)"
-ARRAYS = True
 
 
 def version() -> str:

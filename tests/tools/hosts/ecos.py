@@ -12,11 +12,6 @@ from ..case import Case, RefusedError, loaded
 TITLE = "ecos"
 REQUIREMENTS = ("ecospy",)
 USE = "Debian's libtbb12"
-FINDINGS = (
-    "The command `ecos simulate` writes all variables where `--csvConfig` names none. It asks for an "
-    "array of FMI 3.0 as for one number, and where an FMU refuses that (native ones give the first element) "
-    "writes zeros for all, without a word: name the outputs.",
-)
 
 
 def version() -> str:

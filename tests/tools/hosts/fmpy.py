@@ -12,7 +12,6 @@ from ..case import Case, loaded
 TITLE = "FMPy"
 REQUIREMENTS = ("fmpy",)
 USE = "nothing else"
-ARRAYS = True
 
 
 def version() -> str:
@@ -28,9 +27,8 @@ def values(case: Case) -> list[list[float]]:
     table["time"] = [i * case.step for i in range(case.steps)]
     for j, name in enumerate(case.inputs):
         table[name] = [row[j] for row in case.table]
-    outputs = [*case.outputs, *case.arrays]
-    found = _simulated(case, case.steps, input=table, output=outputs)
-    return [np.concatenate([np.ravel(row[name]) for name in outputs]).tolist() for row in found[1:]]
+    found = _simulated(case, case.steps, input=table, output=list(case.outputs))
+    return [[float(row[name]) for name in case.outputs] for row in found[1:]]
 
 
 @contextmanager

@@ -15,7 +15,6 @@ from ..programs import Host, compiled
 TITLE = "program in C for ARM64, in qemu"
 REQUIREMENTS = ("fmpy", "ziglang")
 USE = "Debian's qemu-user and libc6-arm64-cross, or such a machine"
-ARRAYS = True
 PLATFORM = "aarch64-linux"
 FINDINGS = (
     "The difference of `ehl_contact` is glibc's `erfc` (load of asperities), which for ARM64 has "

@@ -16,7 +16,6 @@ from ..programs import Host, compiled
 TITLE = "program in C for Windows, in wine"
 REQUIREMENTS = ("fmpy", "ziglang")
 USE = "Debian's wine64, or Windows"
-ARRAYS = True
 PLATFORM = "x86_64-windows"
 FINDINGS = (
     "Differences are those of MinGW's C library, which is inside the FMUs for Windows: its `sin`, "
