@@ -125,7 +125,7 @@ def info(path: Path | str) -> FmuInfo:
     path = Path(path)
     with opened(path) as archive:
         if faults := archive_faults(archive):
-            raise FmuFileError(faults[0])
+            raise FmuFileError(f"{path}: {faults[0]}")
         _fmi_version(archive)
         parts = (PurePosixPath(name).parts for name in archive.namelist())
         platforms = tuple(sorted({p[1] for p in parts if len(p) > 2 and p[0] == "binaries"}))

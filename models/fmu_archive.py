@@ -8,6 +8,7 @@ from __future__ import annotations
 import stat
 import zipfile
 from pathlib import Path, PurePosixPath, PureWindowsPath
+from xml.etree import ElementTree
 
 DESCRIPTION = "modelDescription.xml"
 
@@ -49,7 +50,34 @@ def archive_faults(archive: zipfile.ZipFile) -> list[str]:
         return [f"damaged archive: {damaged} does not match its checksum"]
     if DESCRIPTION not in names:
         return [f"{DESCRIPTION} is missing, so this is not an FMU"]
-    return []
+    fault = _version_fault(archive.read(DESCRIPTION))
+    return [fault] if fault else []
+
+
+def _version_fault(xml: bytes) -> str | None:
+    """A description that says another version of FMI than it is written in; no library reads it."""
+    try:
+        root = ElementTree.fromstring(xml)
+    except ElementTree.ParseError:
+        return None  # whoever reads it says where
+    said, written = root.get("fmiVersion", ""), _written_version(root)
+    if not written or not said[:1].isdigit() or said[0] in (written[0], *"456789"):
+        return None
+    return (
+        f"{DESCRIPTION}: says fmiVersion = {said!r}, but is written as FMI {written} has it; "
+        "the tool that made it, or whoever changed it, has to mend it"
+    )
+
+
+def _written_version(root: ElementTree.Element) -> str | None:
+    """The version of FMI whose elements and attributes these are; None where nothing tells."""
+    variables = root.find("ModelVariables")
+    kinds = {variable.tag for variable in variables} if variables is not None else set()
+    if root.get("instantiationToken") is not None or kinds - {"ScalarVariable"}:
+        return "3.0"
+    if root.get("modelIdentifier") is not None or root.find("Implementation") is not None:
+        return "1.0"
+    return "2.0" if kinds else None
 
 
 def _entry_fault(entry: zipfile.ZipInfo) -> str | None:

@@ -16,7 +16,7 @@ import numpy as np
 from fmpy.model_description import ModelDescription, read_model_description
 from numpy.typing import NDArray
 
-from models.fmu_archive import FmuFileError, archive_faults, one_line, opened
+from models.fmu_archive import DESCRIPTION, FmuFileError, archive_faults, one_line, opened
 from models.monolithic.reference import SHARPEST
 
 from .exchange import integrated
@@ -99,13 +99,10 @@ def compare(path: Path, tolerance: float | None = None) -> list[Comparison]:
     only. `tolerance` replaces that of the .opt file. CrossCheckError, in one line, where there is nothing to
     compare with or the FMU does not run.
     """
+    described = _described(path)
     files, place = _beside(path), "reference beside the file"
     if not files:
         files, place = _inside(path), "reference inside the file"
-    try:
-        described = read_model_description(str(path), validate=False)
-    except Exception as error:  # fmpy lets through whatever its XML libraries raise
-        raise CrossCheckError(f"{path}: modelDescription.xml cannot be read: {one_line(error)}") from None
     found = []
     for kind in _kinds(path, described):
         try:
@@ -120,6 +117,23 @@ def compare(path: Path, tolerance: float | None = None) -> list[Comparison]:
         deviations = _deviations(described, reference.results, result)
         found.append(Comparison(kind, reference.options, place, allowed, deviations))
     return found
+
+
+def _described(path: Path) -> ModelDescription:
+    try:
+        with opened(path) as archive:
+            faults = archive_faults(archive)
+    except FmuFileError as error:
+        raise CrossCheckError(str(error)) from None
+    if faults:
+        raise CrossCheckError(f"{path}: {faults[0]}")
+    try:
+        described = read_model_description(str(path), validate=False)
+    except Exception as error:  # fmpy lets through whatever its XML libraries raise
+        raise CrossCheckError(f"{path}: {DESCRIPTION} cannot be read: {one_line(error)}") from None
+    if described.fmiVersion == "1.0":
+        raise CrossCheckError(f"{path}: is of FMI 1.0, which is not run here; give one of FMI 2.0 or 3.0")
+    return described
 
 
 def _kinds(path: Path, described: ModelDescription) -> list[str]:

@@ -20,7 +20,7 @@ from ..sources import digest_of, shipped
 from ..terminals import FOLDER, terminals_and_icons
 from .differentiate import differentiated
 from .entries import smooth
-from .machine_code import FMI_HEADERS, PLATFORMS, SHELL, NativeBuildError, shared_library
+from .machine_code import FMI_HEADERS, PLATFORMS, SHELL, NativeBuildError, shared_library, this_platform
 from .tables import tables
 from .translate import translated
 
@@ -111,6 +111,13 @@ def _made_of(name: str, sizes: Mapping[str, int], platforms: Sequence[str]) -> s
     versions = {tool: _version(tool) for tool in (*_TOOLS, "tribocosim")}
     said = f"{package} {sorted(sizes.items())} {sorted(platforms)} {versions}"
     return digest_of(files | documents | dict(_shell()) | {"said": said.encode()})
+
+
+def check_tools() -> None:
+    """NativeBuildError where nothing can be built: another platform, or a package that is missing."""
+    this_platform()
+    for tool in _TOOLS:
+        _version(tool)
 
 
 def _version(tool: str) -> str:

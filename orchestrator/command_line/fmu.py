@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
@@ -17,7 +17,7 @@ def built(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
     from fmus.build import build
     from models.kernel import user_cache_directory
 
-    from ..errors import RunError
+    from ..errors import MistakeError, RunError
 
     try:
         if kind == "native":
@@ -28,8 +28,24 @@ def built(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
             f"building the FMU {name}: {user_cache_directory()} cannot be written ({error.strerror}); set "
             "TRIBOCOSIM_CACHE to a folder that can"
         ) from None
+    except MistakeError:
+        raise
     except (KeyError, ValueError) as error:
         raise RunError(f"building the FMU {name}: {error.args[-1] if error.args else error}") from None
+
+
+def check_native(names: Iterable[str]) -> None:
+    """MistakeError where the FMUs of these instances are to be native and cannot be built here."""
+    from fmus.native.fmu import check_tools
+    from fmus.native.machine_code import NativeBuildError
+
+    from ..errors import MistakeError
+
+    try:
+        check_tools()
+    except NativeBuildError as error:
+        remedy = "or take them without --native (participant = 'fmu')"
+        raise MistakeError(f"components {', '.join(names)}: {error}; {remedy}") from None
 
 
 def _native_here(name: str, structure: Mapping[str, int]) -> Path:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .fmu import built
+from .fmu import built, check_native
 from .reported import reported, say
 
 
@@ -48,6 +48,8 @@ def run_scenario(
         loaded = load(
             scenario, [*overrides, *(f"components.{name}.participant=native" for name in built_ones)]
         )
+    if natives := [name for name, table in loaded.components.items() if table.participant == "native"]:
+        check_native(natives)
     folder = out or Path("results") / loaded.name
     spare(find(scenario), loaded, folder)
     summary = run(loaded, folder, built, Reporter(), overwrite, figures=not no_figures)

@@ -125,7 +125,8 @@ def described(path: Path) -> Description:
         raise DescriptionError(f"cannot be read as an FMU: {' '.join(str(error).split())}") from None
     about = found.coSimulation
     if about is None or found.fmiVersion not in VERSIONS:
-        raise DescriptionError("is not a co-simulation FMU of FMI 2.0 or 3.0")
+        said = "" if found.fmiVersion in VERSIONS else f" (it says fmiVersion = {found.fmiVersion!r})"
+        raise DescriptionError(f"is not a co-simulation FMU of FMI 2.0 or 3.0{said}")
     experiment = found.defaultExperiment
     return Description(
         version=found.fmiVersion,

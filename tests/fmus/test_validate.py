@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from fmus.build import NAMES
+from fmus.cross_check.compare import compare
+from fmus.cross_check.files import CrossCheckError
 from fmus.validate import FmuFileError, info, validate
 
 XML = "modelDescription.xml"
@@ -51,6 +53,41 @@ def test_what_is_wrong_is_said_in_one_line(files: dict[str, str], message: str, 
     assert faults
     assert message in faults[0]
     assert all("\n" not in fault for fault in faults)
+
+
+_OLD, _TWO, _THREE = (
+    'modelIdentifier="m"><ModelVariables><ScalarVariable name="y"/></ModelVariables>',
+    'guid="g"><ModelVariables><ScalarVariable name="y"/></ModelVariables>',
+    'instantiationToken="g"><ModelVariables><Float64 name="y"/></ModelVariables>',
+)
+
+
+@pytest.mark.parametrize(
+    ("said", "content", "written"),
+    [("3.0", _TWO, "2.0"), ("1.0", _TWO, "2.0"), ("2.0", _THREE, "3.0"), ("2.0", _OLD, "1.0")],
+)
+def test_a_version_that_the_description_is_not_written_in_is_named(
+    said: str, content: str, written: str, tmp_path: Path
+) -> None:
+    xml = f'<fmiModelDescription fmiVersion="{said}" modelName="m" {content}</fmiModelDescription>'
+    path = archive_of(tmp_path / "foreign.fmu", {XML: xml})
+    words = f"says fmiVersion = '{said}', but is written as FMI {written} has it"
+    assert [words in fault for fault in validate(path)] == [True]
+    with pytest.raises(FmuFileError, match=words):
+        info(path)
+    with pytest.raises(CrossCheckError, match=words) as refused:
+        compare(path)
+    assert str(path) in str(refused.value)
+
+
+def test_an_fmu_of_fmi_1_is_not_compared(tmp_path: Path) -> None:
+    xml = (
+        '<fmiModelDescription fmiVersion="1.0" modelName="m" modelIdentifier="m" guid="g" '
+        'numberOfContinuousStates="0" numberOfEventIndicators="0"><ModelVariables/></fmiModelDescription>'
+    )
+    path = archive_of(tmp_path / "old.fmu", {XML: xml})
+    with pytest.raises(CrossCheckError, match=r"is of FMI 1\.0, which is not run here"):
+        compare(path)
 
 
 def test_not_an_archive(tmp_path: Path) -> None:

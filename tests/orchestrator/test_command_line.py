@@ -254,6 +254,22 @@ def test_a_mistake_is_one_message_and_status_2(arguments: tuple[str, ...]) -> No
     assert MISTAKES[arguments] in said(done)
 
 
+def test_native_fmus_without_their_tools_are_a_mistake_and_nothing_is_written(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    from fmus.native import fmu
+
+    monkeypatch.setattr(fmu, "_TOOLS", ("numba", "no-such-package"))
+    out = tmp_path / "out"
+    done = called("run", "valve-train", "--native", f"--out={out}")
+    assert done.returncode == 2
+    message = said(done)
+    assert message.startswith("tribocosim: components flywheel, camshaft, valve_spring, contact: native FMUs")
+    assert message.count("no-such-package") == message.count("native FMUs need") == 1
+    assert "pip install" in message
+    assert not out.exists()
+
+
 def test_listing_and_version() -> None:
     listed = called("scenarios")
     assert listed.returncode == 0
