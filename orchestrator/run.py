@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import partial
 from importlib import metadata
 from pathlib import Path
@@ -139,9 +139,12 @@ def written_result(job: Job, summary: Summary) -> Iterator[ResultFile]:
             from . import plots
 
             name = job.scenario.name
-            with job.reporter.stage("figures"):
-                title = name if summary.complete else f"{name} (incomplete)"
-                plots.draw(result, job.out / FIGURES, title, job.scenario)
+            title = name if summary.complete else f"{name} (incomplete)"
+            figures = plots.applying(result, title, job.scenario)
+            with job.reporter.stage("figures") if figures else nullcontext():
+                plots.draw(figures, job.out / FIGURES)
+            if not figures:
+                job.reporter.line("no figures: none is known for these components")
 
 
 def _diagnosed(scenario: Scenario, result: ResultFile, summary: Summary) -> None:

@@ -19,6 +19,7 @@ def ssp_export(
         list[str] | None,
         typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario, as for run."),
     ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the file if there is one.")] = False,
 ) -> None:
     """Write a scenario as an SSP package with its FMUs, for other tools."""
     from ..errors import MistakeError
@@ -29,6 +30,10 @@ def ssp_export(
     target = out or Path(f"{loaded.name}.ssp")
     if target.suffix != ".ssp":
         raise MistakeError(f"{target}: the file of a package ends in .ssp; give --out {target}.ssp")
+    if target.exists() and not overwrite:
+        raise MistakeError(
+            f"{target}: is already there; choose another --out, or replace it with --overwrite"
+        )
     try:
         export(loaded, target, built)
     except OSError as error:
@@ -48,6 +53,8 @@ def ssp_import(
     from ..ssp import unpacked
 
     source = find(file)
+    if source.suffix != ".ssp":
+        raise MistakeError(f"{source}: is no package; give an .ssp file (scenario files are run as they are)")
     load(source)  # so that nothing is written of one that is refused
     folder = out or Path(file.stem)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):

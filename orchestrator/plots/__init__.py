@@ -6,7 +6,10 @@ Each file draws one kind of figure from `FigureData` and saves nothing.
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from ..results import ResultFile
 from ..scenario import Scenario
@@ -25,14 +28,15 @@ KINDS = (
 )
 
 
-def draw(result: ResultFile, folder: Path, title: str, scenario: Scenario) -> list[Path]:
-    """Draw every figure that applies into `folder`, as PNG."""
+def applying(result: ResultFile, title: str, scenario: Scenario) -> dict[str, Callable[[], Any]]:
+    """What draws each figure that applies, by the figure's name."""
+    data = FigureData.read(result, title, scenario)
+    kinds = {name: importlib.import_module(f".{name}", __package__) for name in KINDS}
+    return {name: partial(kind.figure, data) for name, kind in kinds.items() if kind.applies(data)}
+
+
+def draw(figures: Mapping[str, Callable[[], Any]], folder: Path) -> list[Path]:
+    """Draw what `applying` gives into `folder`, as PNG."""
     from .style import saved
 
-    data = FigureData.read(result, title, scenario)
-    paths = []
-    for name in KINDS:
-        kind = importlib.import_module(f".{name}", __package__)
-        if kind.applies(data):
-            paths.append(saved(lambda kind=kind: kind.figure(data), folder / f"{name}.png"))
-    return paths
+    return [saved(figure, folder / f"{name}.png") for name, figure in figures.items()]

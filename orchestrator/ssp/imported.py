@@ -15,6 +15,7 @@ from typing import Any
 from models.component import Component
 from models.fmu_archive import DESCRIPTION, FmuFileError, archive_faults, opened
 from models.kernel import user_cache_directory
+from models.system import suggestion
 
 from ..conversion import linear_between
 from ..participants import ForeignComponent, component_of_file
@@ -68,6 +69,9 @@ def _unpack(path: Path, folder: Path) -> None:
             faults = [text for text in archive_faults(archive) if DESCRIPTION not in text]
             if faults:
                 raise ScenarioError(f"{path}: {faults[0]}")
+            # Of a file that was cut off the last list of files is that of an FMU in it.
+            if min((entry.header_offset for entry in archive.infolist()), default=0):
+                raise ScenarioError(f"{path}: damaged archive: a part of it is missing; fetch it again")
             folder.mkdir()
             archive.extractall(folder)
     except (FmuFileError, zipfile.BadZipFile) as error:
@@ -81,7 +85,8 @@ def _content(name: str, folder: Path) -> dict[str, Any]:
         raise
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         # Something is missing or is no number; what, the schema says better.
-        fault = schema_fault(folder) or f"{type(error).__name__}: {error}"
+        said = error.args[0] if isinstance(error, KeyError) else error
+        fault = schema_fault(folder) or said
         raise ScenarioError(f"{name}: not as SSP 1.0 has it: {fault}; correct it") from None
 
 
@@ -261,6 +266,12 @@ def _lines(
         source = steps[0][1].source
         if source.path not in parts:
             continue  # an input of the whole, which nothing drives here
+        outputs = parts[source.path].outputs
+        if source.connector not in outputs:
+            raise ScenarioError(
+                f"{where}: the connection from {source} to {target}: {names[source.path]} has no output "
+                f"{source.connector!r}; {suggestion(source.connector, outputs.names)}"
+            )
         ends = f"{names[source.path]}.{source.connector}", f"{names[target.path]}.{target.connector}"
         lines.append(_line(found, parts, steps, ends, where))
     return lines

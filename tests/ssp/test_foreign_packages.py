@@ -266,6 +266,48 @@ def test_what_is_no_package_is_refused(content: bytes, said: str, tmp_path: Path
         load(tmp_path / "a.ssp")
 
 
+def test_a_package_that_was_cut_off_is_damaged(tmp_path: Path, files: dict[str, bytes]) -> None:
+    """Though an FMU in it, which is an archive too, is whole: packages have them uncompressed."""
+    path = tmp_path / "a.ssp"
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+        archive.writestr("SystemStructure.ssd", "")
+    whole = path.read_bytes()
+    path.write_bytes(whole[: whole.index(b"SystemStructure.ssd")])
+    assert zipfile.is_zipfile(path)
+    with pytest.raises(ValueError, match=r"a\.ssp: damaged archive: a part of it is missing"):
+        load(path)
+
+
+def test_a_connector_that_a_component_has_not_is_named_with_its_connection(
+    tmp_path: Path, files: dict[str, bytes]
+) -> None:
+    elements = component("decay", "dahlquist", {"y": "output"}) + component("vector", "vector", VECTOR)
+    path = package(tmp_path / "a.ssp", elements, connection("decay.y", "vector.u[1]"), files=files)
+    with pytest.raises(
+        ValueError, match=r"from decay\.y to vector\.u\[1\]: decay has no output 'y'; .*\bx\b"
+    ):
+        load(path)
+
+
+def test_what_is_no_package_is_not_read_as_one() -> None:
+    shown = tribocosim("ssp", "import", "README.md")
+    assert shown.returncode == 2
+    assert "README.md: is no package; give an .ssp file" in shown.stderr
+
+
+def test_a_file_that_is_there_is_not_replaced_unasked(tmp_path: Path) -> None:
+    path = tmp_path / "made.ssp"
+    path.write_text("mine")
+    shown = tribocosim("ssp", "export", "two-masses", "--out", str(path))
+    assert shown.returncode == 2
+    assert "made.ssp: is already there; choose another --out, or replace it with --overwrite" in shown.stderr
+    assert path.read_text() == "mine"
+    assert tribocosim("ssp", "export", "two-masses", "--out", str(path), "--overwrite").returncode == 0
+    assert zipfile.is_zipfile(path)
+
+
 def test_a_package_without_structure_is_refused(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "a.ssp", "w") as archive:
         archive.writestr("readme.txt", "hello")
