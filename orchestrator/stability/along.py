@@ -40,6 +40,8 @@ class Along:
     To be completed to a `Linearisation` with `about`. Closing the participant is the caller's.
     """
 
+    _beyond = 0.0  # how long (s) it is stepped on from an instant of the course
+
     def __init__(self, name: str, participant: Participant, system: System) -> None:
         component = system.instances[name].component
         self.name, self._participant = name, participant
@@ -58,7 +60,7 @@ class Along:
         if self._at is None:
             self._values = course.inputs[:, self._slots][:, self._columns]
             self._slopes = slopes(self._values) / float(course.times[1] - course.times[0])
-            self._participant.initialise(float(course.times[0]), float(course.times[-1]))
+            self._participant.initialise(float(course.times[0]), float(course.times[-1]) + self._beyond)
             self._inputs[0], self._at = self._values[0], 0
             self._participant.write()
             self._participant.read()

@@ -43,7 +43,7 @@ class Responses(Along):
     def __init__(self, name: str, participant: Participant, system: System, spacing: float) -> None:
         super().__init__(name, participant, system)
         component = system.instances[name].component
-        self._spacing = spacing
+        self._spacing, self._beyond = spacing, SAMPLES * spacing
         self._instead = ""
         if component.ode:
             self._instead = ", or analyse the component in its place (participant = 'in-process')"

@@ -26,7 +26,7 @@ def recorded(system, master, step, stop):
 def grown(system, units, master, step, steps):
     """By how much a run's values grow from its first tenth to its last, without the runaway guard."""
     exchange = Exchange(system, units, master.degree)
-    exchange.initialise(0.0, 1.0)
+    exchange.initialise(0.0, steps * step)
     seen = []
     for n in range(steps):
         master.step(exchange, n * step, step)
