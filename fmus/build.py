@@ -132,7 +132,7 @@ def packed(files: Mapping[str, bytes]) -> bytes:
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.create_system = 3  # Unix, wherever it is built
             entry.external_attr = 0o100644 << 16
-            archive.writestr(entry, files[path])
+            archive.writestr(entry, files[path], compresslevel=9)
     return buffer.getvalue()
 
 

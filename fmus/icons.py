@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -10,8 +11,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Circle, Polygon, Rectangle
+from PIL import Image
 
 INK, STEEL, OIL = "#1d3557", "#a8b8c8", "#e9a23b"
+COLOURS = 64
 _LINE = {"edgecolor": INK, "linewidth": 2.5}
 
 
@@ -168,13 +171,15 @@ ICONS: tuple[Callable[[Axes], None], ...] = (
 
 
 def draw(icon: Callable[[Axes], None], path: Path) -> None:
-    """Save the icon as a square image with transparent background."""
+    """Save the icon as a square image with transparent background, of so few colours that it is small."""
     figure = plt.figure(figsize=(1.6, 1.6), dpi=100)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0, 10), ylim=(0, 10), aspect="equal")
     axes.axis("off")
     icon(axes)
-    figure.savefig(path, transparent=True, metadata={"Software": None})
+    drawn = io.BytesIO()
+    figure.savefig(drawn, transparent=True)
     plt.close(figure)
+    Image.open(drawn).quantize(COLOURS, Image.Quantize.FASTOCTREE).save(path, "PNG", optimize=True)
 
 
 if __name__ == "__main__":

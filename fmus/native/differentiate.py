@@ -218,6 +218,11 @@ class _Tangents:
     def _of_fneg(self, i: Any, a: Any) -> str:
         return self.code.negative(self._tangent(a))
 
+    def _of_extractvalue(self, i: Any, whole: Any) -> None:
+        """Of a whole number and whether it is too large."""
+        if str(whole.type) != "{ i64, i1 }":
+            raise _unknown(i)
+
     def _of_freeze(self, i: Any, a: Any) -> str | None:
         return self._tangent(a) if str(i.type) == "double" else None
 

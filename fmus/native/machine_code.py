@@ -71,7 +71,11 @@ def this_platform() -> str:
 _C = ["-std=c11", "-Os", "-ffp-contract=off", "-fvisibility=hidden", "-fno-sanitize=all"]
 _C += ["-fno-unwind-tables", "-fno-asynchronous-unwind-tables"]
 _STRICT = ["-Wall", "-Wextra", "-Werror"]
-_ELF = ["-Wl,--hash-style=gnu", "-Wl,--build-id=none", "-Wl,--gc-sections"]
+# By the suffix of libraries: without what identifies builds or names what is not exported.
+_LINKED = {
+    ".so": ["-Wl,--hash-style=gnu", "-Wl,--build-id=none", "-Wl,--gc-sections"],
+    ".dylib": ["-Wl,-x"],
+}
 
 # Of Windows' C library, by the part that has them.
 _UCRT = {
@@ -107,8 +111,8 @@ def shared_library(
                 _zig([*compiler, "-D__USE_MINGW_ANSI_STDIO=0", "-c", source, "-o", f"{source}.o"], here)
             _link_for_windows(here, target)
         else:
-            special = _ELF if place.suffix == ".so" else []
-            _zig([*compiler, *sources, "kernels.o", "-shared", "-s", *special, "-lm", "-o", target], here)
+            linked = ["-shared", "-s", *_LINKED[place.suffix], "-lm"]
+            _zig([*compiler, *sources, "kernels.o", *linked, "-o", target], here)
         return (here / target).read_bytes()
 
 
@@ -141,22 +145,33 @@ def _zig(arguments: Sequence[str], folder: Path) -> None:
 
 
 def object_code(place: Platform, kernels: Sequence[str]) -> bytes:
-    """Machine code of the kernels, optimised for the platform, with the same bits as numba's: no operation is
-    reordered or fused."""
+    """Machine code of the kernels, and of their tangents if they follow, optimised for the platform, with the
+    same bits as numba's: no operation is reordered or fused."""
     binding = llvm()
     target = binding.Target.from_triple(place.triple)
     machine = target.create_target_machine(opt=3, reloc="pic", codemodel="default")
-    module = binding.parse_assembly(kernels[0])
-    for other in kernels[1:]:
-        module.link_in(binding.parse_assembly(other))
-    module.triple = place.triple
-    module.data_layout = str(machine.target_data)
-    _hide(module)
+    layout = str(machine.target_data)
+    plain, *tangents = (
+        _optimised(text, place.triple, layout, machine, not i) for i, text in enumerate(kernels)
+    )
+    for other in tangents:
+        plain.link_in(other)
+    _hide(plain)
+    return machine.emit_object(plain)
+
+
+def _optimised(text: str, triple: str, layout: str, machine: Any, vectors: bool) -> Any:
+    """A module with all that makes it faster, but for what makes it larger and no faster: loops written out,
+    and vectors of values that happen to stand together. `vectors`: loops compute several elements at once."""
+    binding = llvm()
+    module = binding.parse_assembly(text)
+    module.triple, module.data_layout = triple, layout
     tuning = binding.create_pipeline_tuning_options(speed_level=2)
-    tuning.loop_vectorization = tuning.slp_vectorization = True
+    tuning.loop_vectorization = vectors
+    tuning.slp_vectorization = tuning.loop_unrolling = False
     builder = binding.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(module, builder)
-    return machine.emit_object(module)
+    return module
 
 
 def _hide(module: Any) -> None:

@@ -107,6 +107,8 @@ def _requirements(
 def _variable(variable: Variable, elements: int) -> str:
     quantity = variable.quantity
     low, high = quantity.limits() if quantity else (-math.inf, math.inf)
+    # Only of what may be set is there anything to say.
+    allowed = quantity.requirement() if quantity and variable.causality in ("parameter", "input") else ""
     parts = (
         _string(variable.name),
         _KINDS[variable.kind],
@@ -116,7 +118,7 @@ def _variable(variable: Variable, elements: int) -> str:
         _truth(quantity is not None and quantity.positive),
         _number(low),
         _number(high),
-        _string(quantity.requirement() if quantity else ""),
+        _string(allowed),
     )
     return "{" + ", ".join(parts) + "}"
 

@@ -14,6 +14,10 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from models.kernel import user_cache_directory
+
+from ..sources import digest_of
+
 # Of the C library; LLVM's intrinsics become calls of the same.
 _FUNCTIONS = """
 acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs floor
@@ -21,12 +25,15 @@ fma fmax fmin fmod hypot ldexp lgamma log log10 log1p log2 memcpy memmove memset
 tan tanh tgamma trunc
 """
 MATHEMATICS = frozenset(_FUNCTIONS.split())
+# What it writes out several times is larger and no faster: loops, and functions in the place of their calls.
+_SMALL = ("--unroll-full-max-count=1", "--inline-threshold=75")
 # numba counts references to arrays that own their memory; those that C hands in have none.
 _COUNTING = ("NRT_incref", "NRT_decref")
 _PLAIN_PROCESSOR = {
     "NUMBA_CPU_NAME": "generic",
     "NUMBA_CPU_FEATURES": "",
-    "NUMBA_LOOP_VECTORIZE": "0",  # left to the compiler of each platform
+    "NUMBA_OPT": "1",  # the rest is left to the compiler of each platform
+    "NUMBA_LOOP_VECTORIZE": "0",
     "NUMBA_SLP_VECTORIZE": "0",
 }
 
@@ -40,9 +47,12 @@ def translated(name: str, structure: Mapping[str, int]) -> str:
     sizes = [f"{key}={value}" for key, value in sorted(structure.items())]
     root = Path(__file__).parents[2]
     path = os.pathsep.join(filter(None, (str(root), os.environ.get("PYTHONPATH"))))
+    # Kernels that were compiled otherwise, for this process, are not taken from the cache.
+    options = digest_of({"": repr((_PLAIN_PROCESSOR, _SMALL)).encode()})
+    kept = user_cache_directory() / f"translated-{options[:16]}"
     made = subprocess.run(
         [sys.executable, "-m", __spec__.name, name, *sizes],
-        env=os.environ | _PLAIN_PROCESSOR | {"PYTHONPATH": path},
+        env=os.environ | _PLAIN_PROCESSOR | {"PYTHONPATH": path, "TRIBOCOSIM_CACHE": str(kept)},
         capture_output=True,
         text=True,
     )
@@ -55,6 +65,9 @@ def _translate(name: str, structure: Mapping[str, int]) -> str:
     """As `translated`, in this process."""
     import llvmlite.binding as llvm
     import numba
+
+    for option in _SMALL:  # before what is imported calls its kernels
+        llvm.set_option("", option)
 
     from models.catalogue import CATALOGUE
 
