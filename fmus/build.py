@@ -22,11 +22,11 @@ import pythonfmu
 
 from models.catalogue import CATALOGUE
 from models.component import Component
-from models.kernel import user_cache_directory
 
 from .cross_check.inside import TOLD, references
 from .description import GUID_PLACE, PYTHON, Experiment, Origin, model_description
 from .documentation import page
+from .kept import cached, there, tidy
 from .needed import with_needed
 from .sources import digest_of, shipped
 
@@ -84,22 +84,21 @@ def build(
     """Build the FMU `name` and return its path.
 
     `destination` is a file (*.fmu) or a folder; without it the file goes to the user's cache folder under
-    its digest, and is made only if it isn't there. `structure` gives structural sizes, such as
-    {"coil_masses": 8}; without it they are those of `default_structure`. With `libpython`, the name of a
-    Python library, the Linux binary loads it, so that hosts that aren't Python need not. Existing files are
-    replaced whole: a reader sees the old or the new one. KeyError with the known names for an unknown one;
-    ValueError for sizes that the component refuses, and for what cannot be such a library.
+    its digest, is made only if it isn't there, and is kept until it was not asked for in some weeks.
+    `structure` gives structural sizes, such as {"coil_masses": 8}; without it they are those of
+    `default_structure`. With `libpython`, the name of a Python library, the Linux binary loads it, so that
+    hosts that aren't Python need not. Existing files are replaced whole: a reader sees the old or the new
+    one. KeyError with the known names for an unknown one; ValueError for sizes that the component refuses,
+    and for what cannot be such a library.
     """
     files = content_of(name, structure, libpython)
     if destination is not None:
         return written(packed(files), name, Path(destination))
     target = cached(name, digest_of(files))
-    return target if target.is_file() else written(packed(files), name, target)
-
-
-def cached(name: str, digest: str) -> Path:
-    """Where the FMU made of what has this digest is kept."""
-    return user_cache_directory() / "fmus" / f"{name}-{digest[:16]}.fmu"
+    if not there(target):
+        written(packed(files), name, target)
+        tidy(target.parent)
+    return target
 
 
 def written(content: bytes, name: str, destination: Path) -> Path:

@@ -15,6 +15,7 @@ from .. import build as python_build
 from .. import description3
 from ..cross_check.inside import references
 from ..description import EXCHANGE, GUID_PLACE, NATIVE, model_description
+from ..kept import cached, there, tidy
 from ..memory import Memory
 from ..sources import digest_of, shipped
 from ..terminals import FOLDER, terminals_and_icons
@@ -44,10 +45,11 @@ def build(
     """
     sizes, component = python_build.chosen(name, structure, "NATIVE_STRUCTURE")
     label = f"{name}-native" if fmi == 2 else f"{name}-native-fmi{fmi}"
-    target = python_build.cached(label, _made_of(name, sizes, platforms))
-    if not target.is_file():
+    target = cached(label, _made_of(name, sizes, platforms))
+    if not there(target):
         files = content_of(name, component, sizes, platforms, fmi, told)
         python_build.written(python_build.packed(files), label, target)
+        tidy(target.parent)
     if destination is None:
         return target
     return python_build.written(target.read_bytes(), label, Path(destination))

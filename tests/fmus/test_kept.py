@@ -1,0 +1,45 @@
+"""The cache of built FMUs: what is used stays, what was not for weeks goes."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+
+import pytest
+
+from fmus.build import build
+from fmus.kept import KEPT_DAYS
+
+
+def aged(file: Path, days: float) -> Path:
+    file.touch()
+    at = time.time() - days * 86400.0
+    os.utime(file, (at, at))
+    return file
+
+
+@pytest.fixture
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("TRIBOCOSIM_CACHE", str(tmp_path))
+    return tmp_path / "fmus"
+
+
+def test_what_was_not_asked_for_goes_when_another_fmu_is_added(cache: Path) -> None:
+    used, unused = build("coupled_mass"), build("spring_stop")
+    for file in (used, unused):
+        aged(file, KEPT_DAYS + 1)
+    rest = aged(cache / ".camshaft-rest.part", KEPT_DAYS + 1)
+    young = [aged(cache / "other-0.fmu", KEPT_DAYS - 1), aged(cache / ".camshaft-now.part", 0.0)]
+    foreign = aged(cache / "notes.txt", 1000.0)
+    assert build("coupled_mass") == used  # asked for again
+    added = build("falling_mass")
+    assert {*cache.iterdir()} == {used, added, foreign, *young}
+    assert not rest.exists()
+
+
+def test_a_deleted_fmu_is_built_again(cache: Path) -> None:
+    file = build("coupled_mass")
+    content = file.read_bytes()
+    file.unlink()
+    assert build("coupled_mass").read_bytes() == content
