@@ -25,8 +25,8 @@ from .machine_code import FMI_HEADERS, PLATFORMS, SHELL, NativeBuildError, share
 from .tables import tables
 from .translate import translated
 
-# What makes machine code; other versions may make other code.
-_TOOLS = ("numba", "llvmlite", "ziglang", "fmpy")
+# What makes machine code, and the constants in it; other versions may make others.
+_TOOLS = ("numba", "llvmlite", "ziglang", "fmpy", "numpy", "scipy")
 
 
 def build(
