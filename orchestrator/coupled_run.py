@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 
 from models.quantities import Vector
 from models.system import System
@@ -12,15 +13,17 @@ from . import assembly
 from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import Checkpoints, Identity
 from .energy import Ledger, Trimmed, counted, estimated
+from .errors import RunError
 from .interruption import Interruption
 from .job import Job
 from .journal import FLUSH_SECONDS
 from .output_folder import CSV, SUMMARY
+from .participants import FmuParticipant, InOwnProcess, Participant
 from .plain_data import Plain
 from .recording import CsvRecorder, ResultRecorder
 from .simulation import Observer, simulate
 from .stepping import Step
-from .summary import Summary
+from .summary import Summary, Warnings
 from .watchdog import watching
 
 
@@ -44,7 +47,12 @@ def run_coupled(
     counter = _Counter()
     stage = job.reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)
     with watching(scenario, job.out / SUMMARY, summary) as watchdog:
-        participants = assembly.participants_of(scenario, system, fmus, watchdog.made)
+        units: dict[str, Participant] = {}
+
+        def made(name: str, make: Callable[[], Participant]) -> Participant:
+            return watchdog.made(name, lambda: units.setdefault(name, make()))
+
+        participants = assembly.participants_of(scenario, system, fmus, made)
         try:
             with stage as bar, Interruption() as interruption:
                 keeper = [_checkpoints(job, identity, interruption)] if scenario.checkpoint_every else []
@@ -61,11 +69,24 @@ def run_coupled(
             summary.macro_steps, summary.iterations = max(0, counter.steps), counter.iterations
             summary.coupled_time_s = counter.time_s
             summary.energy = ledger.account() if ledger else None
+            summary.warnings = _warnings(units)
             for participant in participants.values():
                 participant.close()
     summary.do_steps = statistics.do_steps
     summary.iterations = statistics.iterations
     summary.coupled_time_s = statistics.coupled_time_s
+
+
+def _warnings(units: Mapping[str, Participant]) -> dict[str, Warnings]:
+    """Of the FMUs that gave any."""
+    found = {}
+    for name, unit in units.items():
+        if isinstance(unit, (FmuParticipant, InOwnProcess)):
+            with suppress(RunError):  # why the run ended is said already
+                count, first = unit.warnings()
+                if count:
+                    found[name] = Warnings(count, first)
+    return found
 
 
 def _checkpoints(job: Job, identity: Identity, interruption: Interruption) -> Checkpoints:

@@ -133,6 +133,9 @@ class Reporter:
         if summary.steps:
             for line in brief(summary.steps, summary.suggestions):
                 self.line(line)
+        for name, given in summary.warnings.items():
+            first = f", the first: {given.first}" if given.first else "; it does not say of what"
+            self.line(f"{name}: the FMU gave {given.count} warning{'s' * (given.count > 1)}{first}")
         if summary.complete:
             self.line(f"{summary.scenario}: {summary.verdict}")
         if summary.resumable:

@@ -20,6 +20,14 @@ from .validity import Excursions
 WITHIN, OUTSIDE, MISTAKE, FAILED, NOT_COMPARED, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 
+@dataclass(frozen=True)
+class Warnings:
+    """How many an FMU gave, and the first message, empty if it says none."""
+
+    count: int
+    first: str
+
+
 @dataclass
 class Summary:
     """Filled in while the run goes on, so that an incomplete one has what is known."""
@@ -50,6 +58,7 @@ class Summary:
     energy: Account | None = None
     steps: Diagnosis | None = None
     suggestions: list[str] = field(default_factory=list)
+    warnings: dict[str, Warnings] = field(default_factory=dict)
     fmus: dict[str, str] = field(default_factory=dict)
 
     def content(self) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from .transformed import Transformed as transformed
 __all__ = [
     "FmuParticipant",
     "ForeignComponent",
+    "InOwnProcess",
     "Participant",
     "component_of_file",
     "fmu",

@@ -19,13 +19,14 @@ from .standard import DISCARD, WARNING
 # Addresses of the functions, of the component, and of the references and numbers that are given to it and
 # taken from it; how many these are. Where the FMU is in Python, the interpreter is not let go for its calls.
 # One of FMI 3 tells of its step in the memory `told`: event, end, early return (a byte each), at 8 the time.
+# Steps that return a warning are counted in `warned`.
 CALLS = np.dtype(
     [
         (name, np.int64)
         for name in (
             "component", "in_python", "fmi3", "told", "set_real", "do_step", "get_real",
             "given", "given_references", "given_count",
-            "taken", "taken_references", "taken_count",
+            "taken", "taken_references", "taken_count", "warned",
         )
     ]
 )  # fmt: skip
@@ -163,6 +164,8 @@ def advance(fmu: Any, time: float, step: float) -> tuple[int, int]:
     status = _step(fmu, time, step)
     if status > WARNING:
         return STEP, status
+    if status == WARNING:
+        fmu.warned += 1
     return FINE, status
 
 

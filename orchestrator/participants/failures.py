@@ -14,7 +14,7 @@ from ..errors import (
     RecoverableError,
     instead_of_discarded,
 )
-from .standard import DISCARD, FATAL, PENDING, Standard, status_name
+from .standard import DISCARD, FATAL, PENDING, WARNING, Standard, status_name
 
 REMEDY = "look at its inputs and parameters, reduce macro_step or use the iterated master"
 
@@ -34,11 +34,15 @@ class Failing:
         # The last ones: an FMU that says something in every step must not fill the memory.
         self._messages: deque[str] = deque(maxlen=20)
         self._fatal = False
+        self._warnings, self._first_warning = 0, ""
 
     def _log(self, status: int, message: bytes) -> None:
         # Of a Python FMU's traceback the last line says what happened.
         if message and (lines := message.decode(errors="replace").strip().splitlines()):
             self._messages.append(lines[-1])
+            if status == WARNING:
+                self._warnings += 1
+                self._first_warning = self._first_warning or lines[-1]
 
     @contextlib.contextmanager
     def _naming(self, what: str) -> Any:

@@ -43,6 +43,7 @@ class Fmi2(BoundCalls):
     """Implements `Standard`."""
 
     real_types = ("Real",)
+    warned = 0
 
     def __init__(self, name: str, description: Description, folder: str) -> None:
         self._slave = FMU2Slave(
@@ -147,8 +148,10 @@ class Fmi2(BoundCalls):
         def advance(time: float, step: float) -> None:
             begin.value, duration.value = time, step
             status = call(handle, begin, duration, yes)
-            if status > WARNING:
-                fail(status, time, step)
+            if status:
+                if status > WARNING:
+                    fail(status, time, step)
+                self.warned += 1
 
         return advance
 

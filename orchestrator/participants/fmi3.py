@@ -32,6 +32,7 @@ class Fmi3(BoundCalls):
     """Implements `Standard`."""
 
     real_types = ("Float64",)
+    warned = 0
 
     def __init__(self, name: str, description: Description, folder: str) -> None:
         self._slave = FMU3Slave(
@@ -140,6 +141,8 @@ class Fmi3(BoundCalls):
             begin.value, duration.value = time, step
             for _ in range(MAXIMUM_RETURNS):
                 status = call(handle, begin, duration, yes, *places)
+                if status == WARNING:
+                    self.warned += 1
                 if status <= WARNING and not (marks[ENDED] or marks[EARLY]):
                     return
                 if status > WARNING or marks[ENDED]:

@@ -62,6 +62,7 @@ class FmuParticipant(Failing):
         super().__init__(name)
         self._asked = given
         self._instantiated = self._stepping = False
+        self._records: list[Any] = []
         try:
             self._description = described(path)
             self._folder = extract(str(path))
@@ -250,6 +251,7 @@ class FmuParticipant(Failing):
 
     def describe(self, record: Any, given: Vector, taken: Vector) -> None:
         """Fill the record (see `compiled`); what is given and taken begins there."""
+        self._records.append(record)
         for name, address in self._fmi.addresses().items():
             record[name] = address
         record["given"], record["taken"] = given.ctypes.data, taken.ctypes.data
@@ -325,6 +327,11 @@ class FmuParticipant(Failing):
         status = self._fmi.release(saved)
         if status > WARNING:
             self._fail(status, "freeing a saved state")
+
+    def warnings(self) -> tuple[int, str]:
+        """How many there were, by status or by message, and the first message."""
+        steps = self._fmi.warned + sum(int(record["warned"]) for record in self._records)
+        return max(steps, self._warnings), self._first_warning
 
     def close(self) -> None:
         # After fmi2Fatal the standard allows no call at all; the instance is given up.

@@ -168,6 +168,13 @@ class InOwnProcess:
         saved: Saved = self._call("from_bytes", data=data.hex())
         return saved
 
+    def warnings(self) -> tuple[int, str]:
+        """As of a `FmuParticipant`; of a process that has ended nothing is known."""
+        if self._lost:
+            return 0, ""
+        count, first = self._call("warnings")
+        return count, first
+
     def close(self) -> None:
         process = self._process
         if process.poll() is None and not self._lost:

@@ -100,6 +100,9 @@ class Server:
     def from_bytes(self, data: str) -> int:
         return self._kept(self.unit.from_bytes(bytes.fromhex(data)))
 
+    def warnings(self) -> list[Any]:
+        return list(self.unit.warnings())
+
     def close(self) -> None:
         self.unit.close()
 

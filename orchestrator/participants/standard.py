@@ -25,6 +25,8 @@ class Standard(Protocol):
 
     # Types of variables that `setter` and `getter` transfer.
     real_types: tuple[str, ...]
+    # How many steps have returned a warning.
+    warned: int
 
     def instantiate(self, log: Callable[[int, bytes], None]) -> None:
         """Make it; `log` gets the status and text of its messages."""

@@ -237,6 +237,12 @@ MODELS["formatting"] = Model(
     + '{ m->log->logger(m->environment, m->name, ERROR, "logStatus", "the %s of %s burst at %g s, 100 %%", '
     f'"boiler", m->name, t); return ERROR; }} {EXPONENTIAL}',
 )
+# Warn of every step after half a second, with a message and without.
+for _name, _said in (("warning", 'say(m, WARNING, "getting hot"); '), ("muttering", "")):
+    MODELS[_name] = Model(
+        MODELS["dahlquist"].variables,
+        f"{EXPONENTIAL} {LIMITED}{{ {_said}m->reached = t + h; return WARNING; }}",
+    )
 # Goes on when its step has returned.
 MODELS["pending"] = Model(MODELS["dahlquist"].variables, f"{LIMITED}return 5; {EXPONENTIAL}")
 # Cannot be looked at.

@@ -101,6 +101,27 @@ def test_arguments_of_messages_are_put_in(process: str, tmp_path: Path) -> None:
     assert said in summary.message
 
 
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("process", ["own", "shared"])
+def test_warnings_are_counted_and_told_once(
+    process: str, version: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Fifty steps of a hundred, by Python and by compiled code."""
+    tables = {
+        name: {"participant": fmu(name, version, tmp_path), "process": process}
+        for name in ("warning", "muttering")
+    }
+    summary, _ = ran(scenario(tables, master={"name": "jacobi"}), tmp_path / "out")
+    assert summary.complete
+    assert summary.content()["warnings"] == {
+        "warning": {"count": 50, "first": "getting hot"},
+        "muttering": {"count": 50, "first": ""},
+    }
+    shown = capsys.readouterr().out
+    assert shown.count("warning: the FMU gave 50 warnings, the first: getting hot") == 1
+    assert shown.count("muttering: the FMU gave 50 warnings; it does not say of what") == 1
+
+
 def test_steps_that_go_on_by_themselves_are_said_to_be_unsupported(tmp_path: Path) -> None:
     summary, found = ran(case(fmu("pending", 2, tmp_path), "shared"), tmp_path / "out")
     assert "returned Pending: no message; asynchronous steps, which go on" in summary.message
