@@ -17,10 +17,10 @@ from .errors import RunError
 from .interruption import Interruption
 from .job import Job
 from .journal import FLUSH_SECONDS
-from .output_folder import CSV, SUMMARY
+from .output_folder import SUMMARY
 from .participants import FmuParticipant, InOwnProcess, Participant
 from .plain_data import Plain
-from .recording import CsvRecorder, ResultRecorder
+from .recording import ResultRecorder
 from .simulation import Observer, simulate
 from .stepping import Step
 from .summary import Summary, Warnings
@@ -37,7 +37,6 @@ def run_coupled(
     exposed = any(table.unknown and not table.apart for table in scenario.components.values())
     recorders: list[Observer] = [
         ResultRecorder(job.folder, quantities, every, held_for=0.0 if exposed else FLUSH_SECONDS),
-        CsvRecorder(job.out / CSV, every, at_once=exposed),
     ]
     ledger = None
     if scenario.energy.ledger:

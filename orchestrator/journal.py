@@ -20,6 +20,7 @@ import numpy as np
 from models.quantities import Quantity, Vector
 
 from .errors import CheckpointError
+from .replacement import naming
 
 FORMAT = "tribocosim journal 1"
 SUFFIX = ".journal"
@@ -52,12 +53,13 @@ class Journal:
         self._held_for = held_for
         columns = {"time": TIME, **variables}
         if rows is None:
-            self._file = path.open("wb")
-            self._file.write(_header(columns))
+            with naming(path):
+                self._file = path.open("wb", buffering=0)
+                self._put(_header(columns))
             self._written = 0
         else:
             start = _start(path, columns, rows)
-            self._file = path.open("r+b")
+            self._file = path.open("r+b", buffering=0)
             self._file.truncate(start + rows * len(columns) * DOUBLE.itemsize)
             self._file.seek(0, os.SEEK_END)
             self._written = rows
@@ -76,17 +78,38 @@ class Journal:
         row[0] = time
         row[1:] = values
         self._held += 1
-        if self._held == HELD or clock.monotonic() - self._flushed >= self._held_for:
-            self.flush()
+
+    @property
+    def due(self) -> bool:
+        """It has to be flushed before another row is appended."""
+        return self._held == HELD or clock.monotonic() - self._flushed >= self._held_for
 
     def flush(self) -> None:
         """Hand what is in memory to the operating system: from now on it survives the process."""
-        if self._held:
-            self._file.write(self._rows[: self._held].data)
-            self._written += self._held
-            self._held = 0
-        self._file.flush()
+        with naming(self.path):
+            self._write()
         self._flushed = clock.monotonic()
+
+    def _write(self) -> None:
+        """What is in memory; where there is no room for all of it, as many whole rows as there is."""
+        rows, self._held = self._held, 0
+        data = memoryview(self._rows[:rows]).cast("B") if rows else memoryview(b"")
+        before = self._file.tell()
+        try:
+            self._put(data)
+        except OSError:
+            whole = (self._file.tell() - before) // self._rows[0].nbytes
+            self._file.seek(before + whole * self._rows[0].nbytes)
+            self._file.truncate()
+            self._written += whole
+            raise
+        self._written += rows
+
+    def _put(self, data: bytes | memoryview) -> None:
+        """All of it; OSError where there is room for a part only, which is written then."""
+        left = memoryview(data)
+        while left:
+            left = left[self._file.write(left) or 0 :]
 
     def sync(self) -> None:
         """Down to the disk: from now on it survives the machine."""
@@ -94,8 +117,10 @@ class Journal:
         os.fsync(self._file.fileno())
 
     def close(self) -> None:
-        self.flush()
-        self._file.close()
+        try:
+            self.flush()
+        finally:
+            self._file.close()
 
 
 class Recorded:
@@ -105,6 +130,13 @@ class Recorded:
         self.path = path
         self.columns, self._start = _read_header(path)
         self.rows = (path.stat().st_size - self._start) // (len(self.columns) * DOUBLE.itemsize)
+
+    def last_time(self) -> float | None:
+        """Of the last whole row (s)."""
+        if not self.rows:
+            return None
+        width = len(self.columns) * DOUBLE.itemsize
+        return float(np.fromfile(self.path, DOUBLE, 1, offset=self._start + (self.rows - 1) * width)[0])
 
     def blocks(self, rows: int) -> Iterator[Vector]:
         """The rows in order, at most `rows` at a time (rows x columns)."""

@@ -1,8 +1,7 @@
-"""Observers that record a run: into the result file, and as CSV in the FMI cross-check layout."""
+"""The observer that records a run, in journals of which result and CSV are made."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +10,7 @@ import numpy as np
 
 from models.quantities import Quantity, Vector
 
-from .journal import FLUSH_SECONDS, START_OVER, SUFFIX, Journal, JournalError
+from .journal import FLUSH_SECONDS, SUFFIX, Journal
 from .plain_data import Plain
 from .stepping import REASONS, Step
 
@@ -74,6 +73,10 @@ class ResultRecorder:
             )
             self._steps.append(time, self._step)
         self._count += 1
+        # Both at once: of a process that is killed, the groups end together.
+        if self._coupled.due or self._steps.due:
+            self._coupled.flush()
+            self._steps.flush()
 
     def state(self) -> dict[str, Plain]:
         self._coupled.sync()
@@ -89,45 +92,7 @@ class ResultRecorder:
         self._open(names, state["coupled"], state["steps"])
 
     def end(self, complete: bool, message: str) -> None:
-        self._coupled.close()
-        self._steps.close()
-
-
-class CsvRecorder:
-    """Writes "time","instance.variable",... in SI units, every n-th macro step; with `at_once` every line is
-    in the file when its step is over."""
-
-    def __init__(self, path: Path, every: int, at_once: bool = False) -> None:
-        self._path = path
-        self._every = every
-        self._buffering = 1 if at_once else 1 << 20
-        self._count = 0
-
-    def begin(self, names: Sequence[str]) -> None:
-        self._file = self._path.open("w", encoding="utf-8", newline="\n", buffering=self._buffering)
-        quoted = (name.replace('"', '""') for name in ("time", *names))
-        self._file.write(",".join(f'"{name}"' for name in quoted) + "\n")
-
-    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if self._count % self._every == 0:
-            # repr: the shortest text that reads back as the same number.
-            self._file.write(",".join(map(repr, (time, *outputs().tolist()))) + "\n")
-        self._count += 1
-
-    def state(self) -> dict[str, Plain]:
-        self._file.flush()
-        os.fsync(self._file.fileno())
-        return {"count": self._count, "bytes": self._file.tell()}
-
-    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
-        size = self._path.stat().st_size if self._path.exists() else 0
-        if size < state["bytes"]:
-            raise JournalError(
-                f"{self._path}: has {size} bytes, of {state['bytes']} at the checkpoint; {START_OVER}"
-            )
-        self._count = state["count"]
-        os.truncate(self._path, state["bytes"])
-        self._file = self._path.open("a", encoding="utf-8", newline="\n", buffering=self._buffering)
-
-    def end(self, complete: bool, message: str) -> None:
-        self._file.close()
+        try:
+            self._coupled.close()
+        finally:
+            self._steps.close()

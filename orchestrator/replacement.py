@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
+import re
+from collections.abc import Iterator
 from pathlib import Path
+
+# What is said where there is no room for what is written: on the disk, in the user's quota, for the process.
+NO_ROOM = tuple(map(os.strerror, (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)))
 
 
 def replace(path: Path, content: bytes) -> None:
     """Give the file this content, down to the disk."""
     new = partial(path)
-    with new.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
+    try:
+        with naming(path), new.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError:
+        new.unlink(missing_ok=True)  # it takes room and is of no use
+        raise
     os.replace(new, path)
     # The name as well; on Windows a folder cannot be opened.
     with contextlib.suppress(PermissionError):
@@ -22,6 +32,24 @@ def replace(path: Path, content: bytes) -> None:
             os.fsync(folder)
         finally:
             os.close(folder)
+
+
+@contextlib.contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """An OSError of the block names the file, which one of writing does not; HDF5's is made such a one."""
+    try:
+        yield
+    except (OSError, RuntimeError) as error:
+        number = getattr(error, "errno", None) or _hdf5_number(error)
+        if number is None:
+            raise
+        raise OSError(number, os.strerror(number), str(path)) from error
+
+
+def _hdf5_number(error: Exception) -> int | None:
+    """HDF5 has the number in its words, in errors of several kinds."""
+    found = re.search(r"errno = (\d+)", str(error))
+    return int(found[1]) if found else None
 
 
 def partial(path: Path) -> Path:

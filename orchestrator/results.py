@@ -19,7 +19,7 @@ import numpy as np
 from models.quantities import Quantity, Vector
 
 from .journal import TIME, Recorded
-from .replacement import partial
+from .replacement import naming, partial
 from .unfinished import unfinished
 
 if TYPE_CHECKING:
@@ -37,8 +37,13 @@ class ResultFile:
 
     def __init__(self, path: Path, attributes: Mapping[str, str]) -> None:
         self.path = path
-        # Chunks are written whole and read once; HDF5 would hold 1 MB of them for each variable.
-        self._hdf5 = h5py.File(partial(path), "w", rdcc_nbytes=CHUNK * 8)
+        try:
+            with naming(path):
+                # Chunks are written whole and read once; HDF5 would hold 1 MB of them for each variable.
+                self._hdf5 = h5py.File(partial(path), "w", rdcc_nbytes=CHUNK * 8)
+        except OSError:
+            partial(path).unlink(missing_ok=True)
+            raise
         self._file = h5netcdf.File(self._hdf5, "r+")
         self._quantities: dict[str, Mapping[str, Quantity]] = {}
         self._file.attrs["Conventions"] = "CF-1.10"
@@ -107,8 +112,9 @@ class ResultFile:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         try:
-            self._file.close()
-            self._hdf5.close()
+            with naming(self.path):
+                self._file.close()
+                self._hdf5.close()
             if self._finished:
                 os.replace(partial(self.path), self.path)
         finally:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import read
 from .job import Job
 from .journal import Recorded, journals
-from .output_folder import CSV, SCENARIO, SUMMARY, OutputFolderError, files, meant
+from .output_folder import SCENARIO, SUMMARY, OutputFolderError, files, meant
 from .report import Reporter
 from .run import begun, carry_out, written_result
 from .scenario_files import load
@@ -89,7 +88,7 @@ def _kept(job: Job) -> Summary:
     summary = begun(job.scenario)
     summary.resumable = False
     summary.message = (
-        "incomplete: the run was killed and has left no checkpoint (checkpoint_every = 0, or "
+        "incomplete: the run was stopped and has left no checkpoint (checkpoint_every = 0, or "
         "an FMU that cannot be serialised); the result is what it had recorded"
     )
     if names := [
@@ -99,20 +98,16 @@ def _kept(job: Job) -> Summary:
             f"; if one of its FMUs ended it ({', '.join(names)}), components.{names[0]}.process = 'own' says "
             "which and where"
         )
-    summary.macro_steps = _rows(job.folder, "steps")
-    _cut_to_lines(job.out / CSV)
+    until = {name: Recorded(path).last_time() for name, path in journals(job.folder).items()}
+    if len(set(until.values())) > 1:
+        said = (f"/{name} {'nothing' if t is None else f'until {t:g} s'}" for name, t in until.items())
+        summary.message += f"; of {', '.join(said)}"
+    # On a full disk only one may have been written any more.
+    records = _rows(job.folder, "coupled") - 1
+    summary.macro_steps = max(_rows(job.folder, "steps"), records * job.scenario.record_every)
     with written_result(job, summary):
         pass
     summary.write(job.out / SUMMARY)
     clear(job.folder)
     job.reporter.end(summary, job.out, files(job.out))
     return summary
-
-
-def _cut_to_lines(path: Path) -> None:
-    """Cut off a last line that was not written to its end."""
-    with path.open("r+b") as file:
-        size = file.seek(0, os.SEEK_END)
-        start = max(0, size - (1 << 20))
-        file.seek(start)
-        file.truncate(start + file.read().rfind(b"\n") + 1)

@@ -16,15 +16,16 @@ from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import Identity
 from .contact_course import courses
 from .coupled_run import run_coupled
+from .csv_file import write_csv
 from .diagnosis import Facts, diagnosed, steps_of, suggestions
 from .errors import CheckpointError, RefusedError, RunError
 from .job import Job
 from .journal import Recorded, journals
 from .judgement import judge
 from .notices import notices
-from .output_folder import FIGURES, RESULT, SCENARIO, SUMMARY, files, prepared
+from .output_folder import CSV, FIGURES, RESULT, SCENARIO, SUMMARY, files, prepared
 from .overload import overloads
-from .replacement import replace
+from .replacement import NO_ROOM, naming, replace
 from .report import Reporter
 from .results import ResultFile
 from .scenario import Scenario, ScenarioError
@@ -82,13 +83,38 @@ def carry_out(job: Job) -> Summary:
         if not refused:
             summary.wall_time_s = clock.perf_counter() - began
             summary.resumable &= (job.folder / CHECKPOINT).exists()
-            summary.write(job.out / SUMMARY)
+            if summary.message.endswith(NO_ROOM):
+                summary.message += f"; {_remedy(job)}"
+            told = _told(job, summary)
+    if not told:  # the summary of its beginning is left, and all that it needs to go on
+        return summary
     if not summary.resumable and (job.out / RESULT).exists():
         clear(job.folder)
     if summary.errors:
         job.reporter.errors(summary.errors)
     job.reporter.end(summary, job.out, files(job.out))
     return summary
+
+
+def _told(job: Job, summary: Summary) -> bool:
+    """The summary is written; where there is no room for it, a run without another fault is not complete."""
+    try:
+        summary.write(job.out / SUMMARY)
+    except OSError as error:
+        if summary.complete:
+            summary.complete, summary.exit_status = False, FAILED
+            summary.message = f"incomplete: {error.filename}: {error.strerror}; {_remedy(job)}"
+        return False
+    return True
+
+
+def _remedy(job: Job) -> str:
+    """Where a disk is full."""
+    if (job.folder / CHECKPOINT).exists():
+        return f"free some space, then tribocosim resume {job.out} goes on from the last checkpoint"
+    if (job.out / RESULT).exists():
+        return "there is no checkpoint to go on from; free some space and run it anew with --overwrite"
+    return f"free some space, then tribocosim resume {job.out} makes the result of what was recorded"
 
 
 def begun(scenario: Scenario) -> Summary:
@@ -125,9 +151,12 @@ def _stages(job: Job, summary: Summary) -> None:
 def written_result(job: Job, summary: Summary) -> Iterator[ResultFile]:
     """The result of what has been recorded, finished after the block as the summary says, and drawn."""
     with ResultFile(job.out / RESULT, _attributes(job.scenario, summary)) as result:
-        with job.reporter.stage("result file"):
-            for name, path in journals(job.folder).items():
-                result.take(name, Recorded(path))
+        with job.reporter.stage("result file"), naming(job.out / RESULT):
+            recorded = {name: Recorded(path) for name, path in journals(job.folder).items()}
+            for name, journal in recorded.items():
+                result.take(name, journal)
+        if "coupled" in recorded:
+            write_csv(job.out / CSV, recorded["coupled"])
         _diagnosed(job.scenario, result, summary)
         if result.length("coupled") > 1:
             read = partial(result.read, "coupled", rows=slice(None))

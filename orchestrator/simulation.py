@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -142,8 +143,9 @@ def simulate(
         raise
     finally:
         elapsed = clock.perf_counter() - began
-        for observer in observers:
-            observer.end(complete, message)
+        with ExitStack() as ends:  # all of them, whatever one raises
+            for observer in reversed(observers):
+                ends.callback(observer.end, complete, message)
     return Statistics(made, rejected, iterations, int(exchange.calls.sum()), elapsed)
 
 

@@ -46,11 +46,15 @@ def _judged(error: Exception) -> tuple[str, int]:
     from models.system import ModelError
 
     from ..errors import MistakeError, RunError
+    from ..replacement import NO_ROOM
 
     if isinstance(error, (MistakeError, ModelError)):
         return str(error), MISTAKE
     if isinstance(error, RunError):
         return str(error), FAILED
+    if isinstance(error, OSError) and error.filename and error.strerror in NO_ROOM:
+        remedy = "free some space and repeat the command (a run that was begun: tribocosim resume)"
+        return f"{error.filename}: {error.strerror}; {remedy}", FAILED
     return f"unexpected {type(error).__name__}: {error} (TRIBOCOSIM_DEBUG=1 shows where)", FAILED
 
 

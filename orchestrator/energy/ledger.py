@@ -120,6 +120,8 @@ class Ledger:
         self._until = time
         if self._journal:
             self._journal.append(time, now)
+            if self._journal.due:
+                self._journal.flush()
 
     def end(self, complete: bool, message: str) -> None:
         if self._journal:

@@ -19,7 +19,7 @@ from typing import Any
 
 from rich.console import Console
 
-from orchestrator import checkpoint, journal, recording, replacement, results
+from orchestrator import checkpoint, csv_file, journal, replacement, results
 from orchestrator.command_line.fmu import built
 from orchestrator.report import Reporter
 from orchestrator.resume import resume
@@ -106,7 +106,7 @@ class _Counted:
 def _die_at_call(number: int) -> None:
     """Of the calls of what writes runs; libraries make others."""
     counted: Any = _Counted(number)
-    journal.os = recording.os = replacement.os = results.os = counted
+    csv_file.os = journal.os = replacement.os = results.os = counted
 
 
 def _time(out: Path) -> float:

@@ -186,7 +186,7 @@ def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
     for line in process.stdout:
         if line.startswith("coupled run"):
             break
-    while not (out / "coupled.csv").exists() and process.poll() is None:
+    while not (out / "unfinished" / "coupled.journal").exists() and process.poll() is None:
         pass
     try:
         process.wait(2.0)

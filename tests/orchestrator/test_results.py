@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from models.quantities import Quantity
+from orchestrator.csv_file import ROWS, write_csv
 from orchestrator.journal import HELD, Journal, JournalError, Recorded, journals
-from orchestrator.recording import CsvRecorder, ResultRecorder
+from orchestrator.recording import ResultRecorder
 from orchestrator.results import CHUNK, ResultFile, open_result
 from orchestrator.stepping import Step
 
@@ -87,17 +88,18 @@ def test_a_file_takes_time_proportional_to_its_variables(tmp_path: Path) -> None
 
 
 def test_csv_is_in_cross_check_layout_and_exact(tmp_path: Path) -> None:
-    recorder = CsvRecorder(tmp_path / "out.csv", every=2)
+    recorder = ResultRecorder(tmp_path, QUANTITIES, every=2)
     recorder.begin(list(QUANTITIES))
     values = np.array([1.0 / 3.0, 1e-300])
-    for i in range(5):
+    for i in range(2 * ROWS + 3):
         recorder.observe(0.1 * i, values.copy, Step(0.1 * i, 1.0, 1))
     recorder.end(True, "")
+    write_csv(tmp_path / "out.csv", Recorded(journals(tmp_path)["coupled"]))
     with (tmp_path / "out.csv").open() as file:
         first = file.readline().strip()
         rows = [[float(text) for text in row] for row in csv.reader(file)]
     assert first == '"time","contact.load","spring.coil_position[1]"'
-    assert rows == [[0.1 * i, *values] for i in (0, 2, 4)]
+    assert rows == [[0.1 * i, *values] for i in range(0, 2 * ROWS + 3, 2)]
 
 
 def _in_a_process(code: str) -> subprocess.CompletedProcess[str]:
@@ -129,6 +131,40 @@ def test_what_was_flushed_survives_a_killed_process(tmp_path: Path) -> None:
     rows = np.concatenate(list(recorded.blocks(1000)))
     assert np.array_equal(rows[:, 1], np.arange(recorded.rows))
     assert recorded.columns["contact.load"] == QUANTITIES["contact.load"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits the size of files")
+@pytest.mark.parametrize("room", [0, 1, 23, 24, 1000])
+def test_of_a_journal_without_room_all_whole_rows_are_kept_and_its_name_is_told(
+    tmp_path: Path, room: int
+) -> None:
+    """The process may write `room` bytes after the header: a write is cut short as on a full disk."""
+    done = _in_a_process(f"""
+        import resource, signal
+        import numpy as np
+        from pathlib import Path
+        from orchestrator.journal import Journal
+        from tests.orchestrator.test_results import QUANTITIES
+        path = Path({str(tmp_path / "coupled.journal")!r})
+        journal = Journal(path, QUANTITIES)
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        most = path.stat().st_size + {room}
+        resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+        for i in range(100):
+            journal.append(i, np.array([i, -i]))
+        for write in (journal.flush, journal.close):
+            try:
+                write()
+            except OSError as error:
+                print(error.filename)
+    """)
+    assert done.stdout.splitlines() == [str(tmp_path / "coupled.journal")], done.stderr
+    recorded = Recorded(tmp_path / "coupled.journal")
+    assert recorded.rows == room // 24
+    assert recorded.last_time() == (room // 24 - 1 if room >= 24 else None)
+    rows = np.concatenate([np.zeros((0, 3)), *recorded.blocks(10)])
+    assert np.array_equal(rows, np.outer(np.arange(room // 24), [1, 1, -1]))
+    assert (tmp_path / "coupled.journal").read_bytes().split(b"\n", 1)[1] == rows.tobytes()
 
 
 def _filled(path: Path, rows: range, continued: int | None = None) -> bytes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import os
 import shutil
@@ -10,14 +11,18 @@ import subprocess
 import sys
 import zipfile
 from pathlib import Path
+from typing import Any
 
+import h5py
 import pytest
 import xarray
 from rich.console import Console
 
 from models.system import ModelError
+from orchestrator import checkpoint
 from orchestrator.command_line.fmu import built
 from orchestrator.errors import CheckpointError, MistakeError
+from orchestrator.journal import Journal, Recorded
 from orchestrator.output_folder import OutputFolderError
 from orchestrator.report import Reporter
 from orchestrator.results import open_result
@@ -161,11 +166,12 @@ def _refused(out: Path, words: str) -> None:
 
 def test_what_came_after_the_checkpoint_is_forgotten(killed: Path, whole: Path) -> None:
     """Rows and lines that were begun, and files that were not whole."""
-    for path in (*(killed / "unfinished").glob("*.journal"), killed / "coupled.csv"):
+    for path in (killed / "unfinished").glob("*.journal"):
         with path.open("ab") as file:
             file.write(b"1.5,torn" * 77)
     (killed / "unfinished" / "checkpoint.partial").write_bytes(b"torn")
     (killed / "result.nc.partial").write_bytes(b"torn")
+    (killed / "coupled.csv.partial").write_bytes(b"torn")
     assert resume(killed, built, _quiet(), figures=False).complete
     _same(killed, whole)
 
@@ -182,18 +188,13 @@ def test_a_damaged_checkpoint_is_refused(killed: Path) -> None:
 
 
 def test_lost_records_are_noticed_and_may_be_put_back(killed: Path, whole: Path) -> None:
-    journal, csv = killed / "unfinished" / "coupled.journal", killed / "coupled.csv"
+    journal = killed / "unfinished" / "coupled.journal"
     rows = journal.read_bytes()
     journal.write_bytes(rows[: rows.index(b"\n") + 1])
     _refused(killed, "coupled.journal: has 0 rows, of .* at the checkpoint")
     journal.unlink()
     _refused(killed, "coupled.journal: cannot be read")
     journal.write_bytes(rows)
-    lines = csv.read_bytes()
-    csv.write_bytes(b"")
-    with pytest.raises(CheckpointError, match=r"coupled.csv: has 0 bytes.*--overwrite"):
-        resume(killed, built, _quiet(), figures=False)
-    csv.write_bytes(lines)
     assert resume(killed, built, _quiet(), figures=False).complete
     _same(killed, whole)
 
@@ -271,8 +272,9 @@ def test_killed_while_it_tidied_up_it_is_complete(killed: Path, whole: Path) -> 
 
 def test_without_a_checkpoint_what_was_recorded_is_kept_and_marked(killed: Path) -> None:
     (killed / "unfinished" / "checkpoint").unlink()
-    with (killed / "coupled.csv").open("ab") as file:
+    with (killed / "unfinished" / "coupled.journal").open("ab") as file:
         file.write(b"1.5,torn")
+    rows = Recorded(killed / "unfinished" / "coupled.journal").rows
     done = resume(killed, built, _quiet(), figures=False)
     assert (done.complete, done.exit_status, done.resumable) == (False, 3, False)
     assert "no checkpoint" in done.message
@@ -283,7 +285,78 @@ def test_without_a_checkpoint_what_was_recorded_is_kept_and_marked(killed: Path)
         assert "no checkpoint" in tree.attrs["message"]
         times = tree["coupled"]["time"].values.tolist()
         assert tree["steps"].sizes["time"] == done.macro_steps >= len(times) - 1 > 0
-    assert [float(line.split(",")[0]) for line in lines[1:]] == times[: len(lines) - 1]
+    assert [float(line.split(",")[0]) for line in lines[1:]] == times
+    assert len(times) == rows
+
+
+def test_where_steps_and_records_end_apart_each_is_kept_and_told(killed: Path) -> None:
+    """As a full disk leaves them."""
+    (killed / "unfinished" / "checkpoint").unlink()
+    journal = killed / "unfinished" / "steps.journal"
+    found = Recorded(journal)
+    whole, width = found.rows, 8 * len(found.columns)
+    os.truncate(journal, journal.stat().st_size - (whole - 1) * width)
+    left = Recorded(journal)
+    until = left.last_time()
+    records = Recorded(journal.with_name("coupled.journal")).rows
+    assert left.rows == 1 < records
+    done = resume(killed, built, _quiet(), figures=False)
+    assert f"/steps until {until:g} s" in done.message
+    every = load(str(killed / "scenario.toml")).record_every
+    assert done.macro_steps == max(left.rows, every * (records - 1))
+    with open_result(killed) as tree:
+        assert tree["steps"].sizes["time"] == left.rows
+        assert tree["coupled"].sizes["time"] == records
+
+
+class _Disk:
+    """Of `room` bytes for journals, and none for another file once they are full."""
+
+    def __init__(self, room: int, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.room = room
+        self._write = Journal._put
+        monkeypatch.setattr(Journal, "_put", lambda journal, data: self._put(journal, data))
+        self._file = h5py.File
+        monkeypatch.setattr(h5py, "File", self._opened)
+
+    def _put(self, journal: Journal, data: bytes) -> None:
+        part, self.room = data[: self.room], max(0, self.room - len(data))
+        self._write(journal, part)
+        if len(part) < len(data):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def _opened(self, path: Path, *arguments: Any, **options: Any) -> Any:
+        """HDF5's own words about a disk that is full."""
+        if not self.room:
+            raise OSError(f"Unable to create file (errno = {errno.ENOSPC}, error message = 'No space')")
+        return self._file(path, *arguments, **options)
+
+
+@pytest.mark.parametrize("every", ["checkpoint_every=0", EVERY])
+def test_a_full_disk_is_told_and_no_record_on_it_is_lost(
+    every: str, whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(checkpoint, "SHARE", 1.0)
+    out, scenario = tmp_path / "out", load("valve-train", [*SHORT, every])
+    with monkeypatch.context() as full:
+        _Disk(30_000, full)
+        summary = run(scenario, out, built, _quiet(), figures=False)
+        assert (summary.complete, summary.exit_status) == (False, 3)
+        goes_on = "goes on from the last checkpoint" if every == EVERY else "makes the result of what was"
+        assert str(out) in summary.message
+        assert f"No space left on device; free some space, then tribocosim resume {out} {goes_on}" in (
+            summary.message
+        )
+        assert json.loads((out / "summary.json").read_text())["message"] == summary.message
+    kept = Recorded(out / "unfinished" / "coupled.journal").rows
+    assert kept > 1
+    done = resume(out, built, _quiet(), figures=False)
+    if every == EVERY:
+        _same(out, whole)
+        return
+    assert done.exit_status == 3
+    with open_result(out) as tree:
+        assert tree["coupled"].sizes["time"] == kept == len((out / "coupled.csv").read_text().split()) - 1
 
 
 def test_a_run_that_fails_leaves_nothing_to_resume(tmp_path: Path) -> None:
