@@ -66,11 +66,16 @@ def _no_binary(path: Path, about: Description) -> str:
     here = fmpy.platform_tuple if about.version == "3.0" else fmpy.platform
     with zipfile.ZipFile(path) as archive:
         names = archive.namelist()
-    if f"binaries/{here}/{about.identifier}{fmpy.sharedLibraryExtension}" in names:
+    wanted = f"{about.identifier}{fmpy.sharedLibraryExtension}"
+    if f"binaries/{here}/{wanted}" in names:
         return ""
+    libraries = [name for name in names if name.endswith(fmpy.sharedLibraryExtension)]
+    if other := [name for name in libraries if name.startswith(f"binaries/{here}/")]:
+        found = ", ".join(other)
+        return f"has no binaries/{here}/{wanted}, its modelIdentifier, but {found}; rename one of them"
     parts = [name.split("/") for name in names]
-    found = sorted({part[1] for part in parts if part[0] == "binaries" and len(part) > 2})
-    return f"has no binary for {here} (it has {', '.join(found) or 'none'}); give a file that has one"
+    places = sorted({part[1] for part in parts if part[0] == "binaries" and len(part) > 2})
+    return f"has no binary for {here} (it has {', '.join(places) or 'none'}); give a file that has one"
 
 
 def _fault(scenario: Scenario, name: str, about: Description) -> str:

@@ -17,6 +17,7 @@ from .errors import RunError
 from .interruption import Interruption
 from .job import Job
 from .journal import FLUSH_SECONDS
+from .not_numbers import NotNumbers
 from .output_folder import SUMMARY
 from .participants import FmuParticipant, InOwnProcess, Participant
 from .plain_data import Plain
@@ -35,9 +36,9 @@ def run_coupled(
     quantities = assembly.output_quantities(system)
     # An FMU that may end this process at any moment must not take records along.
     exposed = any(table.unknown and not table.apart for table in scenario.components.values())
-    recorders: list[Observer] = [
-        ResultRecorder(job.folder, quantities, every, held_for=0.0 if exposed else FLUSH_SECONDS),
-    ]
+    held_for = 0.0 if exposed else FLUSH_SECONDS
+    not_numbers = NotNumbers(every)
+    recorders: list[Observer] = [ResultRecorder(job.folder, quantities, every, held_for), not_numbers]
     ledger = None
     if scenario.energy.ledger:
         system = estimated(counted(system, assembly.counting_instances(scenario, system)))
@@ -69,6 +70,7 @@ def run_coupled(
             summary.coupled_time_s = counter.time_s
             summary.energy = ledger.account() if ledger else None
             summary.warnings = _warnings(units)
+            summary.not_numbers = not_numbers.since
             for participant in participants.values():
                 participant.close()
     summary.do_steps = statistics.do_steps

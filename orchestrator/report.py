@@ -136,6 +136,10 @@ class Reporter:
         for name, given in summary.warnings.items():
             first = f", the first: {given.first}" if given.first else "; it does not say of what"
             self.line(f"{name}: the FMU gave {given.count} warning{'s' * (given.count > 1)}{first}")
+        for name, since in summary.not_numbers.items():
+            self.line(
+                f"{name}: not a number (NaN) from t = {since:.6g} s on, or at times; look at its participant"
+            )
         if summary.complete:
             self.line(f"{summary.scenario}: {summary.verdict}")
         if summary.resumable:

@@ -59,6 +59,7 @@ class Summary:
     steps: Diagnosis | None = None
     suggestions: list[str] = field(default_factory=list)
     warnings: dict[str, Warnings] = field(default_factory=dict)
+    not_numbers: dict[str, float] = field(default_factory=dict)  # since when (s) an output was NaN
     fmus: dict[str, str] = field(default_factory=dict)
 
     def content(self) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from fmpy.fmi3 import FMU3Slave
 
 from models.quantities import Vector
 
+from ..errors import ParticipantError
 from .bound_calls import BoundCalls, Wholes
 from .description import REALS, TRUTHS, Description, Variable
 from .standard import DISCARD, WARNING
@@ -26,6 +27,8 @@ HELD = {"Enumeration": "Int64"}
 ENDED, EARLY = 1, 2
 # Returns on the way through one step, before it counts as one that does not get on.
 MAXIMUM_RETURNS = 10_000
+# Of times, relative: a sum of steps and their end as the FMU counts it.
+ROUNDING = 1e-12
 
 
 class Fmi3(BoundCalls):
@@ -41,6 +44,7 @@ class Fmi3(BoundCalls):
             modelIdentifier=description.identifier,
             instanceName=name,
         )
+        self._name = name
         self._early = description.returns_early
         # What a step tells: event, end, early return (a byte each); at 8 the time that it has reached.
         self._told = np.zeros(2)
@@ -147,9 +151,21 @@ class Fmi3(BoundCalls):
                     return
                 if status > WARNING or marks[ENDED]:
                     break
+                if not begin.value <= told[1] <= end + abs(end) * ROUNDING:
+                    raise ParticipantError(
+                        f"{self._name}: came back early from its step from t = {begin.value:.9g} s and says "
+                        f"that it has reached t = {told[1]:.9g} s (lastSuccessfulTime): must not be "
+                        f"earlier, and at most {end:.9g} s; the FMU is at fault, ask who made it"
+                    )
                 begin.value, duration.value = told[1], end - told[1]
                 if duration.value <= 0.0:
                     return
+            else:
+                raise ParticipantError(
+                    f"{self._name}: came back early {MAXIMUM_RETURNS} times from its step from "
+                    f"t = {time:.9g} s by {step:g} s, and is at t = {told[1]:.9g} s; take a smaller "
+                    "macro_step, or ask who made it"
+                )
             fail(max(status, DISCARD), time, step)
 
         return advance

@@ -213,6 +213,13 @@ MODELS["early"] = Model(
     "if (h > 6e-3) { $x *= exp(-$k * h / 2); m->reached = t + h / 2; return EARLY; } " + EXPONENTIAL,
     abilities='mightReturnEarlyFromDoStep="true" ',
 )
+# Come back early without having got anywhere, from before the step, and from no time at all.
+for _name, _reached in {"stuck": "t", "backwards": "t - 1", "timeless": "0.0 / 0.0"}.items():
+    MODELS[_name] = replace(
+        MODELS["early"], step=f"if (t > 0.495) {{ m->reached = {_reached}; return EARLY; }} " + EXPONENTIAL
+    )
+# Is a number until half of the run.
+MODELS["vanishing"] = replace(MODELS["dahlquist"], step=EXPONENTIAL + " if (t > 0.495) $x = 0.0 / 0.0;")
 # These give their rates by the standard's call only.
 MODELS["called"] = replace(
     MODELS["sprung"],

@@ -92,6 +92,17 @@ def test_a_file_for_another_platform_is_refused(version: int, tmp_path: Path) ->
         system_of(scenario({"one": {"participant": other}}))
 
 
+def test_a_library_of_another_name_is_named(tmp_path: Path) -> None:
+    path, other = fmu("dahlquist", 2, tmp_path), tmp_path / "other.fmu"
+    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:
+        for name in archive.namelist():
+            target.writestr(name.replace("/dahlquist.", "/decay."), archive.read(name))
+    with pytest.raises(
+        ScenarioError, match=r"has no binaries/\S+/dahlquist\.\S+, .*but binaries/\S+/decay\."
+    ):
+        system_of(scenario({"one": {"participant": other}}))
+
+
 def test_two_of_an_fmu_that_fills_its_process_take_processes_of_their_own(tmp_path: Path) -> None:
     path = fmu("single", 2, tmp_path)
     twice = {"one": {"participant": path}, "other": {"participant": path}}

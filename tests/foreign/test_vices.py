@@ -11,6 +11,7 @@ import sys
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fmus.build import build
@@ -181,3 +182,33 @@ def test_a_process_ends_when_it_is_told(tmp_path: Path) -> None:
     process = unit._process
     unit.close()
     assert process.returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("vice", "said"),
+    [
+        (
+            "stuck",
+            r"decay: came back early 10000 times from its step from t = 0.5 s by 0.01 s, and is at t = 0.5",
+        ),
+        (
+            "backwards",
+            r"decay: came back early .*reached t = -0.5 s \(lastSuccessfulTime\): must not be earlier",
+        ),
+        ("timeless", r"decay: came back early .*reached t = nan s \(lastSuccessfulTime\)"),
+    ],
+)
+def test_times_that_cannot_be_are_not_believed(vice: str, said: str, tmp_path: Path) -> None:
+    summary, found = ran(case(fmu(vice, 3, tmp_path), "shared"), tmp_path / "out")
+    assert summary.exit_status == 3
+    assert re.search(said, summary.message), summary.message
+    assert len(found["time"]) == 51
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_outputs_that_are_no_numbers_are_told(version: int, tmp_path: Path) -> None:
+    """Also where nothing takes them."""
+    summary, found = ran(case(fmu("vanishing", version, tmp_path), "shared"), tmp_path / "out")
+    assert np.isnan(found["decay.x"][51:]).all()
+    assert list(summary.not_numbers) == ["decay.x"]
+    assert summary.not_numbers["decay.x"] == pytest.approx(found["time"][51])

@@ -1,0 +1,45 @@
+"""Outputs that were no numbers (NaN) in a run.
+
+What is connected ends a run at once (`exchange`); what is only recorded does not, and is told at the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from models.quantities import Vector
+
+from .plain_data import Plain
+from .stepping import Step
+
+
+class NotNumbers:
+    """Observer of every n-th macro step: `since` has, by output, the first time (s) at which it was NaN."""
+
+    def __init__(self, every: int) -> None:
+        self._every = every
+        self._count = 0
+        self.since: dict[str, float] = {}
+
+    def begin(self, names: Sequence[str]) -> None:
+        self._names = list(names)
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        if self._count % self._every == 0:
+            bad = np.isnan(outputs())
+            if bad.any():
+                for i in np.flatnonzero(bad):
+                    self.since.setdefault(self._names[i], time)
+        self._count += 1
+
+    def state(self) -> dict[str, Plain]:
+        return {"count": self._count, "since": dict(self.since)}
+
+    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
+        self.begin(names)
+        self._count, self.since = state["count"], dict(state["since"])
+
+    def end(self, complete: bool, message: str) -> None:
+        pass
