@@ -26,8 +26,7 @@ def rows() -> Iterator[Row]:
         "remedy, and no crash at exit, tested in a C host and in another importer; documented",
         f"pythonfmu {metadata.version('pythonfmu')}; a C program {'runs' if ready else 'cannot run'} here, "
         "with the library loaded before and with an FMU that loads it (`fmu build --libpython`), to the "
-        "last bit, "
-        "with the instance freed and kept at exit, below 1 ms a step; libcosim "
+        "last bit, with the instance freed and kept at exit, below 1 ms a step; libcosim "
         f"{'is missing' if missing('libcosim') else 'runs'}; docs/fmus.md, “What a host needs”",
         (
             IMPORTERS + "test_c_program",

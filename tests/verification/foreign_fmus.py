@@ -30,8 +30,7 @@ def rows() -> Iterator[Row]:
             "foreign/test_refused.py::test_two_of_an_fmu_that_fills_its_process_take_processes_of_their_own",
         ),
         short="texts and binary values, structural parameters that must be set, clocks and event mode of "
-        "other "
-        "tools' FMUs are not supported (they run without event mode).",
+        "other tools' FMUs are not supported (they run without event mode).",
     )
 
 
@@ -45,8 +44,7 @@ def _decay(folder: Path) -> Row:
             said.append(f"FMI {version}, process {process}: {error:.0e}")
     return Row(
         "any FMI 2 or 3 Co-Simulation FMU can be a participant in a scenario file, in-process or in a "
-        "process of "
-        "its own",
+        "process of its own",
         f"{len(MODELS) - len(VICES)} FMUs written in C here; x' = -x against its closed form: "
         f"{'; '.join(said)}",
         (

@@ -53,8 +53,7 @@ def _revolution(folder: Path) -> Row:
     equal = all(np.array_equal(column, other[name]) for name, column in one.items())
     return Row(
         "native against Python FMU: results equal to 1e-12 relative over a cam revolution, and bit-equal to "
-        "the "
-        "numba kernels where the same libm is used",
+        "the numba kernels where the same libm is used",
         f"valve-train coupled for {length:g} s, {steps} macro steps, {len(one) - 1} outputs: "
         + ("every recorded number equal to the last bit" if equal else f"at most {worst:.1e} ({where})"),
         (
@@ -81,8 +80,7 @@ def _lives(folder: Path) -> Iterator[Row]:
         said.append(f"{name} in {time.perf_counter() - began:.0f} s")
     yield Row(
         "10⁶ create/free/step/rollback cycles under valgrind or a sanitizer in the C host without a leak or "
-        "an "
-        "invalid access (representative part in CI)",
+        "an invalid access (representative part in CI)",
         f"{LIVES} lives each under the sanitizers of addresses, leaks and undefined behaviour: "
         f"{', '.join(said)}; "
         "nothing found"

@@ -36,8 +36,7 @@ def rows() -> Iterator[Row]:
     yield Row(
         "foreign SSPs with third-party FMUs (the Modelica Reference-FMUs' kind) run in our master",
         "packages written as other tools write them, with FMUs in C of FMI 2 and 3: nested systems, units "
-        "and "
-        "transformations, parameter sets and mappings, signal dictionaries; libcosim and ecos run ours",
+        "and transformations, parameter sets and mappings, signal dictionaries; libcosim and ecos run ours",
         (
             FOREIGN + "test_a_package_runs_as_it_is",
             FOREIGN + "test_connections_pass_through_nested_systems",
@@ -60,12 +59,10 @@ def _round_trips(folder: Path) -> Row:
             lost.append(name)
     return Row(
         "every scenario exports to an `.ssp` (SSD with units and connector kinds, SSV, SSM, FMUs inside, "
-        "solver "
-        "annotation) and imports from one, round trip without loss",
+        "solver annotation) and imports from one, round trip without loss",
         f"{len(names)} of {len(shipped())} shipped scenarios made into packages, valid by the schemas, and "
-        "back: "
-        f"{len(lost)} differ (values are named as the FMUs' variables, so ours need no SSM; others' are "
-        f"read); the others ({', '.join(LONG)}) are a long test",
+        f"back: {len(lost)} differ (values are named as the FMUs' variables, so ours need no SSM; others' "
+        f"are read); the others ({', '.join(LONG)}) are a long test",
         (ROUND + "test_every_shipped_scenario_comes_back",),
         command="tribocosim ssp export valve-train",
         short=f"differ: {', '.join(lost)}." if lost else "",
