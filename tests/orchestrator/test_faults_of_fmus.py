@@ -24,11 +24,12 @@ from orchestrator.participants import fmu
 from orchestrator.scenario_files import load
 from orchestrator.simulation import simulate
 
+from .commands import SHORT, tribocosim
 from .faulty import Faulty
 from .faulty_runs import simulated
 from .recorder import Recorder
 from .small_fmus import small_fmu
-from .test_command_line import SHORT, _tampered, tribocosim
+from .test_fmu_commands import _tampered
 from .two_masses import two_masses
 
 FIXED = 1e-2

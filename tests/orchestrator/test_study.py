@@ -17,7 +17,7 @@ import xarray
 
 from orchestrator.study.files import load
 
-from .test_command_line import ROOT, said, tribocosim
+from .commands import ROOT, said, tribocosim
 
 ANALYSIS = "tests.orchestrator.studied"
 GRID = """

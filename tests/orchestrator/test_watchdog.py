@@ -24,10 +24,11 @@ from orchestrator.summary import Summary
 from orchestrator.watchdog import GRACE_SECONDS, Watchdog
 from orchestrator.watchdog_process import CALLS
 
+from .commands import ROOT, SHORT, tribocosim
 from .faulty import Faulty, once_after
 from .recorder import Recorder
 from .small_fmus import small_fmu
-from .test_command_line import ROOT, SHORT, _tampered, tribocosim
+from .test_fmu_commands import _tampered
 from .two_masses import two_masses
 
 STEP, STOP = 1e-2, 1.0

@@ -11,7 +11,7 @@ import pytest
 from orchestrator.scenario_files import load
 from tests.foreign.c_fmus import fmu
 from tests.foreign.runs import ran
-from tests.orchestrator.test_command_line import tribocosim
+from tests.orchestrator.commands import tribocosim
 
 from .packages import (
     binding,

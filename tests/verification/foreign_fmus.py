@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.foreign.c_fmus import MODELS, VICES, fmu
+from tests.foreign.c_fmus import fmu
+from tests.foreign.models import MODELS, VICES
 from tests.foreign.runs import ran, scenario
 
 from .table import Row

@@ -7,12 +7,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from fmus.build import build
-from tests.orchestrator.test_command_line import BROKEN, IN_PROCESS, _escaping, _tampered, _truncated
+from tests.orchestrator.commands import IN_PROCESS
+from tests.orchestrator.test_fmu_commands import BROKEN, _escaping, _tampered, _truncated
 
 from .shell import summary, tribocosim
 from .table import Row
 
 CLI = "orchestrator/test_command_line.py::"
+FMUS = "orchestrator/test_fmu_commands.py::"
 SCENARIO = "orchestrator/test_scenario.py::"
 MISTAKE = SCENARIO + "test_a_mistake_is_one_message_that_names_it"
 IMPOSSIBLE = SCENARIO + "test_an_impossible_system_is_one_message"
@@ -63,7 +65,7 @@ def _with(file: Path) -> list[str]:
 def _files(folder: Path) -> Iterator[Row]:
     camshaft, spoilt = build("camshaft", folder), folder / "spoilt.fmu"
     out = ("--out", str(folder / "refused"), "--overwrite")
-    test = CLI + "test_a_damaged_or_foreign_fmu_is_refused"
+    test = FMUS + "test_a_damaged_or_foreign_fmu_is_refused"
     _truncated(camshaft, spoilt)
     foreign = build("flywheel", folder / "foreign.fmu")
     said = [str(tribocosim("run", "valve-train", *_with(f), *out)) for f in (spoilt, foreign)]
@@ -90,7 +92,7 @@ def _failing(folder: Path) -> Iterator[Row]:
         short = "" if "reduce macro_step" in said.message else "the message names no remedy. "
         short += "The FMU itself says nothing." if "no message" in said.message else ""
         yield _row(
-            promise, [f"{said}; {state}"], CLI + "test_an_fmu_that_fails_in_mid_run_is_named", short=short
+            promise, [f"{said}; {state}"], FMUS + "test_an_fmu_that_fails_in_mid_run_is_named", short=short
         )
 
 

@@ -1,0 +1,229 @@
+"""Models of the FMUs in C (`c_fmus`), in the spirit of the Modelica Association's Reference-FMUs, and vices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+
+@dataclass(frozen=True)
+class V:
+    """A variable; `size` > 1 makes it an array, of FMI 3.0 only."""
+
+    name: str
+    causality: str = "local"
+    start: object = 0.0
+    type: str = "Float64"
+    unit: str = ""
+    initial: str = ""
+    size: int = 1
+    derivative: str = ""
+    more: str = ""
+
+    @property
+    def starts(self) -> list[float]:
+        values = self.start if isinstance(self.start, list) else [self.start] * self.size
+        return [float(value) for value in values]
+
+
+@dataclass(frozen=True)
+class Model:
+    """`step` is C that moves v from t to t + h (`h`), `output` C that computes outputs of v and inputs.
+
+    Variables are named in C by macros: `$name`. `depends`: the inputs of every output; `rates`: the variables
+    that are derivatives of outputs, for the standard's call.
+    """
+
+    variables: tuple[V, ...]
+    step: str = ""
+    output: str = ""
+    depends: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    abilities: str = 'canGetAndSetFMUstate="true" canSerializeFMUstate="true" '
+    variable_step: bool = True
+    rates: dict[str, str] = field(default_factory=dict)
+
+
+EXPONENTIAL = "$x = $x * exp(-$k * h);"
+MODELS = {
+    # dx/dt = -k x, exactly.
+    "dahlquist": Model((V("x", "output", 1.0, initial="exact"), V("k", "parameter", 1.0)), EXPONENTIAL),
+    # dx/dt = v, dv/dt = -g, v <- -e v where x falls through 0; by Euler's steps of 1 ms.
+    "ball": Model(
+        (
+            V("body.h", "output", 1.0, unit="m", initial="exact"),
+            V("body.v", "output", 0.0, unit="m/s", initial="exact"),
+            V("g", "parameter", 9.81),
+            V("e", "parameter", 0.7),
+            V("der(body.h)", "local", unit="m/s", derivative="body.h"),
+        ),
+        """
+        int n = (int)round(h / 1e-3);
+        for (int i = 0; i < n; i++) {
+            ${body.h} += 1e-3 * ${body.v};
+            ${body.v} -= 1e-3 * $g;
+            if (${body.h} < 0.0 && ${body.v} < 0.0) { ${body.h} = 0.0; ${body.v} = -$e * ${body.v}; }
+        }""",
+        "${der(body.h)} = ${body.v};",
+    ),
+    # Van der Pol's oscillator, driven; by Heun's steps of 1 ms at most.
+    "vanderpol": Model(
+        (
+            V("x", "output", 2.0, initial="exact"),
+            V("v", "output", 0.0, initial="exact"),
+            V("mu", "parameter", 1.0),
+            V("force", "input"),
+        ),
+        """
+        int n = (int)ceil(h / 1e-3 - 1e-9);
+        for (int i = 0; i < n; i++) {
+            double d = h / n, a = $mu * (1 - $x * $x) * $v - $x + $force;
+            double p = $x + d * $v, q = $v + d * a;
+            double b = $mu * (1 - p * p) * q - p + $force;
+            $x += 0.5 * d * ($v + q); $v += 0.5 * d * (a + b);
+        }""",
+        depends={"x": (), "v": ()},
+    ),
+    "feedthrough": Model(
+        (
+            V("real in", "input", unit="m"),
+            V("real out", "output", unit="m"),
+            V("whole_in", "input", 0, "Int32"),
+            V("whole_out", "output", 0, "Int32"),
+            V("truth_in", "input", False, "Boolean"),
+            V("truth_out", "output", False, "Boolean"),
+            V("offset", "parameter", 0.0),
+            V("count", "parameter", 0, "Int32"),
+            V("negate", "parameter", False, "Boolean"),
+        ),
+        output="${real out} = ${real in} + $offset; $whole_out = $whole_in + $count; "
+        "$truth_out = ($truth_in != 0) != ($negate != 0);",
+        depends={"real out": ("real in",), "whole_out": ("whole_in",), "truth_out": ("truth_in",)},
+    ),
+    # Counts the seconds.
+    "stair": Model((V("counter", "output", 0, "Int32"),), "$counter = floor(t + h + 1e-9);"),
+    # y = A x, dx/dt = u, exactly for held inputs; arrays.
+    "vector": Model(
+        (
+            V("x0", "parameter", [1.0, 2.0], size=2),
+            V("A", "parameter", [1.0, 0.0, 0.0, 1.0], size=4),
+            V("u", "input", [0.0, 0.0], size=2),
+            V("y", "output", [0.0, 0.0], size=2),
+            V("slope", "output", [0.0, 0.0], size=2, derivative="y"),
+            V("started", "local"),
+        ),
+        "for (int i = 0; i < 2; i++) (&$x0)[i] += h * (&$u)[i];",
+        """for (int i = 0; i < 2; i++) {
+            (&$y)[i] = (&$A)[2 * i] * (&$x0)[0] + (&$A)[2 * i + 1] * (&$x0)[1];
+            (&$slope)[i] = (&$A)[2 * i] * (&$u)[0] + (&$A)[2 * i + 1] * (&$u)[1];
+        }""",
+        depends={"y": (), "slope": ("u",)},
+    ),
+    # dy/dt = u, exactly for inputs that are cubics.
+    "integral": Model(
+        (V("y", "output"), V("u", "input"), V("u1"), V("u2"), V("u3")),
+        "$y += h * ($u + h / 2 * ($u1 + h / 3 * ($u2 + h / 4 * $u3)));",
+        abilities='canGetAndSetFMUstate="true" canInterpolateInputs="true" ',
+    ),
+    # A mass on a spring and a damper: m a = f - k x - d v, by Heun's steps of 0.1 ms at most.
+    "sprung": Model(
+        (
+            V("position", "output", unit="m", initial="exact"),
+            V("velocity", "output", unit="m/s", initial="exact"),
+            V("force", "input"),
+            V("mass", "parameter", 1.0),
+            V("stiffness", "parameter", 10.0),
+            V("damping", "parameter", 0.5),
+            V("der(position)", unit="m/s", derivative="position"),
+            V("der(velocity)", derivative="velocity"),
+        ),
+        """
+        int n = (int)ceil(h / 1e-4 - 1e-9);
+        for (int i = 0; i < n; i++) {
+            double d = h / n, a = ($force - $stiffness * $position - $damping * $velocity) / $mass;
+            double p = $position + d * $velocity, q = $velocity + d * a;
+            double b = ($force - $stiffness * p - $damping * q) / $mass;
+            $position += 0.5 * d * ($velocity + q); $velocity += 0.5 * d * (a + b);
+        }""",
+        "${der(position)} = $velocity; "
+        "${der(velocity)} = ($force - $stiffness * $position - $damping * $velocity) / $mass;",
+        depends={"position": (), "velocity": ()},
+        abilities='providesDirectionalDerivative="true" ',
+    ),
+    # What names may be.
+    "named": Model((V('a/b "c", [µ] <->', "output", 1.0, initial="exact"), V("der(x)", "output", 2.0)), ""),
+    "shaft": Model(
+        (V("speed", "output", 0.0, unit="r/min"), V("height", "input", unit="mm"),
+         V("reached", "output", unit="mm"),
+         V("air", "output", 20.0, unit="degC"), V("wall", "input", unit="K"), V("bare", "input"),
+         V("felt", "output", unit="K"), V("given", "output")),
+        "$speed = 60.0 * (t + h);",
+        "$reached = $height; $felt = $wall; $given = $bare;",
+        depends={"speed": (), "air": (), "reached": ("height",), "felt": ("wall",), "given": ("bare",)},
+    ),
+}  # fmt: skip
+
+LIMITED = "if (t > 0.495) "
+VICES = {
+    "crashing": "raise(SIGSEGV);",
+    "leaving": "_exit(7);",
+    "quitting": "exit(0);",
+    "aborting": "abort();",
+    "hanging": "for (;;) pause();",
+    "discarding": '{ say(m, DISCARD, "no way on"); return DISCARD; }',
+    "erring": '{ say(m, ERROR, "out of range"); return ERROR; }',
+    "fatal": '{ say(m, FATAL, "memory is gone"); return FATAL; }',
+    "ending": '{ m->reached = 0.5; say(m, OK, "has landed"); return ENDED; }',
+}
+for _name, _code in VICES.items():
+    _decay = MODELS["dahlquist"]
+    MODELS[_name] = Model(_decay.variables, f"{LIMITED}{_code} {EXPONENTIAL}")
+# Comes back halfway through every step that is longer than 6 ms.
+MODELS["early"] = Model(
+    MODELS["dahlquist"].variables,
+    "if (h > 6e-3) { $x *= exp(-$k * h / 2); m->reached = t + h / 2; return EARLY; } " + EXPONENTIAL,
+    abilities='mightReturnEarlyFromDoStep="true" ',
+)
+# Come back early without having got anywhere, from before the step, and from no time at all.
+for _name, _reached in {"stuck": "t", "backwards": "t - 1", "timeless": "0.0 / 0.0"}.items():
+    MODELS[_name] = replace(
+        MODELS["early"], step=f"if (t > 0.495) {{ m->reached = {_reached}; return EARLY; }} " + EXPONENTIAL
+    )
+# Is a number until half of the run.
+MODELS["vanishing"] = replace(MODELS["dahlquist"], step=EXPONENTIAL + " if (t > 0.495) $x = 0.0 / 0.0;")
+# These give their rates by the standard's call only.
+MODELS["called"] = replace(
+    MODELS["sprung"],
+    variables=tuple(replace(v, derivative="") for v in MODELS["sprung"].variables),
+    abilities='maxOutputDerivativeOrder="1" ',
+    rates={"position": "der(position)", "velocity": "der(velocity)"},
+)
+MODELS["called_vector"] = replace(
+    MODELS["vector"],
+    variables=tuple(replace(v, derivative="") for v in MODELS["vector"].variables),
+    abilities='maxOutputDerivativeOrder="1" ',
+    rates={"y": "slope"},
+)
+# Its output is right only when initialisation is over.
+MODELS["late"] = Model(
+    (V("x", "output"), V("x0", "parameter", 0.5)), output="if (m->initialised) $x = $x0;", depends={"x": ()}
+)
+# Says why in a message with arguments, as FMI 2.0 has them.
+MODELS["formatting"] = Model(
+    MODELS["dahlquist"].variables,
+    LIMITED
+    + '{ m->log->logger(m->environment, m->name, ERROR, "logStatus", "the %s of %s burst at %g s, 100 %%", '
+    f'"boiler", m->name, t); return ERROR; }} {EXPONENTIAL}',
+)
+# Warn of every step after half a second, with a message and without.
+for _name, _said in (("warning", 'say(m, WARNING, "getting hot"); '), ("muttering", "")):
+    MODELS[_name] = Model(
+        MODELS["dahlquist"].variables,
+        f"{EXPONENTIAL} {LIMITED}{{ {_said}m->reached = t + h; return WARNING; }}",
+    )
+# Goes on when its step has returned.
+MODELS["pending"] = Model(MODELS["dahlquist"].variables, f"{LIMITED}return 5; {EXPONENTIAL}")
+# Cannot be looked at.
+MODELS["blind"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, "raise(SIGSEGV);")
+MODELS["rigid"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, abilities="", variable_step=False)
+MODELS["single"] = Model(
+    MODELS["dahlquist"].variables, EXPONENTIAL, abilities='canBeInstantiatedOnlyOncePerProcess="true" '
+)

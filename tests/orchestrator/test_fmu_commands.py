@@ -1,0 +1,167 @@
+"""`tribocosim fmu`, and runs with FMUs that are damaged or fail."""
+
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from fmus.native import fmu as native
+from orchestrator.results import open_result
+
+from .commands import SHORT, called, said, tribocosim
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The camshaft's FMU as the command builds it."""
+    folder = tmp_path_factory.mktemp("fmu")
+    assert tribocosim("fmu", "build", "camshaft", "--out", str(folder)).returncode == 0
+    return folder / "camshaft.fmu"
+
+
+def test_fmu_commands(fmu: Path) -> None:
+    assert called("fmu", "validate", str(fmu)).returncode == 0
+    compared = called("fmu", "compare", str(fmu))
+    assert compared.returncode == 0
+    assert "agrees; largest" in compared.stdout
+    lines = called("fmu", "info", str(fmu)).stdout.splitlines()
+    (line,) = (line for line in lines if line.startswith("drive_angle "))
+    assert line.split()[:5] == ["drive_angle", "Real", "input", "continuous", "rad"]
+
+
+def test_an_fmu_is_renewed_and_another_one_replaced_with_a_word(tmp_path: Path) -> None:
+    build = ("fmu", "build", "coupled_mass", "--out", str(tmp_path))
+    assert not called(*build).stderr
+    assert not called(*build).stderr  # the same bytes
+    file = tmp_path / "coupled_mass.fmu"
+    file.write_bytes(b"of another tool")
+    assert said(called(*build)) == f"tribocosim: {file}: there was another file of this name; it is replaced"
+    assert zipfile.is_zipfile(file)
+
+
+def test_the_build_of_a_native_fmu_says_what_it_waits_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One line where no terminal shows the steps; nothing where the FMU is in the cache."""
+    monkeypatch.setenv("TRIBOCOSIM_CACHE", str(tmp_path))
+    monkeypatch.setattr(native, "_kernels", lambda *component: ("", ""))
+    monkeypatch.setattr(native, "shared_library", lambda *contents: b"")
+    build = ("fmu", "build", "coupled_mass", "--native", "--out", str(tmp_path))
+    assert said(called(*build)) == "tribocosim: building the native FMU coupled_mass (once; up to minutes)"
+    assert not called(*build).stderr
+    steps: list[str] = []
+    native.build("coupled_mass", tmp_path, platforms=["x86_64-linux", "x86_64-windows"], told=steps.append)
+    assert steps == [
+        "its equations and their derivatives",
+        "machine code for x86_64-linux (1 of 2)",
+        "machine code for x86_64-windows (2 of 2)",
+    ]
+
+
+def _tampered(fmu: Path, target: Path, code: str) -> Path:
+    """The FMU with code added to its script."""
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(target, "w") as new:
+        stem = old.read("resources/slavemodule.txt").decode().strip()
+        for name in old.namelist():
+            content = old.read(name)
+            if name == f"resources/{stem}.py":
+                name = f"resources/{stem}_{target.stem}.py"
+                content += code.encode()
+            elif name == "resources/slavemodule.txt":
+                content = f"{stem}_{target.stem}".encode()
+            new.writestr(name, content)
+    return target
+
+
+# Code that spoils the slave, and what the message says.
+BROKEN = {
+    "discards": (
+        """
+def do_step(self, t, h, _real=camshaft.do_step):
+    return t < 1e-3 and _real(self, t, h)
+camshaft.do_step = do_step
+""",
+        "discard",
+    ),
+    "raises": (
+        """
+def do_step(self, t, h, _real=camshaft.do_step):
+    if t > 1e-3:
+        raise RuntimeError("broken gear")
+    return _real(self, t, h)
+camshaft.do_step = do_step
+""",
+        "broken gear",
+    ),
+    "nan": (
+        """
+def do_step(self, t, h, _real=camshaft.do_step):
+    self.late = t > 1e-3
+    return _real(self, t, h)
+def get_real(self, vrs, _real=camshaft.get_real):
+    values = _real(self, vrs)
+    return [float("nan") for _ in values] if getattr(self, "late", False) else values
+camshaft.do_step, camshaft.get_real = do_step, get_real
+""",
+        "not a finite number",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", BROKEN)
+def test_an_fmu_that_fails_in_mid_run_is_named(kind: str, fmu: Path, tmp_path: Path) -> None:
+    code, words = BROKEN[kind]
+    file, out = _tampered(fmu, tmp_path / f"{kind}.fmu", code), tmp_path / "out"
+    others = [text for text in SHORT if "camshaft" not in text]
+    arguments = [*others, f"--set=components.camshaft.participant={file}", "--no-figures"]
+    done = tribocosim("run", "valve-train", "--out", str(out), *arguments)
+    assert done.returncode == 3
+    message = done.stderr.strip().splitlines()[-1]
+    assert message.startswith("tribocosim: incomplete: camshaft")
+    assert words in message.lower()
+    tree = open_result(out)
+    assert tree.attrs["complete"] == 0
+    assert 0.99e-3 < float(tree["coupled"]["time"][-1]) < 1.1e-3
+    tree.close()
+
+
+def _truncated(fmu: Path, target: Path) -> None:
+    target.write_bytes(fmu.read_bytes()[:10_000])
+
+
+def _no_archive(fmu: Path, target: Path) -> None:
+    target.write_text("this is no FMU")
+
+
+def _escaping(fmu: Path, target: Path) -> None:
+    target.write_bytes(fmu.read_bytes())
+    with zipfile.ZipFile(target, "a") as archive:
+        archive.writestr("../escaped.txt", "outside")
+
+
+def _foreign(fmu: Path, target: Path) -> None:
+    """Another model: its description lacks the camshaft's variables."""
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(target, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "modelDescription.xml":
+                content = content.replace(b'name="drive_angle"', b'name="steering_angle"')
+            new.writestr(name, content)
+
+
+def _no_description(fmu: Path, target: Path) -> None:
+    with zipfile.ZipFile(target, "w") as archive:
+        archive.writestr("readme.txt", "nothing")
+
+
+@pytest.mark.parametrize("spoil", [_truncated, _no_archive, _escaping, _foreign, _no_description])
+def test_a_damaged_or_foreign_fmu_is_refused(spoil, fmu: Path, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    file = tmp_path / "spoilt.fmu"
+    spoil(fmu, file)
+    others = [text for text in SHORT if "camshaft" not in text]
+    arguments = [*others, f"--set=components.camshaft.participant={file}"]
+    done = tribocosim("run", "valve-train", "--out", str(tmp_path / "out"), *arguments)
+    assert done.returncode == 2
+    assert said(done).startswith("tribocosim: components.camshaft.participant: ")
+    assert not (tmp_path / "out").exists()
+    assert not (tmp_path / "escaped.txt").exists()
