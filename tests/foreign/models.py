@@ -1,4 +1,4 @@
-"""Models of the FMUs in C (`c_fmus`), in the spirit of the Modelica Association's Reference-FMUs, and vices."""
+"""Models of the FMUs in C (`c_fmus`), as of the Modelica Reference-FMUs, and their vices."""
 
 from __future__ import annotations
 
