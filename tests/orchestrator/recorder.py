@@ -32,5 +32,10 @@ class Recorder:
     def times(self) -> Vector:
         return np.array(self._times)
 
+    @property
+    def rows(self) -> Vector:
+        """All outputs after every step."""
+        return np.array(self._rows)
+
     def __getitem__(self, name: str) -> Vector:
-        return np.array(self._rows)[:, self.names.index(name)]
+        return self.rows[:, self.names.index(name)]

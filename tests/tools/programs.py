@@ -9,7 +9,7 @@ import sys
 import sysconfig
 import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -17,6 +17,10 @@ from .case import Case, RefusedError, loaded
 
 SOURCE = Path(__file__).with_name("host.c")
 WARNINGS = ["-Wall", "-Wextra", "-Werror"]
+
+# What the file of a tool defines: outputs after every step; and seconds that so many steps take.
+Values = Callable[[Case], list[list[float]]]
+Timing = Callable[[Case], AbstractContextManager[Callable[[int], float]]]
 
 
 def compiled(folder: Path, target: str = "", suffix: str = "") -> Path:
@@ -105,6 +109,21 @@ class Host:
             text=True,
             errors="replace",
         )
+
+
+def ways(started: Callable[[Case], AbstractContextManager[Host]]) -> tuple[Values, Timing]:
+    """A tool's `values` and `timing`, by the program that `started` gives for a case."""
+
+    def values(case: Case) -> list[list[float]]:
+        with started(case) as host:
+            return host.values(case)
+
+    @contextmanager
+    def timing(case: Case) -> Iterator[Callable[[int], float]]:
+        with started(case) as host, host.timing(case) as seconds:
+            yield seconds
+
+    return values, timing
 
 
 def numbers_of(case: Case) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import subprocess
 import sys
@@ -13,15 +12,14 @@ from pathlib import Path
 
 import fmpy
 from fmpy.model_description import ModelDescription
-from fmpy.validation import validate_fmu
 
 from fmus.build import NAMES
 from fmus.build import build as build_python
 from fmus.native.fmu import build
 from fmus.native.machine_code import PLATFORMS
-from fmus.validate import validate
 
 from .table import ROOT, Row
+from .validators import found
 
 NATIVE = "fmus/native/"
 KILOBYTES = 200.0
@@ -142,13 +140,7 @@ def _kinds(described: dict[tuple[str, int], ModelDescription]) -> Row:
 
 
 def _validators(files: Files) -> Row:
-    tool, faults, complaints = Path(sys.executable).with_name("fmutool"), 0, 0
-    for file in files.values():
-        faults += len(validate_fmu(str(file))) + len(validate(file))
-        command = [str(tool), "-input", str(file), "-check"]
-        done = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"COLUMNS": "200"})
-        said = done.stdout + done.stderr
-        complaints += said.count("WARNING") + said.count("ERROR") + ("No semantic error" not in said)
+    faults, complaints = found(files.values())
     return Row(
         "validators silent for both",
         f"{len(files)} files: {faults} problems from fmpy and `tribocosim fmu validate`, {complaints} from "

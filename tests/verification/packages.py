@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import tempfile
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from fmpy.validation import validate_fmu
-
 from fmus.build import NAMES, build
-from fmus.validate import validate
 from tests.fmus.instance import Instance
 from tests.fmus.reference import Reference, schedule
 from tests.tools.programs import libpython
 from tests.tools.running import missing
 
 from .table import Row
+from .validators import found
 
 STEPS = 300
 
@@ -34,15 +30,7 @@ def rows() -> Iterator[Row]:
 
 
 def _found(files: dict[str, Path]) -> Row:
-    tool = Path(sys.executable).with_name("fmutool")
-    faults, complaints = 0, 0
-    for file in files.values():
-        faults += len(validate_fmu(str(file))) + len(validate(file))
-        done = subprocess.run(
-            [str(tool), "-input", str(file), "-check"], capture_output=True, text=True, check=False
-        )
-        text = done.stdout + done.stderr
-        complaints += text.count("WARNING") + text.count("ERROR") + ("No semantic error" not in text)
+    faults, complaints = found(files.values())
     return Row(
         "`fmpy validate` and `fmutool -check` report nothing",
         f"{len(files)} FMUs: {faults} problems from fmpy and `tribocosim fmu validate`, {complaints} from "

@@ -85,30 +85,27 @@ def test_a_drift_of_a_millionth_in_the_physics_is_seen(name: str, parameter: str
     assert max(apart(Table(instants, columns), wanted).values()) > SAME
 
 
+def moved(name: str, state: str, error: float, output: str) -> np.ndarray:
+    """How far the output is off along the course, at its steps, when the state starts off by that much."""
+    own, runs = course(name), []
+    for beside in (0.0, error):
+        component = component_of(name)
+        component.state.start[component.state.index(state)] += beside
+        pieces = pieces_of(component, read_csv(shipped(name, f"{name}_in.csv"), "in"))
+        rows = stepped(component, pieces, np.array(own.instants()), own.step_size)
+        runs.append(rows[:, component.outputs.index(output)])
+    return np.abs(runs[1] - runs[0])
+
+
 def test_the_slider_cranks_horizon() -> None:
     """As its README says: until the end a small error of the start grows less than a thousandfold."""
-    own = course("slider_crank")
-    runs = []
-    for error in (0.0, 1e-8):
-        component = component_of("slider_crank")
-        component.state.start[component.state.index("psi")] += error
-        pieces = pieces_of(component, read_csv(shipped("slider_crank", "slider_crank_in.csv"), "in"))
-        rows = stepped(component, pieces, np.array(own.instants()), own.step_size)
-        runs.append(rows[:, component.outputs.index("psi")])
-    assert 10.0 < np.max(np.abs(runs[1] - runs[0])) / 1e-8 < 1000.0
+    assert 10.0 < np.max(moved("slider_crank", "psi", 1e-8, "psi")) / 1e-8 < 1000.0
 
 
 def test_the_piston_cranks_forget_a_small_error() -> None:
     """As the README of `piston_crank` says: sequences of impacts end in sliding, and leave nothing of it."""
-    own = course("piston_crank")
-    runs = []
-    for error in (0.0, 1e-9):
-        component = component_of("piston_crank")
-        component.state.start[component.state.index("offset")] += error
-        pieces = pieces_of(component, read_csv(shipped("piston_crank", "piston_crank_in.csv"), "in"))
-        rows = stepped(component, pieces, np.array(own.instants()), own.step_size)
-        runs.append(rows[:, component.outputs.index("piston_offset")])
-    assert abs(runs[1][-1] - runs[0][-1]) < 1e-15 < np.max(np.abs(runs[1] - runs[0]))
+    off = moved("piston_crank", "offset", 1e-9, "piston_offset")
+    assert off[-1] < 1e-15 < np.max(off)
 
 
 @pytest.mark.parametrize("name", NAMES)

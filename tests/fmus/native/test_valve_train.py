@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 
@@ -17,25 +17,9 @@ from orchestrator.masters import GaussSeidel, Jacobi, Master
 from orchestrator.participants import Participant, fmu, in_process
 from orchestrator.scenario_files import load
 from orchestrator.simulation import simulate
-from orchestrator.stepping import Step
+from tests.orchestrator.recorder import Recorder
 
 STEP = 5e-6
-
-
-class Every:
-    """All outputs after every step."""
-
-    def __init__(self) -> None:
-        self.rows: list[Vector] = []
-
-    def begin(self, names: Sequence[str]) -> None:
-        self.names = names
-
-    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        self.rows.append(outputs().copy())
-
-    def end(self, complete: bool, message: str) -> None:
-        assert complete, message
 
 
 @cache
@@ -48,13 +32,16 @@ def valve_train() -> tuple[System, float]:
 def ran(participants: Mapping[str, Participant], master: Master, stop: float) -> Vector:
     """Every output after every macro step, the rows."""
     system, _ = valve_train()
-    every = Every()
+    every = Recorder()
     simulate(system, participants, master, STEP, stop, [every])
     for participant in participants.values():
         participant.close()
-    assert every.names == system.outputs.names
-    assert len(every.rows) == round(stop / STEP) + 1
-    return np.array(every.rows)
+    assert every.ended is not None
+    complete, message = every.ended
+    assert complete, message
+    assert tuple(every.names) == tuple(system.outputs.names)
+    assert len(every.times) == round(stop / STEP) + 1
+    return every.rows
 
 
 @pytest.fixture(scope="module")

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from ..case import Case, RefusedError
-from ..programs import Host, compiled, libpython
+from ..programs import Host, compiled, libpython, ways
 
 TITLE = "program in C"
 REQUIREMENTS = ("fmpy", "ziglang")
@@ -23,19 +23,11 @@ def version() -> str:
     return f"zig {version('ziglang')}"
 
 
-def values(case: Case) -> list[list[float]]:
-    with _host(case) as host:
-        return host.values(case)
-
-
-@contextmanager
-def timing(case: Case) -> Iterator[Callable[[int], float]]:
-    with _host(case) as host, host.timing(case) as seconds:
-        yield seconds
-
-
 @contextmanager
 def _host(case: Case) -> Iterator[Host]:
     preload = str(libpython()) if case.python else "-"
     with tempfile.TemporaryDirectory() as folder:
         yield Host(compiled(Path(folder)), preload=preload)
+
+
+values, timing = ways(_host)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from ..case import Case, RefusedError
-from ..programs import Host, compiled
+from ..programs import Host, compiled, ways
 
 TITLE = "program in C for ARM64, in qemu"
 REQUIREMENTS = ("fmpy", "ziglang")
@@ -33,20 +33,12 @@ def version() -> str:
     return said.splitlines()[0].partition(" (")[0]
 
 
-def values(case: Case) -> list[list[float]]:
-    with _host(case) as host:
-        return host.values(case)
-
-
-@contextmanager
-def timing(case: Case) -> Iterator[Callable[[int], float]]:
-    with _host(case) as host, host.timing(case) as seconds:
-        yield seconds
-
-
 @contextmanager
 def _host(case: Case) -> Iterator[Host]:
     with tempfile.TemporaryDirectory() as folder:
         program = compiled(Path(folder), "aarch64-linux-gnu.2.17")
         places = {2: PLATFORM, 3: PLATFORM}
         yield Host(program, places, runner=["qemu-aarch64", "-L", LIBRARIES])
+
+
+values, timing = ways(_host)

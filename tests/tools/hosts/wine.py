@@ -6,12 +6,12 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from ..case import FOLDER, Case, NotTriedError, RefusedError
-from ..programs import Host, compiled
+from ..programs import Host, compiled, ways
 
 TITLE = "program in C for Windows, in wine"
 REQUIREMENTS = ("fmpy", "ziglang")
@@ -31,17 +31,6 @@ def version() -> str:
     return subprocess.run(["wine", "--version"], capture_output=True, text=True, check=True).stdout.strip()
 
 
-def values(case: Case) -> list[list[float]]:
-    with _host(case) as host:
-        return host.values(case)
-
-
-@contextmanager
-def timing(case: Case) -> Iterator[Callable[[int], float]]:
-    with _host(case) as host, host.timing(case) as seconds:
-        yield seconds
-
-
 @contextmanager
 def _host(case: Case) -> Iterator[Host]:
     if case.python:
@@ -52,3 +41,6 @@ def _host(case: Case) -> Iterator[Host]:
     with tempfile.TemporaryDirectory() as folder:
         program = compiled(Path(folder), "x86_64-windows-gnu", ".exe")
         yield Host(program, {2: "win64", 3: PLATFORM}, ".dll", runner=["wine"], drive="Z:")
+
+
+values, timing = ways(_host)
