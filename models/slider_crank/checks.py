@@ -8,6 +8,7 @@ from typing import NamedTuple
 from ..kernel import kernel
 from ..quantities import Vector
 from ..requirements import Requirement
+from .crank import crank_turns
 from .flight.bouncing import LOWER, UPPER
 from .forms import NONLINEAR
 from .records import SliderCrankInputs, SliderCrankParameters, SliderCrankState
@@ -18,12 +19,6 @@ SMALL_ANGLE = 0.1
 # A start psi is typed in some digits, and sliding it is the wall's anyway: outside a wall, or off the wall
 # on which it is to slide, by this part of the travel it is taken to be on it.
 OUTSIDE, BESIDE = 1e-6, 0.05
-
-
-@kernel
-def crank_turns(p: SliderCrankParameters, told: Vector) -> bool:
-    told[0], told[1] = p.crank_radius, p.rod_length
-    return p.crank_radius < p.rod_length
 
 
 @kernel

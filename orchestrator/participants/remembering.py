@@ -8,25 +8,16 @@ import numpy as np
 
 from models.quantities import Vector
 
-from .protocol import Participant
+from .wrapping import Around
 
 
-class Remembering:
+class Remembering(Around):
     """Saves and restores the vector `_own` beside the state of `participant`.
 
-    To be completed to a `Participant` with what it does otherwise: connect, write, advance, read, read_all.
+    To be completed with connect, write, advance, read, read_all.
     """
 
     _own: Vector
-
-    def __init__(self, participant: Participant) -> None:
-        self.name = participant.name
-        self.restorable = participant.restorable
-        self._participant = participant
-        # What isn't changed here are the participant's own functions, not methods around them.
-        self.initialise = participant.initialise
-        self.finish_initialisation = participant.finish_initialisation
-        self.close = participant.close
 
     def save(self) -> tuple[Any, Vector]:
         return self._participant.save(), self._own.copy()

@@ -1,4 +1,4 @@
-"""A participant that wraps another and has no state of its own."""
+"""Participants that wrap another."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Any
 from .protocol import Participant
 
 
-class Wrapping:
-    """Passes on what does not concern it to `participant`.
+class Around:
+    """Passes on to `participant` what no wrapping concerns.
 
-    To be completed to a `Participant` with what it does otherwise: connect, write, advance, read. What isn't
-    changed are the participant's own functions, not methods around them.
+    To be completed to a `Participant` with what it does otherwise. What isn't changed are the participant's
+    own functions, not methods around them.
     """
 
     def __init__(self, participant: Participant) -> None:
@@ -20,11 +20,18 @@ class Wrapping:
         self._participant = participant
         self.initialise = participant.initialise
         self.finish_initialisation = participant.finish_initialisation
+        self.close = participant.close
+
+
+class Wrapping(Around):
+    """Has no state of its own. To be completed with connect, write, advance, read."""
+
+    def __init__(self, participant: Participant) -> None:
+        super().__init__(participant)
         self.read_all = participant.read_all
         self.save = participant.save
         self.restore = participant.restore
         self.release = participant.release
-        self.close = participant.close
 
     def to_bytes(self, saved: Any) -> bytes:
         return self._participant.to_bytes(saved)

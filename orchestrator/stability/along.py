@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterator
 
 import numpy as np
@@ -34,7 +35,7 @@ def shown(name: str, system: System) -> list[str]:
     return [f.name for f in outputs.fields if not f.quantity.discrete]
 
 
-class Along:
+class Along(ABC):
     """`participant`, in the place of the instance `name`, with the inputs that it has along a course.
 
     To be completed to a `Linearisation` with `about`. Closing the participant is the caller's.
@@ -91,9 +92,9 @@ class Along:
         return Linear(found.A, B, C, D, found.scale, tuple(kinks), coefficients)
 
     @property
+    @abstractmethod
     def told(self) -> tuple[str, str]:
         """How it is linearised, and itself with what is to be said of it."""
-        raise NotImplementedError
 
     def doubts(self) -> Iterator[str]:
         """What is to be said of inputs that are held."""

@@ -21,6 +21,7 @@ from ...component import Component
 from ...kernel import kernel
 from ...quantities import Layout, Quantity, Vector
 from ...requirements import Requirement
+from ..crank import crank_turns
 
 TURN = 2.0 * math.pi
 # Wiebe's constants, Heywood (9.27).
@@ -173,12 +174,6 @@ def output(
 def energy(t: float, x: CylinderGasState, u: CylinderGasInputs, p: CylinderGasParameters, e: Vector) -> None:
     """Nothing is stored here: the gas is a source of the piston that it pushes."""
     e[:] = 0.0
-
-
-@kernel
-def crank_turns(p: CylinderGasParameters, told: Vector) -> bool:
-    told[0], told[1] = p.crank_radius, p.rod_length
-    return p.crank_radius < p.rod_length
 
 
 @kernel
