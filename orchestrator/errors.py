@@ -66,7 +66,18 @@ class StalledError(LostParticipantError):
 
 
 class EndedError(ParticipantError):
-    """A participant asks to end the simulation (fmi2Terminated, terminateSimulation of FMI 3)."""
+    """A participant asks to end the simulation (fmi2Terminated, terminateSimulation of FMI 3).
+
+    `reached` is the time (s) that it has arrived at; its outputs are those of that time.
+    """
+
+    def __init__(self, message: str, reached: float) -> None:
+        super().__init__(message)
+        self.reached = reached
+
+    def inside(self, time: float) -> bool:
+        """Whether it came further than `time` (s), the start of its step."""
+        return self.reached - time > 1e-12 * abs(time)  # more than a sum of steps may be off
 
 
 class UnstableCouplingError(RunError):

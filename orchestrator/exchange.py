@@ -104,6 +104,7 @@ class Exchange:
         self.through = _with_feedthrough(system, self.sources)
         answering = {self.sources[i].instance for i in self.connected if self.through[i]}
         self._through = [self.names.index(name) for name in system.order if name in answering]
+        self.ended = False  # whether a step that compiled code made was the last of its FMU
         self.held: Saved | None = None  # the present point, as long as nobody has moved
 
     def read(self, i: int) -> None:

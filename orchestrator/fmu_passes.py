@@ -13,7 +13,7 @@ import numba
 import numpy as np
 
 from .addressed import Addressed, integers, mark_table, marks, numbers, table
-from .participants.compiled import CALLS, FINE, NOT_FINITE, advance, give, take
+from .participants.compiled import CALLS, FINE, NOT_FINITE, STEP, advance, give, take
 from .signals import interpolate_part
 
 if TYPE_CHECKING:
@@ -65,8 +65,19 @@ class FmuPass:
             given, taken = given + turn["given_count"], taken + turn["taken_count"]
 
     def __call__(self, time: float, step: float) -> None:
-        known = self._exchange.history.count
-        turn, call, status = self._sweep(self._turns, self._memory.record, known, time, step)
+        if self._exchange.ended and step:
+            for fmu in self._fmus:
+                fmu.check_end(time, step)
+        known, done = self._exchange.history.count, 0
+        while True:
+            turn, call, status = self._sweep(self._turns, self._memory.record, known, time, step, done)
+            if call != STEP:
+                break
+            self._fmus[turn].failed(call, status, time, step)
+            # It asks for the end at that of its step, which the others make too.
+            self._exchange.ended = True
+            self._exchange.calls[self._turns[turn]["number"]] += 1
+            done = turn + 1
         if call == NOT_FINITE:
             self._exchange.refuse(slice(0, len(self._exchange.sources)))
         elif call != FINE:
@@ -74,11 +85,14 @@ class FmuPass:
 
 
 @numba.njit(cache=True)
-def together(turns: Any, memory: Any, known: int, time: float, step: float) -> tuple[int, int, int]:
-    """As `passes.together`. The turn, the call and the status that ended the pass; FINE where none did."""
+def together(
+    turns: Any, memory: Any, known: int, time: float, step: float, done: int
+) -> tuple[int, int, int]:
+    """As `passes.together`, of which `done` steps are made already. The turn, the call and the status that
+    ended the pass; FINE where none did."""
     m = memory[0]
     calls = integers(m.calls)
-    for i in range(len(turns)):
+    for i in range(done, len(turns)):
         _give(turns[i], m)
         call, status = advance(turns[i], time, step)
         if call != FINE:
@@ -95,20 +109,21 @@ def together(turns: Any, memory: Any, known: int, time: float, step: float) -> t
 
 
 @numba.njit(cache=True)
-def in_turn(turns: Any, memory: Any, known: int, time: float, step: float) -> tuple[int, int, int]:
-    """As `passes.in_turn`; returns the same as `together`."""
+def in_turn(turns: Any, memory: Any, known: int, time: float, step: float, done: int) -> tuple[int, int, int]:
+    """As `passes.in_turn`; takes and returns the same as `together`."""
     m = memory[0]
     calls, signals, arrived = integers(m.calls), table(m.signals), table(m.arrived)
     times, past, past_rates, rated = numbers(m.times), table(m.past), table(m.past_rates), marks(m.rated)
     smooth, end_smooth = mark_table(m.smooth), marks(m.end_smooth)
     degree, end = signals.shape[0] - 1, time + step
-    for i in range(len(turns)):
+    for i in range(max(0, done - 1), len(turns)):
         turn = turns[i]
-        _give(turn, m)
-        call, status = advance(turn, time, step)
-        if call != FINE:
-            return i, call, status
-        calls[turn.number] += 1
+        if i >= done:
+            _give(turn, m)
+            call, status = advance(turn, time, step)
+            if call != FINE:
+                return i, call, status
+            calls[turn.number] += 1
         call, status = take(turn)
         if call != FINE:
             return i, call, status
@@ -122,7 +137,7 @@ def in_turn(turns: Any, memory: Any, known: int, time: float, step: float) -> tu
 
 
 @numba.njit(cache=True)
-def settled(turns: Any, memory: Any, known: int, time: float, step: float) -> tuple[int, int, int]:
+def settled(turns: Any, memory: Any, known: int, time: float, step: float, done: int) -> tuple[int, int, int]:
     """As `passes.settled`; returns the same as `together`."""
     m = memory[0]
     given, origins, arrived = numbers(m.given), integers(m.origins), table(m.arrived)

@@ -14,12 +14,12 @@ from models.quantities import Vector
 from models.system import System
 
 from .checkpoint import Continuing, Keeper, fitting, put_back, serialised
-from .errors import RunError
+from .errors import EndedError, RunError
 from .exchange import Exchange
 from .masters import Master
 from .participants import Participant
 from .plain_data import Plain
-from .stepping import FixedSteps, Step, Stepper, watched
+from .stepping import STOP, FixedSteps, Step, Stepper, watched
 
 
 class Observer(Protocol):
@@ -130,7 +130,14 @@ def simulate(
                 steps.resume(resumed["steps"])
                 put_back(participants, resumed["participants"])
         while time < stop_time:
-            step = steps.step(time)
+            try:
+                step = steps.step(time)
+            except EndedError as error:
+                # Of one alone all is known; others may have gone on without it.
+                if len(participants) == 1 and error.inside(time):
+                    made += 1
+                    _show(observers, outputs, Step(error.reached, error.reached - time, 1, reason=STOP))
+                raise
             time = step.end
             made, rejected, iterations = made + 1, rejected + step.rejected, iterations + step.iterations
             _show(observers, outputs, step)

@@ -18,6 +18,9 @@ from .standard import DISCARD, FATAL, PENDING, WARNING, Standard, status_name
 
 REMEDY = "look at its inputs and parameters, reduce macro_step or use the iterated master"
 
+# Of a step: what may be missing of one that came to its end, by the FMU's own sum of steps.
+WHOLE = 1e-9
+
 ASYNCHRONOUS = (
     "asynchronous steps, which go on when the call has returned, are not supported; have the FMU made "
     "without (canRunAsynchronuously = false)"
@@ -73,16 +76,30 @@ class Failing:
             raise LostParticipantError(message)
         raise RecoverableError(message)
 
-    def _discarded(self, time: float, step: float) -> NoReturn:
-        """Raise the error of a discarded step, with how far it came."""
+    def check_end(self, time: float, step: float) -> None:
+        """Before compiled code makes a step: EndedError if the FMU asked for the end at that of another."""
+        if self._fmi.ended_in and time > self._fmi.ended_in.pop():
+            self._discarded(time, step)
+
+    def _discarded(self, time: float, step: float) -> None:
+        """Raise the error of a discarded step, with how far it came.
+
+        One that the FMU made to its end, to ask then for that of the simulation, is a step like others; the
+        next one from there is refused.
+        """
         what = f"{self.name}: step from t = {time:.9g} s by {step:g} s returned {status_name(DISCARD)}"
         said = self._said()
         reached = self._fmi.reached()
         if self._fmi.ended():
             when = time if reached is None else reached
+            if when >= time + step * (1.0 - WHOLE):
+                self._fmi.ended_in.append(time)
+                self._messages.append(said)  # to be told then
+                return
             raise EndedError(
                 f"{self.name}: the FMU asks to end the simulation at t = {when:.9g} s"
-                f"{f': {said}' if said else ''}; set stop_time to that, or look at its parameters"
+                f"{f': {said}' if said else ''}; set stop_time to that, or look at its parameters",
+                when,
             )
         self._messages.clear()  # what it said about that question
         # A time outside the step says as little as none.

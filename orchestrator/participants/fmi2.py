@@ -15,7 +15,7 @@ from models.quantities import Vector
 
 from .bound_calls import BoundCalls
 from .description import TRUTHS, Description, Variable
-from .standard import WARNING
+from .standard import DISCARD, WARNING
 
 try:
     from fmpy.logging import addLoggerProxy as formatting
@@ -55,6 +55,7 @@ class Fmi2(BoundCalls):
         # Python FMUs, and ours, say whole texts, in which a percent sign is one.
         self._formats = not (description.made_here or Path(folder, "resources", "slavemodule.txt").is_file())
         self._heard: tuple[object, ...] = ()
+        self.ended_in: list[float] = []
 
     def instantiate(self, log: Callable[[int, bytes], None]) -> None:
         callbacks = fmi2CallbackFunctions()
@@ -143,15 +144,18 @@ class Fmi2(BoundCalls):
 
     def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         call, handle, yes = self._function("fmi2DoStep"), self._handle, ctypes.c_int(1)
-        begin, duration = ctypes.c_double(), ctypes.c_double()
+        begin, duration, ended_in = ctypes.c_double(), ctypes.c_double(), self.ended_in
 
         def advance(time: float, step: float) -> None:
+            if ended_in and time > ended_in.pop():
+                return fail(DISCARD, time, step)
             begin.value, duration.value = time, step
             status = call(handle, begin, duration, yes)
             if status:
                 if status > WARNING:
                     fail(status, time, step)
-                self.warned += 1
+                else:
+                    self.warned += 1
 
         return advance
 

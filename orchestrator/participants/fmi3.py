@@ -48,6 +48,7 @@ class Fmi3(BoundCalls):
         self._early = description.returns_early
         # What a step tells: event, end, early return (a byte each); at 8 the time that it has reached.
         self._told = np.zeros(2)
+        self.ended_in: list[float] = []
 
     def instantiate(self, log: Callable[[int, bytes], None]) -> None:
         self._slave.instantiate(
@@ -136,11 +137,13 @@ class Fmi3(BoundCalls):
     def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         call, handle = self._function("fmi3DoStep"), self._handle
         yes, begin, duration = ctypes.c_bool(True), ctypes.c_double(), ctypes.c_double()
-        told, at = self._told, self._told.ctypes.data
+        told, at, ended_in = self._told, self._told.ctypes.data, self.ended_in
         places = [ctypes.c_void_p(at + offset) for offset in (0, 1, 2, 8)]
         marks = told[:1].view(np.uint8)
 
         def advance(time: float, step: float) -> None:
+            if ended_in and time > ended_in.pop():
+                return fail(DISCARD, time, step)
             end = time + step
             begin.value, duration.value = time, step
             for _ in range(MAXIMUM_RETURNS):

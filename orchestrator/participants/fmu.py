@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from fmpy import extract
@@ -244,10 +244,10 @@ class FmuParticipant(Failing):
     def _reading_failed(self, status: int) -> None:
         self._fail(status, "reading the outputs")
 
-    def _not_advanced(self, status: int, time: float, step: float) -> NoReturn:
-        if status == DISCARD:
-            self._discarded(time, step)
-        self._fail(status, f"step from t = {time:.9g} s by {step:g} s")
+    def _not_advanced(self, status: int, time: float, step: float) -> None:
+        if status != DISCARD:
+            self._fail(status, f"step from t = {time:.9g} s by {step:g} s")
+        self._discarded(time, step)
 
     def describe(self, record: Any, given: Vector, taken: Vector) -> None:
         """Fill the record (see `compiled`); what is given and taken begins there."""
@@ -260,7 +260,7 @@ class FmuParticipant(Failing):
             record[f"{name}_count"] = len(references)
 
     def failed(self, call: int, status: int, time: float, step: float) -> None:
-        """Raise the error of a call (see `compiled`) that compiled code made."""
+        """Raise the error of a call (see `compiled`) that compiled code made; a step may be made, too."""
         if call == SET:
             self._setting_failed(status)
         elif call == STEP:

@@ -22,7 +22,7 @@ import numpy as np
 from models.quantities import Vector
 
 from .. import errors
-from ..errors import DiscardedStepError, LostParticipantError, ParticipantError
+from ..errors import DiscardedStepError, EndedError, LostParticipantError, ParticipantError
 from .description import described
 from .fmu import Given
 from .messages import ADVANCE, CALL, FAILED, READ, TIMES, receive, send
@@ -69,8 +69,8 @@ class InOwnProcess:
 
     def _raise(self, said: dict[str, Any]) -> NoReturn:
         kind = getattr(errors, said["kind"], ParticipantError)
-        if kind is DiscardedStepError:
-            raise DiscardedStepError(said["message"], said["reached"])
+        if issubclass(kind, (DiscardedStepError, EndedError)):
+            raise kind(said["message"], said["reached"])
         raise kind(said["message"])
 
     def _end(self) -> NoReturn:

@@ -17,7 +17,7 @@ import numpy as np
 
 from models.quantities import Vector
 
-from ..errors import DiscardedStepError, RunError
+from ..errors import RunError
 from .fmu import FmuParticipant, Given
 from .messages import ADVANCE, CALL, DONE, FAILED, READ, TIMES, receive, send
 
@@ -125,7 +125,7 @@ def main() -> None:
             answer = DONE, server.carry_out(kind, content)
         except Exception as error:
             known = type(error).__name__ if isinstance(error, RunError) else "ParticipantError"
-            reached = error.reached if isinstance(error, DiscardedStepError) else None
+            reached = getattr(error, "reached", None)
             said = {"kind": known, "message": str(error), "reached": reached}
             answer = FAILED, json.dumps(said).encode()
         send(answers, *answer)

@@ -27,6 +27,8 @@ class Standard(Protocol):
     real_types: tuple[str, ...]
     # How many steps have returned a warning.
     warned: int
+    # The start (s) of the step at whose end the FMU asked to end the simulation, if it did; set by `fail`.
+    ended_in: list[float]
 
     def instantiate(self, log: Callable[[int, bytes], None]) -> None:
         """Make it; `log` gets the status and text of its messages."""
@@ -77,7 +79,8 @@ class Standard(Protocol):
     def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         """A function that steps from a time by a length; `fail` gets these as well, after the status.
 
-        To ask for the end of the simulation is to discard the step (see `ended`).
+        To ask for the end of the simulation is to discard the step (see `ended`), and so is every step that
+        begins after the one that it `ended_in`. Where `fail` returns, the step is made.
         """
         ...
 

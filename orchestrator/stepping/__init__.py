@@ -3,6 +3,6 @@
 from .controlled import ControlledSteps, StepControl
 from .fixed import FixedSteps
 from .locator import watched
-from .protocol import REASONS, Step, Stepper
+from .protocol import REASONS, STOP, Step, Stepper
 
-__all__ = ["REASONS", "ControlledSteps", "FixedSteps", "Step", "StepControl", "Stepper", "watched"]
+__all__ = ["REASONS", "STOP", "ControlledSteps", "FixedSteps", "Step", "StepControl", "Stepper", "watched"]

@@ -10,7 +10,7 @@ import numpy as np
 
 from models.quantities import Vector
 
-from ..errors import NonConvergenceError, RecoverableError, RunError, one_of
+from ..errors import EndedError, NonConvergenceError, RecoverableError, RunError, one_of
 from ..exchange import Exchange, Saved
 from ..masters import Master
 from .controller import GROW, PI
@@ -120,6 +120,13 @@ class ControlledSteps:
                         self._go_back(saved, length, failure)
                         continue
                     early = False  # the event was too far away for this step
+                except EndedError as ended:
+                    if not (ended.inside(time) and ended.reached < time + length):
+                        raise
+                    exchange.restore(saved)
+                    rejected, why = rejected + 1, STOP
+                    self._next, self._set_by = ended.reached - time, STOP
+                    continue
                 else:
                     rejected += 1
                     why = ERROR

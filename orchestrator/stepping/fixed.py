@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ..errors import EndedError
 from ..exchange import Exchange
 from ..masters import Master
 from .guard import RunawayGuard
@@ -65,7 +66,13 @@ class FixedSteps:
                 exchange.restore(saved)
                 iterations = self._master.step(exchange, time, length)
 
-            attempt(whole)
+            try:
+                attempt(whole)
+            except EndedError as error:
+                if not error.inside(time):
+                    raise
+                end, reason, gap, whole = error.reached, STOP, 0.0, error.reached - time
+                attempt(whole)
             length, over, source = locator.locate(saved, time, whole, attempt)
             if length == 0.0:
                 exchange.restore(saved)

@@ -219,6 +219,12 @@ for _name, _said in (("warning", 'say(m, WARNING, "getting hot"); '), ("mutterin
         MODELS["dahlquist"].variables,
         f"{EXPONENTIAL} {LIMITED}{{ {_said}m->reached = t + h; return WARNING; }}",
     )
+# Asks for the end of the simulation when it has come to a time.
+MODELS["landing"] = Model(
+    (*MODELS["dahlquist"].variables, V("until", "parameter", 0.51)),
+    "double d = fmin(h, $until - t); $x *= exp(-$k * d); m->reached = t + d; "
+    'if (t + h > $until - 1e-9) { say(m, OK, "has landed"); return ENDED; }',
+)
 # Goes on when its step has returned.
 MODELS["pending"] = Model(MODELS["dahlquist"].variables, f"{LIMITED}return 5; {EXPONENTIAL}")
 # Cannot be looked at.
