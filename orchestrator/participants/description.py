@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import zipfile
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -127,6 +128,13 @@ def described(path: Path) -> Description:
     if about is None or found.fmiVersion not in VERSIONS:
         said = "" if found.fmiVersion in VERSIONS else f" (it says fmiVersion = {found.fmiVersion!r})"
         raise DescriptionError(f"is not a co-simulation FMU of FMI 2.0 or 3.0{said}")
+    variables = [v for variable in found.modelVariables for v in _scalars(variable)]
+    names = Counter(v.name for v in variables)
+    if len(names) < len(variables):
+        raise DescriptionError(
+            f"has two variables of the name {names.most_common(1)[0][0]!r} in its modelDescription.xml, so "
+            "that nobody knows which is meant; have the tool that made it give each a name of its own"
+        )
     experiment = found.defaultExperiment
     return Description(
         version=found.fmiVersion,
@@ -135,7 +143,7 @@ def described(path: Path) -> Description:
         token=found.guid,
         tool=found.generationTool or "",
         identifier=about.modelIdentifier,
-        variables={v.name: v for variable in found.modelVariables for v in _scalars(variable)},
+        variables={v.name: v for v in variables},
         depends=_dependencies(found),
         states=_states(found) if _differentiates(path, about, found.fmiVersion) else None,
         units={unit.name: _base(unit.baseUnit) for unit in found.unitDefinitions if unit.baseUnit},

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fmus.validate import validate
 from orchestrator.assembly import system_of
 from orchestrator.scenario import ScenarioError, scenario_of
 from orchestrator.scenario_files import contents, shipped
@@ -101,6 +102,35 @@ def test_a_library_of_another_name_is_named(tmp_path: Path) -> None:
         ScenarioError, match=r"has no binaries/\S+/dahlquist\.\S+, .*but binaries/\S+/decay\."
     ):
         system_of(scenario({"one": {"participant": other}}))
+
+
+def renamed(path: Path, other: Path, old: str, new: str) -> Path:
+    """The FMU with something else in its description."""
+    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:
+        for name in archive.namelist():
+            content = archive.read(name)
+            if name == "modelDescription.xml":
+                assert old.encode() in content
+                content = content.replace(old.encode(), new.encode())
+            target.writestr(name, content)
+    return other
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_variables_of_one_name_are_refused(version: int, tmp_path: Path) -> None:
+    path = renamed(fmu("dahlquist", version, tmp_path), tmp_path / "twice.fmu", 'name="k"', 'name="x"')
+    with pytest.raises(ScenarioError, match=rf"{path}: has two variables of the name 'x' .*of its own"):
+        scenario({"one": {"participant": path}})
+    assert any("'x'" in fault or '"x"' in fault for fault in validate(path))
+
+
+def test_variables_of_one_reference_are_one(tmp_path: Path) -> None:
+    """Aliases of FMI 2.0."""
+    path = fmu("named", 2, tmp_path)
+    alias = renamed(path, tmp_path / "alias.fmu", 'valueReference="1"', 'valueReference="0"')
+    _, found = ran(scenario({"one": {"participant": alias}}), tmp_path / "out")
+    first, second = (values for name, values in found.items() if name != "time")
+    np.testing.assert_array_equal(first, second)
 
 
 def test_two_of_an_fmu_that_fills_its_process_take_processes_of_their_own(tmp_path: Path) -> None:
