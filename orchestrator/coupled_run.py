@@ -44,7 +44,7 @@ def run_coupled(
         system = estimated(counted(system, assembly.counting_instances(scenario, system)))
         ledger = Ledger(system, every, job.folder)
         recorders = [*(Trimmed(recorder, system) for recorder in recorders), ledger]
-    counter = _Counter()
+    counter = _Counter(job.begun)
     stage = job.reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)
     with watching(scenario, job.out / SUMMARY, summary) as watchdog:
         units: dict[str, Participant] = {}
@@ -103,11 +103,16 @@ class _Counter:
     iterations = 0
     time_s = 0.0
 
+    def __init__(self, begun: Callable[[], None]) -> None:
+        self._first = begun
+
     def begin(self, names: Sequence[str]) -> None:
         self._began = clock.perf_counter()
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         self.steps += 1
+        if not self.steps:
+            self._first()
         self.iterations += step.iterations
 
     def state(self) -> dict[str, Plain]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +17,10 @@ from .scenario import Scenario
 
 @dataclass(frozen=True)
 class Job:
-    """A run to be carried out. `folder` is that of what is unfinished in `out`; `resumed` is a checkpoint."""
+    """A run to be carried out. `folder` is that of what is unfinished in `out`; `resumed` is a checkpoint.
+
+    `begun` is called when the first values are there to be recorded.
+    """
 
     scenario: Scenario
     system: System
@@ -26,3 +30,4 @@ class Job:
     reporter: Reporter
     figures: bool
     resumed: tuple[Identity, Plain] | None = None
+    begun: Callable[[], None] = lambda: None

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+from .earlier import Earlier
 from .errors import MistakeError
 from .replacement import partial
 from .scenario import Scenario
 from .scenario_files import written
-from .unfinished import clear, locked, unfinished
+from .unfinished import clear, contents, locked, unfinished
 
 RESULT, CSV, SCENARIO, SUMMARY, FIGURES = (
     "result.nc",
@@ -36,10 +37,11 @@ def spare(source: Path, scenario: Scenario, out: Path) -> None:
 
 
 @contextmanager
-def prepared(out: Path, overwrite: bool) -> Iterator[Path]:
+def prepared(out: Path, overwrite: bool) -> Iterator[tuple[Path, Earlier]]:
     """The folder for what is unfinished, in an empty output folder that no other process writes.
 
-    A result or an unfinished run in `out` is removed if `overwrite`, and refused otherwise.
+    A result or an unfinished run in `out` is put aside if `overwrite`, and refused otherwise. What has not
+    been dropped at the end of the block is put back.
     """
     if out.exists() and not out.is_dir():
         raise OutputFolderError(f"{out}: is a file; choose a folder with --out")
@@ -48,14 +50,21 @@ def prepared(out: Path, overwrite: bool) -> Iterator[Path]:
     with ExitStack() as stack:
         try:
             folder = stack.enter_context(locked(out))
-            clear(folder)
-            for file in _held(out):
-                file.unlink()
+            earlier = Earlier(out)
+            earlier.put_back()  # what a process killed before its run began has left there
+            earlier.put_aside([*_held(out), *contents(folder)])
         except OSError as error:
             raise OutputFolderError(
                 f"{out}: cannot be written ({error.strerror}); choose another --out"
             ) from None
-        yield folder
+        try:
+            yield folder, earlier
+        finally:
+            if earlier.held:
+                clear(folder)
+                for file in _held(out):
+                    file.unlink()
+                earlier.put_back()
 
 
 def files(out: Path) -> list[Path]:

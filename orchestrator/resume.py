@@ -9,6 +9,7 @@ from typing import Any
 from . import assembly
 from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import read
+from .earlier import Earlier
 from .job import Job
 from .journal import Recorded, journals
 from .output_folder import SCENARIO, SUMMARY, OutputFolderError, files, meant
@@ -41,7 +42,7 @@ def resume(out: Path, build: assembly.Builder, reporter: Reporter, figures: bool
             return _ended(out, reporter)
         scenario = load(out / SCENARIO)
         system = assembly.system_of(scenario)
-        job = Job(scenario, system, out, folder, build, reporter, figures)
+        job = Job(scenario, system, out, folder, build, reporter, figures, begun=Earlier(out).drop)
         if (folder / CHECKPOINT).exists():
             return carry_out(Job(**vars(job) | {"resumed": read(folder / CHECKPOINT)}))
         if _rows(folder, "coupled") > 1:

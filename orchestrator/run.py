@@ -45,21 +45,27 @@ def run(
     """Run and write everything into `out`. The summary's `exit_status` is 0 only within the tolerance.
 
     A run that fails or is interrupted leaves what was recorded, marked incomplete; its message is in the
-    summary. Raises ScenarioError, ModelError or OutputFolderError before anything is written.
+    summary. What it is to `overwrite` stays until its first values are recorded. Raises ScenarioError,
+    ModelError or OutputFolderError before anything is written.
     """
     system = assembly.system_of(scenario)
     assembly.check_reference(scenario, system)
-    with prepared(out, overwrite) as folder:
+    with prepared(out, overwrite) as (folder, earlier):
         replace(out / SCENARIO, written(scenario).encode())
         for line in notices(scenario):
             reporter.line(line)
         try:
-            return carry_out(Job(scenario, system, out, folder, build, reporter, figures))
+            summary = carry_out(
+                Job(scenario, system, out, folder, build, reporter, figures, begun=earlier.drop)
+            )
         except RefusedError as error:  # a mistake in a given file
             clear(folder)
             for file in files(out):
                 file.unlink()
             raise ScenarioError(str(error)) from None
+        if earlier.held:
+            summary.message += f"; the run did not begin, and what was in {out} before is kept"
+    return summary
 
 
 def carry_out(job: Job) -> Summary:

@@ -46,6 +46,11 @@ def locked(out: Path) -> Iterator[Path]:
 
 def clear(folder: Path) -> None:
     """Remove what is in it but the lock, checkpoints first: journals alone are no run to be resumed."""
-    for path in sorted(folder.iterdir(), key=lambda path: not path.name.startswith("checkpoint")):
-        if path.name != LOCK:
-            path.unlink()
+    for path in contents(folder):
+        path.unlink()
+
+
+def contents(folder: Path) -> list[Path]:
+    """What is in it but the lock, checkpoints first."""
+    found = (path for path in folder.iterdir() if path.name != LOCK)
+    return sorted(found, key=lambda path: not path.name.startswith("checkpoint"))

@@ -27,7 +27,10 @@ def run_scenario(
         bool, typer.Option("--native", help="Take FMUs in machine code where the scenario has them built.")
     ] = False,
     master: Annotated[str | None, typer.Option(help="Use another master.")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+    overwrite: Annotated[
+        bool,
+        typer.Option("--overwrite", help="Replace a result in the folder, as soon as the run has begun."),
+    ] = False,
     no_figures: Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")] = False,
 ) -> int:
     """Run a scenario; exit status 0 if it is within its tolerance of the reference.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -48,3 +49,15 @@ def recorded(out: Path) -> dict[str, np.ndarray]:
     with (out / "coupled.csv").open(newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
     return dict(zip(header, np.array(rows, dtype=float).T, strict=True))
+
+
+def changed(path: Path, other: Path, old: str, new: str) -> Path:
+    """The FMU with something else in its description."""
+    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:
+        for name in archive.namelist():
+            content = archive.read(name)
+            if name == "modelDescription.xml":
+                assert old.encode() in content
+                content = content.replace(old.encode(), new.encode())
+            target.writestr(name, content)
+    return other

@@ -16,7 +16,7 @@ from orchestrator.scenario_files import contents, shipped
 from orchestrator.stability.sources import linearisations
 
 from .c_fmus import fmu
-from .runs import ran, scenario
+from .runs import changed, ran, scenario
 
 VERSIONS = (2, 3)
 
@@ -104,21 +104,9 @@ def test_a_library_of_another_name_is_named(tmp_path: Path) -> None:
         system_of(scenario({"one": {"participant": other}}))
 
 
-def renamed(path: Path, other: Path, old: str, new: str) -> Path:
-    """The FMU with something else in its description."""
-    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:
-        for name in archive.namelist():
-            content = archive.read(name)
-            if name == "modelDescription.xml":
-                assert old.encode() in content
-                content = content.replace(old.encode(), new.encode())
-            target.writestr(name, content)
-    return other
-
-
 @pytest.mark.parametrize("version", VERSIONS)
 def test_variables_of_one_name_are_refused(version: int, tmp_path: Path) -> None:
-    path = renamed(fmu("dahlquist", version, tmp_path), tmp_path / "twice.fmu", 'name="k"', 'name="x"')
+    path = changed(fmu("dahlquist", version, tmp_path), tmp_path / "twice.fmu", 'name="k"', 'name="x"')
     with pytest.raises(ScenarioError, match=rf"{path}: has two variables of the name 'x' .*of its own"):
         scenario({"one": {"participant": path}})
     assert any("'x'" in fault or '"x"' in fault for fault in validate(path))
@@ -127,7 +115,7 @@ def test_variables_of_one_name_are_refused(version: int, tmp_path: Path) -> None
 def test_variables_of_one_reference_are_one(tmp_path: Path) -> None:
     """Aliases of FMI 2.0."""
     path = fmu("named", 2, tmp_path)
-    alias = renamed(path, tmp_path / "alias.fmu", 'valueReference="1"', 'valueReference="0"')
+    alias = changed(path, tmp_path / "alias.fmu", 'valueReference="1"', 'valueReference="0"')
     _, found = ran(scenario({"one": {"participant": alias}}), tmp_path / "out")
     first, second = (values for name, values in found.items() if name != "time")
     np.testing.assert_array_equal(first, second)

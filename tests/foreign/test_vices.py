@@ -8,7 +8,6 @@ import re
 import signal
 import subprocess
 import sys
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +23,7 @@ from orchestrator.run import run
 from orchestrator.scenario_files import stated
 
 from .c_fmus import TOKEN, fmu
-from .runs import never, ran, recorded, scenario
+from .runs import changed, never, ran, recorded, scenario
 
 GONE = r"decay: its process ended {} in the step from t = 0.5 s by 0.01 s; look at"
 VICES = {
@@ -132,13 +131,8 @@ def test_steps_that_go_on_by_themselves_are_said_to_be_unsupported(tmp_path: Pat
 @pytest.mark.parametrize("process", ["own", "shared"])
 def test_a_file_that_cannot_be_instantiated_is_a_mistake(process: str, version: int, tmp_path: Path) -> None:
     """Its token is not the library's: nothing is written."""
-    path, other, out = fmu("dahlquist", version, tmp_path), tmp_path / "other.fmu", tmp_path / "out"
-    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:
-        for name in archive.namelist():
-            content = archive.read(name)
-            if name == "modelDescription.xml":
-                content = content.replace(TOKEN.encode(), b"{of another model}")
-            target.writestr(name, content)
+    out = tmp_path / "out"
+    other = changed(fmu("dahlquist", version, tmp_path), tmp_path / "other.fmu", TOKEN, "{of another model}")
     with pytest.raises(MistakeError, match=rf"^decay: instantiate: .*{other} cannot be used .* give another"):
         run(case(other, process), out, never, Reporter(), figures=False)
     assert not list(out.iterdir())

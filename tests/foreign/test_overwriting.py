@@ -1,0 +1,96 @@
+"""A result that is to be overwritten stays until the run that replaces it has begun."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from orchestrator.errors import MistakeError
+from orchestrator.report import Reporter
+from orchestrator.run import run
+from orchestrator.scenario import Scenario
+from orchestrator.summary import Summary
+from orchestrator.unfinished import unfinished
+
+from .c_fmus import TOKEN, fmu
+from .runs import changed, never, scenario
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    """A folder with a result, and figures as a run leaves them."""
+    folder = tmp_path / "out"
+    again(of(fmu("dahlquist", 2, tmp_path)), folder)
+    (folder / "figures").mkdir()
+    (folder / "figures" / "one.png").write_bytes(b"a figure")
+    (folder / "notes.txt").write_text("mine")
+    return folder
+
+
+def of(path: Path, process: str = "own") -> Scenario:
+    return scenario({"one": {"participant": path, "process": process}}, master={"name": "jacobi"})
+
+
+def again(one: Scenario, out: Path) -> Summary:
+    return run(one, out, never, Reporter(), overwrite=True, figures=False)
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("process", ["own", "shared"])
+def test_a_file_that_cannot_be_instantiated_leaves_it(process: str, out: Path, tmp_path: Path) -> None:
+    before = files(out)
+    other = changed(fmu("dahlquist", 2, tmp_path), tmp_path / "other.fmu", TOKEN, "{of another model}")
+    with pytest.raises(MistakeError, match="cannot be used"):
+        again(of(other, process), out)
+    assert files(out) == before
+
+
+def test_one_that_fails_before_the_first_values_leaves_it(out: Path, tmp_path: Path) -> None:
+    before = files(out)
+    summary = again(of(fmu("blind", 2, tmp_path)), out)
+    assert summary.exit_status == 3
+    assert "its process ended by SIGSEGV" in summary.message
+    assert summary.message.endswith(f"; the run did not begin, and what was in {out} before is kept")
+    assert files(out) == before
+
+
+def test_a_scenario_that_is_refused_leaves_it(out: Path, tmp_path: Path) -> None:
+    before = files(out)
+    rigid = {"participant": fmu("rigid", 2, tmp_path)}
+    with pytest.raises(MistakeError, match="canGetAndSetFMUstate"):
+        again(scenario({"one": rigid}, master={"name": "iterated"}), out)
+    assert files(out) == before
+
+
+def test_a_run_that_fails_later_replaces_it(out: Path, tmp_path: Path) -> None:
+    before = files(out)
+    summary = again(of(fmu("erring", 2, tmp_path)), out)
+    assert summary.exit_status == 3
+    after = files(out)
+    assert set(after) == {*before} - {"figures/one.png"}
+    assert after["result.nc"] != before["result.nc"]
+    assert after["notes.txt"] == b"mine"
+
+
+def test_an_unfinished_run_stays_too(out: Path, tmp_path: Path) -> None:
+    unfinished(out).mkdir()
+    (unfinished(out) / "coupled.journal").write_bytes(b"rows")
+    before = files(out)
+    assert again(of(fmu("blind", 2, tmp_path)), out).exit_status == 3
+    assert files(out).keys() - before.keys() <= {"unfinished/lock"}
+    assert files(out) | before == files(out)
+
+
+def test_what_a_killed_process_had_put_aside_is_what_stays(out: Path, tmp_path: Path) -> None:
+    """It was killed before its run began."""
+    before = files(out)
+    for name in ("summary.json", "result.nc", "coupled.csv", "scenario.toml"):
+        (out / "replaced").mkdir(exist_ok=True)
+        (out / name).rename(out / "replaced" / name)
+    (out / "summary.json").write_text("{}")
+    assert again(of(fmu("blind", 2, tmp_path)), out).exit_status == 3
+    assert files(out) == before
