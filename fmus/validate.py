@@ -20,6 +20,8 @@ from lxml import etree
 
 from models.fmu_archive import DESCRIPTION, FmuFileError, archive_faults, one_line, opened
 
+from .binaries import binary_faults
+
 TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 
 
@@ -92,6 +94,8 @@ def validate(path: Path | str) -> list[str]:
     if version != "1.0" and not faults:
         described = read_model_description(str(path), validate=False)
         faults += _content_faults(described, names)
+        with opened(path) as archive:
+            faults += binary_faults(archive, described)
         if terminals:
             faults += terminal_faults(terminals, {v.name for v in described.modelVariables})
     return faults

@@ -1,0 +1,234 @@
+"""Shared libraries as their headers have it: format, processor, what they export. Nothing of them is loaded.
+
+Of ELF, PE and Mach-O only little-endian files are read, which all platforms of FMI have. Sources: System V
+ABI, chapters 4 and 5 (and its GNU hash section); Microsoft's PE Format; Apple's mach-o/loader.h and dyld's
+trie of exports.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+ELF, PE, MACH_O = "ELF", "PE", "Mach-O"
+# Processors as FMI 3.0 calls them, by the number in the header.
+_OF_ELF = {3: "x86", 40: "aarch32", 62: "x86_64", 183: "aarch64", 243: "riscv64"}
+_OF_PE = {0x14C: "x86", 0x1C4: "aarch32", 0x8664: "x86_64", 0xAA64: "aarch64"}
+_OF_MACH_O = {7: "x86", 12: "aarch32", 0x01000007: "x86_64", 0x0100000C: "aarch64"}
+
+
+class LibraryError(ValueError):
+    """The content is no whole shared library; the message says why, without the file's name."""
+
+
+@dataclass(frozen=True)
+class Library:
+    """One for one processor; `exports` are the names of what it defines for others."""
+
+    format: str
+    processor: str
+    exports: frozenset[str]
+
+
+def libraries(content: bytes) -> list[Library]:
+    """The library in a file, or those for several processors in a universal one of macOS."""
+    try:
+        return [_read(part) for part in _parts(content)]
+    except struct.error:
+        raise LibraryError("is cut off: a table of its header lies beyond the end of the file") from None
+
+
+def _parts(content: bytes) -> Iterator[bytes]:
+    if content[:4] != b"\xca\xfe\xba\xbe":
+        yield content
+        return
+    for i in range(struct.unpack_from(">I", content, 4)[0]):
+        start, size = struct.unpack_from(">II", content, 8 + 20 * i + 8)
+        yield _piece(content, start, size)
+
+
+def _piece(content: bytes, start: int, size: int) -> bytes:
+    if start + size > len(content):
+        raise LibraryError(
+            f"is cut off: its header tells of at least {start + size} bytes, {len(content)} are there"
+        )
+    return content[start : start + size]
+
+
+def _read(content: bytes) -> Library:
+    for magic, read in _READERS.items():
+        if content.startswith(magic):
+            return read(content)
+    raise LibraryError(f"is no shared library of Linux, Windows or macOS (it begins with {content[:4]!r})")
+
+
+def _known(processors: dict[int, str], number: int) -> str:
+    return processors.get(number, f"processor number {number}")
+
+
+def _text(content: bytes, start: int) -> str:
+    end = content.find(b"\0", start)
+    if not 0 <= start <= end:
+        raise LibraryError("has names that lie beyond the end of the file")
+    return content[start:end].decode(errors="replace")
+
+
+def _elf(content: bytes) -> Library:
+    wide, order = struct.unpack_from("BB", content, 4)
+    if order != 1:
+        raise LibraryError("is for a processor whose numbers begin with the highest byte")
+    kind, machine = struct.unpack_from("<HH", content, 16)
+    if kind != 3:
+        raise LibraryError(f"is an ELF file of type {kind}: must be 3, a shared object")
+    word, size = ("Q", 8) if wide == 2 else ("I", 4)
+    (segments, sections) = struct.unpack_from(f"<{word}{word}", content, 24 + size)
+    each, count, section, section_count = struct.unpack_from("<HHHH", content, 30 + 3 * size)
+    _piece(content, sections, section * section_count)
+    loaded, dynamic = [], b""
+    for i in range(count):
+        at = segments + each * i
+        if wide == 2:
+            what, _, start, address, _, length = struct.unpack_from("<IIQQQQ", content, at)
+        else:
+            what, start, address, _, length = struct.unpack_from("<IIIII", content, at)
+        piece = _piece(content, start, length)
+        if what == 1:
+            loaded.append((address, start, length))
+        elif what == 2:
+            dynamic = piece
+    tags = dict(struct.iter_unpack(f"<{word}{word}", dynamic))
+    place = _placing(loaded)
+    if not {5, 6} <= set(tags):  # strings and symbols
+        raise LibraryError("has no table of what it exports")
+    names, symbols = place(tags[5]), place(tags[6])
+    exports = set()
+    for i in range(_elf_count(content, tags, place, size)):
+        if wide == 2:
+            name, info, other, index = struct.unpack_from("<IBBH", content, symbols + 24 * i)
+        else:
+            name, _, _, info, other, index = struct.unpack_from("<IIIBBH", content, symbols + 16 * i)
+        # Global, weak or unique, defined here, and neither hidden nor internal.
+        if info >> 4 in (1, 2, 10) and index and other & 3 in (0, 3):
+            exports.add(_text(content, names + name))
+    return Library(ELF, _known(_OF_ELF, machine), frozenset(exports))
+
+
+def _elf_count(content: bytes, tags: dict[int, int], place: Callable[[int], int], size: int) -> int:
+    """How many symbols there are, which only the hash tables tell."""
+    if 4 in tags:
+        return int(struct.unpack_from("<I", content, place(tags[4]) + 4)[0])
+    if 0x6FFFFEF5 not in tags:
+        return 0
+    at = place(tags[0x6FFFFEF5])
+    buckets, first, words, _ = struct.unpack_from("<IIII", content, at)
+    at += 16 + words * size
+    last = max(struct.unpack_from(f"<{buckets}I", content, at), default=0)
+    if last < first:
+        return int(first)
+    while not struct.unpack_from("<I", content, at + 4 * (buckets + last - first))[0] & 1:
+        last += 1  # a chain ends with an odd number
+    return int(last) + 1
+
+
+def _placing(loaded: list[tuple[int, int, int]]) -> Callable[[int], int]:
+    """From an address in memory to the place in the file."""
+
+    def place(address: int) -> int:
+        for start, offset, length in loaded:
+            if start <= address < start + length:
+                return offset + address - start
+        raise LibraryError(f"has a table at the address {address:#x}, which is nowhere in the file")
+
+    return place
+
+
+def _pe(content: bytes) -> Library:
+    (start,) = struct.unpack_from("<I", content, 0x3C)
+    if content[start : start + 4] != b"PE\0\0":
+        raise LibraryError("begins as a program of DOS, and has no PE header")
+    machine, count, _, _, _, optional, traits = struct.unpack_from("<HHIIIHH", content, start + 4)
+    if not traits & 0x2000:
+        raise LibraryError("is a program of Windows, not a DLL")
+    head = start + 24
+    (magic,) = struct.unpack_from("<H", content, head)
+    loaded = []
+    for i in range(count):
+        at = head + optional + 40 * i
+        _, address, length, offset = struct.unpack_from("<IIII", content, at + 8)
+        _piece(content, offset, length)
+        loaded.append((address, offset, length))
+    place = _placing(loaded)
+    (exported,) = struct.unpack_from("<I", content, head + (112 if magic == 0x20B else 96))
+    exports: tuple[Any, ...] = ()
+    if exported:
+        names, _, table = struct.unpack_from("<I4sI", content, place(exported) + 24)
+        exports = struct.unpack_from(f"<{names}I", content, place(table)) if names else ()
+    return Library(PE, _known(_OF_PE, machine), frozenset(_text(content, place(name)) for name in exports))
+
+
+def _mach_o(content: bytes) -> Library:
+    wide = content[0] == 0xCF
+    machine, _, kind, count = struct.unpack_from("<IIII", content, 4)
+    if kind not in (6, 8):
+        raise LibraryError(f"is a Mach-O file of type {kind}: must be 6, a library, or 8, a bundle")
+    at, exports = 32 if wide else 28, set[str]()
+    for _ in range(count):
+        command, length = struct.unpack_from("<II", content, at)
+        if command == 0x19:  # a segment
+            _piece(content, *struct.unpack_from("<QQ", content, at + 40))
+        elif command == 1:
+            _piece(content, *struct.unpack_from("<II", content, at + 32))
+        elif command in (0x22, 0x80000022):  # what the loader needs, exports last
+            exports |= _trie(_piece(content, *struct.unpack_from("<II", content, at + 40)))
+        elif command == 0x80000033:
+            exports |= _trie(_piece(content, *struct.unpack_from("<II", content, at + 8)))
+        elif command == 2:  # symbols, for those who link and look for faults
+            _, _, texts, size = struct.unpack_from("<IIII", content, at + 8)
+            _piece(content, texts, size)
+        if length < 8:
+            raise LibraryError("has a damaged header: a load command without a length")
+        at += length
+    return Library(MACH_O, _known(_OF_MACH_O, machine), frozenset(exports))
+
+
+def _trie(tree: bytes) -> set[str]:
+    """The names that end somewhere in the tree of their beginnings."""
+    names, left = set(), [(0, b"")] if tree else []
+    seen = set()
+    while left:
+        at, name = left.pop()
+        if at in seen:
+            raise LibraryError("has a damaged table of what it exports")
+        seen.add(at)
+        ends, at = _number(tree, at)
+        if ends:
+            names.add(name.decode(errors="replace").removeprefix("_"))
+        at += ends
+        (branches,) = struct.unpack_from("B", tree, at)
+        at += 1
+        for _ in range(branches):
+            more = _text(tree, at).encode()
+            to, at = _number(tree, at + len(more) + 1)
+            left.append((to, name + more))
+    return names
+
+
+def _number(content: bytes, at: int) -> tuple[int, int]:
+    """One of seven bits a byte (ULEB128), and where it ends."""
+    value = shift = 0
+    while True:
+        (byte,) = struct.unpack_from("B", content, at)
+        value |= (byte & 0x7F) << shift
+        at, shift = at + 1, shift + 7
+        if byte < 0x80:
+            return value, at
+
+
+_READERS = {
+    b"\x7fELF": _elf,
+    b"MZ": _pe,
+    b"\xcf\xfa\xed\xfe": _mach_o,
+    b"\xce\xfa\xed\xfe": _mach_o,
+}
