@@ -256,7 +256,8 @@ def participants_of(
         for name, instance in system.instances.items():
             if name in files:
                 kind = in_own_process if scenario.components[name].apart else fmu
-                make = partial(kind, name, files[name].path, without_estimates(instance))
+                texts = scenario.components[name].texts
+                make = partial(kind, name, files[name].path, without_estimates(instance), texts)
             else:
                 make = partial(in_process, name, without_estimates(instance))
             participants[name] = made(name, make)

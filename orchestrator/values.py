@@ -104,5 +104,7 @@ def meanings(layout: Layout, values: Mapping[str, Any], kind: str) -> dict[str, 
 
 
 def numbers(layout: Layout, values: Mapping[str, Value]) -> dict[str, float]:
-    """What `models` wants of values that `meanings` returned."""
-    return {name: number(layout.field(name).quantity, value) for name, value in values.items()}
+    """What `models` wants of values that `meanings` returned, without those that are only texts."""
+    return {
+        name: number(layout.field(name).quantity, value) for name, value in values.items() if name in layout
+    }

@@ -3,6 +3,7 @@ protocol."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from models.system import Instance
@@ -35,19 +36,24 @@ __all__ = [
 ]
 
 
-def fmu(name: str, path: Path, instance: Instance) -> FmuParticipant:
-    """The FMU at `path` in the place of `instance`."""
-    return FmuParticipant(name, path, given(instance))
+NO_TEXTS: Mapping[str, str] = {}
 
 
-def in_own_process(name: str, path: Path, instance: Instance) -> InOwnProcess:
+def fmu(name: str, path: Path, instance: Instance, texts: Mapping[str, str] = NO_TEXTS) -> FmuParticipant:
+    """The FMU at `path` in the place of `instance`, which knows no texts."""
+    return FmuParticipant(name, path, given(instance, texts))
+
+
+def in_own_process(
+    name: str, path: Path, instance: Instance, texts: Mapping[str, str] = NO_TEXTS
+) -> InOwnProcess:
     """As `fmu`, in a process of its own."""
-    return InOwnProcess(name, path, given(instance))
+    return InOwnProcess(name, path, given(instance, texts))
 
 
-def given(instance: Instance) -> Given:
+def given(instance: Instance, texts: Mapping[str, str] = NO_TEXTS) -> Given:
     """What the FMU in the place of `instance` is asked for and given."""
     component = instance.component
     own = isinstance(component, ForeignComponent)
     starts = {k if own else component.state.field(k).suffixed("_start"): v for k, v in instance.start.items()}
-    return Given(component.outputs.names, {**instance.parameters, **starts}, instance.inputs)
+    return Given(component.outputs.names, {**instance.parameters, **starts}, instance.inputs, texts)

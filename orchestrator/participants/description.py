@@ -19,6 +19,7 @@ VERSIONS = ("2.0", "3.0")
 OWN_TOOL = "tribocosim "
 REALS = ("Real", "Float64", "Float32")
 TRUTHS = ("Boolean",)
+TEXT = "String"
 WHOLE = (
     *("Integer", "Enumeration"),
     *("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64"),
@@ -49,6 +50,11 @@ class Variable:
     def numeric(self) -> bool:
         """Whether its values are numbers or truth values."""
         return self.type in REALS or self.discrete
+
+    @property
+    def settable(self) -> bool:
+        """Whether it is a parameter that can be given a value."""
+        return self.causality == "parameter" and self.variability != "constant"
 
     @property
     def discrete(self) -> bool:
@@ -103,6 +109,11 @@ class Description:
     def made_here(self) -> bool:
         """Whether the file says that this program made it."""
         return self.tool.startswith(OWN_TOOL)
+
+    @property
+    def texts(self) -> list[str]:
+        """The parameters that are single texts (String)."""
+        return [v.name for v in self.variables.values() if v.settable and v.type == TEXT and v.size == 1]
 
     def named(self, causality: str) -> Iterator[Variable]:
         """The numeric variables of this causality."""

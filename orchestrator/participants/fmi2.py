@@ -93,6 +93,9 @@ class Fmi2(BoundCalls):
         else:
             self._slave.setInteger(reference, [int(value) for value in values])
 
+    def set_text(self, variable: Variable, text: str) -> None:
+        self._slave.setString([variable.reference], [text])
+
     def get(self, variables: Sequence[Variable]) -> list[float]:
         (first, *_), reference = variables, [v.reference for v in variables]
         if first.type == "Real":

@@ -71,6 +71,9 @@ class Fmi3(BoundCalls):
         memory[:] = [make(value) for value in values]
         call(self._slave.component, references, len(references), memory, len(memory))
 
+    def set_text(self, variable: Variable, text: str) -> None:
+        self._slave.setString([variable.reference], [text])
+
     def get(self, variables: Sequence[Variable]) -> list[float]:
         references, memory, call = self._memory("fmi3Get", variables)
         call(self._slave.component, references, len(references), memory, len(memory))

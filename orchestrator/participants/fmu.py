@@ -35,11 +35,12 @@ from .standard import DISCARD, WARNING, Standard
 @dataclass(frozen=True)
 class Given:
     """What an FMU is asked for and given, by the names of its variables: all outputs to be recorded, the
-    values of parameters and starts, and of inputs that nothing drives."""
+    values of parameters and starts, and of inputs that nothing drives; parameters that are texts."""
 
     outputs: Sequence[str]
     values: Mapping[str, float] = field(default_factory=dict)
     inputs: Mapping[str, float] = field(default_factory=dict)
+    texts: Mapping[str, str] = field(default_factory=dict)
 
 
 class FmuParticipant(Failing):
@@ -217,6 +218,8 @@ class FmuParticipant(Failing):
         with self._naming("initialise"):
             self._fmi.set_up(start_time, stop_time)
             self._assign(self._asked.values)
+            for name, text in self._asked.texts.items():
+                self._fmi.set_text(self._variable(name), text)
             self._fmi.enter_initialization(start_time, stop_time)
             self._assign(self._asked.inputs)
 

@@ -73,7 +73,7 @@ def _component(path: Path, changed: int, size: int) -> Component:
     return ForeignComponent(
         name=about.model,
         description=about.text,
-        parameters=_layout(v for v in about.named("parameter") if v.variability != "constant"),
+        parameters=_layout(v for v in about.variables.values() if v.settable and v.numeric),
         state=_layout(v for v in about.variables.values() if v.numeric and _started(v)),
         inputs=_layout(inputs),
         outputs=_layout(outputs),

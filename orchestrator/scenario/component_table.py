@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -10,8 +11,9 @@ from pydantic import Field, ValidationInfo, field_validator
 from models.component import Component
 
 from ..errors import one_of
-from ..participants import component_of_file, made_here
-from ..values import Value, component_of, meanings
+from ..participants import ForeignComponent, component_of_file, made_here
+from ..participants.description import TEXT
+from ..values import Faults, Value, component_of, meanings
 from .fields import Table, Written
 
 BUILT = ("fmu", "native")
@@ -98,7 +100,11 @@ class ComponentTable(Table):
         layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
         kinds = {"parameters": "parameter", "start": "state", "inputs": "input"}
         assert info.field_name
-        return meanings(layouts[info.field_name], values, kinds[info.field_name])
+        texts = {}
+        if info.field_name == "parameters" and isinstance(component, ForeignComponent):
+            texts = _texts(component, values)
+        others = {key: value for key, value in values.items() if key not in texts}
+        return meanings(layouts[info.field_name], others, kinds[info.field_name]) | texts
 
     @property
     def foreign(self) -> bool:
@@ -115,6 +121,13 @@ class ComponentTable(Table):
         """Whether it is an FMU that this program has not made."""
         return self.participant.endswith(".fmu") and not made_here(Path(self.participant))
 
+    @property
+    def texts(self) -> dict[str, str]:
+        """Its parameters that are texts, of an FMU from elsewhere."""
+        component = self.made()
+        known = component.about.texts if isinstance(component, ForeignComponent) else []
+        return {name: str(value) for name, value in self.parameters.items() if name in known}
+
     def made(self) -> Component:
         """The component with these sizes, or the one that the FMU is."""
         return _made(self.participant, self.component, self.structure)
@@ -124,3 +137,26 @@ def _made(participant: str, component: str | None, structure: dict[str, int]) ->
     if component is None:
         return component_of_file(Path(participant))
     return component_of(component, tuple(sorted(structure.items())))
+
+
+def _texts(component: ForeignComponent, values: Mapping[str, Value]) -> dict[str, Value]:
+    """Those of the values that are for parameters of type String; Faults where they are no texts, and for
+    parameters of types that no value can be given."""
+    texts: dict[str, Value] = {}
+    faults = []
+    for name, value in values.items():
+        variable = component.about.variables.get(name)
+        if variable is None or variable.numeric or not variable.settable:
+            continue
+        if name not in component.about.texts:
+            kind = "an array of texts" if variable.type == TEXT else f"of type {variable.type}"
+            faults.append(
+                (name, f": is {kind}, which cannot be given; leave it out (it starts as its file says)")
+            )
+        elif not isinstance(value, str) or "\0" in value:
+            faults.append((name, f" = {value!r} (String): must be a text, without zero characters"))
+        else:
+            texts[name] = value
+    if faults:
+        raise Faults(*faults)
+    return texts

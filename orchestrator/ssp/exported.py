@@ -20,7 +20,7 @@ from models.system import Instance, System
 
 from .. import assembly
 from ..participants import given
-from ..participants.description import REALS, TRUTHS, Description, Variable, described
+from ..participants.description import REALS, TEXT, TRUTHS, Description, Variable, described
 from ..scenario import ComponentTable, Scenario, line_of
 from .names import FMU_TYPE, OMSIMULATOR, OSP, OURS, RESOURCES, STRUCTURE, VALUES_TYPE, document, make
 
@@ -50,7 +50,7 @@ def export(scenario: Scenario, target: Path, build: assembly.Builder) -> None:
     resting = scenario.start == "equilibrium"
     started = assembly.at_start(scenario, system) if resting else system
     for name, instance in system.instances.items():
-        stated = _stated(instance)
+        stated = {**_stated(instance), **scenario.components[name].texts}
         rest = given(started.instances[name]).values if resting else {}
         computed = {key: value for key, value in rest.items() if key not in instance.parameters}
         for suffix, values in (("", stated), (START, computed)):
@@ -105,12 +105,16 @@ def _stated(instance: Instance) -> dict[str, float]:
     return {**asked.values, **asked.inputs}
 
 
-def _parameter_set(name: str, values: Mapping[str, float], about: Description, instance: Instance) -> bytes:
+def _parameter_set(
+    name: str, values: Mapping[str, float | str], about: Description, instance: Instance
+) -> bytes:
     root = make(None, "ssv:ParameterSet", version="1.0", name=name)
     parameters = make(root, "ssv:Parameters")
     for key, value in values.items():
         parameter = make(parameters, "ssv:Parameter", name=key)
-        kind, written = _written(about.variables[key], _quantity(instance, key), value)
+        kind, written = TEXT, value
+        if not isinstance(value, str):
+            kind, written = _written(about.variables[key], _quantity(instance, key), value)
         make(parameter, f"ssv:{kind}", value=written)
     return document(root)
 

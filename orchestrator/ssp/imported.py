@@ -212,7 +212,16 @@ def _give(table: dict[str, Any], component: Component, stated: Mapping[str, Stat
     """Put values where a scenario has them."""
     layouts = {"parameters": component.parameters, "inputs": component.inputs, "start": component.state}
     foreign = isinstance(component, ForeignComponent)
+    texts = component.about.texts if isinstance(component, ForeignComponent) else []
     for variable, one in stated.items():
+        if one.plain != (variable in texts):
+            here, there = ("a String", "not") if one.plain else ("no String", "one")
+            raise ScenarioError(
+                f"{where}: {variable} is {here} in the set, but {there} in the FMU; correct it"
+            )
+        if one.plain:
+            table.setdefault("parameters", {})[variable] = one.value
+            continue
         places = [
             (key, name)
             for key, layout in layouts.items()

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ..participants.description import Unit
+from ..participants.description import TEXT, Unit
 from ..scenario import ScenarioError
 from .names import VALUES_TYPE, tag
 from .structure import (
@@ -27,7 +27,7 @@ Number = float | bool | str
 @dataclass(frozen=True)
 class Stated:
     """A value: a number, a truth value or an enumeration's item (`items` gives their numbers), in `unit` if
-    that is stated; `factor` and `offset` come after its conversion."""
+    that is stated; `factor` and `offset` come after its conversion. Or a `plain` text."""
 
     value: Number
     unit: str = ""
@@ -36,6 +36,7 @@ class Stated:
     factor: float | None = None
     offset: float | None = None
     suppressed: bool = False
+    plain: bool = False
 
 
 Values = dict[Path, dict[str, Stated]]
@@ -107,7 +108,9 @@ def _of_set(root: Any, found: Structure, where: str) -> Iterator[tuple[str, Stat
                 yield name, Stated(text in ("true", "1"))
             elif kind == "Enumeration":
                 yield name, Stated(text, items=enumerations.get(child.get("name") or name))
-            elif kind in ("String", "Binary"):
+            elif kind == TEXT:
+                yield name, Stated(text, plain=True)
+            elif kind == "Binary":
                 raise ScenarioError(
                     f"{where}: {name} is a {kind}, which scenarios do not take; leave it out of the set"
                 )

@@ -24,7 +24,9 @@ HEADERS = Path(fmpy.__file__).parent / "c-code"
 TOKEN = "{1e0f7c2a-0000-4b6e-9d50-5d1c0fa3c0de}"
 # FMI 2.0's types by those of FMI 3.0.
 OF_FMI2 = {"Float64": "Real", "Float32": "Real", "Int32": "Integer", "Int64": "Integer", "Boolean": "Boolean"}
-
+OF_FMI2 |= {"String": "String", "Binary": "String"}
+# What FMI 3.0 has as an element, not as an attribute.
+STARTING = {"String": "", "Binary": "00"}
 
 UNITS = {
     "m": 'm="1"',
@@ -182,6 +184,8 @@ def _attributes(v: V) -> str:
 def _start(v: V) -> str:
     if v.causality not in ("parameter", "input") and not v.initial:
         return ""
+    if v.type in STARTING:
+        return 'start=""'
     if v.type == "Boolean":
         return f'start="{str(bool(v.start)).lower()}" '
     values = v.starts if v.type.startswith("Float") else map(int, v.starts)
@@ -203,6 +207,11 @@ def _variable3(v: V, reference: int, index: dict[str, int]) -> str:
     derivative = f'derivative="{index[v.derivative]}" ' if v.derivative else ""
     shape = [2, 2] if v.size == 4 else [v.size]
     inside = "".join(f'<Dimension start="{n}"/>' for n in shape) if v.size > 1 else ""
+    if v.type in STARTING:
+        return (
+            f'<{v.type} name={quoteattr(v.name)} valueReference="{reference}" {_attributes(v)}>'
+            f'<Start value="{STARTING[v.type]}"/></{v.type}>'
+        )
     return (
         f'<{v.type} name={quoteattr(v.name)} valueReference="{reference}" {_attributes(v)}{unit}{_start(v)}'
         f"{derivative}{v.more}>{inside}</{v.type}>"

@@ -148,6 +148,13 @@ MODELS = {
         depends={"position": (), "velocity": ()},
         abilities='providesDirectionalDerivative="true" ',
     ),
+    # Tells how long the text that it is given before its initialisation is, and its first two bytes.
+    "reading": Model(
+        (V("table file", "parameter", type="String"), V("raw", "parameter", type="Binary"),
+         V("scale", "parameter", 1.0), V("length", "output"), V("first", "output"), V("second", "output")),
+        output="$length = $scale * strlen(m->text); $first = m->text[0] & 255; $second = m->text[1] & 255;",
+        depends={"length": (), "first": (), "second": ()},
+    ),
     # What names may be.
     "named": Model((V('a/b "c", [µ] <->', "output", 1.0, initial="exact"), V("der(x)", "output", 2.0)), ""),
     "shaft": Model(

@@ -29,7 +29,7 @@ typedef struct {
     bool ended, initialised;
     Logger log;
     void *environment;
-    char name[100];
+    char name[100], text[100];
 } Instance;
 
 static void say(Instance *m, int status, const char *text);
@@ -50,6 +50,13 @@ static Instance *made(const char *name) {
     memcpy(m->v, start_values, sizeof start_values);
     strncpy(m->name, name, sizeof m->name - 1);
     return m;
+}
+
+/* The text of a model that has one, before its initialisation. */
+static int given(Instance *m, const char *text) {
+    if (m->initialised) return ERROR;
+    strncpy(m->text, text, sizeof m->text - 1);
+    return OK;
 }
 
 static int moved(Instance *m, double t, double h) {
@@ -121,7 +128,7 @@ ACCESS(Integer, fmi2Integer)
 ACCESS(Boolean, fmi2Boolean)
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String x[]) { return fmi2Error; }
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2String x[]) {
-    return fmi2Error;
+    return (fmi2Status)given(c, x[0]);
 }
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *s) {
     if (!*s) *s = malloc(sizeof start_values);
@@ -217,6 +224,10 @@ ACCESS(Float32, fmi3Float32)
 ACCESS(Int32, fmi3Int32)
 ACCESS(Int64, fmi3Int64)
 ACCESS(Boolean, fmi3Boolean)
+
+fmi3Status fmi3SetString(fmi3Instance c, const fmi3ValueReference r[], size_t n, const fmi3String x[], size_t nx) {
+    return (fmi3Status)given(c, x[0]);
+}
 
 fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *s) {
     if (!*s) *s = malloc(sizeof start_values);

@@ -1,0 +1,60 @@
+"""Texts as parameters of FMUs from elsewhere: they arrive as they are, before the initialisation."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.scenario import ScenarioError
+from orchestrator.scenario_files import load
+from orchestrator.ssp.exported import export
+from orchestrator.ssp.imported import contents
+
+from .c_fmus import fmu
+from .runs import never, ran, scenario
+
+VERSIONS, PROCESSES = (2, 3), ("shared", "own")
+TEXTS = ["", "8 mm", "µ/a \"b\" 'c' \\ #.csv"]
+
+
+@pytest.mark.parametrize("text", TEXTS)
+@pytest.mark.parametrize("process", PROCESSES)
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_text_arrives_in_utf_8(version: int, process: str, text: str, tmp_path: Path) -> None:
+    """Also one that would be a value with a unit elsewhere, and by the run's own scenario file."""
+    path, raw = fmu("reading", version, tmp_path), text.encode()
+    table = {"participant": path, "process": process, "parameters": {"table file": text, "scale": 2.0}}
+    summary, found = ran(scenario({"one": table}, stop_time=0.02), tmp_path / "out")
+    assert summary.complete, summary.message
+    assert set(found["one.length"]) == {2.0 * len(raw)}
+    first, second = (raw + b"\0\0")[:2]
+    assert (found["one.first"][0], found["one.second"][0]) == (first, second)
+    _, again = ran(load(tmp_path / "out" / "scenario.toml"), tmp_path / "again")
+    np.testing.assert_array_equal(again["one.length"], found["one.length"])
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("table file", 8.0, r"components\.one\.parameters\.table file = 8\.0 \(String\): must be a text"),
+        ("table file", True, r"table file = True \(String\): must be a text"),
+        ("table file", "a\0b", "without zero characters"),
+        ("raw", "00ff", r"raw: is of type Binary, which cannot be given; leave it out"),
+        ("scale", "much", "scale.*much"),
+        ("length", "much", "length: no such parameter"),
+    ],
+)
+def test_what_does_not_fit_is_named(name: str, value: object, said: str, tmp_path: Path) -> None:
+    table = {"participant": fmu("reading", 3, tmp_path), "parameters": {name: value}}
+    with pytest.raises(ScenarioError, match=said):
+        scenario({"one": table})
+
+
+def test_texts_go_through_packages(tmp_path: Path) -> None:
+    """SSP's ssv:String."""
+    table = {"participant": fmu("reading", 3, tmp_path), "parameters": {"table file": TEXTS[2], "scale": 2.0}}
+    package = tmp_path / "one.ssp"
+    export(scenario({"one": table}), package, never)
+    assert contents(package)["components"]["one"]["parameters"] == table["parameters"]
