@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 
 from models.quantities import Vector
 from models.system import System
@@ -13,10 +15,11 @@ from . import assembly
 from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import Checkpoints, Identity
 from .energy import Ledger, Trimmed, counted, estimated
-from .errors import RunError
+from .errors import MistakeError, RunError
+from .exit_guard import guarding
 from .interruption import Interruption
 from .job import Job
-from .journal import FLUSH_SECONDS
+from .journal import FLUSH_SECONDS, SUFFIX, Recorded
 from .not_numbers import NotNumbers
 from .output_folder import SUMMARY
 from .participants import FmuParticipant, InOwnProcess, Participant
@@ -35,7 +38,7 @@ def run_coupled(
     scenario, every = job.scenario, job.scenario.record_every
     quantities = assembly.output_quantities(system)
     # An FMU that may end this process at any moment must not take records along.
-    exposed = any(table.unknown and not table.apart for table in scenario.components.values())
+    exposed = [name for name, table in scenario.components.items() if table.unknown and not table.apart]
     held_for = 0.0 if exposed else FLUSH_SECONDS
     not_numbers = NotNumbers(every)
     recorders: list[Observer] = [ResultRecorder(job.folder, quantities, every, held_for), not_numbers]
@@ -46,7 +49,8 @@ def run_coupled(
         recorders = [*(Trimmed(recorder, system) for recorder in recorders), ledger]
     counter = _Counter(job.begun)
     stage = job.reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)
-    with watching(scenario, job.out / SUMMARY, summary) as watchdog:
+    told = partial(_tell_of_exit, exposed, job, summary) if exposed else None
+    with guarding(told), watching(scenario, job.out / SUMMARY, summary) as watchdog:
         units: dict[str, Participant] = {}
 
         def made(name: str, make: Callable[[], Participant]) -> Participant:
@@ -76,6 +80,24 @@ def run_coupled(
     summary.do_steps = statistics.do_steps
     summary.iterations = statistics.iterations
     summary.coupled_time_s = statistics.coupled_time_s
+
+
+def _tell_of_exit(names: Sequence[str], job: Job, summary: Summary) -> None:
+    """One of these FMUs has called `exit`: say so, also in the summary."""
+    last = None
+    with suppress(RunError, MistakeError):
+        last = Recorded(job.folder / f"coupled{SUFFIX}").last_time()
+    after = "before the first step" if last is None else f"after t = {last:.9g} s"
+    who = names[0] if len(names) == 1 else f"one of {', '.join(names)}"
+    apart = " and ".join(f"components.{name}.process = 'own'" for name in names)
+    summary.message = (
+        f"incomplete: {who}: the FMU ended the process of the whole command by calling exit, {after}; "
+        f"set {apart}, which keeps it apart; tribocosim resume {job.out} makes the result of what was "
+        "recorded"
+    )
+    print(f"tribocosim: {summary.message}", file=sys.stderr)
+    with suppress(OSError):
+        summary.write(job.out / SUMMARY)
 
 
 def _warnings(units: Mapping[str, Participant]) -> dict[str, Warnings]:

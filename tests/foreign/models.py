@@ -234,6 +234,8 @@ MODELS["landing"] = Model(
 )
 # Goes on when its step has returned.
 MODELS["pending"] = Model(MODELS["dahlquist"].variables, f"{LIMITED}return 5; {EXPONENTIAL}")
+# Ends its process when it is first looked at.
+MODELS["absent"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, "exit(0);")
 # Cannot be looked at.
 MODELS["blind"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, "raise(SIGSEGV);")
 MODELS["rigid"] = Model(MODELS["dahlquist"].variables, EXPONENTIAL, abilities="", variable_step=False)

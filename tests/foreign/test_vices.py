@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import platform
 import re
 import signal
 import subprocess
@@ -67,20 +68,48 @@ def test_one_that_crashes_before_the_start_is_named(tmp_path: Path) -> None:
     assert "decay: its process ended by SIGSEGV in the call read_all" in summary.message
 
 
-@pytest.mark.parametrize("vice", ["crashing", "quitting"])
-def test_what_ends_the_run_s_process_leaves_what_was_recorded(vice: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("vice", "version"), [("crashing", 2), ("quitting", 2), ("quitting", 3)])
+def test_what_ends_the_run_s_process_leaves_what_was_recorded(
+    vice: str, version: int, tmp_path: Path
+) -> None:
     """Where `shared` was chosen: the summary tells that it did not end, `resume` makes the result."""
     out, file = tmp_path / "out", tmp_path / "one.toml"
-    file.write_text(stated(case(fmu(vice, 2, tmp_path), "shared"), tmp_path), "utf-8")
-    status = command("run", str(file), "--out", str(out)).returncode
-    assert status == (0 if vice == "quitting" else -signal.SIGSEGV)  # the FMU's, not ours
+    file.write_text(stated(case(fmu(vice, version, tmp_path), "shared"), tmp_path), "utf-8")
+    ended = command("run", str(file), "--out", str(out))
+    assert ended.returncode == (3 if vice == "quitting" else -signal.SIGSEGV)
     left = json.loads((out / "summary.json").read_text("utf-8"))
     assert (left["complete"], left["exit_status"]) == (False, 3)
+    if vice == "quitting":
+        said = "decay: the FMU ended the process of the whole command by calling exit, after t = 0.5 s; set"
+        assert said in ended.stderr
+        assert said in left["message"]
     done = command("resume", str(out))
     assert done.returncode == 3
     assert "components.decay.process = 'own' says which and where" in done.stderr
     with open_result(out / "result.nc") as result:
         assert len(result["coupled"].time) == len(recorded(out)["time"]) == 51
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="the C library is another")
+def test_an_exit_before_the_first_step_is_told(tmp_path: Path) -> None:
+    out, file = tmp_path / "out", tmp_path / "one.toml"
+    file.write_text(stated(case(fmu("absent", 2, tmp_path), "shared"), tmp_path), "utf-8")
+    ended = command("run", str(file), "--out", str(out))
+    assert ended.returncode == 3
+    assert "decay: the FMU ended the process of the whole command by calling exit, before the" in ended.stderr
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="exit of the C library is another on Windows")
+@pytest.mark.parametrize(
+    ("last", "status"),
+    [("", 0), ("import sys; sys.exit(9)", 9), ("import ctypes; ctypes.CDLL(None).exit(7)", 7)],
+)
+def test_a_process_whose_runs_have_ended_ends_as_it_likes(last: str, status: int, tmp_path: Path) -> None:
+    path = fmu("dahlquist", 2, tmp_path)
+    runs = [f"ran(case(Path({str(path)!r}), 'shared'), Path({str(tmp_path / name)!r}))" for name in "ab"]
+    names = ["from pathlib import Path", "from tests.foreign.test_vices import case, ran"]
+    code = "; ".join([*names, *runs, last])
+    assert subprocess.run([sys.executable, "-c", code], check=False, timeout=300).returncode == status
 
 
 def command(*arguments: str) -> subprocess.CompletedProcess[str]:
