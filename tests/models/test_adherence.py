@@ -55,7 +55,12 @@ def test_massless_load_is_the_closed_form():
 
 
 @pytest.mark.parametrize(
-    ("speed_rpm", "low", "high"), [(600, 329.97, 610.04), (1000, 329.76, 610.20), (3000, 97.12, 838.52)]
+    ("speed_rpm", "low", "high"),
+    [
+        (600, 329.97, 610.04),
+        (1000, 329.76, 610.20),
+        pytest.param(3000, 97.12, 838.52, marks=pytest.mark.long),
+    ],
 )
 def test_load_with_rigid_camshaft_and_surge(speed_rpm, low, high):
     load = adherence(speed_rpm, valve_spring={})("contact.load")
@@ -66,7 +71,12 @@ def test_load_with_rigid_camshaft_and_surge(speed_rpm, low, high):
 # independent Runge-Kutta code gives 12.727 / 921.290 N at these instants; with damping proportional to
 # stiffness, 0.02 in the first mode only, 12.74 / 921.41 N.
 @pytest.mark.parametrize(
-    ("speed_rpm", "low", "high"), [(600, 326.84, 606.42), (1000, 323.39, 607.40), (3000, 12.727, 921.290)]
+    ("speed_rpm", "low", "high"),
+    [
+        (600, 326.84, 606.42),
+        (1000, 323.39, 607.40),
+        pytest.param(3000, 12.727, 921.290, marks=pytest.mark.long),
+    ],
 )
 def test_load_with_flexible_camshaft(speed_rpm, low, high):
     load = adherence(speed_rpm, camshaft=FLEXIBLE)("contact.load")

@@ -129,7 +129,7 @@ def event_driven(end: float, restitution: float, friction: float) -> tuple[np.nd
         (0.4, 0.01, 0.0024, 0),  # free
         (0.4, 0.01, 0.006, 4),  # two flat impacts
         (0.4, 0.01, 0.012, 28),  # bounced to rest, sliding on the upper wall
-        (0.1, 0.0, 0.012, 10),  # as in Siconos' time-stepping example
+        pytest.param(0.1, 0.0, 0.012, 10, marks=pytest.mark.long),  # as in Siconos' time-stepping example
         pytest.param(0.4, 0.01, 0.03, 34, marks=pytest.mark.long),  # released, then on the other wall
     ],
 )

@@ -67,7 +67,7 @@ def test_the_reversals_are_where_the_source_has_them(runs: Runs) -> None:
     assert runs.reversals_deg == pytest.approx(REVERSALS_DEG, abs=1e-9)
 
 
-@pytest.mark.parametrize("speed", [600.0, 1000.0])
+@pytest.mark.parametrize("speed", [pytest.param(600.0, marks=pytest.mark.long), 1000.0])
 def test_surge_leaves_the_loads_of_the_reference_table(speed: float, runs: Runs) -> None:
     expected = {600.0: (329.97, 610.04), 1000.0: (329.76, 610.20)}[speed]
     load = runs.surge(speed).load

@@ -42,7 +42,7 @@ WALL_TIMES = ("wall_time_s", "coupled_time_s", "reference_time_s")
 # Runs to be killed: scenario and changes.
 RUNS = {
     "gauss_seidel in-process": ("valve-train", ["stop_time=60 ms", *IN_PROCESS, *NO_REFERENCE]),
-    "gauss_seidel with FMUs": ("valve-train", ["stop_time=100 ms", *NO_REFERENCE]),
+    "gauss_seidel with FMUs": ("valve-train", ["stop_time=60 ms", *NO_REFERENCE]),
     "iterated with step control and events": (
         "bouncing-mass",
         [
@@ -88,7 +88,9 @@ def _python(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="kills forked processes")
 @pytest.mark.parametrize(("seed", "kills"), KILLS)
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long if "in-process" in name else []) for name in RUNS]
+)
 def test_a_run_killed_again_and_again_ends_as_one_that_was_not(
     name: str, seed: int, kills: int, tmp_path: Path
 ) -> None:

@@ -184,7 +184,12 @@ def test_the_valve_train_runs_below_the_predicted_limit_and_runs_away_beyond(val
 
 @pytest.mark.parametrize(
     "master",
-    [GaussSeidel("quadratic"), Jacobi("linear"), GaussSeidel("hermite"), Iterated("hermite")],
+    [
+        GaussSeidel("quadratic"),
+        pytest.param(Jacobi("linear"), marks=pytest.mark.long),
+        pytest.param(GaussSeidel("hermite"), marks=pytest.mark.long),
+        Iterated("hermite"),
+    ],
     ids=lambda master: f"{type(master).__name__}-{master.extrapolation}",
 )
 def test_the_estimated_error_of_the_contact_load_is_that_of_a_run_within_a_factor_of_two(valve_train, master):

@@ -164,7 +164,7 @@ def test_a_finished_study_evaluates_nothing_again(undisturbed: Path) -> None:
     ("kill", "after"),
     [
         (signal.SIGKILL, (3,)),
-        (signal.SIGINT, (3,)),
+        pytest.param(signal.SIGINT, (3,), marks=pytest.mark.long),
         pytest.param(signal.SIGKILL, (1, 5, 9, 14), marks=pytest.mark.long),
     ],
 )

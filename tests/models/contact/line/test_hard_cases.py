@@ -73,7 +73,7 @@ def test_an_input_outside_its_range_is_named() -> None:
     assert fault == "radius_of_curvature = -0.01 m (reduced radius R of the contact): must be > 0"
 
 
-@pytest.mark.parametrize("step", [1e-6, 1e-5, 1e-4, 1e-3])
+@pytest.mark.parametrize("step", [1e-6, 1e-5, pytest.param(1e-4, marks=pytest.mark.long), 1e-3])
 def test_a_contact_opens_and_closes_ten_times(step: float) -> None:
     """By 50 um, in forty steps each time: without load the film is the gap between the bodies."""
     contact, period = Contact(), 40.0 * step
