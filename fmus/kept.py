@@ -6,16 +6,11 @@ code leaves the files of before behind. Whoever adds one deletes those.
 
 from __future__ import annotations
 
-import contextlib
-import os
-import time
 from pathlib import Path
 
+from models import kept_files
+from models.kept_files import use
 from models.kernel import user_cache_directory
-
-# Longer than a run, or a pause in the work on something, so that nobody misses what is deleted: it is built
-# again in seconds, natively in a minute or more.
-KEPT_DAYS = 21
 
 
 def cached(name: str, digest: str) -> Path:
@@ -24,20 +19,11 @@ def cached(name: str, digest: str) -> Path:
 
 
 def there(file: Path) -> bool:
-    """Whether the file is there; then it is kept from now on. Marked before it is used, so that no other
-    process deletes it meanwhile."""
-    # Where the folder cannot be written nothing is deleted either.
-    with contextlib.suppress(OSError):
-        os.utime(file)
+    """Whether the file is there; then it is kept from now on."""
+    use(file)
     return file.is_file()
 
 
 def tidy(folder: Path) -> None:
-    """Delete the FMUs (and what builds that were killed have left of them) that were not asked for in
-    KEPT_DAYS."""
-    oldest = time.time() - KEPT_DAYS * 86400.0
-    for file in [*folder.glob("*.fmu"), *folder.glob(".*.part")]:
-        # Another process may have been faster, or have the file open (on Windows).
-        with contextlib.suppress(OSError):
-            if file.stat().st_mtime < oldest:
-                file.unlink()
+    """Delete the FMUs (and what builds that were killed have left of them) not asked for of late."""
+    kept_files.tidy([*folder.glob("*.fmu"), *folder.glob(".*.part")])

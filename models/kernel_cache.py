@@ -3,7 +3,8 @@
 The checkout, an installed package and every FMU, wherever a host unpacks it, find the same files. A file's
 name is the digest of what was compiled (`kernel_content`), for which types, by which versions of Python,
 numpy, numba and LLVM and for which processor: an edited kernel, and each that calls it, has another name. So
-a file is never out of date and never written with two contents. It appears whole or not at all.
+a file is never out of date and never written with two contents. It appears whole or not at all. Every edit
+leaves files behind: whoever adds one deletes those that were not used of late, once a day.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ import numba
 import numpy as np
 from numba.core import caching, compiler, serialize, sigutils
 
+from .kept_files import due, tidy, use
 from .kernel_content import PACKAGE, content_of, describe, is_ours, relative_name
 
 # numba's, whose types say little.
@@ -98,6 +100,8 @@ class KernelCache(caching._Cache):
             file = files[_names_this_package(data)]
             _known[file] = data
             _write(file, data)
+            if due(self._folder() / "tidied"):
+                tidy(self._folder().glob("*/*.nbc*"))
 
     def _key(self, sig: Any, codegen: Any) -> str:
         arguments, result = normalized(sig)
@@ -162,6 +166,7 @@ def _found(file: Path, target_context: Any) -> Any:
 
 def _read(file: Path, target_context: Any) -> Any:
     """What `_write` wrote; None if there is none or it was damaged since."""
+    use(file)
     try:
         content = file.read_bytes()
     except FileNotFoundError:

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-import os
-import time
 from pathlib import Path
 
 import pytest
 
 from fmus.build import build
-from fmus.kept import KEPT_DAYS
+from models.kept_files import KEPT_DAYS
 
-
-def aged(file: Path, days: float) -> Path:
-    file.touch()
-    at = time.time() - days * 86400.0
-    os.utime(file, (at, at))
-    return file
+from ..aged import aged
 
 
 @pytest.fixture

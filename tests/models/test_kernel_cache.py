@@ -10,8 +10,10 @@ from pathlib import Path
 import pytest
 
 from models.catalogue import CATALOGUE
+from models.kept_files import KEPT_DAYS
 from models.kernel import COMPILED
 
+from ..aged import aged
 from .forked import Forked
 
 ROOT = Path(__file__).parent.parent.parent
@@ -91,14 +93,14 @@ def run(folder: Path, code: str) -> str:
 
 
 def stored(folder: Path) -> dict[str, int]:
-    return {str(file): file.stat().st_mtime_ns for file in (folder / "cache").rglob("*") if file.is_file()}
+    return {str(file): file.stat().st_mtime_ns for file in (folder / "cache").rglob("*.nbc")}
 
 
 def copied(folder: Path, name: str) -> Path:
     """The machinery of kernels, and two modules of kernels, as a package of that name."""
     package = folder.joinpath(*name.split("."))
     package.mkdir(parents=True)
-    for module in ("kernel", "kernel_cache", "kernel_content"):
+    for module in ("kernel", "kernel_cache", "kernel_content", "kept_files"):
         shutil.copy(ROOT / "models" / f"{module}.py", package)
     (package / "__init__.py").write_text("")
     (package / "law.py").write_text(LAW)
@@ -227,6 +229,29 @@ def test_a_damaged_file_is_compiled_anew(tmp_path: Path) -> None:
         assert run(tmp_path, code) == "2.0\n"
         assert hashlib.sha256(file.read_bytes()[32:]).digest() == file.read_bytes()[:32]
         assert file.read_bytes() != damaged
+
+
+def test_what_was_not_used_of_late_goes_when_another_is_added(tmp_path: Path) -> None:
+    """Once a day; a kernel that is fetched is used."""
+    copied(tmp_path, "one")
+    code = "from one.use import *; {0}"
+    fetched = code.format("apart(1.0)")
+    run(tmp_path, fetched)
+    (used,) = map(Path, stored(tmp_path))
+    run(tmp_path, code.format("law.law(1.0)"))
+    (unused,) = (file for file in map(Path, stored(tmp_path)) if file != used)
+    young = aged(unused.with_name("other-0.nbc"), KEPT_DAYS - 1)
+    rest = aged(unused.with_name(f"{unused.name}.0123"), KEPT_DAYS + 1)  # of a process killed as it wrote
+    aged(used, KEPT_DAYS + 1)
+    aged(unused, KEPT_DAYS + 1)
+    run(tmp_path, fetched)
+    added = code.format("print(first(np.array([(1.0, 2.0)], {0})[0]))")
+    run(tmp_path, added.format("POINT"))
+    assert all(file.exists() for file in (used, unused, young, rest)), "the day is not over"
+    (mark,) = tmp_path.rglob("tidied")
+    aged(mark, 2.0)
+    assert run(tmp_path, added.format("TURNED")) == "2.0\n"
+    assert [file.exists() for file in (used, unused, young, rest)] == [True, False, True, False]
 
 
 @pytest.mark.parametrize("name", CATALOGUE)
