@@ -69,11 +69,11 @@ def this_platform() -> str:
 # Small, as a file holds five of them; what runs for long are the kernels. No tables for unwinding: nothing is
 # thrown through C.
 _C = ["-std=c11", "-Os", "-ffp-contract=off", "-fvisibility=hidden", "-fno-sanitize=all"]
-_C += ["-fno-unwind-tables", "-fno-asynchronous-unwind-tables"]
+_C += ["-fno-unwind-tables", "-fno-asynchronous-unwind-tables", "-fomit-frame-pointer"]
 _STRICT = ["-Wall", "-Wextra", "-Werror"]
 # By the suffix of libraries: without what identifies builds or names what is not exported.
 _LINKED = {
-    ".so": ["-Wl,--hash-style=gnu", "-Wl,--build-id=none", "-Wl,--gc-sections"],
+    ".so": ["-Wl,--hash-style=sysv", "-Wl,--build-id=none", "-Wl,--gc-sections"],
     ".dylib": ["-Wl,-x"],
 }
 

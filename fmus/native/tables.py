@@ -66,11 +66,13 @@ def tables(component: Any, name: str, digest: str, token: str, fmi: int = 2) -> 
         elements = {v.reference: 0 for v in variables}
         elements |= {one.first.reference: len(one.elements) for one in shaped(variables)}
     declared = (_variable(v, elements[v.reference]) for v in variables)
+    told = (f'{_string(v.name)} "\\0" {_string(_allowed(v))} "\\0"' for v in variables)
     messages = [FAILURES.get(status, "") for status in range(max(FAILURES) + 1)]
     strings = {"MODEL": name, "TOKEN": token, "DIGEST": digest}
     defined = {key: _string(text) for key, text in strings.items()} | sizes
     arrays = (
         _array("Variable", "variables", "VARIABLES + STATES + 1 + GUARDS", declared),
+        "const char texts[] =\n    " + "\n    ".join(told) + ";",
         _array("double", "beginning", "SIZE", map(_number, memory.beginning())),
         _array("double", "nominal", "", map(_number, (*component.state.nominal, 1.0))),
         _array("int", "started", "", map(str, (*memory.started, -1))),
@@ -107,10 +109,7 @@ def _requirements(
 def _variable(variable: Variable, elements: int) -> str:
     quantity = variable.quantity
     low, high = quantity.limits() if quantity else (-math.inf, math.inf)
-    # Only of what may be set is there anything to say.
-    allowed = quantity.requirement() if quantity and variable.causality in ("parameter", "input") else ""
     parts = (
-        _string(variable.name),
         _KINDS[variable.kind],
         _CAUSALITIES[variable.causality],
         str(elements),
@@ -118,9 +117,14 @@ def _variable(variable: Variable, elements: int) -> str:
         _truth(quantity is not None and quantity.positive),
         _number(low),
         _number(high),
-        _string(allowed),
     )
     return "{" + ", ".join(parts) + "}"
+
+
+def _allowed(variable: Variable) -> str:
+    """What follows the value in messages; only of what may be set is there anything to say."""
+    quantity = variable.quantity
+    return quantity.requirement() if quantity and variable.causality in ("parameter", "input") else ""
 
 
 def _string(text: str) -> str:

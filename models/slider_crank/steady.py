@@ -14,7 +14,7 @@ from ..hybrid import MOST_EVENTS, hybrid_work_size, make_hybrid_advance
 from ..integrator import OK, TOO_MANY_EVENTS, copy, taylor
 from ..kernel import kernel, record_of, shaped
 from .equations import Mechanism
-from .flight import histories
+from .flight import either
 from .flight.bouncing import (
     CELL,
     END,
@@ -31,8 +31,8 @@ from .flight.bouncing import (
     Walls,
     Y,
 )
+from .flight.either import EitherFlow
 from .flight.flow import COLUMNS, FEWEST_CELLS, UNRESOLVED, Flow, tabulate
-from .flight.pendulum import PendulumFlow
 from .flight.samples import sample_flow, sample_pressing
 from .flight.series import TERMS
 from .follow import NODES, PANEL, WEIGHTS, make_follow, make_leave
@@ -99,12 +99,12 @@ def tabulate_for(form: float, m: Mechanism, gap: float, flow: Flow, key: Any, ro
     return key[7] > 0.0
 
 
-def make_fly(component: Component, next_event: Any) -> Any:
+def make_fly(component: Component) -> Any:
     """fly(t, h, x, U, p, flow, walls, position, scratch, work) -> status: exact motion over [t, t + h].
 
     work: a state that is left alone, u, the derivative of the state, another state, another position.
     """
-    leave, follow = make_leave(component), make_follow(component, next_event, CELLS)
+    leave, follow = make_leave(component), make_follow(component, either.next_event, CELLS)
     derivative, transition = component.flat_derivative, component.flat_transition
     n, m = component.state.size, component.inputs.size
     mode_at = component.state.index("mode")
@@ -145,7 +145,7 @@ def make_fly(component: Component, next_event: Any) -> Any:
             k = CELLS - 1 if whole else int(left)
             started = elapsed
             copy(before, position)
-            code = next_event(flow, walls, position, k, 1.0 if whole else left - k, scratch)
+            code = either.next_event(flow, walls, position, k, 1.0 if whole else left - k, scratch)
             elapsed = (position[CELL] + position[FRACTION] + turned * CELLS - first) * width / speed
             if code == END and not whole:
                 elapsed = h
@@ -185,8 +185,7 @@ def settle(walls: Walls, position: Any, code: int, mode: float) -> None:
 def make_advance(component: Component) -> Any:
     """advance(t, h, x, U, p, scale, work) -> status, as `integrator.make_advance`."""
     hybrid = make_hybrid_advance(component)
-    fly_linear = make_fly(component, histories.LINEAR.next_event)
-    fly_nonlinear = make_fly(component, histories.NONLINEAR.next_event)
+    fly = make_fly(component)
     base, n = hybrid_work_size(component), component.state.size
     P = component.parameters.dtype
     names = component.inputs.names
@@ -246,11 +245,8 @@ def make_advance(component: Component) -> Any:
         enter(x, U, p, gap, position)
         start = work[:n]
         copy(start, x)
-        if parameters.form == NONLINEAR:
-            swinging = PendulumFlow(m.xi, m, flow.pressing)
-            status = fly_nonlinear(t, h, x, U, p, swinging, walls, position, scratch, work)
-        else:
-            status = fly_linear(t, h, x, U, p, flow, walls, position, scratch, work)
+        whole = EitherFlow(parameters.form, m, m.xi, flow.cells, flow.ends, flow.bounds, flow.pressing)
+        status = fly(t, h, x, U, p, whole, walls, position, scratch, work)
         if status != OK:
             copy(x, start)
         return status

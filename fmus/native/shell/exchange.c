@@ -19,7 +19,8 @@ Status unit_set_states(Unit *unit, const double *x)
 {
     for (int i = 0; i < CONTINUOUS_STATES; i++)
         if (!isfinite(x[i]))
-            return unit_say(unit, DISCARD, "%s = %g: must be finite", variables[X_AT + continuous[i]].name, x[i]);
+            return unit_say(unit, DISCARD, "%s = %g: must be finite",
+                            unit_name(&variables[X_AT + continuous[i]]), x[i]);
     for (int i = 0; i < CONTINUOUS_STATES; i++) unit->now.data[X_AT + continuous[i]] = x[i];
     unit->now.outputs_stale = true;
     return OK;

@@ -200,7 +200,8 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
         if (vr[i] < INPUTS_AT || vr[i] >= INPUTS_AT + INPUTS)
             return unit_say(UNIT, ERROR, "value reference %u is not of an input", (unsigned)vr[i]);
         if (order[i] < 1 || order[i] > 3)
-            return unit_say(UNIT, ERROR, "derivative %d of %s: must be 1, 2 or 3", order[i], variables[vr[i]].name);
+            return unit_say(UNIT, ERROR, "derivative %d of %s: must be 1, 2 or 3", order[i],
+                            unit_name(&variables[vr[i]]));
         derivative = vr[i] + (fmi2ValueReference)order[i] * INPUTS;
         if (unit_can_set(UNIT, REAL, &derivative, 1, value + i) != OK) return fmi2Error;
     }

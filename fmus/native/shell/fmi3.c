@@ -78,7 +78,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
         const Variable *variable = required ? unit_variable(required[i]) : NULL;
         if (!variable || !variable->elements || variable->kind != REAL) {
             unit_say(made->unit, ERROR, "requiredIntermediateVariables: %s is not continuous",
-                     variable ? variable->name : "what is not known");
+                     variable ? unit_name(variable) : "what is not known");
             fmi3FreeInstance(made);
             return NULL;
         }

@@ -95,7 +95,7 @@ Status unit_output_derivatives(Unit *unit, const uint32_t *references, size_t co
             return unit_say(unit, ERROR, "value reference %u is not a continuous output", (unsigned)references[i]);
         if (orders[i] != 1)
             return unit_say(unit, ERROR, "derivative %d of %s: must be 1", (int)orders[i],
-                            variables[references[i]].name);
+                            unit_name(&variables[references[i]]));
         status = unit_get(unit, REAL, &rate, 1, values + i);
         if (status != OK) return status;
     }

@@ -91,6 +91,19 @@ static bool allowed(const Variable *variable, double value)
     return !(variable->positive && value <= 0.0);
 }
 
+/* Found by passing all before it: they are read in messages only. */
+static const char *text(size_t number)
+{
+    const char *found = texts;
+    while (number--) found += strlen(found) + 1;
+    return found;
+}
+
+const char *unit_name(const Variable *variable)
+{
+    return text(2 * (size_t)(variable - variables));
+}
+
 /* Adds the faults of `count` values to the message; false if there are none. */
 static bool faults(const Variable *variable, const double *values, int count, char *message, size_t size)
 {
@@ -98,8 +111,9 @@ static bool faults(const Variable *variable, const double *values, int count, ch
     bool any = false;
     for (int i = 0; i < count; i++) {
         if (allowed(&variable[i], values[i]) || used >= size) continue;
-        used += (size_t)snprintf(message + used, size - used, "%s%s = %g%s", used ? "; " : "", variable[i].name,
-                                 values[i], variable[i].allowed);
+        used += (size_t)snprintf(message + used, size - used, "%s%s = %g%s", used ? "; " : "",
+                                 unit_name(&variable[i]), values[i],
+                                 text(2 * (size_t)(&variable[i] - variables) + 1));
         any = true;
     }
     return any;
@@ -231,7 +245,8 @@ static bool known(const Unit *unit, Kind kind, const uint32_t *references, size_
             return false;
         }
         if (!passes(kind, variable->kind)) {
-            unit_say(unit, ERROR, "%s is not of type %s but %s", variable->name, kinds[kind], kinds[variable->kind]);
+            unit_say(unit, ERROR, "%s is not of type %s but %s", unit_name(variable), kinds[kind],
+                     kinds[variable->kind]);
             return false;
         }
     }
@@ -241,11 +256,11 @@ static bool known(const Unit *unit, Kind kind, const uint32_t *references, size_
 static bool settable(const Unit *unit, const Variable *variable, double value)
 {
     if (variable->causality == OUTPUT || variable->causality == LOCAL)
-        unit_say(unit, ERROR, "%s is calculated: it cannot be set", variable->name);
+        unit_say(unit, ERROR, "%s is calculated: it cannot be set", unit_name(variable));
     else if (variable->fixed && !(unit->now.phase & (INSTANTIATED | INITIALIZING)))
-        unit_say(unit, ERROR, "%s is fixed: it cannot be set after initialisation", variable->name);
+        unit_say(unit, ERROR, "%s is fixed: it cannot be set after initialisation", unit_name(variable));
     else if (!isfinite(value))
-        unit_say(unit, ERROR, "%s = %g: must be finite", variable->name, value);
+        unit_say(unit, ERROR, "%s = %g: must be finite", unit_name(variable), value);
     else
         return true;
     return false;

@@ -13,14 +13,12 @@ typedef enum { REAL, INTEGER, BOOLEAN, ENUMERATION } Kind;
 typedef enum { PARAMETER, INPUT, OUTPUT, LOCAL } Causality;
 
 typedef struct {
-    const char *name;
     Kind kind;
     Causality causality;
     uint32_t elements;   /* that its value reference stands for: of an array as many as follow, 0 for those */
     bool fixed;          /* no longer set once the initialisation is over */
     bool positive;       /* zero excluded */
     double low, high;    /* of what may be set */
-    const char *allowed; /* follows the value in messages: unit, meaning, range */
 } Variable;
 
 /* What ranges cannot say (models/requirements.py). A list of them ends with one that has no `met`. */
@@ -34,6 +32,9 @@ typedef struct {
 
 /* Of the component, generated from its metadata (tables.py). */
 extern const Variable variables[VARIABLES + STATES + 1 + GUARDS]; /* and states, time, and what indicates events */
+/* Two texts of each, one after the other: its name, and what follows the value in messages (unit, meaning,
+   range). Pointers to them would make a library for Linux 1 kB larger in the file, by what its loader needs. */
+extern const char texts[];
 extern const double beginning[SIZE]; /* the memory of a new instance */
 extern const double nominal[];       /* of the states */
 extern const int started[];          /* states that have start values */
@@ -124,6 +125,7 @@ Status unit_directional(Unit *unit, const uint32_t *unknown, size_t unknowns, co
 /* A variable by its reference, also a state, the derivative of one, time, an event indicator; NULL if there is
    none. */
 const Variable *unit_variable(uint32_t reference);
+const char *unit_name(const Variable *variable);
 
 /* In model exchange: continuous states, their rates and sizes, what indicates events, and events. */
 void unit_get_states(const Unit *unit, double *x);
