@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import functools
 import re
 from typing import Any
+
+from models.kernel import user_cache_directory
 
 from .participants.description import Unit
 
@@ -106,6 +109,10 @@ def _remedy(given: str, unit: str) -> str:
 def _registry() -> Any:
     import pint  # slow to import, and most numbers have no unit
 
+    # Reading pint's file of units takes a third of a second; what it keeps of it, a fiftieth.
+    kept = user_cache_directory() / f"pint-{pint.__version__}"
+    with contextlib.suppress(Exception):  # no place for files, or one that another process is just writing
+        return pint.UnitRegistry(cache_folder=kept)
     return pint.UnitRegistry()
 
 
