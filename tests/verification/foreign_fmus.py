@@ -30,8 +30,8 @@ def rows() -> Iterator[Row]:
             "foreign/test_refused.py::test_a_file_for_another_platform_is_refused",
             "foreign/test_refused.py::test_two_of_an_fmu_that_fills_its_process_take_processes_of_their_own",
         ),
-        short="texts and binary values, structural parameters that must be set, clocks and event mode of "
-        "other tools' FMUs are not supported (they run without event mode).",
+        short="binary values, arrays of texts, structural parameters that must be set, clocks and event mode "
+        "of other tools' FMUs are not supported (they run without event mode).",
     )
 
 
