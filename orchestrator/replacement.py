@@ -6,6 +6,7 @@ import contextlib
 import errno
 import os
 import re
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -44,6 +45,16 @@ def naming(path: Path) -> Iterator[None]:
         if number is None:
             raise
         raise OSError(number, os.strerror(number), str(path)) from error
+
+
+def check_room(path: Path, size: int) -> None:
+    """OSError, as of writing, if the disk has no room for `size` bytes of the file.
+
+    For those who cannot fail in the midst of it: HDF5 ends the process when it has to close a file whose
+    data it could not write.
+    """
+    if shutil.disk_usage(path.parent).free < size:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
 
 def _hdf5_number(error: Exception) -> int | None:

@@ -6,6 +6,7 @@ it appears under its name only when it is whole.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -19,12 +20,13 @@ import numpy as np
 from models.quantities import Quantity, Vector
 
 from .journal import TIME, Recorded
-from .replacement import naming, partial
+from .replacement import check_room, naming, partial
 from .unfinished import unfinished
 
 if TYPE_CHECKING:
     import xarray
 
+DESCRIBED = 8192  # bytes at most for a variable's names, attributes and places; some 3 kB were measured
 CHUNK = 4096  # rows of a compressed chunk: and of what is written at once: 32 kB of a variable
 
 
@@ -64,13 +66,16 @@ class ResultFile:
         self._write(group, {"time": TIME, **variables}, len(times), blocks)
 
     def _write(self, name: str, columns: Mapping[str, Quantity], rows: int, blocks: Iterable[Vector]) -> None:
+        chunk = min(rows, CHUNK) or CHUNK
+        # As if nothing could be compressed.
+        check_room(self.path, len(columns) * (8 * chunk * math.ceil(rows / chunk) + DESCRIBED))
         self._quantities[name] = {key: value for key, value in columns.items() if key != "time"}
         group = self._file.create_group(name)
         # Of an unlimited dimension h5netcdf asks all variables for their length whenever it makes or opens
         # one; netCDF knows no other of length 0.
         group.dimensions["time"] = rows or None
         for key, quantity in columns.items():
-            _make(group, _stored(key), quantity, min(rows, CHUNK) or CHUNK)
+            _make(group, _stored(key), quantity, chunk)
         # Each by itself: what HDF5 lists as attached to a dimension has been seen to lack one.
         datasets = [self._hdf5[f"{group.name}/{_stored(key)}"] for key in columns]
         for first, block in _placed(blocks):

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import zipfile
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import h5py
@@ -359,6 +360,20 @@ def test_a_full_disk_is_told_and_no_record_on_it_is_lost(
     assert done.exit_status == 3
     with open_result(out) as tree:
         assert tree["coupled"].sizes["time"] == kept == len((out / "coupled.csv").read_text().split()) - 1
+
+
+def test_a_result_without_room_is_not_begun(whole: Path, tmp_path: Path, monkeypatch: Any) -> None:
+    """HDF5 would end the process where the disk is full in its midst."""
+    out = tmp_path / "out"
+    size = (whole / "result.nc").stat().st_size
+    with monkeypatch.context() as full:
+        full.setattr(shutil, "disk_usage", lambda path: SimpleNamespace(free=size // 2))
+        summary = run(load("valve-train", [*SHORT, EVERY]), out, built, _quiet(), figures=False)
+    assert (summary.complete, summary.exit_status, summary.resumable) == (False, 3, True)
+    assert f"{out / 'result.nc'}: No space left on device; free some space, then" in summary.message
+    assert not list(out.glob("result.nc*"))
+    assert resume(out, built, _quiet(), figures=False).complete
+    _same(out, whole)
 
 
 def test_a_run_that_fails_leaves_nothing_to_resume(tmp_path: Path) -> None:
