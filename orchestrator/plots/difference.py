@@ -35,13 +35,17 @@ def figure(data: FigureData) -> Figure:
     names = _names(data)
     made, ax = plt.subplots(figsize=(6.8, 4.2))
     headed(made, f"{data.title}: error of the coupled run")
-    colours = plt.get_cmap("viridis")(np.linspace(0.0, 0.88, len(names)))
-    x = data.x(True)
-    for name, colour in zip(names, colours, strict=True):
+    # Every second one dashed: errors that are alike, as those of two films of one formula, are both seen.
+    colours = plt.get_cmap("tab10").colors[: len(names)]
+    x, hidden = data.x(True), False
+    for i, (name, colour) in enumerate(zip(names, colours, strict=True)):
         relative = data.difference(name) / np.ptp(data.reference[name])
         first, top = envelope(np.where(relative > FLOOR, relative, np.nan))
-        ax.semilogy(x[first], top, color=colour, lw=1.2, label=name)
+        hidden |= bool(np.isnan(top).any())
+        ax.semilogy(x[first], top, "--" if i % 2 else "-", color=colour, lw=1.2, label=name)
     over_time(ax, data)
+    if hidden:
+        ax.set_title(f"errors below {FLOOR:.0e} are not drawn", loc="right", fontsize=8.5)
     ax.set_ylabel("|coupled − reference| / range of the reference")
     made.legend(loc="outside lower center", ncols=min(3, len(names)), handlelength=1.6)
     return made
