@@ -35,6 +35,7 @@ class VariableInfo:
     variability: str
     unit: str
     start: str
+    range: str
     description: str
 
 
@@ -60,21 +61,26 @@ class FmuInfo:
         """For reading: what it is, then a table of the variables."""
         head = {
             "file": self.path,
-            "model": f"{self.name} {self.version}: {self.description}",
+            "model": " ".join(filter(None, (self.name, self.version)))
+            + (f": {self.description}" if self.description else ""),
             "kind": f"FMI {self.fmi_version} for {', '.join(self.kinds)}",
             "platforms": ", ".join(self.platforms),
-            "by": f"{self.author}, licence {self.license}, made with {self.tool}",
+            "by": ", ".join(
+                word + text
+                for word, text in (("", self.author), ("licence ", self.license), ("made with ", self.tool))
+                if text
+            ),
             "GUID": self.guid,
             "SHA-256": self.digest,
         }
-        rows = [("variable", "type", "causality", "variability", "unit", "start", "description")]
+        rows = [("variable", "type", "causality", "variability", "unit", "start", "range", "description")]
         rows += [
-            (v.name, v.kind, v.causality, v.variability, v.unit, v.start, v.description)
+            (v.name, v.kind, v.causality, v.variability, v.unit, v.start, v.range, v.description)
             for v in self.variables
         ]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         table = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
-        return "\n".join([*(f"{key:10} {value}" for key, value in head.items()), "", *table])
+        return "\n".join([*(f"{key:10} {value}" for key, value in head.items() if value), "", *table])
 
 
 def validate(path: Path | str) -> list[str]:
@@ -157,13 +163,29 @@ def info(path: Path | str) -> FmuInfo:
                 v.type,
                 v.causality,
                 v.variability or "",
-                v.unit or "",
+                v.unit or getattr(v.declaredType, "unit", None) or "",
                 "" if v.start is None else str(v.start),
-                v.description or "",
+                _range(v),
+                _meaning(v),
             )
             for v in described.modelVariables
         ),
     )
+
+
+def _range(variable) -> str:
+    """From the least to the largest value, each where it is stated."""
+    least, most = (
+        getattr(variable, key) or getattr(variable.declaredType, key, None) or "" for key in ("min", "max")
+    )
+    return f"{least}..{most}" if least or most else ""
+
+
+def _meaning(variable) -> str:
+    """The description; of an enumeration its items, too."""
+    items = getattr(variable.declaredType, "items", None) if variable.type == "Enumeration" else None
+    named = ", ".join(f"{item.name} = {item.value}" for item in items or ())
+    return " ".join(filter(None, (variable.description, f"({named})" if named else "")))
 
 
 def checksum(path: Path | str) -> str:

@@ -27,7 +27,21 @@ def opened(path: Path) -> zipfile.ZipFile:
     try:
         return zipfile.ZipFile(path)
     except (zipfile.BadZipFile, OSError) as error:
+        if _cut_off(path):
+            raise FmuFileError(
+                f"{path}: is cut off: it begins as a zip archive, but its end is missing, so not an FMU; "
+                "fetch or make it again"
+            ) from None
         raise FmuFileError(f"{path}: not a zip archive, so not an FMU ({one_line(error)})") from None
+
+
+def _cut_off(path: Path) -> bool:
+    """Whether the file begins as an archive does."""
+    try:
+        with path.open("rb") as file:
+            return file.read(4) == b"PK\x03\x04"
+    except OSError:
+        return False
 
 
 def archive_faults(archive: zipfile.ZipFile) -> list[str]:

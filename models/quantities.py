@@ -63,6 +63,9 @@ class Quantity:
         inside = math.isfinite(value) and whole and low <= value <= high
         if inside and not (self.positive and value <= 0.0):
             return None
+        if not math.isfinite(value):
+            ranged = self.allowed().replace("any finite number", "")
+            return f"{name} = {value:g}{self._said()}: must be finite{' and ' if ranged else ''}{ranged}"
         return f"{name} = {value:g}{self.requirement()}"
 
     def limits(self) -> tuple[float, float]:
@@ -72,8 +75,11 @@ class Quantity:
 
     def requirement(self) -> str:
         """What follows a value in a message: its unit, its meaning and the allowed range."""
+        return f"{self._said()}: must be {self.allowed()}"
+
+    def _said(self) -> str:
         unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{unit} ({self.description}): must be {self.allowed()}"
+        return f"{unit} ({self.description})"
 
 
 def per_element(start: float = 0.0) -> Vector:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from .abilities import unsynchronised
+from .participants import ForeignComponent
 from .scenario import Scenario, line_of
+from .scenario.foreign_values import bare
 
 
 def notices(scenario: Scenario) -> list[str]:
@@ -18,7 +20,20 @@ def notices(scenario: Scenario) -> list[str]:
         found.append(
             "energy.correction = true: nothing counts what it gives back; energy.ledger = true shows it"
         )
-    return found + _unloaded(scenario) + unsynchronised(scenario)
+    return found + _unloaded(scenario) + _in_own_units(scenario) + unsynchronised(scenario)
+
+
+def _in_own_units(scenario: Scenario) -> list[str]:
+    """Numbers without a unit, for FMUs from elsewhere whose unit is not SI's."""
+    found = []
+    for name, table in scenario.components.items():
+        component = table.made()
+        if isinstance(component, ForeignComponent):
+            tables = {"parameters": table.parameters, "start": table.start, "inputs": table.inputs}
+            found += [f"components.{name}.{value}" for value in bare(component, tables)]
+    if not found:
+        return []
+    return [f"{', '.join(found)}: numbers without a unit are in the FMU's, which is not SI's here"]
 
 
 def _unloaded(scenario: Scenario) -> list[str]:

@@ -80,6 +80,12 @@ def to_unit(text: str, unit: str) -> float:
     return number * factor
 
 
+def is_bare(text: str) -> bool:
+    """Whether it is a number without a unit."""
+    match = _NUMBER_AND_UNIT.fullmatch(text)
+    return match is not None and not match[2]
+
+
 def in_base_units(unit: str) -> Unit | None:
     """What the unit is in SI base units; None where it is not known, or not a multiple of them."""
     try:

@@ -13,7 +13,7 @@ from models.quantities import Layout, Quantity
 from models.system import suggestion
 
 from .errors import one_of
-from .units import UnitError, to_unit
+from .units import UnitError, is_bare, to_unit
 
 
 class Faults(ValueError):
@@ -22,6 +22,10 @@ class Faults(ValueError):
     def __init__(self, *faults: tuple[str, str]) -> None:
         super().__init__("; ".join(key + message for key, message in faults))
         self.faults = faults
+
+
+class WithUnit(float):
+    """A number that was written with its unit."""
 
 
 # A choice by name, a truth value, or a number in the quantity's unit.
@@ -61,10 +65,11 @@ def meaning(quantity: Quantity, value: Any) -> Value:
         raise ValueError("must be a number, not true or false")
     if isinstance(value, str):
         try:
-            return to_unit(value, quantity.unit)
+            made = to_unit(value, quantity.unit)
         except UnitError as error:
             raise ValueError(str(error)) from None
-    return float(value)
+        return made if is_bare(value) else WithUnit(made)
+    return value if isinstance(value, WithUnit) else float(value)
 
 
 def number(quantity: Quantity, value: Value) -> float:
@@ -79,13 +84,21 @@ def value_of(quantity: Quantity, stored: float) -> Value:
     return bool(stored) if quantity.boolean else float(stored)
 
 
-def meanings(layout: Layout, values: Mapping[str, Any], kind: str) -> dict[str, Value]:
-    """`meaning` of every value; raises Faults."""
+def meanings(
+    layout: Layout, values: Mapping[str, Any], kind: str, others: Mapping[str, Layout] | None = None
+) -> dict[str, Value]:
+    """`meaning` of every value; raises Faults. `others` are the layouts of other tables, where a name that is
+    not known here may belong."""
     found: dict[str, Value] = {}
     faults: list[tuple[str, str]] = []
     for name, value in values.items():
         if name not in layout:
-            faults.append((name, f": no such {kind}; {suggestion(name, layout.variables)}"))
+            tables = [table for table, other in (others or {}).items() if name in other.variables]
+            if tables:
+                remedy = f"give it in {' or '.join(tables)}, where there is one of this name"
+            else:
+                remedy = suggestion(name, layout.variables) if layout.variables else "leave it out"
+            faults.append((name, f": no such {kind}; {remedy}"))
             continue
         quantity = layout.field(name).quantity
         if quantity.internal:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import uuid
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from importlib import metadata
+from importlib import import_module, metadata
 from pathlib import Path
 
 from models.catalogue import CATALOGUE
@@ -23,7 +23,7 @@ from .differentiate import differentiated
 from .entries import smooth
 from .machine_code import FMI_HEADERS, PLATFORMS, SHELL, NativeBuildError, shared_library, this_platform
 from .tables import tables
-from .translate import translated
+from .translate import TranslationError, translated
 
 # What makes machine code, and the constants in it; other versions may make others.
 _TOOLS = ("numba", "llvmlite", "ziglang", "fmpy", "numpy", "scipy")
@@ -41,9 +41,12 @@ def build(
 
     Otherwise as the build of the FMU that runs in Python; a file in a folder is called `name`-native.fmu or
     `name`-native-fmi3.fmu. `told` is called with each step of the work (seconds to minutes) as it begins.
-    TranslationError for kernels that need Python, NativeBuildError without the tools.
+    TranslationError for kernels and sizes that need Python, NativeBuildError without the tools.
     """
     sizes, component = python_build.chosen(name, structure, "NATIVE_STRUCTURE")
+    for size, said in getattr(import_module(f"fmus.{name}"), "ONLY_IN_PYTHON", {}).items():
+        if sizes.get(size):
+            raise TranslationError(f"{size} = {sizes[size]}: {said}")
     label = f"{name}-native" if fmi == 2 else f"{name}-native-fmi{fmi}"
     target = cached(label, _made_of(name, sizes, platforms))
     if not there(target):

@@ -162,7 +162,8 @@ def film_has_a_formula(p: ContactParameters, told: Vector) -> bool:
 REQUIREMENTS = (
     Requirement(
         film_has_a_formula,
-        "film_model = line_transient: needs a pressure field; give the structural size nodes = 301",
+        "film_model = line_transient: needs a pressure field; give the structural size nodes = 301, in "
+        "Python (native FMUs have no field: their film follows formulas)",
     ),
 )
 

@@ -45,6 +45,7 @@ class Variable:
     derivative: str  # the name of the variable whose time derivative this is, or empty
     place: int = 0
     size: int = 1
+    items: tuple[tuple[str, int], ...] = ()  # of an enumeration, with their numbers
 
     @property
     def numeric(self) -> bool:
@@ -189,6 +190,7 @@ def _scalars(variable: Any) -> Iterator[Variable]:
     size = math.prod(shape)
     starts = _starts(variable, size)
     declared = variable.declaredType
+    items = tuple((item.name, int(item.value)) for item in getattr(declared, "items", None) or ())
     unit = variable.unit or (declared.unit if declared else None) or ""
     limits = {key: _limit(variable, declared, key) for key in ("min", "max", "nominal")}
     derived = variable.derivative
@@ -211,6 +213,7 @@ def _scalars(variable: Any) -> Iterator[Variable]:
             derivative=rate_of and rate_of + element,
             place=place,
             size=size,
+            items=items if variable.type == "Enumeration" else (),
         )
 
 

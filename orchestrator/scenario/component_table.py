@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -12,9 +11,9 @@ from models.component import Component
 
 from ..errors import one_of
 from ..participants import ForeignComponent, component_of_file, made_here
-from ..participants.description import TEXT
-from ..values import Faults, Value, component_of, meanings
+from ..values import Value, component_of, meanings
 from .fields import Table, Written
+from .foreign_values import enumerated, texts
 
 BUILT = ("fmu", "native")
 KINDS = (*BUILT, "in-process")
@@ -100,11 +99,13 @@ class ComponentTable(Table):
         layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
         kinds = {"parameters": "parameter", "start": "state", "inputs": "input"}
         assert info.field_name
-        texts = {}
-        if info.field_name == "parameters" and isinstance(component, ForeignComponent):
-            texts = _texts(component, values)
-        others = {key: value for key, value in values.items() if key not in texts}
-        return meanings(layouts[info.field_name], others, kinds[info.field_name]) | texts
+        layout, told = layouts.pop(info.field_name), dict[str, Value]()
+        if isinstance(component, ForeignComponent):
+            told = enumerated(component, {key: value for key, value in values.items() if key in layout})
+            if info.field_name == "parameters":
+                told |= texts(component, values)
+        others = {key: value for key, value in values.items() if key not in told}
+        return meanings(layout, others, kinds[info.field_name], layouts) | told
 
     @property
     def foreign(self) -> bool:
@@ -137,26 +138,3 @@ def _made(participant: str, component: str | None, structure: dict[str, int]) ->
     if component is None:
         return component_of_file(Path(participant))
     return component_of(component, tuple(sorted(structure.items())))
-
-
-def _texts(component: ForeignComponent, values: Mapping[str, Value]) -> dict[str, Value]:
-    """Those of the values that are for parameters of type String; Faults where they are no texts, and for
-    parameters of types that no value can be given."""
-    texts: dict[str, Value] = {}
-    faults = []
-    for name, value in values.items():
-        variable = component.about.variables.get(name)
-        if variable is None or variable.numeric or not variable.settable:
-            continue
-        if name not in component.about.texts:
-            kind = "an array of texts" if variable.type == TEXT else f"of type {variable.type}"
-            faults.append(
-                (name, f": is {kind}, which cannot be given; leave it out (it starts as its file says)")
-            )
-        elif not isinstance(value, str) or "\0" in value:
-            faults.append((name, f" = {value!r} (String): must be a text, without zero characters"))
-        else:
-            texts[name] = value
-    if faults:
-        raise Faults(*faults)
-    return texts

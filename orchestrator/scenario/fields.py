@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
 
 from ..units import to_unit
-from ..values import Faults, Value
+from ..values import Faults, Value, WithUnit
 
 
 def _time(value: Any) -> float:
@@ -43,7 +43,9 @@ def _scalar(value: Any) -> Any:
 
 Seconds = Annotated[float, BeforeValidator(_seconds, json_schema_input_type=float | str)]
 SecondsOr0 = Annotated[float, BeforeValidator(_seconds_or_0, json_schema_input_type=float | str)]
-Written = Annotated[Value, BeforeValidator(_scalar)]
+# How a number was written is of no matter once it is written out.
+_Plain = PlainSerializer(lambda value: float(value) if isinstance(value, WithUnit) else value)
+Written = Annotated[Value, BeforeValidator(_scalar), _Plain]
 Tolerance = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
 
 

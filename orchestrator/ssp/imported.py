@@ -21,7 +21,7 @@ from ..conversion import linear_between
 from ..participants import ForeignComponent, component_of_file
 from ..participants.description import Description, DescriptionError, described
 from ..scenario import Line, ScenarioError
-from ..values import component_of
+from ..values import WithUnit, component_of
 from .exported import START
 from .names import NAMESPACES, OURS, STRUCTURE
 from .schema import schema_fault
@@ -254,7 +254,7 @@ def _transformed(value: float, one: Stated, unit: str, component: Component, whe
         value = linear.factor * value + linear.offset
     if one.factor is not None or one.offset is not None:
         value = (1.0 if one.factor is None else one.factor) * value + (one.offset or 0.0)
-    return value
+    return WithUnit(value)  # in the FMU's, as SSP has it
 
 
 def _units(component: Component) -> dict[str, Any]:

@@ -24,7 +24,7 @@ HEADERS = Path(fmpy.__file__).parent / "c-code"
 TOKEN = "{1e0f7c2a-0000-4b6e-9d50-5d1c0fa3c0de}"
 # FMI 2.0's types by those of FMI 3.0.
 OF_FMI2 = {"Float64": "Real", "Float32": "Real", "Int32": "Integer", "Int64": "Integer", "Boolean": "Boolean"}
-OF_FMI2 |= {"String": "String", "Binary": "String"}
+OF_FMI2 |= {"String": "String", "Binary": "String", "Enumeration": "Enumeration"}
 # What FMI 3.0 has as an element, not as an attribute.
 STARTING = {"String": "", "Binary": "00"}
 
@@ -140,6 +140,7 @@ def _description(name: str, model: Model, version: int) -> str:
         )
     used = dict.fromkeys(v.unit for v in model.variables if v.unit)
     units = "".join(f'<Unit name="{unit}"><BaseUnit {UNITS[unit]}/></Unit>' for unit in used)
+    types = "".join(_enumeration(v, version) for v in model.variables if v.items)
     outputs = [v.name for v in model.variables if v.causality == "output"]
 
     def unknown(tag: str) -> str:
@@ -167,10 +168,19 @@ def _description(name: str, model: Model, version: int) -> str:
         f'<CoSimulation modelIdentifier="{name}" {abilities}'
         f'canHandleVariableCommunicationStepSize="{str(model.variable_step).lower()}"/>'
         f"{f'<UnitDefinitions>{units}</UnitDefinitions>' if units else ''}"
+        f"{f'<TypeDefinitions>{types}</TypeDefinitions>' if types else ''}"
         f'<DefaultExperiment startTime="0" stopTime="1" stepSize="0.01"/>'
         f"<ModelVariables>{written}</ModelVariables><ModelStructure>{structure}</ModelStructure>"
         "</fmiModelDescription>"
     )
+
+
+def _enumeration(v: V, version: int) -> str:
+    """The type of the variable's name."""
+    items = "".join(f'<Item name="{name}" value="{number}"/>' for name, number in v.items)
+    if version == 3:
+        return f'<EnumerationType name="{v.name}">{items}</EnumerationType>'
+    return f'<SimpleType name="{v.name}"><Enumeration>{items}</Enumeration></SimpleType>'
 
 
 def _attributes(v: V) -> str:
@@ -196,15 +206,17 @@ def _variable2(v: V, reference: int, index: dict[str, int]) -> str:
     assert v.size == 1
     unit = f'unit="{v.unit}" ' if v.unit else ""
     derivative = f'derivative="{index[v.derivative]}" ' if v.derivative else ""
+    declared = f'declaredType="{v.name}" ' if v.items else ""
     return (
         f'<ScalarVariable name={quoteattr(v.name)} valueReference="{reference}" {_attributes(v)}>'
-        f"<{OF_FMI2[v.type]} {unit}{_start(v)}{derivative}{v.more}/></ScalarVariable>"
+        f"<{OF_FMI2[v.type]} {declared}{unit}{_start(v)}{derivative}{v.more}/></ScalarVariable>"
     )
 
 
 def _variable3(v: V, reference: int, index: dict[str, int]) -> str:
     unit = f'unit="{v.unit}" ' if v.unit else ""
     derivative = f'derivative="{index[v.derivative]}" ' if v.derivative else ""
+    declared = f'declaredType="{v.name}" ' if v.items else ""
     shape = [2, 2] if v.size == 4 else [v.size]
     inside = "".join(f'<Dimension start="{n}"/>' for n in shape) if v.size > 1 else ""
     if v.type in STARTING:
@@ -214,5 +226,5 @@ def _variable3(v: V, reference: int, index: dict[str, int]) -> str:
         )
     return (
         f'<{v.type} name={quoteattr(v.name)} valueReference="{reference}" {_attributes(v)}{unit}{_start(v)}'
-        f"{derivative}{v.more}>{inside}</{v.type}>"
+        f"{declared}{derivative}{v.more}>{inside}</{v.type}>"
     )

@@ -18,6 +18,7 @@ class V:
     size: int = 1
     derivative: str = ""
     more: str = ""
+    items: tuple[tuple[str, int], ...] = ()
 
     @property
     def starts(self) -> list[float]:
@@ -154,6 +155,13 @@ MODELS = {
          V("scale", "parameter", 1.0), V("length", "output"), V("first", "output"), V("second", "output")),
         output="$length = $scale * strlen(m->text); $first = m->text[0] & 255; $second = m->text[1] & 255;",
         depends={"length": (), "first": (), "second": ()},
+    ),
+    # Of a material, whose numbers have a gap; its length in mm.
+    "stretched": Model(
+        (V("material", "parameter", 1, "Enumeration", items=(("steel", 1), ("brass", 2), ("other", 9))),
+         V("length", "output", 1.0, unit="mm", initial="exact"), V("number", "output")),
+        output="$number = $material;",
+        depends={"length": (), "number": ()},
     ),
     # What names may be.
     "named": Model((V('a/b "c", [µ] <->', "output", 1.0, initial="exact"), V("der(x)", "output", 2.0)), ""),

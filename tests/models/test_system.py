@@ -56,7 +56,7 @@ def test_constant_and_source_of_one_input():
     ("kind", "values", "said"),
     [
         ("parameters", {"valve_mass": -1.0}, ("valve_spring.valve_mass = -1 kg", "must be > 0")),
-        ("parameters", {"spring_rate": math.nan}, ("spring_rate = nan", "> 0")),
+        ("parameters", {"spring_rate": math.nan}, ("spring_rate = nan", "must be finite and > 0")),
         ("parameters", {"valve_mas": 1.0}, ("no parameter 'valve_mas'", "did you mean valve_mass?")),
         ("start", {"positon": 1.0}, ("no state 'positon'", "did you mean position?")),
         ("inputs", {"laod": 1.0}, ("no input 'laod'", "did you mean load?")),

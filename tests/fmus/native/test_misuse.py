@@ -157,6 +157,13 @@ def too_stiff(host: Host) -> int:
     return host.DoStep(0.0, 1e-3, 1)
 
 
+def endless_before_stop(host: Host) -> int:
+    assert not host.SetupExperiment(0, 0.0, 0.0, 1, 1e-4)
+    assert not host.EnterInitializationMode()
+    assert not host.ExitInitializationMode()
+    return host.DoStep(0.0, math.inf, 1)
+
+
 def beyond_stop(host: Host) -> int:
     assert not host.SetupExperiment(0, 0.0, 0.0, 1, 1e-4)
     assert not host.EnterInitializationMode()
@@ -226,6 +233,7 @@ MISUSES: dict[str, Callable[[Host], int | None]] = {
     "a step of NaN": lambda host: host.initialized().DoStep(0.0, math.nan, 1),
     "a step backwards, or from elsewhere": lambda host: host.initialized().DoStep(-1.0, 1e-5, 1),
     "an endless step": lambda host: host.initialized().DoStep(0.0, math.inf, 1),
+    "an endless step, where a stop time was given": endless_before_stop,
     "a step that the component cannot make": lambda host: host.initialized().DoStep(0.0, 1e300, 1),
     "a step with more vibrations in it than can be followed": too_stiff,
     "a step beyond the stop time, if one was given": beyond_stop,

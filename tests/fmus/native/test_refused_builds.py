@@ -1,0 +1,30 @@
+"""What cannot be made in machine code is said in one line that can be read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from fmus.native.fmu import build
+from fmus.native.translate import TranslationError, translated
+
+
+def test_a_size_that_only_python_has_is_refused_before_the_work(tmp_path: Path) -> None:
+    said = r"^nodes = 301: native FMUs of ehl_contact have no pressure field, .* take the FMU in Python"
+    with pytest.raises(TranslationError, match=said):
+        build("ehl_contact", tmp_path, {"nodes": 301})
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_the_compiler_says_is_one_line_without_colours(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its error and the first line of the explanation, not the last line of all."""
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    with pytest.raises(TranslationError) as raised:
+        translated("ehl_contact", {"nodes": 51})
+    said = str(raised.value)
+    assert said.startswith("native code of ehl_contact: numba.core.errors.")
+    assert "\x1b" not in said
+    assert "\n" not in said
+    assert "During:" not in said
+    print(said)

@@ -1,0 +1,97 @@
+"""Values for FMUs from elsewhere: numbers in the FMU's unit, items of enumerations, names of other tables."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmus.validate import info
+from orchestrator.notices import notices
+from orchestrator.scenario import ScenarioError
+from orchestrator.scenario_files import load
+
+from .c_fmus import fmu
+from .models import MODELS, Model, V
+from .runs import ran, scenario
+
+VERSIONS = (2, 3)
+TAKEN = "components.one.start.length = 0.002 mm: numbers without a unit are in the FMU's"
+MILLIMETRES = [(0.002, 0.002, True), ("0.002", 0.002, True), ("2 um", 0.002, False), ("0.002 m", 2.0, False)]
+
+
+@pytest.mark.parametrize(("value", "millimetres", "named"), MILLIMETRES)
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_number_without_a_unit_is_in_the_fmus_and_named(
+    version: int, value: float | str, millimetres: float, named: bool, tmp_path: Path
+) -> None:
+    one = scenario({"one": {"participant": fmu("stretched", version, tmp_path), "start": {"length": value}}})
+    (told,) = notices(one) or [""]
+    assert told.startswith(TAKEN) if named else not told
+    _, found = ran(one, tmp_path / "out")
+    assert found["one.length"][0] == pytest.approx(millimetres, rel=1e-15)
+    assert load(tmp_path / "out" / "scenario.toml") == one
+
+
+def test_numbers_in_si_units_and_zeros_are_not_named(tmp_path: Path) -> None:
+    """0 mm is 0 m; 0 degC is not 0 K."""
+    tables = {
+        "ball": {"participant": fmu("ball", 2, tmp_path), "start": {"body.h": 0.002}},
+        "one": {"participant": fmu("stretched", 2, tmp_path), "start": {"length": 0.0}},
+    }
+    assert notices(scenario(tables)) == []
+
+
+@pytest.mark.parametrize(("value", "number"), [("steel", 1), ("brass", 2), ("other", 9), (2, 2)])
+@pytest.mark.parametrize("version", VERSIONS)
+def test_items_are_given_by_name_or_number(
+    version: int, value: str | int, number: int, tmp_path: Path
+) -> None:
+    table = {"participant": fmu("stretched", version, tmp_path), "parameters": {"material": value}}
+    summary, found = ran(scenario({"one": table}, stop_time=0.02), tmp_path / "out")
+    assert summary.complete, summary.message
+    np.testing.assert_array_equal(found["one.number"], number)
+
+
+KNOWN = r"must be one of steel, brass, other, or their numbers \(1, 2, 9\)"
+
+
+@pytest.mark.parametrize(
+    ("table", "values", "said"),
+    [
+        (
+            "parameters",
+            {"material": "stel"},
+            rf"material = 'stel' \(material\): {KNOWN}; did you mean steel\?",
+        ),
+        ("parameters", {"material": 3}, rf"material = 3 \(material\): {KNOWN}"),
+        ("parameters", {"material": 1.5}, rf"material = 1\.5 \(material\): {KNOWN}"),
+        ("parameters", {"material": True}, rf"material = True \(material\): {KNOWN}"),
+        ("start", {"material": 2}, "material: no such state; give it in parameters"),
+        ("inputs", {"length": 2}, "length: no such input; give it in start"),
+        ("inputs", {"force": 2}, "force: no such input; leave it out$"),
+    ],
+)
+def test_what_does_not_fit_is_named(
+    table: str, values: dict[str, float | str], said: str, tmp_path: Path
+) -> None:
+    with pytest.raises(ScenarioError, match=said):
+        scenario({"one": {"participant": fmu("stretched", 3, tmp_path), table: values}})
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_what_is_told_of_a_file_has_ranges_and_items(
+    version: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And no word of what the file does not say."""
+    ranged = V("length", "output", 1.0, unit="mm", initial="exact", more='min="0.5" max="20"')
+    material = next(v for v in MODELS["stretched"].variables if v.name == "material")
+    monkeypatch.setitem(MODELS, "ranged", Model((ranged, material)))
+    shown = str(info(fmu("ranged", version, tmp_path))).splitlines()
+    assert shown[1].split() == ["model", "ranged"]
+    assert not [line for line in shown if line.startswith("by ") or "licence" in line]
+    (length,) = (line for line in shown if line.startswith("length "))
+    assert "0.5..20" in length.split()
+    (choice,) = (line for line in shown if line.startswith("material "))
+    assert choice.endswith("(steel = 1, brass = 2, other = 9)")
