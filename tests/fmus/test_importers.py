@@ -20,9 +20,8 @@ from tests.tools.running import host, missing
 
 # What the extra `dev` installs.
 TOOLS = ("fmpy", "libcosim", "ecos", "fmucontainer", "c_host")
-# One with states, one with impacts, in every run of the tests; the others take long.
-QUICK = ("valve_spring", "slider_crank")
-FMUS = [name if name in QUICK else pytest.param(name, marks=pytest.mark.long) for name in NAMES]
+# One with states and impacts in every run of the tests; the others take long.
+FMUS = [name if name == "slider_crank" else pytest.param(name, marks=pytest.mark.long) for name in NAMES]
 
 
 @pytest.mark.parametrize("kind", KINDS)

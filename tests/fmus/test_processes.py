@@ -132,7 +132,9 @@ def test_second_start_compiles_nothing(
     assert compiled() == after_first
 
 
-@pytest.mark.parametrize("obstacle", ["no folder can be made", "no file can be written"])
+@pytest.mark.parametrize(
+    "obstacle", ["no folder can be made", pytest.param("no file can be written", marks=pytest.mark.long)]
+)
 def test_cache_that_cannot_be_written(
     obstacle: str, fmu_files: dict[str, Path], isolated: Isolated, tmp_path: Path
 ) -> None:

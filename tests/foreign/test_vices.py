@@ -47,7 +47,7 @@ def case(path: Path, process: str | None, **changes: object):
     return scenario(tables, master={"name": "jacobi"}, **changes)
 
 
-@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("version", [2, pytest.param(3, marks=pytest.mark.long)])
 @pytest.mark.parametrize("vice", VICES)
 def test_the_run_ends_with_what_it_has(vice: str, version: int, tmp_path: Path) -> None:
     """Crashes in a process of their own, which is the default; everything else there and here."""

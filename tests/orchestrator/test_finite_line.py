@@ -87,6 +87,7 @@ def test_at_a_reversal_the_contact_is_dry_and_says_so(tmp_path: Path):
     assert found["middle_pressure"] == pytest.approx(found["hertz_pressure"], rel=0.06)
 
 
+@pytest.mark.long
 def test_yield_is_said_and_dry_instants_are_left_out(tmp_path: Path):
     """144, 156, 168, 180 degrees, misaligned: two reversals, between them more than bodies bear."""
     settings = ["instants=4", "start=144 deg", "end_cell=0.15", "alignment=1", "shaft_length=40 mm"]

@@ -92,6 +92,7 @@ def test_film_and_load_of_the_kinematic_cycle(runs: Runs) -> None:
     assert 1.74 < cycle.film.max() / cycle.film_at(180.0) < 1.83
 
 
+@pytest.mark.long
 def test_loads_of_all_speeds_cross_where_the_lift_has_no_curvature(runs: Runs) -> None:
     # s'' = 0 at B/2 + d from the nose.
     found = checked("crossovers", runs).values

@@ -79,6 +79,7 @@ def _seconds_to_write_and_open(folder: Path, variables: int) -> float:
     return time.process_time() - began
 
 
+@pytest.mark.long
 def test_a_file_takes_time_proportional_to_its_variables(tmp_path: Path) -> None:
     """Exponent of time over variables: 1; a look at all variables for each one would make it 2."""
     _seconds_to_write_and_open(tmp_path / "first", 1)  # imports

@@ -90,7 +90,7 @@ def _python(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="kills forked processes")
 @pytest.mark.parametrize(("seed", "kills"), KILLS)
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.long if "in-process" in name else []) for name in RUNS]
+    "name", [pytest.param(name, marks=[] if "FMUs" in name else pytest.mark.long) for name in RUNS]
 )
 def test_a_run_killed_again_and_again_ends_as_one_that_was_not(
     name: str, seed: int, kills: int, tmp_path: Path

@@ -160,7 +160,9 @@ def lift(valve_train):
     return course(valve_train, np.linspace(0.0, LIFT, 901), 1e-9)
 
 
-@pytest.mark.parametrize("master", [GaussSeidel("linear"), Jacobi("linear")], ids=str)
+@pytest.mark.parametrize(
+    "master", [GaussSeidel("linear"), pytest.param(Jacobi("linear"), marks=pytest.mark.long)], ids=str
+)
 def test_the_valve_train_runs_below_the_predicted_limit_and_runs_away_beyond(valve_train, lift, master):
     """Observed at 0.8 and 1.25 of the limit. Jacobi's contact ends in bouncing, which the run's guard may
     bear: an error of the load's own size is a runaway too."""

@@ -198,7 +198,7 @@ def test_random_calls_under_valgrind(fmi: int, files: Files, compiled: Compiled,
     [(2, 20_000), *(pytest.param(seed, 1_000_000, marks=pytest.mark.long) for seed in (3, 4, 5))],
 )
 @pytest.mark.parametrize("fmi", PROGRAMS)
-@pytest.mark.parametrize("name", [*HOSTED, "camshaft"])
+@pytest.mark.parametrize("name", [*HOSTED, pytest.param("camshaft", marks=pytest.mark.long)])
 def test_random_calls_under_sanitizers(
     name: str,
     fmi: int,
