@@ -35,7 +35,7 @@ def texts(component: ForeignComponent, values: Mapping[str, Value]) -> dict[str,
 
 
 def enumerated(component: ForeignComponent, values: Mapping[str, Value]) -> dict[str, Value]:
-    """Those of the values that are for enumerations, as numbers; Faults for what is neither item nor number."""
+    """Those of the values that are for enumerations, as numbers; Faults for neither items nor numbers."""
     found: dict[str, Value] = {}
     faults = []
     for name, value in values.items():
