@@ -49,13 +49,19 @@ def build(
             raise TranslationError(f"{size} = {sizes[size]}: {said}")
     label = f"{name}-native" if fmi == 2 else f"{name}-native-fmi{fmi}"
     target = cached(label, _made_of(name, sizes, platforms))
-    if not there(target):
-        files = content_of(name, component, sizes, platforms, fmi, told)
-        python_build.written(python_build.packed(files), label, target)
-        tidy(target.parent)
+    if there(target):
+        content = target.read_bytes()
+    else:
+        content = python_build.packed(content_of(name, component, sizes, platforms, fmi, told))
+        try:
+            python_build.written(content, label, target)
+            tidy(target.parent)
+        except OSError:  # it is not kept, that is all
+            if destination is None:
+                raise
     if destination is None:
         return target
-    return python_build.written(target.read_bytes(), label, Path(destination))
+    return python_build.written(content, label, Path(destination))
 
 
 def content_of(

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import atexit
+import functools
+import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,25 +16,55 @@ from .reported import reported, say
 
 
 def built(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
-    """The packaged component, run by Python or `native`, built if it isn't in the cache."""
+    """The packaged component, run by Python or `native`, built if it isn't in the cache; where that cannot be
+    written, in a folder that is there as long as this process."""
     from fmus.build import build
     from models.kernel import user_cache_directory
 
     from ..errors import MistakeError, RunError
 
+    make = _native_here if kind == "native" else build
     try:
-        if kind == "native":
-            return _native_here(name, structure)
-        return build(name, structure=structure)
+        try:
+            return make(name, None, structure)
+        except OSError as error:
+            return _built_apart(make, name, structure, error)
     except OSError as error:
         raise RunError(
-            f"building the FMU {name}: {user_cache_directory()} cannot be written ({error.strerror}); set "
-            "TRIBOCOSIM_CACHE to a folder that can"
+            f"building the FMU {name}: neither {user_cache_directory()} nor the folder for temporary files "
+            f"can be written ({error.strerror}); set TRIBOCOSIM_CACHE to a folder that can"
         ) from None
     except MistakeError:
         raise
     except (KeyError, ValueError) as error:
         raise RunError(f"building the FMU {name}: {error.args[-1] if error.args else error}") from None
+
+
+def _built_apart(
+    make: Callable[[str, Path | None, Mapping[str, int]], Path],
+    name: str,
+    structure: Mapping[str, int],
+    error: OSError,
+) -> Path:
+    """As `make`, in this process's own folder, each once; OSError where there is no place for it either."""
+    sizes = "".join(f"-{size}-{number}" for size, number in sorted(structure.items()))
+    folder = _own_folder(str(error.strerror)) / f"{make.__name__}-{name}{sizes}"
+    made = list(folder.glob("*.fmu"))
+    return made[0] if made else make(name, folder, structure)
+
+
+@functools.cache
+def _own_folder(reason: str) -> Path:
+    """A folder that is deleted with the end of this process; it is said once why it is needed."""
+    from models.kernel import user_cache_directory
+
+    say(
+        f"{user_cache_directory()}: cannot be written ({reason}), so FMUs are built for this command only; "
+        "TRIBOCOSIM_CACHE names another folder"
+    )
+    kept = tempfile.TemporaryDirectory(prefix="tribocosim-fmus-")
+    atexit.register(kept.cleanup)
+    return Path(kept.name)
 
 
 def check_native(names: Iterable[str]) -> None:
@@ -48,7 +81,7 @@ def check_native(names: Iterable[str]) -> None:
         raise MistakeError(f"components {', '.join(names)}: {error}; {remedy}") from None
 
 
-def _native_here(name: str, structure: Mapping[str, int]) -> Path:
+def _native_here(name: str, destination: Path | None, structure: Mapping[str, int]) -> Path:
     from fmus.native.fmu import build
     from fmus.native.machine_code import NativeBuildError, this_platform
     from fmus.native.translate import TranslationError
@@ -56,7 +89,7 @@ def _native_here(name: str, structure: Mapping[str, int]) -> Path:
     from ..errors import MistakeError
 
     try:
-        return build(name, structure=structure, platforms=[this_platform()])
+        return build(name, destination, structure, [this_platform()])
     except (NativeBuildError, TranslationError) as error:
         raise MistakeError(f"building the native FMU {name}: {error}; or take it without --native") from None
 
@@ -250,8 +283,6 @@ def fmu_cross_check(
     fmi: Annotated[int, typer.Option(help="FMI version 2 or 3 (with --native).")] = 2,
 ) -> None:
     """Write FMUs with their reference results in the layout of the FMI Cross-Check project."""
-    import tempfile
-
     from fmus.cross_check.files import CrossCheckError
     from fmus.cross_check.layout import lay_out
 

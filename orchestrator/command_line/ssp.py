@@ -59,10 +59,23 @@ def ssp_import(
     folder = out or Path(file.stem)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise MistakeError(f"{folder}: is not an empty folder; choose another --out")
+    empty = folder.is_dir()
     try:
         scenario = scenario_of(unpacked(source, folder))
         target = folder / f"{scenario.name}.toml"
         target.write_text(stated(scenario, folder), "utf-8")
     except OSError as error:
+        _clear(folder, empty)  # half of it is of no use
         raise MistakeError(f"{folder}: cannot be written ({error.strerror}); choose another --out") from None
     print(target)
+
+
+def _clear(folder: Path, kept: bool) -> None:
+    """Delete what is in the folder, and the folder where it is not to be kept."""
+    import shutil
+
+    for path in folder.iterdir() if kept else [folder]:
+        if path.is_dir():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            path.unlink(missing_ok=True)

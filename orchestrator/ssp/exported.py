@@ -8,6 +8,7 @@ outputs) is an annotation.
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import zipfile
 from collections.abc import Mapping
@@ -21,6 +22,7 @@ from models.system import Instance, System
 from .. import assembly
 from ..participants import given
 from ..participants.description import REALS, TEXT, TRUTHS, Description, Variable, described
+from ..replacement import replace
 from ..scenario import ComponentTable, Scenario, line_of
 from .names import FMU_TYPE, OMSIMULATOR, OSP, OURS, RESOURCES, STRUCTURE, VALUES_TYPE, document, make
 
@@ -42,7 +44,7 @@ class Packed:
 
 
 def export(scenario: Scenario, target: Path, build: assembly.Builder) -> None:
-    """Write the scenario to `target`; ScenarioError or ModelError for one that cannot be run."""
+    """Write the scenario to `target`, whole or not at all; ScenarioError or ModelError if it cannot run."""
     system = assembly.system_of(scenario)
     fmus = _packed(scenario, build)
     files = {fmu.source: fmu.content for fmu in fmus.values()}
@@ -59,12 +61,14 @@ def export(scenario: Scenario, target: Path, build: assembly.Builder) -> None:
                 files[path] = _parameter_set(SET, values, fmus[name].about, instance)
                 bindings[name].append(path)
     files = {STRUCTURE: document(_structure(scenario, system, fmus, bindings)), **files}
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for path, content in files.items():
             kind = (
                 zipfile.ZIP_STORED if path.endswith(".fmu") else zipfile.ZIP_DEFLATED
             )  # which it has itself
             archive.writestr(zipfile.ZipInfo(path, _DATE), content, kind)
+    replace(target, buffer.getvalue())
 
 
 # The name of all parameter sets: ecos applies those of the one name that it is asked for.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-import shutil
 import tempfile
 import zipfile
 from collections.abc import Mapping
@@ -55,11 +54,7 @@ def contents(path: Path) -> dict[str, Any]:
 
 def unpacked(path: Path, folder: Path) -> dict[str, Any]:
     """As `contents`, with the FMUs unpacked into `folder`."""
-    with tempfile.TemporaryDirectory() as made:
-        whole = Path(made, "whole")
-        _unpack(path, whole)
-        folder.mkdir(parents=True, exist_ok=True)
-        shutil.copytree(whole, folder, dirs_exist_ok=True)
+    _unpack(path, folder)
     return _content(path.name, folder)
 
 
@@ -72,7 +67,7 @@ def _unpack(path: Path, folder: Path) -> None:
             # Of a file that was cut off the last list of files is that of an FMU in it.
             if min((entry.header_offset for entry in archive.infolist()), default=0):
                 raise ScenarioError(f"{path}: damaged archive: a part of it is missing; fetch it again")
-            folder.mkdir()
+            folder.mkdir(parents=True, exist_ok=True)
             archive.extractall(folder)
     except (FmuFileError, zipfile.BadZipFile) as error:
         raise ScenarioError(str(error).replace("so not an FMU", "so not an SSP")) from None
