@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sys
 import time as clock
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from functools import partial
 
 from models.quantities import Vector
@@ -15,7 +15,7 @@ from . import assembly
 from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import Checkpoints, Identity
 from .energy import Ledger, Trimmed, counted, estimated
-from .errors import MistakeError, RunError
+from .errors import MistakeError, ParticipantError, RefusedError, RunError, StalledError
 from .exit_guard import guarding
 from .interruption import Interruption
 from .job import Job
@@ -28,13 +28,17 @@ from .recording import ResultRecorder
 from .simulation import Observer, simulate
 from .stepping import Step
 from .summary import Summary, Warnings
+from .unfinished import shown
 from .watchdog import watching
 
 
 def run_coupled(
     job: Job, system: System, fmus: dict[str, assembly.FmuFile], identity: Identity, summary: Summary
 ) -> None:
-    """Make it, and put what it came to into the summary, also where it fails."""
+    """Make it, and put what it came to into the summary, also where it fails.
+
+    RefusedError if a participant fails before the first values.
+    """
     scenario, every = job.scenario, job.scenario.record_every
     quantities = assembly.output_quantities(system)
     # An FMU that may end this process at any moment must not take records along.
@@ -50,7 +54,7 @@ def run_coupled(
     counter = _Counter(job.begun)
     stage = job.reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)
     told = partial(_tell_of_exit, exposed, job, summary) if exposed else None
-    with guarding(told), watching(scenario, job.out / SUMMARY, summary) as watchdog:
+    with _refusing(counter), guarding(told), watching(scenario, job.out / SUMMARY, summary) as watchdog:
         units: dict[str, Participant] = {}
 
         def made(name: str, make: Callable[[], Participant]) -> Participant:
@@ -82,6 +86,20 @@ def run_coupled(
     summary.coupled_time_s = statistics.coupled_time_s
 
 
+@contextmanager
+def _refusing(counter: _Counter) -> Iterator[None]:
+    """A participant that fails before the first values, by its parameters or its file, is refused; one that
+    does not come back may do so another time."""
+    try:
+        yield
+    except StalledError:
+        raise
+    except ParticipantError as error:
+        if counter.steps < 0:
+            raise RefusedError(str(error)) from None
+        raise
+
+
 def _tell_of_exit(names: Sequence[str], job: Job, summary: Summary) -> None:
     """One of these FMUs has called `exit`: say so, also in the summary."""
     last = None
@@ -92,7 +110,7 @@ def _tell_of_exit(names: Sequence[str], job: Job, summary: Summary) -> None:
     apart = " and ".join(f"components.{name}.process = 'own'" for name in names)
     summary.message = (
         f"incomplete: {who}: the FMU ended the process of the whole command by calling exit, {after}; "
-        f"set {apart}, which keeps it apart; tribocosim resume {job.out} makes the result of what was "
+        f"set {apart}, which keeps it apart; tribocosim resume {shown(job.out)} makes the result of what was "
         "recorded"
     )
     print(f"tribocosim: {summary.message}", file=sys.stderr)

@@ -50,7 +50,7 @@ class NotFiniteError(RecoverableError):
 
 
 class RefusedError(ParticipantError):
-    """An FMU did not let itself be instantiated; nothing has been run."""
+    """A participant could not be made or initialised; nothing has been run."""
 
 
 class CannotSerializeError(ParticipantError):

@@ -19,7 +19,8 @@ from .scenario import Scenario
 class Job:
     """A run to be carried out. `folder` is that of what is unfinished in `out`; `resumed` is a checkpoint.
 
-    `begun` is called when the first values are there to be recorded.
+    `begun` is called when the first values are there to be recorded; `spared` says whether `out` has a result
+    of before that is kept, since there were none.
     """
 
     scenario: Scenario
@@ -31,3 +32,4 @@ class Job:
     figures: bool
     resumed: tuple[Identity, Plain] | None = None
     begun: Callable[[], None] = lambda: None
+    spared: Callable[[], bool] = lambda: False

@@ -11,7 +11,7 @@ from .errors import MistakeError
 from .replacement import partial
 from .scenario import Scenario
 from .scenario_files import written
-from .unfinished import clear, contents, locked, unfinished
+from .unfinished import clear, contents, locked, shown, unfinished
 
 RESULT, CSV, SCENARIO, SUMMARY, FIGURES = (
     "result.nc",
@@ -44,7 +44,7 @@ def prepared(out: Path, overwrite: bool) -> Iterator[tuple[Path, Earlier]]:
     been dropped at the end of the block is put back.
     """
     if out.exists() and not out.is_dir():
-        raise OutputFolderError(f"{out}: is a file; choose a folder with --out")
+        raise OutputFolderError(f"{shown(out)}: is a file; choose a folder with --out")
     if not overwrite:
         _check_empty(out)
     with ExitStack() as stack:
@@ -55,7 +55,7 @@ def prepared(out: Path, overwrite: bool) -> Iterator[tuple[Path, Earlier]]:
             earlier.put_aside([*_held(out), *contents(folder)])
         except OSError as error:
             raise OutputFolderError(
-                f"{out}: cannot be written ({error.strerror}); choose another --out"
+                f"{shown(out)}: cannot be written ({error.strerror}); choose another --out"
             ) from None
         try:
             yield folder, earlier
@@ -82,12 +82,12 @@ def meant(path: Path) -> str | None:
 def _check_empty(out: Path) -> None:
     if unfinished(out).exists() and (out / SCENARIO).exists():
         raise OutputFolderError(
-            f"{out}: holds a run that was not finished; continue it with tribocosim resume {out}, choose "
-            "another folder with --out, or replace it with --overwrite"
+            f"{shown(out)}: holds a run that was not finished; continue it with tribocosim resume "
+            f"{shown(out)}, choose another folder with --out, or replace it with --overwrite"
         )
     if held := _held(out):
         raise OutputFolderError(
-            f"{out}: already holds a result ({held[0].name}); choose another folder with --out, "
+            f"{shown(out)}: already holds a result ({held[0].name}); choose another folder with --out, "
             "or replace it with --overwrite"
         )
 

@@ -26,6 +26,7 @@ from .energy.account import lines as energy_lines
 from .overload import lines as overload_lines
 from .stepping import Step
 from .summary import Summary
+from .unfinished import shown
 from .validity import lines
 
 SHOWN_EVERY_S = 0.1
@@ -143,8 +144,8 @@ class Reporter:
         if summary.complete:
             self.line(f"{summary.scenario}: {summary.verdict}")
         if summary.resumable:
-            self.line(f"tribocosim resume {out} continues this run")
-        self.line(f"results in {out}: {', '.join(str(file.relative_to(out)) for file in files)}")
+            self.line(f"tribocosim resume {shown(out)} continues this run")
+        self.line(f"results in {shown(out)}: {', '.join(str(file.relative_to(out)) for file in files)}")
 
 
 def _mark(error: VariableError) -> Text:

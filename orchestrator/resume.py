@@ -10,6 +10,7 @@ from . import assembly
 from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import read
 from .earlier import Earlier
+from .errors import RefusedError
 from .job import Job
 from .journal import Recorded, journals
 from .output_folder import SCENARIO, SUMMARY, OutputFolderError, files, meant
@@ -17,7 +18,7 @@ from .report import Reporter
 from .run import begun, carry_out, written_result
 from .scenario_files import load
 from .summary import FAILED, Summary
-from .unfinished import clear, locked, unfinished
+from .unfinished import clear, locked, shown, unfinished
 
 
 def resume(out: Path, build: assembly.Builder, reporter: Reporter, figures: bool = True) -> Summary:
@@ -36,6 +37,7 @@ def resume(out: Path, build: assembly.Builder, reporter: Reporter, figures: bool
         raise OutputFolderError(f"{out}: holds no run (there is no {SCENARIO}); {remedy}")
     if not unfinished(out).exists():
         return _ended(out, reporter)
+    out = out.absolute()  # an FMU may change the working directory
     with locked(out) as folder:
         if _summary(out).get("complete"):  # killed while it tidied up
             clear(folder)
@@ -44,11 +46,15 @@ def resume(out: Path, build: assembly.Builder, reporter: Reporter, figures: bool
         system = assembly.system_of(scenario)
         job = Job(scenario, system, out, folder, build, reporter, figures, begun=Earlier(out).drop)
         if (folder / CHECKPOINT).exists():
-            return carry_out(Job(**vars(job) | {"resumed": read(folder / CHECKPOINT)}))
-        if _rows(folder, "coupled") > 1:
+            job = Job(**vars(job) | {"resumed": read(folder / CHECKPOINT)})
+        elif _rows(folder, "coupled") > 1:
             return _kept(job)
-        clear(folder)
-        return carry_out(job)
+        else:
+            clear(folder)
+        try:
+            return carry_out(job)
+        except RefusedError as error:
+            raise OutputFolderError(f"{shown(out)}: {error}") from None
 
 
 def _ended(out: Path, reporter: Reporter) -> Summary:
@@ -57,15 +63,15 @@ def _ended(out: Path, reporter: Reporter) -> Summary:
     if found.get("exit_status") == FAILED:
         why = found["message"].removeprefix("incomplete: ")
         raise OutputFolderError(
-            f"{out}: the run failed, and would fail again: {why}; change the scenario and run it anew, with "
-            f"--out {out} --overwrite"
+            f"{shown(out)}: the run failed, and would fail again: {why}; change the scenario and run it "
+            f"anew, with --out {shown(out)} --overwrite"
         )
     if not found.get("complete"):
         raise OutputFolderError(
-            f"{out}: the run left nothing to go on from; repeat it with tribocosim run {out / SCENARIO} "
-            f"--out {out} --overwrite"
+            f"{shown(out)}: the run left nothing to go on from; repeat it with tribocosim run "
+            f"{shown(out) / SCENARIO} --out {shown(out)} --overwrite"
         )
-    reporter.line(f"{out}: the run is complete; there is nothing to continue")
+    reporter.line(f"{shown(out)}: the run is complete; there is nothing to continue")
     known = ("scenario", "description", "version", "master", "macro_step", "tolerance")
     told = ("complete", "resumable", "message", "verdict", "exit_status", "macro_steps", "iterations")
     return Summary(**{key: found[key] for key in (*known, *told)})

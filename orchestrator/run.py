@@ -31,7 +31,7 @@ from .results import ResultFile
 from .scenario import Scenario, ScenarioError
 from .scenario_files import written
 from .summary import FAILED, INTERRUPTED, Summary
-from .unfinished import clear
+from .unfinished import clear, shown
 
 
 def run(
@@ -50,29 +50,39 @@ def run(
     """
     system = assembly.system_of(scenario)
     assembly.check_reference(scenario, system)
+    out = out.absolute()  # an FMU may change the working directory
     with prepared(out, overwrite) as (folder, earlier):
         replace(out / SCENARIO, written(scenario).encode())
         for line in notices(scenario):
             reporter.line(line)
         try:
             summary = carry_out(
-                Job(scenario, system, out, folder, build, reporter, figures, begun=earlier.drop)
-            )
-        except RefusedError as error:  # a mistake in a given file
+                Job(
+                    scenario, system, out, folder, build, reporter, figures,
+                    begun=earlier.drop, spared=lambda: earlier.held,
+                )
+            )  # fmt: skip
+        except RefusedError as error:  # a mistake in the scenario or a given file
+            kept = _kept(out) if earlier.held else ""
             clear(folder)
             for file in files(out):
                 file.unlink()
-            raise ScenarioError(str(error)) from None
+            raise ScenarioError(f"{error}{kept}") from None
         if earlier.held:
-            summary.message += f"; the run did not begin, and what was in {out} before is kept"
+            summary.message += _kept(out)
     return summary
+
+
+def _kept(out: Path) -> str:
+    """The end of a message about a run of which nothing was recorded."""
+    return f"; the run did not begin, and what was in {shown(out)} before is kept"
 
 
 def carry_out(job: Job) -> Summary:
     """Run from the start or the checkpoint to the end, and write everything.
 
-    CheckpointError if the run cannot go on from the checkpoint, RefusedError if an FMU cannot be
-    instantiated; nothing that it needs is changed then.
+    CheckpointError if the run cannot go on from the checkpoint, RefusedError if a participant fails before
+    the first values; nothing that it needs is changed then.
     """
     began = clock.perf_counter()
     summary = begun(job.scenario)
@@ -92,7 +102,7 @@ def carry_out(job: Job) -> Summary:
             if summary.message.endswith(NO_ROOM):
                 summary.message += f"; {_remedy(job)}"
             told = _told(job, summary)
-    if not told:  # the summary of its beginning is left, and all that it needs to go on
+    if not told or job.spared():  # the summary of its beginning is left, and all that it needs to go on
         return summary
     if not summary.resumable and (job.out / RESULT).exists():
         clear(job.folder)
@@ -117,10 +127,10 @@ def _told(job: Job, summary: Summary) -> bool:
 def _remedy(job: Job) -> str:
     """Where a disk is full."""
     if (job.folder / CHECKPOINT).exists():
-        return f"free some space, then tribocosim resume {job.out} goes on from the last checkpoint"
+        return f"free some space, then tribocosim resume {shown(job.out)} goes on from the last checkpoint"
     if (job.out / RESULT).exists():
         return "there is no checkpoint to go on from; free some space and run it anew with --overwrite"
-    return f"free some space, then tribocosim resume {job.out} makes the result of what was recorded"
+    return f"free some space, then tribocosim resume {shown(job.out)} makes the result of what was recorded"
 
 
 def begun(scenario: Scenario) -> Summary:
@@ -141,12 +151,14 @@ def _stages(job: Job, summary: Summary) -> None:
     summary.fmus = {name: file.sha256 for name, file in fmus.items()}
     identity = Identity.of(job.out / SCENARIO, summary.fmus)
     if job.resumed:
-        identity.check(job.resumed[0], job.out)
+        identity.check(job.resumed[0], shown(job.out))
     system, coupled = job.system, False
     with _outcome(summary, job.out):
         system = assembly.at_start(job.scenario, system)
         run_coupled(job, system, fmus, identity, summary)
         coupled = True
+    if job.spared():
+        return
     with written_result(job, summary) as result:
         if coupled:
             with _outcome(summary, job.out):

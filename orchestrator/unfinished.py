@@ -22,6 +22,12 @@ def unfinished(out: Path) -> Path:
     return out / NAME
 
 
+def shown(out: Path) -> Path:
+    """The folder as messages name it: from the working directory on, where it lies in there."""
+    here = Path.cwd()
+    return out.relative_to(here) if out.is_relative_to(here) else out
+
+
 @contextmanager
 def locked(out: Path) -> Iterator[Path]:
     """The folder, made if it isn't there; MistakeError if another process works on the run.
@@ -34,7 +40,7 @@ def locked(out: Path) -> Iterator[Path]:
     try:
         lock.acquire()
     except locket.LockError:
-        raise MistakeError(f"{out}: another process is running it; wait for its end") from None
+        raise MistakeError(f"{shown(out)}: another process is running it; wait for its end") from None
     try:
         yield folder
     finally:

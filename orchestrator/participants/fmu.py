@@ -73,8 +73,10 @@ class FmuParticipant(Failing):
         self.restorable = self._description.restorable
         try:
             kind: type[Fmi2] | type[Fmi3] = Fmi3 if self._description.version == "3.0" else Fmi2
-            self._fmi: Standard = kind(name, self._description, self._folder)
-            self._fmi.instantiate(self._log)
+            # fmpy goes into the library's folder, and stays there where the library cannot be loaded.
+            with contextlib.chdir("."):
+                self._fmi: Standard = kind(name, self._description, self._folder)
+                self._fmi.instantiate(self._log)
             self._instantiated = True
         except Exception as error:
             self.close()

@@ -39,12 +39,14 @@ class InOwnProcess:
     def __init__(self, name: str, path: Path, given: Given) -> None:
         self.name = name
         self._process = _started()
-        self._lost = False
+        self._lost = self._made = self._stepped = False
+        self._path = path
         self._doing = "start"
         self.restorable = described(path).restorable
         try:
             asked = asdict(given) | {"outputs": list(given.outputs)}
             self._call("instantiate", name=name, path=str(path), given=asked)
+            self._made = True
         except BaseException:
             self.close()
             raise
@@ -78,10 +80,17 @@ class InOwnProcess:
         self._lost = True
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(PATIENCE_S)
-        raise LostParticipantError(
-            f"{self.name}: its process ended {_how(self._process.returncode)} in the {self._doing}; look at "
-            "the FMU, its inputs and parameters; what was recorded before is kept"
-        )
+        if self._stepped:
+            remedy = "look at the FMU, its inputs and parameters; what was recorded before is kept"
+        elif self._made:
+            remedy = "look at the FMU, its inputs and parameters"
+        else:
+            remedy = (
+                f"{self._path} may be damaged, or lack what it needs on this machine (tribocosim fmu "
+                "validate looks at its library); give another file"
+            )
+        how = _how(self._process.returncode)
+        raise LostParticipantError(f"{self.name}: its process ended {how} in the {self._doing}; {remedy}")
 
     def connect(
         self,
@@ -117,7 +126,7 @@ class InOwnProcess:
 
     def advance(self, time: float, step: float) -> None:
         self._doing = f"step from t = {time:.9g} s by {step:g} s"
-        self._fresh = False
+        self._fresh, self._stepped = False, True
         self._take(self._ask(ADVANCE, TIMES.pack(time, step), self._given()))
 
     def read(self) -> None:

@@ -51,6 +51,15 @@ def recorded(out: Path) -> dict[str, np.ndarray]:
     return dict(zip(header, np.array(rows, dtype=float).T, strict=True))
 
 
+def unloadable(path: Path, other: Path) -> Path:
+    """The FMU with libraries that are none."""
+    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:
+        for name in archive.namelist():
+            is_library = name.startswith("binaries/")
+            target.writestr(name, b"no library" if is_library else archive.read(name))
+    return other
+
+
 def changed(path: Path, other: Path, old: str, new: str) -> Path:
     """The FMU with something else in its description."""
     with zipfile.ZipFile(path) as archive, zipfile.ZipFile(other, "w") as target:

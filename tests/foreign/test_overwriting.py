@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator import coupled_run
 from orchestrator.errors import MistakeError
 from orchestrator.report import Reporter
 from orchestrator.run import run
@@ -14,7 +15,7 @@ from orchestrator.summary import Summary
 from orchestrator.unfinished import unfinished
 
 from .c_fmus import TOKEN, fmu
-from .runs import changed, never, scenario
+from .runs import changed, never, scenario, unloadable
 
 
 @pytest.fixture
@@ -51,10 +52,42 @@ def test_a_file_that_cannot_be_instantiated_leaves_it(process: str, out: Path, t
 
 def test_one_that_fails_before_the_first_values_leaves_it(out: Path, tmp_path: Path) -> None:
     before = files(out)
-    summary = again(of(fmu("blind", 2, tmp_path)), out)
-    assert summary.exit_status == 3
-    assert "its process ended by SIGSEGV" in summary.message
+    with pytest.raises(MistakeError, match="its process ended by SIGSEGV") as refused:
+        again(of(fmu("blind", 2, tmp_path)), out)
+    assert str(refused.value).endswith(f"; the run did not begin, and what was in {out} before is kept")
+    assert "recorded" not in str(refused.value)
+    assert files(out) == before
+
+
+def test_one_that_is_stopped_before_the_first_values_leaves_it(
+    out: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No result of it is told of, since there is none; the status is that of a stopped run."""
+    before = files(out)
+    capsys.readouterr()
+
+    def stopped(*arguments: object, **options: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(coupled_run, "simulate", stopped)
+    summary = again(of(fmu("dahlquist", 2, tmp_path)), out)
+    assert summary.exit_status == 130
     assert summary.message.endswith(f"; the run did not begin, and what was in {out} before is kept")
+    assert "result" not in capsys.readouterr().out
+    assert files(out) == before
+
+
+@pytest.mark.parametrize("kind", ["relative", "absolute"])
+def test_a_library_that_cannot_be_loaded_leaves_it(
+    kind: str, out: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In this process too: fmpy stays in the folder of a library that it could not load."""
+    before = files(out)
+    monkeypatch.chdir(tmp_path)
+    other = unloadable(fmu("dahlquist", 2, tmp_path), tmp_path / "other.fmu")
+    with pytest.raises(MistakeError, match="load shared library"):
+        again(of(other, "shared"), Path("out") if kind == "relative" else out)
+    assert Path.cwd() == tmp_path
     assert files(out) == before
 
 
@@ -80,7 +113,8 @@ def test_an_unfinished_run_stays_too(out: Path, tmp_path: Path) -> None:
     unfinished(out).mkdir()
     (unfinished(out) / "coupled.journal").write_bytes(b"rows")
     before = files(out)
-    assert again(of(fmu("blind", 2, tmp_path)), out).exit_status == 3
+    with pytest.raises(MistakeError):
+        again(of(fmu("blind", 2, tmp_path)), out)
     assert files(out).keys() - before.keys() <= {"unfinished/lock"}
     assert files(out) | before == files(out)
 
@@ -92,5 +126,6 @@ def test_what_a_killed_process_had_put_aside_is_what_stays(out: Path, tmp_path: 
         (out / "replaced").mkdir(exist_ok=True)
         (out / name).rename(out / "replaced" / name)
     (out / "summary.json").write_text("{}")
-    assert again(of(fmu("blind", 2, tmp_path)), out).exit_status == 3
+    with pytest.raises(MistakeError):
+        again(of(fmu("blind", 2, tmp_path)), out)
     assert files(out) == before
