@@ -33,12 +33,17 @@ def binary_faults(archive: zipfile.ZipFile, described: ModelDescription) -> list
     faults = []
     for name in archive.namelist():
         path = PurePosixPath(name)
-        if path.suffix not in SUFFIXES or len(path.parts) != 3 or path.parts[0] != "binaries":
+        if not is_library(path):
             continue
         needed = _needed(described) if path.stem in models else frozenset()
         fault = library_fault(archive.read(name), path.parts[1], needed)
         faults += [f"{name}: {fault}"] if fault else []
     return faults
+
+
+def is_library(path: PurePosixPath) -> bool:
+    """Whether it is the path of a shared library for a platform."""
+    return path.suffix in SUFFIXES and len(path.parts) == 3 and path.parts[0] == "binaries"
 
 
 def library_fault(content: bytes, folder: str, needed: frozenset[str]) -> str:

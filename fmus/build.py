@@ -22,6 +22,7 @@ import pythonfmu
 
 from models.catalogue import CATALOGUE
 from models.component import Component
+from models.fmu_archive import seal
 
 from .cross_check.inside import TOLD, references
 from .description import GUID_PLACE, PYTHON, Experiment, Origin, model_description
@@ -132,6 +133,7 @@ def packed(files: Mapping[str, bytes]) -> bytes:
             entry.create_system = 3  # Unix, wherever it is built
             entry.external_attr = 0o100644 << 16
             archive.writestr(entry, files[path], compresslevel=9)
+        archive.comment = seal(files)
     return buffer.getvalue()
 
 

@@ -20,7 +20,7 @@ from lxml import etree
 
 from models.fmu_archive import DESCRIPTION, FmuFileError, archive_faults, one_line, opened
 
-from .binaries import binary_faults
+from .binaries import binary_faults, is_library
 
 TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 
@@ -213,11 +213,18 @@ def _content_faults(described: ModelDescription, names: set[str]) -> list[str]:
     slave = described.coSimulation or described.modelExchange or described.scheduledExecution
     if slave is None:
         return [f"{DESCRIPTION}: neither co-simulation nor model exchange"]
-    binaries = [name for name in names if name.startswith("binaries/") and not name.endswith("/")]
-    stems = {PurePosixPath(name).stem for name in binaries}
+    stems: dict[str, set[str]] = {}
+    for path in filter(is_library, map(PurePosixPath, names)):
+        stems.setdefault(path.parts[1], set()).add(path.stem)
     sources = any(name.startswith("sources/") for name in names)
-    if not sources and slave.modelIdentifier not in stems:
+    if not sources and not stems:
         faults.append(f"binaries: none is called {slave.modelIdentifier}, the model identifier")
+    for folder, found in sorted(stems.items()):
+        if slave.modelIdentifier not in found:
+            faults.append(
+                f"binaries/{folder}: none is called {slave.modelIdentifier}, the model identifier, but "
+                f"{', '.join(sorted(found))}"
+            )
     for variable in described.modelVariables:
         if variable.type in ("Real", "Float64") and variable.start is not None and not variable.dimensions:
             faults += _range_faults(variable)

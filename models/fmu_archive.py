@@ -5,8 +5,10 @@ No model needs them: they stand here because the packaging and the master share 
 
 from __future__ import annotations
 
+import hashlib
 import stat
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from xml.etree import ElementTree
 
@@ -14,6 +16,8 @@ DESCRIPTION = "modelDescription.xml"
 
 # More than any FMU here has by a factor of a hundred; a compressed bomb is refused before it is unpacked.
 MAXIMUM_UNPACKED_BYTES = 2_000_000_000
+
+_SEAL = b"tribocosim SHA-256 "
 
 
 class FmuFileError(ValueError):
@@ -66,6 +70,26 @@ def archive_faults(archive: zipfile.ZipFile) -> list[str]:
         return [f"{DESCRIPTION} is missing, so this is not an FMU"]
     fault = _version_fault(archive.read(DESCRIPTION))
     return [fault] if fault else []
+
+
+def seal(files: Mapping[str, bytes]) -> bytes:
+    """The archive's comment by which it is known later that its files are as they were packed."""
+    total = hashlib.sha256()
+    for name in sorted(files):
+        total.update(f"{name}\0{len(files[name])}\0".encode())
+        total.update(files[name])
+    return _SEAL + total.hexdigest().encode()
+
+
+def sealed(path: Path) -> bool:
+    """Whether the FMU was made by this program, any version of it, and nothing in it has changed since."""
+    try:
+        with opened(path) as archive:
+            if not archive.comment.startswith(_SEAL) or archive_faults(archive):
+                return False
+            return archive.comment == seal({name: archive.read(name) for name in archive.namelist()})
+    except FmuFileError:
+        return False
 
 
 def _version_fault(xml: bytes) -> str | None:

@@ -68,6 +68,7 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
     content = contents(path)
     for text in overrides:
         override(content, text)
+    _resolve_paths(content, Path.cwd())  # those that were set; the file's own are absolute
     try:
         return scenario_of(content)
     except ScenarioError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import math
 import zipfile
 from collections import Counter
@@ -14,6 +15,8 @@ from typing import Any
 from xml.etree import ElementTree
 
 from fmpy import read_model_description
+
+from models.fmu_archive import sealed
 
 VERSIONS = ("2.0", "3.0")
 OWN_TOOL = "tribocosim "
@@ -122,8 +125,14 @@ class Description:
 
 
 def made_here(path: Path) -> bool:
-    """Whether the FMU at `path` says that this program made it."""
-    return described(path).made_here
+    """Whether this program made the FMU at `path`, and it is whole: a damaged library may do anything."""
+    status = path.stat()
+    return _made_here(path, status.st_mtime_ns, status.st_size)
+
+
+@functools.lru_cache(maxsize=256)
+def _made_here(path: Path, changed: int, size: int) -> bool:
+    return sealed(path) and described(path).made_here
 
 
 class DescriptionError(ValueError):

@@ -44,7 +44,7 @@ class Given:
 
 
 class FmuParticipant(Failing):
-    """Implements `Participant` for the FMU at `path`.
+    """Implements `Participant` for the FMU at `path`; `close` deletes where it is unpacked (`folder`).
 
     Inputs follow a polynomial over the step where the FMU offers `<input>_der1`, `_der2`, or the standard's
     call for derivatives (canInterpolateInputs of FMI 2.0); others are held.
@@ -59,14 +59,14 @@ class FmuParticipant(Failing):
     the outputs `rated`.
     """
 
-    def __init__(self, name: str, path: Path, given: Given) -> None:
+    def __init__(self, name: str, path: Path, given: Given, folder: Path | None = None) -> None:
         super().__init__(name)
         self._asked = given
         self._instantiated = self._stepping = False
         self._records: list[Any] = []
         try:
             self._description = described(path)
-            self._folder = extract(str(path))
+            self._folder = extract(str(path), unzipdir=None if folder is None else str(folder))
         except Exception as error:
             raise ParticipantError(f"{name}: {path} {error}") from None
         self._variables = self._description.variables

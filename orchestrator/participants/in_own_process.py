@@ -9,9 +9,11 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -38,6 +40,8 @@ class InOwnProcess:
 
     def __init__(self, name: str, path: Path, given: Given) -> None:
         self.name = name
+        # A process that crashes leaves behind what it has unpacked.
+        self._folder = tempfile.mkdtemp(prefix="tribocosim-")
         self._process = _started()
         self._lost = self._made = self._stepped = False
         self._path = path
@@ -45,7 +49,7 @@ class InOwnProcess:
         self.restorable = described(path).restorable
         try:
             asked = asdict(given) | {"outputs": list(given.outputs)}
-            self._call("instantiate", name=name, path=str(path), given=asked)
+            self._call("instantiate", name=name, path=str(path), given=asked, folder=self._folder)
             self._made = True
         except BaseException:
             self.close()
@@ -198,6 +202,7 @@ class InOwnProcess:
         for pipe in (process.stdin, process.stdout):
             with contextlib.suppress(OSError):
                 pipe.close()  # type: ignore[union-attr]
+        shutil.rmtree(self._folder, ignore_errors=True)
 
 
 def _how(status: int | None) -> str:

@@ -58,8 +58,8 @@ class Server:
         self.unit.read()
         return self.outputs.tobytes() + self.rates.tobytes()
 
-    def instantiate(self, name: str, path: str, given: dict[str, Any]) -> None:
-        self.unit = FmuParticipant(name, Path(path), Given(**given))
+    def instantiate(self, name: str, path: str, given: dict[str, Any], folder: str) -> None:
+        self.unit = FmuParticipant(name, Path(path), Given(**given), Path(folder))
 
     def connect(self, inputs: list[str], rows: int, outputs: list[str], rated: bool) -> list[bool]:
         self.inputs = np.zeros((rows, len(inputs)))

@@ -31,7 +31,7 @@ class ComponentTable(Table):
     process: Literal["shared", "own"] | None = Field(
         None,
         description="own: the FMU runs in a process of its own, so that it cannot end the run's; shared: in "
-        "the run's, faster; left out: own for .fmu files that tribocosim has not made, else shared",
+        "the run's, faster; left out: own for .fmu files that are not as tribocosim made them, else shared",
     )
     component: str | None = Field(
         None,
@@ -119,7 +119,7 @@ class ComponentTable(Table):
 
     @property
     def unknown(self) -> bool:
-        """Whether it is an FMU that this program has not made."""
+        """Whether it is an FMU that is not as this program made it."""
         return self.participant.endswith(".fmu") and not made_here(Path(self.participant))
 
     @property

@@ -12,6 +12,7 @@ from fmus.build import NAMES
 from fmus.cross_check.compare import compare
 from fmus.cross_check.files import CrossCheckError
 from fmus.validate import FmuFileError, info, validate
+from models.fmu_archive import sealed
 
 XML = "modelDescription.xml"
 
@@ -120,6 +121,40 @@ def test_damage_anywhere_is_found(fmu_files: dict[str, Path], tmp_path: Path) ->
         assert "damaged archive" in validate(damaged)[0], entry.filename
     damaged.write_bytes(good[: len(good) // 2])
     assert "is cut off: it begins as a zip archive" in validate(damaged)[0]
+
+
+def test_a_library_of_another_name_is_named(fmu_files: dict[str, Path], tmp_path: Path) -> None:
+    """On one platform of several: nobody there can load it."""
+    renamed = tmp_path / "renamed.fmu"
+    with zipfile.ZipFile(fmu_files["flywheel"]) as archive, zipfile.ZipFile(renamed, "w") as target:
+        for name in archive.namelist():
+            target.writestr(name.replace("linux64/flywheel.", "linux64/wheel."), archive.read(name))
+    assert validate(renamed) == ["binaries/linux64: none is called flywheel, the model identifier, but wheel"]
+
+
+def test_only_what_is_as_it_was_packed_is_sealed(fmu_files: dict[str, Path], tmp_path: Path) -> None:
+    """Whoever packs the files again, all of them or one changed, does not have the seal of these."""
+    path, other = fmu_files["flywheel"], tmp_path / "other.fmu"
+    assert sealed(path)
+    with zipfile.ZipFile(path) as archive:
+        files, seal = {name: archive.read(name) for name in archive.namelist()}, archive.comment
+    library = "binaries/linux64/flywheel.so"
+    spoilt = files[library][:999] + bytes([files[library][999] ^ 0xFF]) + files[library][1000:]
+    for content, comment, whole in [
+        (files, seal, True),
+        (files, b"", False),
+        (files | {library: spoilt}, seal, False),
+        (files | {library: files[library][:-100]}, seal, False),
+        (files | {"resources/new.txt": b""}, seal, False),
+        ({name: files[name] for name in files if name != library}, seal, False),
+    ]:
+        with zipfile.ZipFile(other, "w") as target:
+            target.comment = comment
+            for name, one in content.items():
+                target.writestr(name, one)
+        assert sealed(other) is whole
+    other.write_bytes(path.read_bytes()[:-500])
+    assert not sealed(other)
 
 
 def test_binary_and_ranges(fmu_files: dict[str, Path], tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -66,6 +67,31 @@ def test_one_that_crashes_before_the_start_is_named(tmp_path: Path) -> None:
     with pytest.raises(MistakeError, match="decay: its process ended by SIGSEGV in the call read_all"):
         run(case(path, "own"), tmp_path / "out", never, Reporter(), figures=False)
     assert list((tmp_path / "out").iterdir()) == []
+
+
+@pytest.mark.parametrize("vice", ["crashing", "leaving"])
+def test_of_one_that_crashes_no_temporary_file_is_left(
+    vice: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, folder = fmu(vice, 2, tmp_path), tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setenv("TMPDIR", str(folder))
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    summary, _ = ran(case(path, "own"), tmp_path / "out")
+    assert re.search(VICES[vice], summary.message)
+    assert list(folder.iterdir()) == []
+
+
+def test_a_process_of_its_own_is_for_all_but_what_is_as_we_made_it(tmp_path: Path) -> None:
+    """One that only says so, and one that was changed since, may do anything."""
+    ours = build("flywheel", tmp_path)
+    said = changed(ours, tmp_path / "changed.fmu", 'author="tribocosim', 'author="no tribocosim')
+    claim = 'generationTool="tribocosim 1.0" modelName'
+    claiming = changed(fmu("crashing", 2, tmp_path), tmp_path / "claiming.fmu", "modelName", claim)
+    apart = {path.name: case(path, None).components["decay"].apart for path in (ours, said, claiming)}
+    assert apart == {"flywheel.fmu": False, "changed.fmu": True, "claiming.fmu": True}
+    summary, _ = ran(case(claiming, None), tmp_path / "out")
+    assert re.search(VICES["crashing"], summary.message)
 
 
 @pytest.mark.parametrize(("vice", "version"), [("crashing", 2), ("quitting", 2), ("quitting", 3)])

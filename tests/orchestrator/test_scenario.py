@@ -316,6 +316,19 @@ def test_extending_merges_tables_and_adds_connections(tmp_path: Path) -> None:
     assert mine.components["contact"].participant == str(tmp_path / "parts" / "contact.fmu")
 
 
+def test_a_file_that_is_set_is_beside_who_sets_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of the scenario's own file is beside that; both are found from everywhere."""
+    (tmp_path / "there").mkdir()
+    (tmp_path / "here").mkdir()
+    file = tmp_path / "there" / "mine.toml"
+    file.write_text('extends = "valve-train"\n[components.contact]\nparticipant = "contact.fmu"\n')
+    monkeypatch.chdir(tmp_path / "here")
+    found = load(file, ["components.camshaft.participant=../cam.fmu"]).components
+    assert Path(found["contact"].participant) == tmp_path / "there" / "contact.fmu"
+    assert Path(found["camshaft"].participant) == tmp_path / "here" / ".." / "cam.fmu"
+    assert found["flywheel"].participant == "fmu"
+
+
 def test_overrides_have_the_meaning_of_the_file() -> None:
     scenario = load(
         "valve-train",
