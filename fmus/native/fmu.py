@@ -44,9 +44,7 @@ def build(
     TranslationError for kernels and sizes that need Python, NativeBuildError without the tools.
     """
     sizes, component = python_build.chosen(name, structure, "NATIVE_STRUCTURE")
-    for size, said in getattr(import_module(f"fmus.{name}"), "ONLY_IN_PYTHON", {}).items():
-        if sizes.get(size):
-            raise TranslationError(f"{size} = {sizes[size]}: {said}")
+    check_sizes(name, sizes)
     label = f"{name}-native" if fmi == 2 else f"{name}-native-fmi{fmi}"
     target = cached(label, _made_of(name, sizes, platforms))
     if there(target):
@@ -129,6 +127,13 @@ def check_tools() -> None:
     this_platform()
     for tool in _TOOLS:
         _version(tool)
+
+
+def check_sizes(name: str, sizes: Mapping[str, int]) -> None:
+    """TranslationError for sizes that only the FMU in Python has."""
+    for size, said in getattr(import_module(f"fmus.{name}"), "ONLY_IN_PYTHON", {}).items():
+        if sizes.get(size):
+            raise TranslationError(f"{size} = {sizes[size]}: {said}")
 
 
 def _version(tool: str) -> str:

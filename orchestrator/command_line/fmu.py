@@ -5,7 +5,7 @@ from __future__ import annotations
 import atexit
 import functools
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
@@ -67,10 +67,12 @@ def _own_folder(reason: str) -> Path:
     return Path(kept.name)
 
 
-def check_native(names: Iterable[str]) -> None:
-    """MistakeError where the FMUs of these instances are to be native and cannot be built here."""
-    from fmus.native.fmu import check_tools
+def check_native(sizes: Mapping[str, tuple[str, Mapping[str, int]]]) -> None:
+    """MistakeError where the FMUs of these instances, each with its component and structural sizes, are to be
+    native and cannot be built here."""
+    from fmus.native.fmu import check_sizes, check_tools
     from fmus.native.machine_code import NativeBuildError
+    from fmus.native.translate import TranslationError
 
     from ..errors import MistakeError
 
@@ -78,7 +80,12 @@ def check_native(names: Iterable[str]) -> None:
         check_tools()
     except NativeBuildError as error:
         remedy = "or take them without --native (participant = 'fmu')"
-        raise MistakeError(f"components {', '.join(names)}: {error}; {remedy}") from None
+        raise MistakeError(f"components {', '.join(sizes)}: {error}; {remedy}") from None
+    for name, (component, structure) in sizes.items():
+        try:
+            check_sizes(component, structure)
+        except TranslationError as error:
+            raise MistakeError(f"components.{name}.structure.{error} (participant = 'fmu')") from None
 
 
 def _native_here(name: str, destination: Path | None, structure: Mapping[str, int]) -> Path:

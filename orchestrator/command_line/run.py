@@ -51,7 +51,12 @@ def run_scenario(
         loaded = load(
             scenario, [*overrides, *(f"components.{name}.participant=native" for name in built_ones)]
         )
-    if natives := [name for name, table in loaded.components.items() if table.participant == "native"]:
+    natives = {
+        name: (str(table.component), table.structure)
+        for name, table in loaded.components.items()
+        if table.participant == "native"
+    }
+    if natives:
         check_native(natives)
     folder = out or Path("results") / loaded.name
     spare(find(scenario), loaded, folder)

@@ -8,6 +8,7 @@ import pytest
 
 from fmus.native.fmu import build
 from fmus.native.translate import TranslationError, translated
+from tests.orchestrator.commands import called, said
 
 
 def test_a_size_that_only_python_has_is_refused_before_the_work(tmp_path: Path) -> None:
@@ -15,6 +16,14 @@ def test_a_size_that_only_python_has_is_refused_before_the_work(tmp_path: Path) 
     with pytest.raises(TranslationError, match=said):
         build("ehl_contact", tmp_path, {"nodes": 301})
     assert not list(tmp_path.iterdir())
+
+
+def test_a_run_with_it_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    sizes = "--set=components.contact.structure.nodes=301"
+    done = called("run", "valve-train", "--native", sizes, "--out", str(tmp_path / "out"))
+    assert done.returncode == 2
+    assert "components.contact.structure.nodes = 301: native FMUs of ehl_contact have no" in said(done)
+    assert not (tmp_path / "out").exists()
 
 
 def test_what_the_compiler_says_is_one_line_without_colours(monkeypatch: pytest.MonkeyPatch) -> None:
