@@ -39,17 +39,17 @@ def run_coupled(
 
     RefusedError if a participant fails before the first values.
     """
-    scenario, every = job.scenario, job.scenario.record_every
+    scenario, every, stop = job.scenario, job.scenario.record_every, job.scenario.stop_time
     quantities = assembly.output_quantities(system)
     # An FMU that may end this process at any moment must not take records along.
     exposed = [name for name, table in scenario.components.items() if table.unknown and not table.apart]
     held_for = 0.0 if exposed else FLUSH_SECONDS
-    not_numbers = NotNumbers(every)
-    recorders: list[Observer] = [ResultRecorder(job.folder, quantities, every, held_for), not_numbers]
+    not_numbers = NotNumbers(every, stop)
+    recorders: list[Observer] = [ResultRecorder(job.folder, quantities, every, held_for, stop), not_numbers]
     ledger = None
     if scenario.energy.ledger:
         system = estimated(counted(system, assembly.counting_instances(scenario, system)))
-        ledger = Ledger(system, every, job.folder)
+        ledger = Ledger(system, every, job.folder, stop)
         recorders = [*(Trimmed(recorder, system) for recorder in recorders), ledger]
     counter = _Counter(job.begun)
     stage = job.reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)

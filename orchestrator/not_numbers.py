@@ -16,10 +16,11 @@ from .stepping import Step
 
 
 class NotNumbers:
-    """Observer of every n-th macro step: `since` has, by output, the first time (s) at which it was NaN."""
+    """Observer of every n-th macro step and of `stop` (s): `since` has, by output, the first time (s) at
+    which it was NaN."""
 
-    def __init__(self, every: int) -> None:
-        self._every = every
+    def __init__(self, every: int, stop: float) -> None:
+        self._every, self._stop = every, stop
         self._count = 0
         self.since: dict[str, float] = {}
 
@@ -27,7 +28,7 @@ class NotNumbers:
         self._names = list(names)
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if self._count % self._every == 0:
+        if self._count % self._every == 0 or time >= self._stop:
             bad = np.isnan(outputs())
             if bad.any():
                 for i in np.flatnonzero(bad):

@@ -16,6 +16,8 @@ def notices(scenario: Scenario) -> list[str]:
             f"output_step = {scenario.output_step:g} s: is not used, for with [step_control] every step is "
             "recorded; leave it out"
         )
+    elif scenario.output_step is not None:
+        found += _records(scenario, scenario.output_step)
     if scenario.energy.correction and not scenario.energy.ledger:
         found.append(
             "energy.correction = true: nothing counts what it gives back; energy.ledger = true shows it"
@@ -34,6 +36,25 @@ def _in_own_units(scenario: Scenario) -> list[str]:
     if not found:
         return []
     return [f"{', '.join(found)}: numbers without a unit are in the FMU's, which is not SI's here"]
+
+
+def _records(scenario: Scenario, asked: float) -> list[str]:
+    """Records at other times than asked for."""
+    step, every = scenario.macro_step, scenario.record_every
+    made = every * step
+    if abs(made - asked) <= 1e-9 * asked:
+        return []
+    used = f"records are made every {made:.6g} s, {every} macro step{'s' * (every > 1)}"
+    if asked < step:
+        why = f"is shorter than macro_step = {step:g} s; {used}"
+    elif every < round(asked / step):
+        why = (
+            f"is too long for the comparison with the reference, which needs a hundredth of stop_time; "
+            f"{used} (reference.enabled = false keeps it)"
+        )
+    else:
+        why = f"is no multiple of macro_step = {step:g} s; {used}"
+    return [f"output_step = {asked:g} s: {why}"]
 
 
 def _unloaded(scenario: Scenario) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -27,9 +28,9 @@ STEP_VARIABLES = {
 
 
 class ResultRecorder:
-    """Records all outputs of every n-th macro step and every step's effort, in the journals of `folder`
-    that become the groups /coupled and /steps of the result. Rows are in memory for `held_for` (s) at
-    most."""
+    """Records all outputs of every n-th macro step and at `stop` (s), and every step's effort, in the
+    journals of `folder` that become the groups /coupled and /steps of the result. Rows are in memory for
+    `held_for` (s) at most."""
 
     def __init__(
         self,
@@ -37,10 +38,11 @@ class ResultRecorder:
         quantities: Mapping[str, Quantity],
         every: int,
         held_for: float = FLUSH_SECONDS,
+        stop: float = math.inf,
     ) -> None:
         self._folder = folder
         self._quantities = quantities
-        self._every = every
+        self._every, self._stop = every, stop
         self._held_for = held_for
         self._count = 0
         self._step = np.zeros(len(STEP_VARIABLES))
@@ -60,7 +62,7 @@ class ResultRecorder:
             raise
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if self._count % self._every == 0:
+        if self._count % self._every == 0 or time >= self._stop:
             self._coupled.append(time, outputs())
         if self._count:
             self._step[:] = (

@@ -24,9 +24,10 @@ from .unfinished import clear, locked, shown, unfinished
 def resume(out: Path, build: assembly.Builder, reporter: Reporter, figures: bool = True) -> Summary:
     """Go on with the run in `out` from its last checkpoint; it ends as it would have without the stop.
 
-    A run that was stopped before it had computed anything begins anew. Of one without checkpoints the result
-    is made of what was recorded, marked incomplete. Raises CheckpointError or another MistakeError where the
-    run cannot go on; nothing that it needs is changed then.
+    `figures` are drawn unless the run was begun without. A run that was stopped before it had computed
+    anything begins anew. Of one without checkpoints the result is made of what was recorded, marked
+    incomplete. Raises CheckpointError or another MistakeError where the run cannot go on; nothing that it
+    needs is changed then.
     """
     if not (out / SCENARIO).is_file():
         remedy = "tribocosim run makes one"
@@ -39,11 +40,13 @@ def resume(out: Path, build: assembly.Builder, reporter: Reporter, figures: bool
         return _ended(out, reporter)
     out = out.absolute()  # an FMU may change the working directory
     with locked(out) as folder:
-        if _summary(out).get("complete"):  # killed while it tidied up
+        before = _summary(out)
+        if before.get("complete"):  # killed while it tidied up
             clear(folder)
             return _ended(out, reporter)
         scenario = load(out / SCENARIO)
         system = assembly.system_of(scenario)
+        figures = figures and before.get("figures", True)
         job = Job(scenario, system, out, folder, build, reporter, figures, begun=Earlier(out).drop)
         if (folder / CHECKPOINT).exists():
             job = Job(**vars(job) | {"resumed": read(folder / CHECKPOINT)})
@@ -93,7 +96,7 @@ def _rows(folder: Path, name: str) -> int:
 def _kept(job: Job) -> Summary:
     """The result of what a run without checkpoints has recorded."""
     summary = begun(job.scenario)
-    summary.resumable = False
+    summary.resumable, summary.figures = False, job.figures
     summary.message = (
         "incomplete: the run was stopped and has left no checkpoint (checkpoint_every = 0, or "
         "an FMU that cannot be serialised); the result is what it had recorded"
@@ -110,8 +113,11 @@ def _kept(job: Job) -> Summary:
         said = (f"/{name} {'nothing' if t is None else f'until {t:g} s'}" for name, t in until.items())
         summary.message += f"; of {', '.join(said)}"
     # On a full disk only one may have been written any more.
-    records = _rows(job.folder, "coupled") - 1
-    summary.macro_steps = max(_rows(job.folder, "steps"), records * job.scenario.record_every)
+    records, every = _rows(job.folder, "coupled") - 1, job.scenario.record_every
+    at_least = records * every
+    if until["coupled"] == job.scenario.stop_time:  # recorded wherever it falls
+        at_least -= every - 1
+    summary.macro_steps = max(_rows(job.folder, "steps"), at_least)
     with written_result(job, summary):
         pass
     summary.write(job.out / SUMMARY)

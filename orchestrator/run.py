@@ -86,6 +86,7 @@ def carry_out(job: Job) -> Summary:
     """
     began = clock.perf_counter()
     summary = begun(job.scenario)
+    summary.figures = job.figures
     if not job.resumed:  # of a process that is ended from within, by whatever, it is what is left
         summary.write(job.out / SUMMARY)
     refused = False

@@ -38,6 +38,7 @@ class Summary:
     master: dict[str, Any]
     macro_step: float
     tolerance: dict[str, float]
+    figures: bool = True  # were to be drawn; `tribocosim resume` keeps to it
     complete: bool = False
     resumable: bool = True  # `tribocosim resume` can go on
     message: str = "the run was not finished"

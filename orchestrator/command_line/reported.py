@@ -12,7 +12,8 @@ import typer
 
 from ..interruption import Noticed
 
-MISTAKE, FAILED, INTERRUPTED = 2, 3, 130
+# The last as shells say of a program that SIGPIPE ended: 128 + 13.
+MISTAKE, FAILED, INTERRUPTED, NO_READER = 2, 3, 130, 141
 
 
 def reported(command: Callable[..., int | None]) -> Callable[..., None]:
@@ -25,9 +26,13 @@ def reported(command: Callable[..., int | None]) -> Callable[..., None]:
         try:
             with noticed:
                 status = command(*arguments, **options)
+                sys.stdout.flush()
         except KeyboardInterrupt as interruption:
             say(str(interruption) or "interrupted")
             raise typer.Exit(INTERRUPTED) from None
+        except BrokenPipeError:  # who read the output has left, as `| head -1` does
+            _discard_output()
+            raise typer.Exit(NO_READER) from None
         except Exception as error:
             if noticed.asked:
                 say("interrupted")
@@ -39,6 +44,12 @@ def reported(command: Callable[..., int | None]) -> Callable[..., None]:
         raise typer.Exit(status or 0)
 
     return report
+
+
+def _discard_output() -> None:
+    """What is left to be written to standard output; else Python complains of it when it ends."""
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), sys.stdout.fileno())
 
 
 def _judged(error: Exception) -> tuple[str, int]:

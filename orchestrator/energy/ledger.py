@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -23,13 +24,16 @@ ESTIMATED = " (estimated from exchanged values)"
 
 
 class Ledger:
-    """Books every n-th macro step; with `folder` in the journal that becomes the result's group /energy.
+    """Books every n-th macro step, and `stop` (s); with `folder` in the journal that becomes the
+    result's group /energy.
 
     Everything it knows are sums of counted energies, with signs +1 and -1: a row for each channel.
     """
 
-    def __init__(self, system: System, every: int = 1, folder: Path | None = None) -> None:
-        self._every, self._folder = every, folder
+    def __init__(
+        self, system: System, every: int = 1, folder: Path | None = None, stop: float = math.inf
+    ) -> None:
+        self._every, self._folder, self._stop = every, folder, stop
         self.sides = [sides for sides in sides_of(system) if sides.both]
         self.not_counted = [str(sides.bond) for sides in sides_of(system) if not sides.both]
         self.instances = [
@@ -106,7 +110,7 @@ class Ledger:
             self._journal = Journal(self._folder / f"{GROUP}{SUFFIX}", self.quantities, rows)
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if self._count % self._every == 0:
+        if self._count % self._every == 0 or time >= self._stop:
             values = outputs()[self._columns]
             if self._count == 0:
                 self._start[:] = values

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from models.component import Component
 
 from ..errors import one_of
 from ..participants import ForeignComponent, component_of_file, made_here
-from ..values import Value, component_of, meanings
+from ..values import Faults, Value, component_of, meanings
 from .fields import Table, Written
 from .foreign_values import enumerated, texts
 
@@ -54,6 +54,19 @@ class ComponentTable(Table):
     start: dict[str, Written] = Field({}, description="Start values of states")
     inputs: dict[str, Written] = Field({}, description="Constant values of inputs that nothing drives")
 
+    @model_validator(mode="before")
+    @classmethod
+    def _stands_for_itself(cls, table: Any) -> Any:
+        """A file in place of a component is looked at first: all else depends on what it is."""
+        if isinstance(table, dict) and table.get("component") is None:
+            file = table.get("participant")
+            if isinstance(file, str) and file.endswith(".fmu"):
+                try:
+                    component_of_file(Path(file))
+                except ValueError as error:
+                    raise Faults(("participant", f": {error}")) from None
+        return table
+
     @field_validator("participant")
     @classmethod
     def _kind(cls, kind: str) -> str:
@@ -74,9 +87,7 @@ class ComponentTable(Table):
         participant = info.data.get("participant", "")
         if name is not None:
             component_of(name)
-        elif participant.endswith(".fmu"):
-            component_of_file(Path(participant))
-        elif participant:
+        elif participant and not participant.endswith(".fmu"):
             raise ValueError('missing; name one of the catalogue, or an FMU: participant = "FILE.fmu"')
         return name
 

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, field_validator
 
 from models.system import suggestion
 
+from ..errors import one_of
 from ..masters import MASTERS
 from ..values import Faults
 
@@ -24,7 +25,7 @@ class MasterTable(BaseModel):
     @classmethod
     def _known(cls, name: str) -> str:
         if name not in MASTERS:
-            raise ValueError(f"no master {name!r}; {suggestion(name, MASTERS)}")
+            raise ValueError(f"{name!r}: {one_of(MASTERS, name)}")
         return name
 
     def made(self) -> Any:

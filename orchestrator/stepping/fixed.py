@@ -41,9 +41,12 @@ class FixedSteps:
 
     def _end(self, time: float) -> tuple[float, int]:
         """Times are multiples of the step: a sum of steps would drift."""
-        n = math.floor((time - self._start) / self.macro_step + 1e-9) + 1
+        made = (time - self._start) / self.macro_step
+        # Of very many steps rounding is the larger.
+        slack = 1e-9 + 4.0 * math.ulp(made)
+        n = math.floor(made + slack) + 1
         end = self._start + n * self.macro_step
-        last = self._start + (n + 1e-9) * self.macro_step >= self._stop
+        last = self._start + (n + slack) * self.macro_step >= self._stop
         if not last:
             return end, FIXED
         # What ends as any other step does isn't cut short.

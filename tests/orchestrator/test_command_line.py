@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -241,6 +242,21 @@ def test_listing_and_version() -> None:
     assert all(name in listed.stdout for name in ("valve-train", "run-up"))
     assert called("--version").stdout.startswith("tribocosim ")
     assert json.loads(called("scenarios", "--schema").stdout)["title"] == "tribocosim scenario"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes and statuses of Unix")
+@pytest.mark.parametrize("unbuffered", [[], ["-u"]])
+def test_a_reader_that_leaves_ends_the_command_quietly(unbuffered: list[str]) -> None:
+    """As SIGPIPE ends other programs: without a word, with 128 + 13."""
+    code = "from orchestrator.command_line import main; main()"
+    command = [sys.executable, *unbuffered, "-c", code, "scenarios"]
+    reading, writing = os.pipe()
+    os.close(reading)
+    try:
+        done = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, cwd=ROOT, text=True)
+    finally:
+        os.close(writing)
+    assert (done.returncode, done.stderr) == (141, "")
 
 
 def test_no_help_has_words_that_are_swallowed_as_markup() -> None:

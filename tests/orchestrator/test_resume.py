@@ -273,6 +273,12 @@ def test_killed_while_it_tidied_up_it_is_complete(killed: Path, whole: Path) -> 
     _same(killed, whole)
 
 
+def test_a_run_without_figures_goes_on_without(killed: Path) -> None:
+    assert json.loads((killed / "summary.json").read_text())["figures"] is False
+    assert resume(killed, built, _quiet()).complete
+    assert not (killed / "figures").exists()
+
+
 def test_without_a_checkpoint_what_was_recorded_is_kept_and_marked(killed: Path) -> None:
     (killed / "unfinished" / "checkpoint").unlink()
     with (killed / "unfinished" / "coupled.journal").open("ab") as file:

@@ -15,6 +15,7 @@ from orchestrator.participants import in_process
 from orchestrator.scenario import Scenario, ScenarioError, scenario_of
 from orchestrator.scenario_files import load, shipped, written
 from orchestrator.simulation import simulate
+from orchestrator.stepping import FixedSteps
 
 
 @pytest.mark.parametrize("name", sorted(shipped()))
@@ -69,6 +70,12 @@ BAD = {
     "components.camshaft.parameters.lift=3 milimetre": ("lift", "did you mean millimetre?"),
     "components.camshaft.parameters.lift=3 qwx": ("lift", "write m or mm"),
     "macro_step=1 s": ("macro_step", "stop_time"),
+    "macro_step=1e-30": (
+        "--set macro_step = 1e-30 s: must be at least 1.4e-14 s with stop_time = 0.12 s",
+        "'5 us'",
+    ),
+    "macro_step=1e-18": ("--set macro_step = 1e-18 s: must be at least 1.4e-14 s with stop_time = 0.12 s",),
+    "output_step=1": ("--set output_step = 1 s: must not be longer than stop_time = 0.12 s", "leave it out"),
     "stop_time=[1]": ("stop_time", "number of seconds"),
     "start=rest": ("start", "rest", "equilibrium"),
     "start=equilibrum": ("start", "did you mean equilibrium?"),
@@ -78,6 +85,10 @@ BAD = {
     "connections=['a b']": ("connections", "a b", "instance.output -> instance.input"),
     "reference.toleranc=2": ("reference.toleranc", "did you mean tolerance?"),
     "master.name=jacob": ("master.name", "did you mean jacobi?"),
+    "master.name=gauss": (
+        "--set master.name: 'gauss': must be one of jacobi, gauss_seidel, iterated, newton; did you mean "
+        "gauss_seidel?",
+    ),
     "master.tolerance=3": ("master.tolerance", "gauss_seidel"),
     "master.extrapolation=cubic": ("extrapolation", "cubic", "quadratic"),
     "reference.enabled=maybe": ("reference.enabled", "maybe", "true or false"),
@@ -216,6 +227,7 @@ def test_a_mistake_is_marked_by_where_it_was_made(tmp_path: Path) -> None:
     lines = str(error.value).split("\n")
     assert [line.split(" = ")[0] for line in lines] == [
         "--set macro_step",
+        "--set output_step",
         "mine.toml: start",
         "--set master.extrapolation",
     ]
@@ -267,6 +279,47 @@ def test_what_has_no_effect_is_noticed() -> None:
     assert notices(load("valve-train", [given, "components.contact.inputs.applied_load=300"])) == []
 
 
+@pytest.mark.parametrize(
+    ("changes", "every", "why"),
+    [
+        (["output_step=20 us"], 4, None),
+        (
+            ["output_step=12.5 us"],
+            2,
+            "1.25e-05 s: is no multiple of macro_step = 5e-06 s; records are made every 1e-05",
+        ),
+        (
+            ["output_step=1 us"],
+            1,
+            "1e-06 s: is shorter than macro_step = 5e-06 s; records are made every 5e-06 s, 1 macro",
+        ),
+        (["output_step=2 ms"], 240, "0.002 s: is too long for the comparison with the reference"),
+        (["stop_time=1 ms"], 2, "2e-05 s: is too long for the comparison with the reference"),
+        (["output_step=2 ms", "reference.enabled=false"], 400, None),
+    ],
+)
+def test_records_at_other_times_than_asked_for_are_noticed(
+    changes: list[str], every: int, why: str | None
+) -> None:
+    scenario = load("valve-train", changes)
+    assert scenario.record_every == every
+    if scenario.reference.enabled:
+        assert scenario.stop_time >= 100 * every * scenario.macro_step * (1 - 1e-9)
+    said = notices(scenario)
+    assert len(said) == (why is not None)
+    assert all(line.startswith(f"output_step = {why}") for line in said)
+
+
+def test_every_step_of_very_many_ends_after_it_began() -> None:
+    """Of 3e7 steps the rounding of time / macro_step is above the slack of few: steps of no length came of
+    it."""
+    steps = FixedSteps(5e-6)
+    steps._start, steps._stop = 0.0, 1e6
+    for n in range(30_000_000, 30_000_100):
+        end, _ = steps._end(n * 5e-6)
+        assert end == (n + 1) * 5e-6
+
+
 def test_step_control_does_not_inherit_the_records_of_equal_steps(tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     file.write_text('extends = "valve-train"\n[step_control]\n')
@@ -274,6 +327,19 @@ def test_step_control_does_not_inherit_the_records_of_equal_steps(tmp_path: Path
     assert load(file).output_step is None
     file.write_text('extends = "valve-train"\noutput_step = "1 ms"\n[step_control]\n')
     assert load(file).output_step == 1e-3
+
+
+def test_a_bad_file_in_place_of_a_component_is_the_participants_fault(tmp_path: Path) -> None:
+    (tmp_path / "text.fmu").write_text("no archive")
+    table = "stop_time = 1\nmacro_step = 0.1\nreference.enabled = false\n[components.cam]\n"
+    for name, words in {"none.fmu": "no such file", "text.fmu": "not an FMU"}.items():
+        file = tmp_path / "mine.toml"
+        file.write_text(f"{table}participant = '{name}'\nparameters = {{ lift = 1 }}\n")
+        with pytest.raises(ScenarioError) as error:
+            load(file)
+        assert str(error.value).startswith(f"mine.toml: components.cam.participant: {tmp_path / name}: ")
+        assert words in str(error.value)
+        assert "\n" not in str(error.value)
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
