@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
-import functools
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -13,6 +11,7 @@ from typing import Annotated
 import typer
 
 from .reported import reported, say
+from .without_cache import built_apart
 
 
 def built(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
@@ -28,7 +27,7 @@ def built(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
         try:
             return make(name, None, structure)
         except OSError as error:
-            return _built_apart(make, name, structure, error)
+            return built_apart(make, name, structure, error)
     except OSError as error:
         raise RunError(
             f"building the FMU {name}: neither {user_cache_directory()} nor the folder for temporary files "
@@ -38,33 +37,6 @@ def built(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
         raise
     except (KeyError, ValueError) as error:
         raise RunError(f"building the FMU {name}: {error.args[-1] if error.args else error}") from None
-
-
-def _built_apart(
-    make: Callable[[str, Path | None, Mapping[str, int]], Path],
-    name: str,
-    structure: Mapping[str, int],
-    error: OSError,
-) -> Path:
-    """As `make`, in this process's own folder, each once; OSError where there is no place for it either."""
-    sizes = "".join(f"-{size}-{number}" for size, number in sorted(structure.items()))
-    folder = _own_folder(str(error.strerror)) / f"{make.__name__}-{name}{sizes}"
-    made = list(folder.glob("*.fmu"))
-    return made[0] if made else make(name, folder, structure)
-
-
-@functools.cache
-def _own_folder(reason: str) -> Path:
-    """A folder that is deleted with the end of this process; it is said once why it is needed."""
-    from models.kernel import user_cache_directory
-
-    say(
-        f"{user_cache_directory()}: cannot be written ({reason}), so FMUs are built for this command only; "
-        "TRIBOCOSIM_CACHE names another folder"
-    )
-    kept = tempfile.TemporaryDirectory(prefix="tribocosim-fmus-")
-    atexit.register(kept.cleanup)
-    return Path(kept.name)
 
 
 def check_native(sizes: Mapping[str, tuple[str, Mapping[str, int]]]) -> None:

@@ -12,7 +12,8 @@ import pytest
 from fmus.build import build
 from fmus.native import fmu as native
 from orchestrator import replacement
-from orchestrator.command_line.fmu import _own_folder, built
+from orchestrator.command_line.fmu import built
+from orchestrator.command_line.without_cache import own_folder
 
 from .commands import called, said
 
@@ -24,7 +25,7 @@ def no_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A cache folder that cannot be: its parent is a file."""
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("TRIBOCOSIM_CACHE", str(tmp_path / "file" / "cache"))
-    _own_folder.cache_clear()
+    own_folder.cache_clear()
     return tmp_path / "file" / "cache"
 
 
