@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import sys
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
@@ -59,13 +61,20 @@ class Bar:
         self._progress.update(self._task, completed=fraction)
 
 
+class _Console(Console):
+    """Where the reader has left, rich's ends the program with the status of a run outside its tolerance."""
+
+    def on_broken_pipe(self) -> None:
+        raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE), "standard output")
+
+
 class Reporter:
     """Says what happens."""
 
     def __init__(self, console: Console | None = None) -> None:
         # Lines for a file or a log need no folding to 80 columns.
         wide = None if sys.stdout.isatty() else 110
-        self.console = console or Console(highlight=False, width=wide)
+        self.console = console or _Console(highlight=False, width=wide)
         self._compiled = False
 
     def line(self, text: str) -> None:

@@ -246,14 +246,20 @@ def test_listing_and_version() -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes and statuses of Unix")
 @pytest.mark.parametrize("unbuffered", [[], ["-u"]])
-def test_a_reader_that_leaves_ends_the_command_quietly(unbuffered: list[str]) -> None:
+@pytest.mark.parametrize("arguments", [["scenarios"], ["run", "valve-train", *SHORT, "--no-figures"]])
+def test_a_reader_that_leaves_ends_the_command_quietly(
+    unbuffered: list[str], arguments: list[str], tmp_path: Path
+) -> None:
     """As SIGPIPE ends other programs: without a word, with 128 + 13."""
     code = "from orchestrator.command_line import main; main()"
-    command = [sys.executable, *unbuffered, "-c", code, "scenarios"]
+    command = [sys.executable, *unbuffered, "-c", code, *arguments]
     reading, writing = os.pipe()
     os.close(reading)
     try:
-        done = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, cwd=ROOT, text=True)
+        environment = os.environ | {"PYTHONPATH": str(ROOT)}
+        done = subprocess.run(
+            command, stdout=writing, stderr=subprocess.PIPE, cwd=tmp_path, env=environment, text=True
+        )
     finally:
         os.close(writing)
     assert (done.returncode, done.stderr) == (141, "")
