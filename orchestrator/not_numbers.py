@@ -12,6 +12,7 @@ import numpy as np
 from models.quantities import Vector
 
 from .plain_data import Plain
+from .recording import recorded
 from .stepping import Step
 
 
@@ -28,7 +29,7 @@ class NotNumbers:
         self._names = list(names)
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if self._count % self._every == 0 or time >= self._stop:
+        if recorded(self._count, time, self._every, self._stop):
             bad = np.isnan(outputs())
             if bad.any():
                 for i in np.flatnonzero(bad):

@@ -27,6 +27,12 @@ STEP_VARIABLES = {
 }
 
 
+def recorded(count: int, time: float, every: int, stop: float) -> bool:
+    """Whether the macro step of that number, which ends at `time` (s), is recorded: every n-th one is, and
+    that which ends the run."""
+    return count % every == 0 or time >= stop
+
+
 class ResultRecorder:
     """Records all outputs of every n-th macro step and at `stop` (s), and every step's effort, in the
     journals of `folder` that become the groups /coupled and /steps of the result. Rows are in memory for
@@ -62,7 +68,7 @@ class ResultRecorder:
             raise
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if self._count % self._every == 0 or time >= self._stop:
+        if recorded(self._count, time, self._every, self._stop):
             self._coupled.append(time, outputs())
         if self._count:
             self._step[:] = (

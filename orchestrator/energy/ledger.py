@@ -15,6 +15,7 @@ from models.quantities import Quantity, Vector
 from models.system import System
 
 from ..journal import SUFFIX, Journal
+from ..recording import recorded
 from ..stepping import Step
 from .account import Account, BondAccount, ComponentAccount
 from .sides import received_by, sides_of
@@ -110,7 +111,7 @@ class Ledger:
             self._journal = Journal(self._folder / f"{GROUP}{SUFFIX}", self.quantities, rows)
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if self._count % self._every == 0 or time >= self._stop:
+        if recorded(self._count, time, self._every, self._stop):
             values = outputs()[self._columns]
             if self._count == 0:
                 self._start[:] = values

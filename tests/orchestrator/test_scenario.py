@@ -15,7 +15,6 @@ from orchestrator.participants import in_process
 from orchestrator.scenario import Scenario, ScenarioError, scenario_of
 from orchestrator.scenario_files import load, shipped, written
 from orchestrator.simulation import simulate
-from orchestrator.stepping import FixedSteps
 
 
 @pytest.mark.parametrize("name", sorted(shipped()))
@@ -277,56 +276,6 @@ def test_what_has_no_effect_is_noticed() -> None:
     (said,) = notices(load("valve-train", [given]))
     assert "nothing drives contact.applied_load" in said
     assert notices(load("valve-train", [given, "components.contact.inputs.applied_load=300"])) == []
-
-
-@pytest.mark.parametrize(
-    ("changes", "every", "why"),
-    [
-        (["output_step=20 us"], 4, None),
-        (
-            ["output_step=12.5 us"],
-            2,
-            "1.25e-05 s: is no multiple of macro_step = 5e-06 s; records are made every 1e-05",
-        ),
-        (
-            ["output_step=1 us"],
-            1,
-            "1e-06 s: is shorter than macro_step = 5e-06 s; records are made every 5e-06 s, 1 macro",
-        ),
-        (["output_step=2 ms"], 240, "0.002 s: is too long for the comparison with the reference"),
-        (["stop_time=1 ms"], 2, "2e-05 s: is too long for the comparison with the reference"),
-        (["output_step=2 ms", "reference.enabled=false"], 400, None),
-    ],
-)
-def test_records_at_other_times_than_asked_for_are_noticed(
-    changes: list[str], every: int, why: str | None
-) -> None:
-    scenario = load("valve-train", changes)
-    assert scenario.record_every == every
-    if scenario.reference.enabled:
-        assert scenario.stop_time >= 100 * every * scenario.macro_step * (1 - 1e-9)
-    said = notices(scenario)
-    assert len(said) == (why is not None)
-    assert all(line.startswith(f"output_step = {why}") for line in said)
-
-
-def test_every_step_of_very_many_ends_after_it_began() -> None:
-    """Of 3e7 steps the rounding of time / macro_step is above the slack of few: steps of no length came of
-    it."""
-    steps = FixedSteps(5e-6)
-    steps._start, steps._stop = 0.0, 1e6
-    for n in range(30_000_000, 30_000_100):
-        end, _ = steps._end(n * 5e-6)
-        assert end == (n + 1) * 5e-6
-
-
-def test_step_control_does_not_inherit_the_records_of_equal_steps(tmp_path: Path) -> None:
-    file = tmp_path / "mine.toml"
-    file.write_text('extends = "valve-train"\n[step_control]\n')
-    assert load("valve-train").output_step is not None
-    assert load(file).output_step is None
-    file.write_text('extends = "valve-train"\noutput_step = "1 ms"\n[step_control]\n')
-    assert load(file).output_step == 1e-3
 
 
 def test_a_bad_file_in_place_of_a_component_is_the_participants_fault(tmp_path: Path) -> None:
