@@ -22,14 +22,14 @@ import pythonfmu
 
 from models.catalogue import CATALOGUE
 from models.component import Component
-from models.fmu_archive import seal
+from models.fmu_archive import digest_of, seal
 
 from .cross_check.inside import TOLD, references
 from .description import GUID_PLACE, PYTHON, Experiment, Origin, model_description
 from .documentation import page
 from .kept import cached, there, tidy
 from .needed import with_needed
-from .sources import digest_of, shipped
+from .sources import shipped
 
 HERE = Path(__file__).parent
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import hashlib
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 import pythonfmu
 
 import models
+from models.fmu_archive import digest_of
 
 # What the shipped code may import besides itself and the standard library.
 RUN_TIME = {"numpy", "numba", "llvmlite"}
@@ -41,15 +41,6 @@ def shipped(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]:
     )
     package = f"tribocosim_{digest_of(files)[:16]}"
     return package, {f"{package}/{name}": content for name, content in sorted(files.items())}
-
-
-def digest_of(files: dict[str, bytes]) -> str:
-    """SHA-256 over names and contents."""
-    digest = hashlib.sha256()
-    for name, content in sorted(files.items()):
-        digest.update(f"{name} {len(content)}\n".encode())
-        digest.update(content)
-    return digest.hexdigest()
 
 
 def closure(module: Path, root: Path, packages: bool = True) -> list[Path]:

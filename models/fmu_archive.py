@@ -1,4 +1,5 @@
-"""Checks of an FMU's archive without unpacking it: damage, entries that would leave it, what is missing.
+"""Checks of an FMU's archive without unpacking it: damage, entries that would leave it, what is missing, and
+whether it is as it was packed.
 
 No model needs them: they stand here because the packaging and the master share only this folder.
 """
@@ -72,13 +73,18 @@ def archive_faults(archive: zipfile.ZipFile) -> list[str]:
     return [fault] if fault else []
 
 
+def digest_of(files: Mapping[str, bytes]) -> str:
+    """SHA-256 over names and contents."""
+    digest = hashlib.sha256()
+    for name, content in sorted(files.items()):
+        digest.update(f"{name} {len(content)}\n".encode())
+        digest.update(content)
+    return digest.hexdigest()
+
+
 def seal(files: Mapping[str, bytes]) -> bytes:
     """The archive's comment by which it is known later that its files are as they were packed."""
-    total = hashlib.sha256()
-    for name in sorted(files):
-        total.update(f"{name}\0{len(files[name])}\0".encode())
-        total.update(files[name])
-    return _SEAL + total.hexdigest().encode()
+    return _SEAL + digest_of(files).encode()
 
 
 def sealed(path: Path) -> bool:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from models.catalogue import CATALOGUE
 from models.component import Component
+from models.fmu_archive import digest_of
 
 from .. import build as python_build
 from .. import description3
@@ -17,7 +18,7 @@ from ..cross_check.inside import references
 from ..description import EXCHANGE, GUID_PLACE, NATIVE, model_description
 from ..kept import cached, there, tidy
 from ..memory import Memory
-from ..sources import digest_of, shipped
+from ..sources import shipped
 from ..terminals import FOLDER, terminals_and_icons
 from .differentiate import differentiated
 from .entries import smooth

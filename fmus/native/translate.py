@@ -14,9 +14,8 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from models.fmu_archive import digest_of
 from models.kernel import user_cache_directory
-
-from ..sources import digest_of
 
 # Of the C library; LLVM's intrinsics become calls of the same.
 _FUNCTIONS = """
