@@ -1,6 +1,7 @@
 """Every check in order: lint, format, types, import rules, tests.
 
 `python -m tests` runs the default part, `python -m tests --all` also the long physics checks.
+`python -m tests --validation [WORD ...]` runs the tests that record numbers and writes docs/validation.md.
 """
 
 from __future__ import annotations
@@ -10,12 +11,17 @@ import subprocess
 import sys
 from pathlib import Path
 
+from .validation import recording_tests
+
 ROOT = Path(__file__).parent.parent
 SCRIPTS = Path(sys.executable).parent
 
 # A process for each processor, at most four for their memory (2 GB each). Each begins with a stretch of
 # neighbouring tests, which share compiled kernels, and takes from another's end when it has none left.
 PARALLEL = ["-n", "logical", "--maxprocesses", "4", "--dist", "worksteal"]
+
+
+PYTEST = [sys.executable, "-m", "pytest", "-q", "--durations=10", *PARALLEL]
 
 
 def checks(everything: bool) -> dict[str, list[str]]:
@@ -26,16 +32,28 @@ def checks(everything: bool) -> dict[str, list[str]]:
         "format": [*python, "ruff", "format", "--check", "."],
         "types": [*python, "mypy"],
         "imports": [str(SCRIPTS / "lint-imports"), "--no-cache"],
-        "tests": [*python, "pytest", "-q", "--durations=10", *PARALLEL, *(["-m", ""] if everything else [])],
+        "tests": [*PYTEST, *(["-m", ""] if everything else [])],
     }
+
+
+def validation(words: list[str]) -> dict[str, list[str]]:
+    """The command that runs the recording tests whose file or name contains a word, or all."""
+    tests = [f"tests/{test}" for test in recording_tests() if not words or any(w in test for w in words)]
+    if not tests:
+        raise SystemExit(f"no test that records numbers has {' or '.join(words)} in its file or name")
+    return {"validation": [*PYTEST, "-p", "tests.validation", "-m", "", *tests]}
 
 
 def main() -> int:
     """Run all checks, also after one failed; 0 only if all passed."""
     # Tests start hundreds of processes: each would compile all modules anew where bytecode is not kept.
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
-    failed = []
-    for name, command in checks("--all" in sys.argv[1:]).items():
+    failed, arguments = [], sys.argv[1:]
+    if arguments[:1] == ["--validation"]:
+        commands = validation(arguments[1:])
+    else:
+        commands = checks("--all" in arguments)
+    for name, command in commands.items():
         print(f"== {name}", flush=True)
         if subprocess.run(command, cwd=ROOT, env=environment, check=False).returncode != 0:
             failed.append(name)

@@ -20,16 +20,20 @@ def test_two_masses_are_kushwahas_spring():
     assert lumping(2) == pytest.approx((8 / 3, 4.0, 2 / 3), rel=1e-14)
 
 
-def test_clamped_frequencies_of_kushwahas_spring_are_f0_and_twice_f0():
-    assert spring_frequencies(ValveSpringParameters(), 2) == pytest.approx([504.5, 1009.0], rel=1e-6)
+def test_clamped_frequencies_of_kushwahas_spring_are_f0_and_twice_f0(record):
+    found = spring_frequencies(ValveSpringParameters(), 2)
+    for order, frequency in enumerate(found, 1):
+        name = f"frequency {order} of the clamped spring (Hz), two masses"
+        record("Spring", name, frequency, order * F0, "Kushwaha et al. (2000)", relative=1e-6)
 
 
 @pytest.mark.parametrize("masses", [3, 5, 8, 20])
-def test_clamped_frequencies_of_more_masses(masses):
+def test_clamped_frequencies_of_more_masses(masses, record):
     """The chain's modes: f0 sin(j pi/2N) / sin(pi/2N), which tends to j f0."""
     orders = np.arange(1, masses + 1) * math.pi / (2 * masses)
     exact = 504.5 * np.sin(orders) / math.sin(orders[0])
-    assert spring_frequencies(ValveSpringParameters(), masses) == pytest.approx(exact, rel=1e-9)
+    found = spring_frequencies(ValveSpringParameters(), masses)
+    record("Spring", "frequencies (Hz), 3-20 masses", found, exact, "closed form of a chain", relative=1e-9)
 
 
 def test_one_mass_has_f0():
@@ -52,7 +56,7 @@ def test_derivative_has_these_frequencies(masses):
 
 
 @pytest.mark.parametrize("masses", [1, 2, 5, 20])
-def test_static_rate_is_k0(masses):
+def test_static_rate_is_k0(masses, record):
     spring = CATALOGUE["valve_spring"](coil_masses=masses)
     share = lumping(masses)
     coils = 1e-3 * (1.0 - 1.0 / share.end_rate - np.arange(masses) / share.inner_rate)
@@ -60,7 +64,8 @@ def test_static_rate_is_k0(masses):
     rates = rates_of(spring, {"preload": 0.0}, state)
     # Rounding of a balance of forces of 100 N on a mass of grams.
     assert max(abs(rates[f"coil_velocity[{i + 1}]"]) for i in range(masses)) < 1e-6
-    assert outputs_of(spring, {"preload": 0.0}, state)["spring_force"] == pytest.approx(K0 * 1e-3, rel=1e-12)
+    rate = outputs_of(spring, {"preload": 0.0}, state)["spring_force"] / 1e-3
+    record("Spring", "static rate, 1 to 20 masses", rate, K0, "parameter k0", relative=1e-12)
 
 
 def moving_end_stiffness(masses: int, frequency: float) -> float:
@@ -77,14 +82,15 @@ def moving_end_stiffness(masses: int, frequency: float) -> float:
 
 
 @pytest.mark.parametrize("frequency", [50.0, 200.0, 350.0, 700.0])
-def test_many_masses_converge_to_the_continuous_spring(frequency):
+def test_many_masses_converge_to_the_continuous_spring(frequency, record):
     """k lambda cot(lambda) with lambda = pi f / f0."""
     turned = math.pi * frequency / F0
     exact = K0 * turned / math.tan(turned)
     coarse, fine = (abs(moving_end_stiffness(n, frequency) - exact) / K0 for n in (20, 40))
     # Second order in 1/N; the ceiling is that of 40 masses at the highest frequency.
-    assert math.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
-    assert fine < 4e-3
+    source, order = "k λ cot λ of the continuous spring", math.log2(coarse / fine)
+    record("Spring", "order of convergence from 20 to 40 masses", order, 2.0, source, tolerance=0.1)
+    record("Spring", "error of the end's stiffness / k0, 40 masses", fine, 0.0, source, tolerance=4e-3)
 
 
 def test_no_coil_masses_are_refused():

@@ -1,0 +1,143 @@
+"""The validation manual: numbers that tests compare and record, gathered on docs/validation.md.
+
+Loaded as a pytest plugin (`-p tests.validation`), it writes the page after a session without failures. Rows
+of tests that did not run stay on the page as they are.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import tomllib
+from collections import defaultdict
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+TESTS = Path(__file__).parent
+PAGE = TESTS.parent / "docs" / "validation.md"
+LIMITS = TESTS / "known_limits.toml"
+SUBJECTS = ("Cam", "Spring", "Contact", "Film", "Field", "Slider-crank", "Coupling", "FMUs", "Tools")
+COLUMNS = ("quantity", "computed", "reference", "difference", "tolerance", "source", "test")
+INTRODUCTION = """# Validation manual
+
+This page compares computed numbers with closed forms, independent solutions and published values. A test
+computes each number, compares it with its reference within the tolerance shown, and records both; of a test
+with several cases the page shows the worst. `python -m tests --validation` runs these tests, the long ones
+too, and writes the page anew; `python -m tests --validation spring` does so for the tests that have `spring`
+in their file or name.
+
+Numbers are in SI units unless a unit is named; *rel.* is relative to the reference. A reference of 0 means
+that the quantity is itself an error.
+"""
+
+# Rows by subject and test.
+Blocks = dict[tuple[str, str], list[str]]
+# A test with its case, the place of a record in it, subject, share of the tolerance that is used up, cells.
+Record = tuple[str, int, str, float, list[str]]
+
+
+@pytest.fixture
+def record(request: pytest.FixtureRequest) -> Callable[..., None]:
+    """Compares a number with its reference, see `compare`, and records both for the validation manual."""
+
+    def compare_and_record(subject: str, *comparison: Any, **tolerance: float) -> None:
+        if subject not in SUBJECTS:
+            raise ValueError(f"subject {subject!r}: must be one of {', '.join(SUBJECTS)}")
+        request.node.user_properties.append(("validation", [subject, *compare(*comparison, **tolerance)]))
+
+    return compare_and_record
+
+
+def compare(
+    quantity: str, value: Any, reference: Any, source: str, *, tolerance: float = 0.0, relative: float = 0.0
+) -> tuple[float, list[str]]:
+    """Assert |value - reference| <= tolerance, or <= relative * |reference|, for every element of arrays.
+
+    Returns the share of the tolerance that is used up and the cells of a row, of the worst element.
+    """
+    if (tolerance > 0.0) == (relative > 0.0):
+        raise ValueError(f"{quantity}: give a tolerance or a relative one, larger than 0")
+    values, references = np.broadcast_arrays(np.asarray(value, float), np.asarray(reference, float))
+    scales = np.abs(references) if relative else np.ones_like(references)
+    differences = np.nan_to_num(np.abs(values - references) / scales, nan=np.inf)
+    worst = np.unravel_index(np.argmax(differences), differences.shape)
+    difference, allowed = float(differences[worst]), relative or tolerance
+    mark = " rel." if relative else ""
+    numbers = (f"{values[worst]:.6g}", f"{references[worst]:.6g}", f"{difference:.1e}{mark}")
+    cells = [quantity, *numbers, f"{allowed:.2g}{mark}", source]
+    assert difference <= allowed, ", ".join(f"{n} {c}" for n, c in zip(COLUMNS, cells, strict=False))
+    return difference / allowed, cells
+
+
+def recording_tests() -> set[str]:
+    """The tests that take `record`, as "file::test" with the file below tests/."""
+    return {
+        f"{file.relative_to(TESTS).as_posix()}::{node.name}"
+        for file in TESTS.rglob("test_*.py")
+        for node in ast.parse(file.read_text("utf-8")).body
+        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
+        if "record" in {argument.arg for argument in node.args.args + node.args.kwonlyargs}
+    }
+
+
+def page_blocks(text: str) -> Blocks:
+    """The rows of a page."""
+    blocks: Blocks = defaultdict(list)
+    for part in text.split("\n## ")[1:]:
+        subject, *lines = part.split("\n")
+        for line in lines:
+            if test := re.search(r"\[(test_\w+)\]\(\.\./tests/(\S+)\) \|$", line):
+                blocks[subject, f"{test[2]}::{test[1]}"].append(line)
+    return blocks
+
+
+def page_text(blocks: Blocks) -> str:
+    """The page: a table for each subject, sorted by test, and what falls short."""
+    limits = tomllib.loads(LIMITS.read_text("utf-8"))
+    parts = [INTRODUCTION]
+    for subject in SUBJECTS:
+        rows = [row for key in sorted(blocks) if key[0] == subject for row in blocks[key]]
+        table = [f"| {' | '.join(COLUMNS)} |", "|---" * len(COLUMNS) + "|", *rows]
+        known = ["", "Known limits:", "", *(f"- {limit}" for limit in limits.get(subject, []))]
+        parts.append("\n".join([f"## {subject}", "", *table, *(known if subject in limits else []), ""]))
+    return "\n".join(parts)
+
+
+def recorded_blocks(records: Iterable[Record]) -> Blocks:
+    """The rows of new records; the cases of a parametrised test share a row."""
+    cases = defaultdict(list)
+    for node, place, subject, share, cells in sorted(records):
+        test = node.partition("[")[0].removeprefix("tests/")
+        cases[subject, test, place, cells[0]].append((share, cells))
+    blocks: Blocks = defaultdict(list)
+    for (subject, test, _, quantity), found in sorted(cases.items()):
+        cells = max(found, key=lambda case: case[0])[1]
+        more = f" (worst of {len(found)} cases)" if len(found) > 1 else ""
+        file, _, name = test.partition("::")
+        row = [quantity + more, *cells[1:], f"[{name}](../tests/{file})"]
+        blocks[subject, test].append(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |")
+    return blocks
+
+
+_records: list[Record] = []
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Keep what a test recorded. With pytest-xdist the workers' reports pass here too."""
+    if report.when == "call" and report.passed:
+        found = [value for name, value in report.user_properties if name == "validation"]
+        _records.extend((report.nodeid, place, *row) for place, row in enumerate(found))
+
+
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+    """Write the page in the process that has all reports, unless a test failed."""
+    if exitstatus == 0 and not hasattr(session.config, "workerinput"):
+        new, tests = recorded_blocks(_records), recording_tests()
+        ran = {test for _, test in new}
+        old = page_blocks(PAGE.read_text("utf-8")) if PAGE.exists() else {}
+        kept = {key: rows for key, rows in old.items() if key[1] in tests and key[1] not in ran}
+        PAGE.write_text(page_text(kept | new), "utf-8")
