@@ -55,8 +55,8 @@ def friction(
         if table:
             say(f"table in {written(*first, coefficient, table)}")
         if figure:
+            from ..plots.friction import drawn
             from ..plots.style import saved
-            from .figure import drawn
 
             say(f"figure in {saved(lambda: drawn(*first, cycles, scenario.name), figure)}")
     except OSError as error:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.figure import Figure
 
 from models.quantities import Vector
 
 from .data import FigureData
-from .style import headed, over_time, plt
+from .style import headed, over_time, subplots
 
 # Rounding errors, relative to the range; what is below is not shown.
 FLOOR = 1e-15
@@ -33,10 +34,10 @@ def _names(data: FigureData) -> list[str]:
 
 def figure(data: FigureData) -> Figure:
     names = _names(data)
-    made, ax = plt.subplots(figsize=(6.8, 4.2))
+    made, ax = subplots(figsize=(6.8, 4.2))
     headed(made, f"{data.title}: error of the coupled run")
     # Every second one dashed: errors that are alike, as those of two films of one formula, are both seen.
-    colours = plt.get_cmap("tab10").colors[: len(names)]
+    colours = colormaps["tab10"].colors[: len(names)]
     x, hidden = data.x(True), False
     for i, (name, colour) in enumerate(zip(names, colours, strict=True)):
         relative = data.difference(name) / np.ptp(data.reference[name])

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ..units import time_unit
 from .data import SYMBOLS, FigureData
-from .style import ACCENT, COUPLED, MUTED, headed, plt
+from .style import ACCENT, COUPLED, MUTED, headed, subplots
 
 # Bonds with less than this share of the largest created energy cannot be seen beside it.
 SHOWN = 1e-6
@@ -35,7 +35,7 @@ def bonds(data: FigureData) -> list[str]:
 def figure(data: FigureData) -> Figure:
     names = bonds(data)
     rows = len(names) + 1
-    made, axes = plt.subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + 1.5 * rows))
+    made, axes = subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + 1.5 * rows))
     headed(made, f"{data.title}: energy created by the coupling")
     unit, factor = time_unit(float(np.ptp(data.energy_time)))
     time = factor * data.energy_time

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .data import FigureData
-from .style import ACCENT, both, headed, legend_above, over_time, plt
+from .style import ACCENT, both, headed, legend_above, over_time, subplots
 
 VARIABLES = {"load": "Load", "film_thickness": "Film thickness"}
 
@@ -32,7 +32,7 @@ def contacts(data: FigureData) -> list[str]:
 def figure(data: FigureData) -> Figure:
     names = contacts(data)
     width = 6.8 if len(names) == 1 else 0.8 + 4.6 * len(names)
-    made, axes = plt.subplots(
+    made, axes = subplots(
         4, len(names), sharex="col", squeeze=False, figsize=(width, 7.0), height_ratios=(3, 2, 3, 2)
     )
     headed(made, f"{data.title}: load and film, with their errors")

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from models.quantities import Vector
 
 from .data import FigureData
-from .style import COUPLED, MUTED, headed, plt
+from .style import COUPLED, MUTED, headed, subplots
 
 
 def applies(data: FigureData) -> bool:
@@ -21,7 +21,7 @@ def figure(data: FigureData) -> Figure:
     instance = psi.split(".")[0]
     x, y = 1e3 * data.coupled[psi], data.coupled[f"{instance}.psi_rate"]
     hit = struck(data.coupled.get(f"{instance}.impact_count", np.zeros_like(x)))
-    made, ax = plt.subplots(figsize=(5.6, 4.4))
+    made, ax = subplots(figsize=(5.6, 4.4))
     headed(made, f"{data.title}: phase portrait")
     points = np.column_stack((x, y))
     ax.add_collection(

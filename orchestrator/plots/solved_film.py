@@ -13,7 +13,7 @@ from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 from models.contact.ehl_contact import FILM_IS_SOLVED
 
 from .data import FigureData
-from .style import ACCENT, COUPLED, MUTED, both, headed, legend_above, over_time, plt
+from .style import ACCENT, COUPLED, MUTED, both, headed, legend_above, over_time, subplots
 
 ROWS = (
     ("load", "Load"),
@@ -40,7 +40,7 @@ def contacts(data: FigureData) -> list[str]:
 def figure(data: FigureData) -> Figure:
     names = contacts(data)
     width = 6.8 if len(names) == 1 else 0.8 + 4.6 * len(names)
-    made, axes = plt.subplots(len(ROWS), len(names), sharex="col", squeeze=False, figsize=(width, 7.6))
+    made, axes = subplots(len(ROWS), len(names), sharex="col", squeeze=False, figsize=(width, 7.6))
     headed(made, f"{data.title}: the solved film")
     for column, name in zip(axes.T, names, strict=True):
         own = data.of(name)

@@ -19,7 +19,7 @@ from ..diagnosis.text import percent
 from ..stepping import REASONS
 from ..units import time_unit
 from .data import SYMBOLS, FigureData
-from .style import ACCENT, MUTED, REFERENCE, headed, plt
+from .style import ACCENT, MUTED, REFERENCE, headed, subplots
 
 # Steps drawn of each kind at most: more cannot be told apart.
 DRAWN = 20_000
@@ -66,7 +66,7 @@ def drawn(steps: Steps, title: str) -> Figure:
     judged = bool(np.any(steps.error > 0.0))
     iterated = bool(steps.iterations.max() > 1)
     heights = [2.6] + [1.5] * judged + [1.7] * iterated
-    made, axes = plt.subplots(
+    made, axes = subplots(
         len(heights), 2, squeeze=False, sharey="row",
         figsize=(7.6, 1.5 + sum(heights)), gridspec_kw={"width_ratios": [4, 1], "height_ratios": heights},
     )  # fmt: skip

@@ -6,11 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")  # no window, no display
-
-import matplotlib.pyplot as plt
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
@@ -42,13 +38,17 @@ RC = {
 def saved(make: Callable[[], Figure], path: Path, dpi: float | None = None) -> Path:
     """Make the figure in this style and save it, with the style's dots per inch where none are given."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with plt.rc_context(RC):
-        figure = make()
-        try:
-            figure.savefig(path, dpi=dpi)
-        finally:
-            plt.close(figure)
+    with rc_context(RC):
+        make().savefig(path, dpi=dpi)
     return path
+
+
+def subplots(
+    rows: int = 1, columns: int = 1, figsize: tuple[float, float] | None = None, **panels: Any
+) -> tuple[Figure, Any]:
+    """A figure and its panels, as pyplot's, which no window or notebook gets to know."""
+    figure = Figure(figsize=figsize)
+    return figure, figure.subplots(rows, columns, **panels)
 
 
 def headed(figure: Figure, title: str) -> None:
@@ -58,7 +58,7 @@ def headed(figure: Figure, title: str) -> None:
 
 def panels(rows: int, data: FigureData, title: str, height: float = 1.75) -> tuple[Figure, Any]:
     """Panels one below the other over the same abscissa."""
-    figure, axes = plt.subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + height * rows))
+    figure, axes = subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + height * rows))
     axes = axes[:, 0]
     headed(figure, title)
     over_time(axes[-1], data)

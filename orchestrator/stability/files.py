@@ -87,8 +87,8 @@ def _about(unit: str, text: str) -> dict[str, str]:
 
 def write(found: Survey, folder: Path) -> list[Path]:
     """The three files; `folder` exists."""
+    from ..plots.stability import figure
     from ..plots.style import saved
-    from .figure import figure
 
     table = dataset(found)
     files = [folder / f"{NAME}.{ending}" for ending in ("nc", "csv", "png")]

@@ -51,7 +51,7 @@ def write(
 ) -> list[Path]:
     """NAME.nc, NAME.csv, NAME.png."""
     from ..plots.style import saved
-    from .figure import figure
+    from ..plots.work_precision import figure
 
     files = [out / f"{name}.nc", out / f"{name}.csv"]
     table.to_netcdf(files[0], engine="h5netcdf")

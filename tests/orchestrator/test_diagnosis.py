@@ -16,7 +16,7 @@ from orchestrator.energy import Trimmed, counted
 from orchestrator.errors import MistakeError
 from orchestrator.output_folder import RESULT, SCENARIO
 from orchestrator.plots import steps as figure
-from orchestrator.plots.style import plt, saved
+from orchestrator.plots.style import saved
 from orchestrator.recording import ResultRecorder
 from orchestrator.report import Reporter
 from orchestrator.run import run
@@ -242,7 +242,6 @@ def test_times_are_in_a_unit_that_suits_the_run(length: float, unit: str, spans:
     assert any(line.startswith("work: ") and f" {unit} (" in line for line in lines)
     drawn = figure.drawn(found.steps, "run")
     assert f"Time ({unit})" in [ax.get_xlabel() for ax in drawn.axes]
-    plt.close(drawn)
 
 
 def test_every_rule_is_tried() -> None:
@@ -372,6 +371,5 @@ def test_the_figure_is_drawn_for_few_and_for_many_steps(n: int, tmp_path: Path) 
     drawn = figure.drawn(steps, "random")
     widths = [patch.get_width() for patch in drawn.axes[1].patches]
     assert sum(widths) == pytest.approx(100.0)
-    plt.close(drawn)
     path = saved(lambda: figure.drawn(steps, f"{n} random steps"), tmp_path / "steps.png")
     assert path.stat().st_size > 10_000

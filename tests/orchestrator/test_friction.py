@@ -12,8 +12,8 @@ import xarray
 from orchestrator.errors import MistakeError
 from orchestrator.friction.command import cams_of, friction
 from orchestrator.friction.cycle import OF_CAM, OF_CONTACT, Cycle, last_revolution, summary, wear
-from orchestrator.friction.figure import drawn
 from orchestrator.friction.table import written
+from orchestrator.plots.friction import drawn
 from orchestrator.plots.style import saved
 from orchestrator.report import Reporter
 from orchestrator.run import run

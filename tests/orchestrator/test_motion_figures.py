@@ -13,7 +13,7 @@ from orchestrator.plots.motion.angles import from_first_turn, in_pi
 from orchestrator.plots.motion.phase import draw_phase
 from orchestrator.plots.motion.poincare import draw_poincare, magnified
 from orchestrator.plots.motion.titles import machine_in_words
-from orchestrator.plots.style import plt
+from orchestrator.plots.style import subplots
 
 
 @pytest.mark.parametrize(
@@ -52,20 +52,18 @@ def test_window_is_around_a_point_and_so_much_smaller(points: list, centre: tupl
 
 
 def test_window_shows_the_points_in_it() -> None:
-    figure, axes = plt.subplots()
+    _, axes = subplots()
     draw_poincare(axes, np.array([1.0, 2.0, 3.0]), np.array([0.1, 0.2, 0.3]), window=(1.5, 3.5, 0.0, 0.25))
     np.testing.assert_array_equal(axes.collections[0].get_offsets(), [[2.0, 0.2]])
-    plt.close(figure)
 
 
 def test_phase_portrait_is_cut_at_impacts() -> None:
     """No line leads from before an impact to after it but the jump's own."""
     theta = np.array([0.0, 1.0, 1.0, 2.0])
     psi, rate = np.array([0.0, 1e-2, 1e-2, 0.0]), np.array([1.0, 1.0, -0.9, -0.9])
-    figure, axes = plt.subplots()
+    _, axes = subplots()
     draw_phase(axes, theta, psi, rate, np.zeros(4))
     (line,) = axes.lines
     np.testing.assert_array_equal(line.get_ydata(), [1.0, 1.0, np.nan, -0.9, -0.9])
     (jump,) = axes.collections[0].get_segments()
     np.testing.assert_array_equal(jump, [[10.0, 1.0], [10.0, -0.9]])
-    plt.close(figure)

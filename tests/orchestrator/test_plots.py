@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +14,7 @@ from models.contact.ehl_contact import FILM_IS_SOLVED
 from models.quantities import Quantity
 from orchestrator.plots import difference, film_and_load, slider_crank_motion, slider_crank_phase, solved_film
 from orchestrator.plots.data import FigureData, parameters_of
-from orchestrator.plots.style import plt, saved
+from orchestrator.plots.style import saved
 from orchestrator.scenario import ends
 from orchestrator.scenario_files import load
 
@@ -67,7 +69,6 @@ def test_contacts_that_carry_no_load_are_left_out(engine: FigureData) -> None:
     assert film_and_load.contacts(engine) == ["contact", "upper_wall"]
     figure = film_and_load.figure(engine)
     assert [ax.get_xlabel() for ax in figure.axes if ax.get_xlabel()] == ["Cam angle (°)", "Crank angle (°)"]
-    plt.close(figure)
 
 
 def test_only_solved_films_are_drawn_and_lost_contact_is_shaded(engine: FigureData) -> None:
@@ -97,7 +98,6 @@ def test_only_solved_films_are_drawn_and_lost_contact_is_shaded(engine: FigureDa
     assert [text.get_text() for text in figure.axes[3].texts] == ["film = roughness", "full film above 3"]
     factor, _ = data.shown("contact.load")
     assert figure.axes[0].get_ylim()[1] > 1.05 * factor * load.max()
-    plt.close(figure)
 
 
 def test_less_than_a_turn_has_angles_on_its_axis(engine: FigureData) -> None:
@@ -113,7 +113,6 @@ def test_less_than_a_turn_has_angles_on_its_axis(engine: FigureData) -> None:
     figure.draw_without_rendering()
     low, high = figure.axes[-1].get_xlim()
     assert sum(low <= tick <= high for tick in figure.axes[-1].get_xticks()) >= 4
-    plt.close(figure)
 
 
 def test_walls_are_dashed_at_the_clearance_and_empty_panels_left_out(engine: FigureData) -> None:
@@ -121,7 +120,6 @@ def test_walls_are_dashed_at_the_clearance_and_empty_panels_left_out(engine: Fig
     assert [ax.get_ylabel() for ax in figure.axes] == ["Piston offset (m)", "Impacts"]
     walls = [line.get_ydata()[0] for line in figure.axes[0].lines if line.get_linestyle() == "--"]
     assert sorted(walls) == [-1e-4, 1e-4]
-    plt.close(figure)
 
 
 def test_the_phase_portrait_is_cut_at_impacts(engine: FigureData) -> None:
@@ -132,7 +130,6 @@ def test_the_phase_portrait_is_cut_at_impacts(engine: FigureData) -> None:
     np.testing.assert_array_equal(np.concatenate(pieces)[:, 1], engine.coupled["slider_crank.psi_rate"])
     (jumps,) = figure.axes[0].collections
     assert len(jumps.get_segments()) == 2
-    plt.close(figure)
 
 
 @pytest.mark.parametrize("kind", [film_and_load, slider_crank_motion, slider_crank_phase])
@@ -147,3 +144,14 @@ def test_the_envelope_of_errors_leaves_no_record_out(records: int) -> None:
     first, top = difference.envelope(np.arange(1.0, records + 1.0))
     assert (first[0], top[-1]) == (0, records)
     np.testing.assert_array_equal(top, np.append(first[1:], records))
+
+
+def test_drawing_leaves_pyplot_alone(tmp_path: Path) -> None:
+    """A notebook that draws a run keeps its backend and gets no figure of ours."""
+    alone = (
+        "import sys, orchestrator.plots.style as style; from pathlib import Path;"
+        "style.saved(lambda: style.subplots(2)[0], Path(sys.argv[1]));"
+        "assert 'matplotlib.pyplot' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", alone, str(tmp_path / "figure.svg")], check=True)
+    assert (tmp_path / "figure.svg").stat().st_size > 1000

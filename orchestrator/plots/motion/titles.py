@@ -10,8 +10,6 @@ from matplotlib.figure import Figure
 
 from models.slider_crank.equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI
 
-from ..style import plt
-
 # Inches for both lines.
 TITLE = 0.45
 MACHINE = {"fontsize": 8.5, "color": "#55606b"}
@@ -30,7 +28,7 @@ def titled(
 ) -> tuple[Figure, Any]:
     """Figure and its axes, by name where `mosaic` (as matplotlib's) has several; the title stands on the
     left, with the machine in a second line."""
-    figure = plt.figure(figsize=(width, height + TITLE))
+    figure = Figure(figsize=(width, height + TITLE))
     figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - TITLE / (height + TITLE)))
     axes = figure.subplot_mosaic(mosaic, **more)
     lines = ((title, 0.06, {"fontsize": 11, "fontweight": "bold"}), (machine_in_words(values), 0.27, MACHINE))

@@ -17,7 +17,7 @@ from ....plots.motion.force import draw_force
 from ....plots.motion.regions import draw_regions
 from ....plots.motion.titles import legend
 from ....plots.motion.trace import draw_walls
-from ....plots.style import COUPLED, MUTED, plt
+from ....plots.style import COUPLED, MUTED, subplots
 from ..cases import CORRECTED, FORMS, Case
 from ..forces import TURN, changes
 from ..runs import Runs
@@ -86,7 +86,7 @@ def regions(runs: Runs, picture: Picture) -> Figure:
 
 def walls(runs: Runs, picture: Picture) -> Figure:
     """Fig 2.2."""
-    figure, ax = plt.subplots(figsize=(5.4, 2.6))
+    figure, ax = subplots(figsize=(5.4, 2.6))
     picture.head(figure)
     machine = Machine(0.05, 0.01, form="as_published")
     theta = np.linspace(0.0, TURN, 361)
@@ -102,7 +102,7 @@ def walls(runs: Runs, picture: Picture) -> Figure:
 
 def extended_phase_space(runs: Runs, picture: Picture) -> Figure:
     """Fig 3.1."""
-    figure = plt.figure(figsize=(6.2, 4.8))
+    figure = Figure(figsize=(6.2, 4.8))
     picture.head(figure)
     ax = figure.add_subplot(projection="3d")
     case = Case(0.05, 0.01)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..plots.solved_film import FULL
-from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, headed, plt
-from .cycle import TURN, Cycle, Wear
+from ..friction.cycle import TURN, Cycle, Wear
+from .solved_film import FULL
+from .style import ACCENT, COUPLED, MUTED, REFERENCE, headed, subplots
 
 
 def drawn(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure:
-    made, axes = plt.subplots(5, 1, figsize=(6.8, 8.6))
+    made, axes = subplots(5, 1, figsize=(6.8, 8.6))
     headed(made, f"{title}, {cycle.contact}: friction and wear over a cam revolution")
     angle = np.degrees(cycle["cam_angle"] - TURN * np.floor(cycle["cam_angle"][0] / TURN + 1e-9))
     force, torque, ratio, cam, follower = axes

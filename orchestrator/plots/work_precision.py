@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, headed, plt
-from .problem import CouplingProblem
-from .run import Row
+from ..work_precision.problem import CouplingProblem
+from ..work_precision.run import Row
+from .style import ACCENT, COUPLED, MUTED, REFERENCE, headed, subplots
 
 SIGNALS = {"hold": MUTED, "linear": ACCENT, "quadratic": COUPLED, "hermite": REFERENCE}
 MASTERS = {"jacobi": ("o", ":"), "gauss_seidel": ("s", "--"), "iterated": ("^", "-")}
@@ -20,7 +20,7 @@ HOPELESS = 30.0
 
 
 def figure(problem: CouplingProblem, rows: Sequence[Row]) -> Figure:
-    made, axes = plt.subplots(1, 2, sharey=True, figsize=(9.4, 4.6))
+    made, axes = subplots(1, 2, sharey=True, figsize=(9.4, 4.6))
     headed(made, f"{problem.name}: work and precision of co-simulation masters")
     for panel, quantity, label in zip(
         axes, ("calls", "wall_time_s"), ("doStep calls of all instances", "Wall time of the stepping (s)"),

@@ -8,10 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..masters import name_of
-from ..plots.style import ACCENT, COUPLED, MUTED, REFERENCE, headed, plt
 from ..signals import DEGREES
-from .findings import Survey, Surveyed
-from .words import shown_time
+from ..stability.findings import Survey, Surveyed
+from ..stability.words import shown_time
+from .style import ACCENT, COUPLED, MUTED, REFERENCE, headed, subplots
 
 COLOURS = dict(zip(DEGREES, (MUTED, COUPLED, REFERENCE, ACCENT), strict=True))
 
@@ -20,7 +20,7 @@ def figure(found: Survey) -> Figure:
     masters = list(
         dict.fromkeys(name_of(m.master) for m in sorted(found.methods, key=lambda m: m.master.implicit))
     )
-    made, axes = plt.subplots(
+    made, axes = subplots(
         2, len(masters), figsize=(1.2 + 2.7 * len(masters), 5.2), sharex=True, sharey="row", squeeze=False
     )
     headed(made, f"{found.scenario.name}: coupling against the macro step")
