@@ -54,7 +54,7 @@ def phases() -> dict[str, float]:
 
 # The lift is from 90 to 270 deg of the cam angle; a valve rests at REST.
 LIFT, REST = (90.0, 270.0), 80.0
-SPEED = {"motion": "prescribed", "initial_speed": "2000 rpm", "final_speed": "2000 rpm"}
+SPEED = {"motion": "prescribed", "initial_speed": "2000 rpm"}
 DEGREES_PER_SECOND = 2000.0 * 360.0 / 60.0
 
 

@@ -29,7 +29,13 @@ class FlywheelParameters:
     ] = 1000.0 * math.pi / 30.0
     final_speed: Annotated[
         float,
-        Quantity("rad/s", "prescribed speed after the ramp", nominal=100.0, display_unit="rpm"),
+        Quantity(
+            "rad/s",
+            "prescribed speed after the ramp",
+            nominal=100.0,
+            display_unit="rpm",
+            same_as="initial_speed",
+        ),
     ] = 1000.0 * math.pi / 30.0
     ramp_start: Annotated[float, Quantity("s", "time at which the ramp begins")] = 0.0
     ramp_duration: Annotated[float, Quantity("s", "length of the ramp", positive=True)] = 1.0

@@ -26,6 +26,7 @@ class Quantity:
     names, `boolean` a truth value, `count` a whole number. `size` names the structural size of a
     vector-valued field. An `internal` state is evolving data as any other, saved and restored with it, but
     no variable: it begins as its component lets it and is not set, shown or brought to rest from outside.
+    `same_as` names the parameter whose value a scenario takes where this one is not given.
     """
 
     unit: str
@@ -40,6 +41,7 @@ class Quantity:
     count: bool = False
     size: str = ""
     internal: bool = False
+    same_as: str = ""
 
     @property
     def discrete(self) -> bool:

@@ -77,7 +77,9 @@ def _variables(layout: Layout) -> dict[str, Any]:
     for field in map(layout.field, layout.variables):
         quantity = field.quantity
         unit = "" if quantity.unit == "1" else f" ({quantity.unit})"
-        entry: dict[str, Any] = {"description": f"{quantity.description}{unit}; {quantity.allowed()}"}
+        default = f"; default: as {quantity.same_as}" if quantity.same_as else ""
+        text = f"{quantity.description}{unit}; {quantity.allowed()}{default}"
+        entry: dict[str, Any] = {"description": text}
         if quantity.choices:
             entry["enum"] = list(quantity.choices)
         elif quantity.boolean:

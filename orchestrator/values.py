@@ -87,8 +87,9 @@ def value_of(quantity: Quantity, stored: float) -> Value:
 def meanings(
     layout: Layout, values: Mapping[str, Any], kind: str, others: Mapping[str, Layout] | None = None
 ) -> dict[str, Value]:
-    """`meaning` of every value; raises Faults. `others` are the layouts of other tables, where a name that is
-    not known here may belong."""
+    """`meaning` of every value, and of those that follow another one (`Quantity.same_as`); raises Faults.
+
+    `others` are the layouts of other tables, where a name that is not known here may belong."""
     found: dict[str, Value] = {}
     faults: list[tuple[str, str]] = []
     for name, value in values.items():
@@ -113,7 +114,8 @@ def meanings(
             faults.append((name, f"{shown} ({quantity.description}): {error}"))
     if faults:
         raise Faults(*faults)
-    return found
+    same_as = {field.name: field.quantity.same_as for field in layout.fields if field.quantity.same_as}
+    return {name: found[other] for name, other in same_as.items() if other in found} | found
 
 
 def numbers(layout: Layout, values: Mapping[str, Value]) -> dict[str, float]:

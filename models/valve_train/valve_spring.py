@@ -17,6 +17,7 @@ from ..component import Component, PowerBond, check_sizes
 from ..integrator import FINE_TOLERANCE
 from ..kernel import kernel
 from ..quantities import Layout, Quantity, Vector, per_element
+from ..requirements import Requirement
 
 
 @dataclass
@@ -97,6 +98,19 @@ class ValveSpringOutputs:
     coil_position: Annotated[
         Vector, Quantity("m", "coil displacement y5, y6, ... from rest", nominal=1e-3, size="coil_masses")
     ] = per_element()
+
+
+@kernel
+def has_a_seat_where_it_has_lash(p: ValveSpringParameters, told: Vector) -> bool:
+    told[0] = p.lash
+    return p.lash == 0.0 or p.seat_stiffness > 0.0
+
+
+LASH_NEEDS_A_SEAT = Requirement(
+    has_a_seat_where_it_has_lash,
+    "lash = {0:g} m: needs a valve seat, and seat_stiffness = 0 N/m means none; give seat_stiffness, e.g. "
+    "2e7 N/m, or leave lash out",
+)
 
 
 class Lumping(NamedTuple):
@@ -238,5 +252,6 @@ def valve_spring(coil_masses: int = 2) -> Component:
         energy=energy,
         feedthrough={"acceleration": ("load",)},
         bonds=(PowerBond("load", "velocity", +1),),
+        requirements=(LASH_NEEDS_A_SEAT,),
         structure=sizes,
     )

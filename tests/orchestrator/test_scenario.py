@@ -367,6 +367,20 @@ def test_overrides_have_the_meaning_of_the_file() -> None:
     system_of(scenario)
 
 
+def test_the_speed_after_the_ramp_is_that_before_it_unless_given() -> None:
+    """One parameter states a constant speed."""
+
+    def speeds(*values: str) -> tuple[float, float]:
+        overrides = [f"components.flywheel.parameters.{value}" for value in values]
+        given = system_of(load("valve-train", overrides)).instances["flywheel"].parameters
+        return given["initial_speed"], given["final_speed"]
+
+    high = pytest.approx(100.0 * np.pi, rel=1e-15)
+    assert speeds("initial_speed=3000 rpm") == (high, high)
+    low, after = speeds("initial_speed=600 rpm", "final_speed=3000 rpm")
+    assert (low, after) == (pytest.approx(20.0 * np.pi), high)
+
+
 def test_another_master_keeps_the_options_that_it_has() -> None:
     first = load("valve-train", ["master.name=iterated", "master.tolerance=1e-8"])
     assert first.master.made().tolerance == 1e-8

@@ -55,7 +55,6 @@ class Run:
         """The shipped scenario with this run's changes."""
         changes = {
             "flywheel.parameters.initial_speed": f"'{self.speed_rpm} rpm'",
-            "flywheel.parameters.final_speed": f"'{self.speed_rpm} rpm'",
             "camshaft.parameters.flexible": str(self.flexible).lower(),
             "camshaft.parameters.shaft_length": f"'{self.shaft_length_mm} mm'",
             "valve_spring.structure.coil_masses": str(self.coil_masses),
