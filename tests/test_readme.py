@@ -11,6 +11,7 @@ import typer
 
 from orchestrator.command_line import app
 from orchestrator.scenario_files import load
+from reproduction import SOURCES
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -29,6 +30,10 @@ def test_every_link_leads_somewhere():
     assert links
     for link in links:
         assert (ROOT / link).exists(), link
+
+
+def test_every_published_source_has_its_command() -> None:
+    assert sorted(re.findall(r"python -m reproduction (\w+)`", README)) == sorted(SOURCES)
 
 
 @pytest.mark.parametrize("line", COMMANDS)

@@ -1,6 +1,5 @@
 """The monolithic reference: a whole System as one problem, without splitting, by two methods."""
 
-from .adherence import solve_adherence
 from .difference import Difference, difference, time_weights
 from .energy import EnergyBalance
 from .equilibrium import equilibrium
@@ -18,6 +17,5 @@ __all__ = [
     "difference",
     "equilibrium",
     "solve",
-    "solve_adherence",
     "time_weights",
 ]

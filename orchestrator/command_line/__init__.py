@@ -14,7 +14,6 @@ from .benchmark import benchmark_coupling
 from .diagnose import diagnose_run
 from .fmu import fmu_build, fmu_compare, fmu_cross_check, fmu_info, fmu_validate
 from .friction import friction_of_run
-from .reproduce import reproduce_source
 from .run import resume_run, run_scenario
 from .scenarios import scenarios
 from .ssp import ssp_export, ssp_import
@@ -33,7 +32,6 @@ app.command("diagnose")(diagnose_run)
 app.command("friction")(friction_of_run)
 app.command("analyse")(run_analysis)
 app.command("study")(run_study)
-app.command("reproduce")(reproduce_source)
 
 fmus = typer.Typer(help="Build, inspect and check FMUs.", no_args_is_help=True)
 fmus.command("build")(fmu_build)

@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 
 from fmus.build import NAMES, build
-from tests.tools.case import Case, equal_steps
-from tests.tools.document import cells, written
-from tests.tools.plan import KINDS, case_of, compared, expected
-from tests.tools.programs import Host, compiled, libpython
-from tests.tools.running import NAMES as NAMES_OF_TOOLS
-from tests.tools.running import host, missing
+from interop.case import Case, equal_steps
+from interop.document import cells, written
+from interop.plan import KINDS, case_of, compared, expected
+from interop.programs import Host, compiled, libpython
+from interop.running import NAMES as NAMES_OF_TOOLS
+from interop.running import host, missing
 
 # What the extra `dev` installs.
 TOOLS = ("fmpy", "libcosim", "ecos", "fmucontainer", "c_host")

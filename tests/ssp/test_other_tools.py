@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from interop.running import missing
 from models.oscillators.exact import two_masses
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.assembly import fmu_files, participants_of, system_of
@@ -19,7 +20,6 @@ from orchestrator.simulation import simulate
 from orchestrator.ssp import export
 from tests.fmus.conftest import Isolated, isolated
 from tests.orchestrator.recorder import Recorder
-from tests.tools.running import missing
 
 __all__ = ["isolated"]
 

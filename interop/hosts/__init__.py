@@ -1,0 +1,1 @@
+"""The tools, a file each; `interop` says what such a file has."""

@@ -1,0 +1,33 @@
+"""A program in C (`interop/host.c`)."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..case import Case, RefusedError
+from ..programs import Host, compiled, libpython, ways
+
+TITLE = "program in C"
+REQUIREMENTS = ("fmpy", "ziglang")
+USE = "nothing else; for FMUs in Python, to load `libpython3.x.so` [first](fmus.md#what-a-host-needs)"
+
+
+def version() -> str:
+    from importlib.metadata import version
+
+    if libpython() is None:
+        raise RefusedError("this Python was built without a shared library, which a program would load")
+    return f"zig {version('ziglang')}"
+
+
+@contextmanager
+def _host(case: Case) -> Iterator[Host]:
+    preload = str(libpython()) if case.python else "-"
+    with tempfile.TemporaryDirectory() as folder:
+        yield Host(compiled(Path(folder)), preload=preload)
+
+
+values, timing = ways(_host)

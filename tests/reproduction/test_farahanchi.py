@@ -1,0 +1,228 @@
+"""The reproduction of Farahanchi 1991: its figures, numbers, verdicts, files and page."""
+
+import json
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from PIL import Image
+from typer.testing import CliRunner
+
+from models.slider_crank.machine import Machine, Motion
+from reproduction import publication
+from reproduction.__main__ import app
+from reproduction.farahanchi1991 import INTRODUCTION, SHOWN
+from reproduction.farahanchi1991.cases import CORRECTED, FORMS, PUBLISHED, Case
+from reproduction.farahanchi1991.figures import PICTURES, PREFIX
+from reproduction.farahanchi1991.forces import LOWER, TURN, UPPER, changes, curve, limits, shares
+from reproduction.farahanchi1991.lagrange import equation, printed
+from reproduction.farahanchi1991.runs import Runs
+from reproduction.farahanchi1991.statements import (
+    CHECKS,
+    derivation,
+    engine,
+    force,
+    force_law,
+    walls,
+)
+from reproduction.pictures import compact
+from reproduction.publication import JSON
+from reproduction.statement import Statement, Verdict
+
+DOCS = Path(__file__).parents[2] / "docs"
+PUBLICATION = publication("farahanchi1991")
+# A figure beyond this does not belong into a repository.
+LARGEST_FIGURE_BYTES = 60_000
+# Statements that need no motion, or a short one.
+QUICK = (
+    *derivation.CHECKS,
+    *walls.CHECKS,
+    *force.REGIONS,
+    *force_law.CHECKS,
+    *force.CHECKS,
+    engine.ratios,
+    engine.uniform_rod,
+)
+
+
+@pytest.fixture(scope="module")
+def runs() -> Runs:
+    return Runs()
+
+
+@pytest.fixture(scope="module")
+def quick(runs: Runs) -> dict[str, Statement]:
+    return {statement.key: statement for statement in (check(runs) for check in QUICK)}
+
+
+def test_every_figure_from_2_4_to_4_44_is_there_once() -> None:
+    numbers = [picture.number for picture in PICTURES]
+    expected = ["2.2", *(f"2.{n}" for n in range(4, 11)), "3.1", *(f"4.{n}" for n in range(1, 45))]
+    assert numbers == expected
+    assert len({picture.file for picture in PICTURES}) == len(PICTURES)
+    assert all(re.fullmatch(r"fig-[0-9a-z.-]+\.png", picture.file) for picture in PICTURES)
+
+
+@pytest.mark.parametrize(
+    ("number", "case"),
+    [
+        ("4.6", Case(0.025, 0.01)),
+        ("4.14", Case(0.075, 0.02)),
+        ("4.15", Case(0.025, 0.01)),
+        ("4.20", Case(0.05, 0.015)),
+        ("4.29", Case(0.2, 0.02)),
+        ("4.41", Case(0.025, 0.02, 0.5)),
+        ("4.44", Case(0.05, 0.02, 0.5)),
+    ],
+)
+def test_figures_show_the_cases_of_their_captions(number: str, case: Case) -> None:
+    assert next(picture for picture in PICTURES if picture.number == number).case == case
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "expected", "tolerance"),
+    [
+        ("thresholds", "threshold", 0.26688, 1e-5),
+        ("thresholds", "corrected_threshold", 0.11958, 1e-5),
+        ("figure-2-4", "upper_changes", 2, 0),
+        ("figure-2-4", "corrected_upper_changes", 4, 0),
+        ("figure-2-4", "corrected_lower_changes", 4, 0),
+        ("figure-2-7", "begin", 4.9531, 5e-5),
+        ("figure-2-7", "end", 5.1541, 5e-5),
+        # Of the printed digits.
+        ("ratios", "xi", 1.6535 / 5.4570, 1e-12),
+        ("ratios", "alpha", 1.9, 1e-12),
+        ("uniform-rod", "uniform", 1.9 / 12.0, 1e-12),
+        ("rod-rotation", "published", 1.0031, 1e-4),
+        ("rod-rotation", "corrected", 1.9469, 1e-4),
+    ],
+)
+def test_numbers_that_need_no_motion(
+    key: str, value: str, expected: float, tolerance: float, quick: dict[str, Statement]
+) -> None:
+    assert quick[key].values[value] == pytest.approx(expected, abs=tolerance)
+
+
+def test_the_force_is_zero_at_the_threshold_of_permanent_sliding_and_nowhere_negative() -> None:
+    for form in FORMS:
+        for gap in (0.0, 0.01, 0.02):
+            least = curve(Machine(limits(form, gap)[0], gap, form=form), UPPER, 20_001).min()
+            # The samples lie within 1.6e-4 rad of the minimum: its curvature, at most 10, leaves 1.3e-7.
+            assert least == pytest.approx(0.0, abs=2e-7)
+
+
+@settings(derandomize=True, deadline=None, max_examples=30)
+@given(gap=st.floats(0.0, 0.02), form=st.sampled_from(FORMS))
+def test_without_friction_the_walls_forces_are_mirror_images(gap: float, form: str) -> None:
+    machine = Machine(0.0, gap, form=form)
+    upper, lower = curve(machine, UPPER, 361), curve(machine, LOWER, 361)
+    np.testing.assert_allclose(upper[::-1], lower, atol=1e-14)
+
+
+@settings(derandomize=True, deadline=None, max_examples=20)
+@given(damping=st.floats(0.0, 0.5), gap=st.floats(0.001, 0.02), form=st.sampled_from(FORMS))
+def test_the_four_kinds_of_crank_angles_make_up_the_revolution(damping: float, gap: float, form: str) -> None:
+    machine = Machine(damping, gap, form=form)
+    assert sum(shares(machine).values()) == pytest.approx(TURN, rel=1e-12)
+    assert len(changes(machine, UPPER)) % 2 == 0
+
+
+@settings(derandomize=True, deadline=None, max_examples=40)
+@given(
+    theta=st.floats(0.0, 2.0 * math.pi),
+    psi=st.floats(-0.02, 0.02),
+    rate=st.floats(-0.3, 0.3),
+    bend=st.floats(-2.0, 2.0),
+)
+def test_2_10_follows_from_f_s_energy_and_2_27_from_the_rod_s(
+    theta: float, psi: float, rate: float, bend: float
+) -> None:
+    m = derivation.mechanism()
+    # Central differences of 1e-5 leave 1e-16 / 1e-5 and 1e-10 of the third derivative.
+    assert printed(theta, psi, bend, m) == pytest.approx(equation(theta, psi, rate, bend, 1.0, m), abs=1e-8)
+    rod = printed(theta, psi, bend, m, rod_term="(2.27)")
+    assert rod == pytest.approx(equation(theta, psi, rate, bend, -1.0, m), abs=1e-8)
+
+
+def test_verdicts_of_both_forms(quick: dict[str, Statement]) -> None:
+    for key in ("figure-2-4", "figure-2-7", "figure-2-8", "figure-2-10"):
+        assert (quick[key].verdict, quick[key].corrected_verdict) == (Verdict.MET, Verdict.NOT_MET)
+    assert quick["symmetry-ii"].verdict is Verdict.NOT_MET
+    assert quick["equation-2-27"].verdict is Verdict.CANNOT
+    assert len(quick) == len(QUICK)
+
+
+def test_high_friction_with_the_right_sign_is_rest_on_the_upper_wall(runs: Runs) -> None:
+    published, corrected = (Case(0.25, 0.015, form=form) for form in (PUBLISHED, CORRECTED))
+    assert runs.kind(published).period == 1
+    assert len(runs.events(published).impacts.theta) > 0
+    assert len(runs.events(corrected).theta) == 0
+    assert runs.sliding_share(corrected) == 1.0
+
+
+def test_rest_and_bouncing_exist_side_by_side_where_the_page_says_so() -> None:
+    machine = Case(0.15, 0.02, form=CORRECTED).machine
+    # On the wall at crank angle zero, where Lambda is 1 and the wall does not move.
+    resting, bouncing = Motion(machine, psi=machine.gap), Motion(machine)
+    assert (resting.skip(10).strobe(50)[:, 2] == UPPER).all()
+    assert len(bouncing.skip(1000).events(50).impacts.theta) == 200
+
+
+def test_the_thesis_s_threshold_makes_a_chaotic_motion_periodic(runs: Runs) -> None:
+    case = Case(0.05, 0.02)
+    assert runs.kind(case).kind == "chaotic"
+    assert runs.kind(case.by_thesis_rule).period == 2
+
+
+@pytest.mark.parametrize(
+    "number", ["2.4", "2.8", "2.10", "3.1", "4.2", "4.5", "4.12", "4.20", "4.31", "4.40"]
+)
+def test_figures_are_drawn(number: str, runs: Runs, tmp_path: Path) -> None:
+    picture = next(picture for picture in PICTURES if picture.number == number)
+    path = compact(lambda: picture.make(runs), tmp_path / picture.file, dpi=60)
+    colours = np.unique(np.asarray(Image.open(path).convert("RGB")).reshape(-1, 3), axis=0)
+    assert len(colours) > 20
+
+
+def test_the_page_has_the_quick_statements_and_small_figures(quick: dict[str, Statement]) -> None:
+    text = (DOCS / PUBLICATION.page_name).read_text("utf-8")
+    assert text.startswith(INTRODUCTION)
+    for statement in quick.values():
+        words = statement.text.replace("|", "\\|")
+        rows = [line for line in text.splitlines() if f"| {statement.place} | {words} |" in line]
+        assert len(rows) == 1, f"{statement.key}: regenerate the page"
+        assert f"**{statement.verdict}**" in rows[0]
+    for picture in PICTURES:
+        file = DOCS / "figures" / f"{PREFIX}{picture.file}"
+        assert file.exists() is (picture.number in SHOWN)
+        if picture.number in SHOWN:
+            assert f"(figures/{file.name})" in text
+            assert file.stat().st_size < LARGEST_FIGURE_BYTES
+
+
+def _judged(text: str) -> list[tuple[str, ...]]:
+    """Place, statement and verdicts of the page's rows: chaotic motions change with rounding, "
+    "these do not."""
+    rows = [
+        re.split(r"(?<!\\)\|", line) for line in text.splitlines() if "**" in line and line.startswith("|")
+    ]
+    return [tuple(row[n].strip() for n in (1, 2, 4, 6)) for row in rows]
+
+
+@pytest.mark.long
+def test_the_page_is_current_and_a_result_is_not_overwritten(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = CliRunner().invoke(app, ["farahanchi1991", "--out", str(out)])
+    assert done.exit_code == 0, done.output
+    made, kept = ((folder / PUBLICATION.page_name).read_text("utf-8") for folder in (out, DOCS))
+    assert _judged(made) == _judged(kept), "regenerate the page"
+    statements = json.loads((out / JSON).read_text("utf-8"))
+    assert len(statements) == len({s["key"] for s in statements}) == len(CHECKS)
+    assert {path.name for path in (out / "figures").iterdir()} == set(PUBLICATION.figures)
+    again = CliRunner().invoke(app, ["farahanchi1991", "--out", str(out)])
+    assert again.exit_code == 2
+    assert "--overwrite" in again.output

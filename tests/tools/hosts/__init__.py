@@ -1,1 +1,0 @@
-"""The tools, a file each; `tests.tools` says what such a file has."""
