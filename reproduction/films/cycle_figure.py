@@ -4,18 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import matplotlib
-
-matplotlib.use("Agg")  # no window, no display
-
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, MultipleLocator, NullFormatter
 
 from models.quantities import Vector
-from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, headed
+from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, headed, subplots
 
 from .cam import EVENT_DEG, SQUEEZED, STEADY, CamCycle
 from .formulas import CENTRAL, MINIMUM
@@ -41,7 +36,7 @@ BAR, FOOT = 0.028, 0.02
 def cycles(found: Sequence[CamCycle]) -> Figure:
     """A row for each speed: numerical films; films over the transient one, central and minimum."""
     rows = len(found)
-    figure, axes = plt.subplots(rows, 3, sharex=True, squeeze=False, figsize=(11.5, 1.4 + 2.2 * rows))
+    figure, axes = subplots(rows, 3, sharex=True, squeeze=False, figsize=(11.5, 1.4 + 2.2 * rows))
     headed(figure, "Films through the cam's event: numerical, and formulas over the transient numerical film")
     for row, c in zip(axes, found, strict=True):
         _films(row[0], c)

@@ -5,12 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")  # no window, no display
-
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
@@ -35,7 +31,7 @@ MAP_DEG = (130.0, 230.0)
 
 def field(c: CamCycle) -> Figure:
     """Profiles at six instants; maps of pressure and film over cam angle and x."""
-    figure = plt.figure(figsize=(11.0, 9.0))
+    figure = Figure(figsize=(11.0, 9.0))
     headed(figure, f"Pressure and film across the contact at {c.speed_rpm:.0f} r/min (transient)")
     upper, lower = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
     first = c.reversals_deg[0]
@@ -83,7 +79,7 @@ def _map(
     rows = np.array([np.interp(x, MICRO * c.history.x[k], values[k]) for k in shown]).T
     # Steps of their own colour: few colours, and evenly spread over uneven steps.
     extend = "both" if steps[0] > 0.0 else "max"
-    norm = BoundaryNorm(steps, plt.get_cmap(colours).N, extend=extend)
+    norm = BoundaryNorm(steps, colormaps[colours].N, extend=extend)
     drawn = ax.contourf(c.history_deg[shown], x, rows, steps, cmap=colours, norm=norm, extend=extend)
     for angle in c.reversals_deg:
         ax.axvline(angle, color="white", lw=0.8, ls=(0, (3, 2)))

@@ -6,16 +6,11 @@ import csv
 from pathlib import Path
 from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")  # no window, no display
-
-import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from models.quantities import Vector
-from orchestrator.plots.style import COUPLED, MUTED, headed
+from orchestrator.plots.style import COUPLED, MUTED, headed, subplots
 
 from ..pictures import compact
 from .cycle_figure import COLOURS, INK, cycles
@@ -51,7 +46,7 @@ def draw(runs: Runs, folder: Path) -> list[Path]:
 
 def table_3(runs: Runs) -> Figure:
     """Ratio to the numerical central film over M: steady, and with squeeze for Kushwaha's formula."""
-    figure, axes = plt.subplots(1, 2, sharey=True, figsize=(8.6, 3.4))
+    figure, axes = subplots(1, 2, sharey=True, figsize=(8.6, 3.4))
     headed(figure, "Formulas over the numerical central film, contacts of Kushwaha's Table 3")
     central = [formula for formula in FORMULAS if formula.film == CENTRAL]
     for formula in central:
@@ -78,7 +73,7 @@ def _points(ax: Axes, x: Vector, y: Vector, formula: Formula) -> None:
 
 def power_laws(runs: Runs) -> Figure:
     """New laws over numerical films against M, steady."""
-    figure, axes = plt.subplots(1, 2, sharey=True, figsize=(8.6, 3.2))
+    figure, axes = subplots(1, 2, sharey=True, figsize=(8.6, 3.2))
     headed(figure, "New laws over numerical films, contacts that they were not fitted to")
     s = runs.validation
     looks = ((False, MUTED, "power law"), (True, COUPLED, "joined with Martin's film"))

@@ -7,17 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")  # no window, no display
-
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE
+from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, subplots
 
 from ..pictures import compact
 from .runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, NOSE_DEG, SPEEDS, Runs
@@ -43,7 +38,7 @@ def draw(runs: Runs, folder: Path) -> list[Path]:
 def _panels(rows: int, title: str, heights: Sequence[float] | None = None) -> tuple[Figure, Any]:
     ratios = heights or [1.0] * rows
     size = (6.8, 0.85 + (2.5 if rows == 1 else 1.85 * sum(ratios)))
-    figure, axes = plt.subplots(
+    figure, axes = subplots(
         rows, 1, sharex=True, squeeze=False, figsize=size, gridspec_kw={"height_ratios": ratios}
     )
     axes = axes[:, 0]
