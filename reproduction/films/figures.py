@@ -8,6 +8,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter, NullFormatter
 
 from models.quantities import Vector
 from orchestrator.plots.style import COUPLED, MUTED, headed, subplots
@@ -59,8 +60,8 @@ def table_3(runs: Runs) -> Figure:
         ax.set_yscale("log")
         ax.set_xlabel("M")
         ax.set_title(words, loc="left", fontsize=9)
-        ax.yaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
-        ax.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+        ax.yaxis.set_major_formatter(FormatStrFormatter("%g"))
+        ax.yaxis.set_minor_formatter(NullFormatter())
         ax.set_yticks([0.5, 1.0, 2.0, 5.0, 10.0])
     axes[0].set_ylabel("Formula / numerical")
     axes[0].legend(fontsize=7.5, markerscale=1.8)
