@@ -19,7 +19,7 @@ from typing import Any
 from .component import DISSIPATED_POWER, SOURCE_POWER, STORED, Component, PowerBond
 from .integrator import OK, copy, taylor
 from .kernel import kernel
-from .quantities import Quantity
+from .quantities import Layout, Quantity
 
 STORED_ENERGY = "energy_stored"
 GAINED_ENERGY, DISSIPATED_ENERGY, SOURCED_ENERGY = "energy_gained", "energy_dissipated", "energy_sourced"
@@ -76,6 +76,11 @@ class CountingComponent(Component):
     """
 
     plain: Component = None  # type: ignore[assignment]  # given always, after fields with defaults
+
+    @property
+    def kernel_state(self) -> Layout:
+        """The states of `plain`, without the energies."""
+        return self.plain.kernel_state
 
     @cached_property
     def flat_derivative(self) -> Any:

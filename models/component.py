@@ -250,9 +250,15 @@ class Component:
         """Messages for parameters outside their ranges, alone or together."""
         return self.parameters.faults(p) or _unmet(self.requirements, self.parameters.view(p))
 
+    @property
+    def kernel_state(self) -> Layout:
+        """The states that the record kernels are written for; `state` may have others after them."""
+        return self.state
+
     def start_faults(self, p: Vector, x: Vector, u: Vector) -> list[str]:
         """Messages for start states outside their ranges, or that do not fit parameters and inputs."""
-        records = self.state.view(x), self.inputs.view(u), self.parameters.view(p)
+        own = self.kernel_state.view(x[: self.kernel_state.size])
+        records = own, self.inputs.view(u), self.parameters.view(p)
         return self.state.faults(x) or _unmet(self.start_requirements, *records)
 
     def input_faults(self, U: Vector, h: float) -> list[str]:

@@ -1,9 +1,13 @@
-"""The README's commands: CI runs exactly the test command, others are understood; linked pages exist."""
+"""The README's commands: CI runs exactly the test command on an empty cache, others are understood; linked
+pages exist."""
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
+import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -23,6 +27,26 @@ def test_ci_runs_exactly_the_readmes_test_command():
     (test_command,) = [line for line in commands if "-m tests" in line]
     lines = (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
     assert lines[-1] == test_command
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs a POSIX shell")
+def test_ci_begins_with_an_empty_cache_and_leaves_nothing(tmp_path: Path) -> None:
+    """With a `python3` that writes down the cache folder and fails, so that nothing is installed."""
+    folder = tmp_path / "checkout" / ".ci"
+    folder.mkdir(parents=True)
+    shutil.copy(ROOT / ".ci" / "run", folder)
+    python = tmp_path / "python3"
+    python.write_text(
+        f'#!/bin/sh\nls -a "$TRIBOCOSIM_CACHE" > {tmp_path}/content; pwd > {tmp_path}/place\nexit 7'
+    )
+    python.chmod(0o700)
+    (tmp_path / "temporary").mkdir()
+    variables = {"PATH": f"{tmp_path}:{os.environ['PATH']}", "TMPDIR": str(tmp_path / "temporary")}
+    done = subprocess.run([folder / "run"], env=os.environ | {"TRIBOCOSIM_CACHE": str(ROOT)} | variables)
+    assert done.returncode == 7
+    assert (tmp_path / "content").read_text().split() == [".", ".."]
+    assert (tmp_path / "place").read_text().strip() == str(folder.parent)
+    assert list((tmp_path / "temporary").iterdir()) == []
 
 
 def test_every_link_leads_somewhere():

@@ -13,6 +13,7 @@ import numba
 from numba import carray
 
 from models.kernel import record_of
+from models.quantities import Layout
 from models.requirements import PLACES
 
 # The names of entries for requirements, each followed by its number.
@@ -90,13 +91,13 @@ def entries(component: Any) -> Iterator[Entry]:
     yield Entry("energy", entry_energy, at_a_point, smooth=True)
     yield Entry("slopes", entry_slopes, numba.void(vector, real, vector))
     yield Entry("rates", entry_rates, numba.void(real, *[vector] * 6), smooth=True)
-    yield from _of_requirements(component, n, m, parameters)
+    yield from _of_requirements(component, component.kernel_state, m, parameters)
     if component.events is not None:
         yield from _of_events(component, n, m, parameters)
 
 
-def _of_requirements(component: Any, n: int, m: int, parameters: int) -> Iterator[Entry]:
-    X, U, P = component.state.dtype, component.inputs.dtype, component.parameters.dtype
+def _of_requirements(component: Any, state: Layout, m: int, parameters: int) -> Iterator[Entry]:
+    n, X, U, P = state.size, state.dtype, component.inputs.dtype, component.parameters.dtype
 
     def of_parameters(met: Any) -> Callable[..., Any]:
         def entry_requirement(x: Any, u: Any, p: Any, told: Any) -> int:

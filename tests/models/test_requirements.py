@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
+from models.bonds import counting
 from models.catalogue import CATALOGUE
 from models.requirements import Requirement
 
@@ -39,3 +41,14 @@ def test_messages_on_starts_begin_with_a_state(name: str) -> None:
     component = CATALOGUE[name]()
     states = {state.partition("[")[0] for state in component.state.names}
     assert all(rule.says.partition(" ")[0].rstrip(":") in states for rule in component.start_requirements)
+
+
+def test_counting_energies_does_not_change_the_records_that_rules_see() -> None:
+    """For a longer record numba would compile each rule again, and warn that it is taken for the shorter."""
+    seen = []
+    rule = Requirement(lambda x, u, p, told: seen.append(x.dtype) or True, "height = {0:g}")
+    plain = replace(CATALOGUE["falling_mass"](), start_requirements=[rule])
+    for component in (plain, counting(plain)):
+        start = component.state.vector()
+        assert component.start_faults(component.parameters.vector(), start, component.inputs.vector()) == []
+    assert seen == [plain.state.dtype] * 2
