@@ -9,13 +9,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from models import kept_files
+from models.cache_folder import private_folder
 from models.kept_files import use
-from models.kernel import user_cache_directory
 
 
 def cached(name: str, digest: str) -> Path:
-    """Where the FMU made of what has this digest is kept."""
-    return user_cache_directory() / "fmus" / f"{name}-{digest[:16]}.fmu"
+    """Where the FMU made of what has this digest is kept; OSError where no such folder can be used."""
+    return private_folder("fmus") / f"{name}-{digest[:16]}.fmu"
 
 
 def there(file: Path) -> bool:

@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from models.kernel import user_cache_directory
+from models.cache_folder import user_cache_directory
 
 from . import hosts
 from .case import FOLDER, Case

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import contextlib
 import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
+
+from .cache_folder import private_folder
 
 numba: Any
 KernelCache: Any = None
@@ -52,19 +53,8 @@ def kernel(function: F) -> F:
     return cast(F, dispatcher)
 
 
-def user_cache_directory() -> Path:
-    """Where this user's derived files go: $TRIBOCOSIM_CACHE or the platform's cache folder."""
-    if chosen := os.environ.get("TRIBOCOSIM_CACHE"):
-        return Path(chosen)
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "tribocosim"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "tribocosim"
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "tribocosim"
-
-
 def _folder() -> Path:
-    return user_cache_directory() / "kernels"
+    return private_folder("kernels")
 
 
 def _record_of(context: Any, vector: Any, dtype: Any) -> Any:

@@ -8,7 +8,7 @@ import functools
 import re
 from typing import Any
 
-from models.kernel import user_cache_directory
+from models.cache_folder import private_folder
 
 from .participants.description import Unit
 
@@ -116,9 +116,8 @@ def _registry() -> Any:
     import pint  # slow to import, and most numbers have no unit
 
     # Reading pint's file of units takes a third of a second; what it keeps of it, a fiftieth.
-    kept = user_cache_directory() / f"pint-{pint.__version__}"
     with contextlib.suppress(Exception):  # no place for files, or one that another process is just writing
-        return pint.UnitRegistry(cache_folder=kept)
+        return pint.UnitRegistry(cache_folder=private_folder(f"pint-{pint.__version__}"))
     return pint.UnitRegistry()
 
 

@@ -47,19 +47,23 @@ def build(
     sizes, component = python_build.chosen(name, structure, "NATIVE_STRUCTURE")
     check_sizes(name, sizes)
     label = f"{name}-native" if fmi == 2 else f"{name}-native-fmi{fmi}"
-    target = cached(label, _made_of(name, sizes, platforms))
-    if there(target):
-        content = target.read_bytes()
-    else:
-        content = python_build.packed(content_of(name, component, sizes, platforms, fmi, told))
-        try:
-            python_build.written(content, label, target)
+
+    @cache
+    def pack() -> bytes:
+        return python_build.packed(content_of(name, component, sizes, platforms, fmi, told))
+
+    try:
+        target = cached(label, _made_of(name, sizes, platforms))
+        if not there(target):
+            python_build.written(pack(), label, target)
             tidy(target.parent)
-        except OSError:  # it is not kept, that is all
-            if destination is None:
-                raise
-    if destination is None:
-        return target
+        if destination is None:
+            return target
+        content = target.read_bytes()
+    except OSError:  # it is not kept, that is all
+        if destination is None:
+            raise
+        content = pack()
     return python_build.written(content, label, Path(destination))
 
 

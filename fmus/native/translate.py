@@ -14,8 +14,8 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from models.cache_folder import private_folder
 from models.fmu_archive import digest_of
-from models.kernel import user_cache_directory
 
 # Of the C library; LLVM's intrinsics become calls of the same.
 _FUNCTIONS = """
@@ -48,7 +48,10 @@ def translated(name: str, structure: Mapping[str, int]) -> str:
     path = os.pathsep.join(filter(None, (str(root), os.environ.get("PYTHONPATH"))))
     # Kernels that were compiled otherwise, for this process, are not taken from the cache.
     options = digest_of({"": repr((_PLAIN_PROCESSOR, _SMALL)).encode()})
-    kept = user_cache_directory() / f"translated-{options[:16]}"
+    try:
+        kept = private_folder(f"translated-{options[:16]}")
+    except OSError:
+        kept = Path(os.devnull)  # which holds no folders: nothing is kept
     made = subprocess.run(
         [sys.executable, "-m", __spec__.name, name, *sizes],
         env=os.environ | _PLAIN_PROCESSOR | {"PYTHONPATH": path, "TRIBOCOSIM_CACHE": str(kept)},

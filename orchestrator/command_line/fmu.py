@@ -18,7 +18,7 @@ def built(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
     """The packaged component, run by Python or `native`, built if it isn't in the cache; where that cannot be
     written, in a folder that is there as long as this process."""
     from fmus.build import build
-    from models.kernel import user_cache_directory
+    from models.cache_folder import user_cache_directory
 
     from ..errors import MistakeError, RunError
 

@@ -1,4 +1,4 @@
-"""FMUs of commands where the cache folder cannot be written."""
+"""FMUs of commands where the cache folder cannot be used."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ def built_apart(
 @functools.cache
 def own_folder(reason: str) -> Path:
     """A folder that is deleted with the end of this process; it is said once why it is needed."""
-    from models.kernel import user_cache_directory
+    from models.cache_folder import user_cache_directory
 
     say(
-        f"{user_cache_directory()}: cannot be written ({reason}), so FMUs are built for this command only; "
+        f"{user_cache_directory()}: cannot be used ({reason}), so FMUs are built for this command only; "
         "TRIBOCOSIM_CACHE names another folder"
     )
     kept = tempfile.TemporaryDirectory(prefix="tribocosim-fmus-")

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from models.cache_folder import private_folder, user_cache_directory
 from models.component import Component
 from models.fmu_archive import DESCRIPTION, FmuFileError, archive_faults, opened
-from models.kernel import user_cache_directory
 from models.system import suggestion
 
 from ..conversion import linear_between
@@ -35,20 +35,19 @@ STEPS = 1000
 def contents(path: Path) -> dict[str, Any]:
     """The tables of the scenario; its FMUs are unpacked into the user's cache folder."""
     digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
-    folder = user_cache_directory() / "ssp" / digest
-    if not folder.is_dir():
-        try:
-            folder.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        folder = private_folder("ssp") / digest
+        if not folder.is_dir():
             with tempfile.TemporaryDirectory(dir=folder.parent) as made:
                 whole = Path(made, "whole")
                 _unpack(path, whole)
                 if not folder.is_dir():
                     whole.rename(folder)
-        except OSError as error:
-            raise ScenarioError(
-                f"{path}: {folder.parent} cannot be written ({error.strerror}); set TRIBOCOSIM_CACHE to a "
-                "folder that can"
-            ) from None
+    except OSError as error:
+        raise ScenarioError(
+            f"{path}: {user_cache_directory()} cannot be used ({error.strerror}); set TRIBOCOSIM_CACHE to "
+            "another folder"
+        ) from None
     return _content(path.name, folder)
 
 

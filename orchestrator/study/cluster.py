@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import signal
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
@@ -12,7 +13,7 @@ import dask
 from dask.system import CPU_COUNT
 from distributed import Client, LocalCluster
 
-from models.kernel import user_cache_directory
+from models.cache_folder import private_folder
 
 from ..errors import MistakeError
 
@@ -34,7 +35,7 @@ def connected(scheduler: str | None, workers: int | None, timeout: float) -> Ite
 def _here(workers: int) -> Iterator[Client]:
     settings = {
         "distributed.scheduler.allowed-failures": DEATHS,
-        "temporary-directory": str(user_cache_directory()),  # where the next start clears up after a kill
+        "temporary-directory": _scratch(),
         "distributed.worker.memory.pause": False,  # points hold no data: a full memory ends the worker
     }
     with dask.config.set(settings):
@@ -47,6 +48,14 @@ def _here(workers: int) -> Iterator[Client]:
             )
         with cluster, Client(cluster) as client:
             yield client
+
+
+def _scratch() -> str:
+    """Where workers have their files: in the cache folder, so that the next start clears up after a kill."""
+    try:
+        return str(private_folder("studies"))
+    except OSError:
+        return tempfile.mkdtemp(prefix="tribocosim-study-")
 
 
 @contextmanager

@@ -100,7 +100,7 @@ def copied(folder: Path, name: str) -> Path:
     """The machinery of kernels, and two modules of kernels, as a package of that name."""
     package = folder.joinpath(*name.split("."))
     package.mkdir(parents=True)
-    for module in ("kernel", "kernel_cache", "kernel_content", "kept_files"):
+    for module in ("kernel", "kernel_cache", "kernel_content", "kept_files", "cache_folder"):
         shutil.copy(ROOT / "models" / f"{module}.py", package)
     (package / "__init__.py").write_text("")
     (package / "law.py").write_text(LAW)

@@ -37,7 +37,7 @@ def test_fmus_are_built_without_the_cache(
     assert one == again != other
     assert one.read_bytes() == build("coupled_mass", tmp_path, {}).read_bytes()
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(f"tribocosim: {no_cache}: cannot be written (Not a directory), so FMUs are built")
+    assert line.startswith(f"tribocosim: {no_cache}: cannot be used (Not a directory), so FMUs are built")
 
 
 def test_a_native_build_needs_no_cache(

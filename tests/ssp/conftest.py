@@ -11,4 +11,5 @@ from orchestrator.ssp import imported
 
 @pytest.fixture(autouse=True)
 def unpacked_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(imported, "user_cache_directory", lambda: tmp_path / "cache")
+    (tmp_path / "cache").mkdir()
+    monkeypatch.setattr(imported, "private_folder", lambda name: tmp_path / "cache")

@@ -1,0 +1,159 @@
+"""Nothing is read from a cache folder that another user may have written: what lies there is run."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import stat
+from pathlib import Path
+
+import pytest
+
+from fmus.build import build
+from models import cache_folder
+from models.cache_folder import SAID, UntrustedFolderError, private_folder
+from models.kernel import COMPILED
+from orchestrator import units
+from orchestrator.command_line.fmu import built
+from orchestrator.command_line.without_cache import own_folder
+
+from .forked import Forked
+
+ROOT = Path(__file__).parents[2]
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="folders have no mode that says who may write")
+
+
+@pytest.fixture
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The cache folder, which isn't there yet."""
+    monkeypatch.setenv("TRIBOCOSIM_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv(SAID, "")
+    own_folder.cache_clear()
+    return tmp_path / "cache"
+
+
+def mode(folder: Path) -> int:
+    return stat.S_IMODE(folder.stat().st_mode)
+
+
+@pytest.fixture
+def open_mask() -> object:
+    """The umask that would let everyone write."""
+    before = os.umask(0)
+    yield
+    os.umask(before)
+
+
+def test_folders_are_made_for_their_user_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, open_mask: object
+) -> None:
+    """With those above them, whatever the umask."""
+    monkeypatch.setenv("TRIBOCOSIM_CACHE", str(tmp_path / "above" / "cache"))
+    folder = private_folder("kernels")
+    assert folder == tmp_path / "above" / "cache" / "kernels"
+    assert [mode(place) for place in (folder, *folder.parents[:2])] == [0o700] * 3
+
+
+@pytest.mark.parametrize("place", ["cache", "cache/kernels"])
+@pytest.mark.parametrize("writable", [0o770, 0o707, 0o777, 0o1777], ids=oct)
+def test_a_folder_that_others_may_write_is_refused(
+    place: str, writable: int, cache: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With one message, which says which folder it is and what to do."""
+    folder = private_folder("kernels")
+    (cache.parent / place).chmod(writable)
+    for _ in range(2):
+        with pytest.raises(UntrustedFolderError):
+            private_folder("kernels")
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"{cache.parent / place}: " in line
+    assert "TRIBOCOSIM_CACHE" in line
+    (cache.parent / place).chmod(0o755)
+    assert private_folder("kernels") == folder
+
+
+def test_a_folder_in_one_that_everyone_may_write_is_refused(cache: Path) -> None:
+    """They could put another in its place, but for the sticky bit."""
+    cache.parent.chmod(0o777)
+    with pytest.raises(UntrustedFolderError, match=str(cache.parent)):
+        private_folder("kernels")
+    cache.parent.chmod(0o1777)
+    private_folder("kernels")
+
+
+def test_a_folder_of_another_user_is_refused(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    private_folder("kernels")
+    monkeypatch.setattr(cache_folder.os, "getuid", lambda: os.stat(cache).st_uid + 1)
+    with pytest.raises(UntrustedFolderError, match="another user"):
+        private_folder("kernels")
+
+
+def test_a_link_is_judged_by_where_it_leads(cache: Path, tmp_path: Path) -> None:
+    (tmp_path / "open").mkdir()
+    (tmp_path / "open").chmod(0o777)
+    cache.symlink_to(tmp_path / "open")
+    with pytest.raises(UntrustedFolderError, match="open"):
+        private_folder("kernels")
+
+
+KERNEL = """
+from models.kernel import kernel
+
+@kernel
+def twice(x):
+    return 2.0 * x
+
+print(twice(3.0))
+"""
+
+
+@pytest.mark.skipif(not COMPILED, reason="there is nothing to keep without numba")
+def test_kernels_are_neither_read_from_such_a_folder_nor_written_to_it(tmp_path: Path) -> None:
+    """A file planted there, which runs code when it is unpickled and has the right checksum, is not read."""
+    import hashlib
+    import pickle
+
+    cache, mark = tmp_path / "cache", tmp_path / "mark"
+
+    class Planted:
+        def __reduce__(self) -> tuple[object, tuple[str]]:
+            return os.mkdir, (str(mark),)
+
+    def run() -> str:
+        return Forked(tmp_path, [ROOT], KERNEL, {"TRIBOCOSIM_CACHE": str(cache)}).said()
+
+    assert run() == "6.0\n"
+    (file,) = cache.rglob("twice-*.nbc")
+    payload = pickle.dumps(Planted())
+    file.write_bytes(hashlib.sha256(payload).digest() + payload)
+    cache.chmod(0o777)
+    before = sorted(cache.rglob("*"))
+    assert run() == "6.0\n"
+    assert not mark.exists()
+    assert sorted(cache.rglob("*")) == before
+
+
+def test_fmus_in_such_a_folder_are_not_taken(cache: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """They are built for this process alone."""
+    planted = build("coupled_mass")
+    content = planted.read_bytes()
+    planted.write_bytes(b"planted")
+    cache.chmod(0o777)
+    made = built("coupled_mass", {})
+    assert made != planted
+    assert made.read_bytes() == content
+    assert f"{cache}: " in capsys.readouterr().err
+    assert build("coupled_mass", cache.parent).read_bytes() == content
+
+
+def test_the_list_of_units_is_not_read_from_such_a_folder(cache: Path) -> None:
+    cache.mkdir()
+    cache.chmod(0o777)
+    units._registry.cache_clear()
+    assert units.to_unit("8 mm", "m") == 8e-3
+    assert list(cache.iterdir()) == []
+    units._registry.cache_clear()
+    shutil.rmtree(cache)
+    assert units.to_unit("9 mm", "m") == 9e-3
+    assert [path.name.partition("-")[0] for path in cache.iterdir()] == ["pint"]
