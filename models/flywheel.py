@@ -10,6 +10,7 @@ from .bonds import counts_energies
 from .component import NO_EVENT, Component, PowerBond, check_sizes
 from .integrator import TOLERANCE
 from .kernel import kernel
+from .plausible import ANGLE, RAMP, SPEED
 from .quantities import Layout, Quantity, Vector, per_element
 
 FREE, PRESCRIBED = 0.0, 1.0
@@ -25,7 +26,9 @@ class FlywheelParameters:
     inertia: Annotated[float, Quantity("kg.m2", "moment of inertia", nominal=0.1, positive=True)] = 0.1
     initial_speed: Annotated[
         float,
-        Quantity("rad/s", "prescribed speed before the ramp", nominal=100.0, display_unit="rpm"),
+        Quantity(
+            "rad/s", "prescribed speed before the ramp", nominal=100.0, display_unit="rpm", plausible=SPEED
+        ),
     ] = 1000.0 * math.pi / 30.0
     final_speed: Annotated[
         float,
@@ -35,17 +38,24 @@ class FlywheelParameters:
             nominal=100.0,
             display_unit="rpm",
             same_as="initial_speed",
+            plausible=SPEED,
         ),
     ] = 1000.0 * math.pi / 30.0
-    ramp_start: Annotated[float, Quantity("s", "time at which the ramp begins")] = 0.0
-    ramp_duration: Annotated[float, Quantity("s", "length of the ramp", positive=True)] = 1.0
+    ramp_start: Annotated[float, Quantity("s", "time at which the ramp begins", plausible=RAMP)] = 0.0
+    ramp_duration: Annotated[float, Quantity("s", "length of the ramp", positive=True, plausible=RAMP)] = 1.0
     ramp_shape: Annotated[
         float,
         Quantity("1", "linear in time, or smooth (3 r^2 - 2 r^3)", choices=("linear", "smooth")),
     ] = LINEAR
     throw: Annotated[
         Vector,
-        Quantity("rad", "angle by which a crank throw lags the shaft", display_unit="deg", size="throws"),
+        Quantity(
+            "rad",
+            "angle by which a crank throw lags the shaft",
+            display_unit="deg",
+            size="throws",
+            plausible=ANGLE,
+        ),
     ] = per_element()
 
 
@@ -53,7 +63,8 @@ class FlywheelParameters:
 class FlywheelState:
     angle: Annotated[float, Quantity("rad", "angle of the shaft", display_unit="deg")] = 0.0
     speed: Annotated[
-        float, Quantity("rad/s", "speed of the free shaft", nominal=100.0, display_unit="rpm")
+        float,
+        Quantity("rad/s", "speed of the free shaft", nominal=100.0, display_unit="rpm", plausible=SPEED),
     ] = 1000.0 * math.pi / 30.0
 
 

@@ -19,6 +19,27 @@ Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class Plausible:
+    """Magnitudes that occur in practice, from `low` to `high` in the quantity's unit, and the reason.
+
+    `units` are others in which people write such values, each with what it is in the quantity's unit. Zero is
+    plausible: it is the same in every unit.
+    """
+
+    low: float
+    high: float
+    units: tuple[tuple[str, float], ...]
+    reason: str
+
+    def holds(self, value: float) -> bool:
+        return value == 0.0 or self.low <= abs(value) <= self.high
+
+    def reading(self, number: float) -> str:
+        """The number with the unit in which it is plausible, e.g. "45 N/mm"; "" if there is none."""
+        return next((f"{number:g} {unit}" for unit, size in self.units if self.holds(number * size)), "")
+
+
+@dataclass(frozen=True)
 class Quantity:
     """What a number means: unit (SI symbols), description, nominal size and allowed range.
 
@@ -26,7 +47,8 @@ class Quantity:
     names, `boolean` a truth value, `count` a whole number. `size` names the structural size of a
     vector-valued field. An `internal` state is evolving data as any other, saved and restored with it, but
     no variable: it begins as its component lets it and is not set, shown or brought to rest from outside.
-    `same_as` names the parameter whose value a scenario takes where this one is not given.
+    `same_as` names the parameter whose value a scenario takes where this one is not given. A value outside
+    the `plausible` magnitudes is allowed, but probably a slip of the unit.
     """
 
     unit: str
@@ -42,6 +64,7 @@ class Quantity:
     size: str = ""
     internal: bool = False
     same_as: str = ""
+    plausible: Plausible | None = None
 
     @property
     def discrete(self) -> bool:
@@ -78,6 +101,13 @@ class Quantity:
     def requirement(self) -> str:
         """What follows a value in a message: its unit, its meaning and the allowed range."""
         return f"{self._said()}: must be {self.allowed()}"
+
+    def doubt(self, value: float) -> str:
+        """Why `value` is probably a slip of the unit, and what it may mean; "" if it is plausible."""
+        if self.plausible is None or self.plausible.holds(value):
+            return ""
+        reading = self.plausible.reading(value)
+        return self.plausible.reason + (f"; did you mean {reading}?" if reading else ".")
 
     def _said(self) -> str:
         unit = "" if self.unit == "1" else f" {self.unit}"

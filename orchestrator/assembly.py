@@ -12,7 +12,7 @@ from models.bonds import counting
 from models.fmu_archive import FmuFileError, archive_faults, opened
 from models.integrator import INPUT_COEFFICIENTS
 from models.quantities import Layout, Quantity, Vector
-from models.system import Instance, System, suggestion
+from models.system import Instance, ModelError, System, suggestion
 
 from .abilities import check_abilities, check_foreign
 from .bonds import exchanged_bonds
@@ -147,7 +147,13 @@ def at_start(scenario: Scenario, system: System) -> System:
         return system
     from models.monolithic import equilibrium
 
-    state = equilibrium(system)
+    try:
+        state = equilibrium(system)
+    except ModelError as error:
+        raise ModelError(
+            f'{error} Correct the parameters, or set start = "given" and give start values in '
+            "[components.NAME.start]"
+        ) from None
     instances = {
         name: replace(instance, start=_starts(instance.component.state, state[system.state.of(name)]))
         for name, instance in system.instances.items()

@@ -1,4 +1,4 @@
-"""What of a scenario has no effect, or none that is seen: no mistake, but hardly what was meant."""
+"""Warnings about a scenario that can be run, but is probably not what its author meant."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ from .abilities import unsynchronised
 from .participants import ForeignComponent
 from .scenario import Scenario, line_of
 from .scenario.foreign_values import bare
+from .values import WithUnit
 
 
 def notices(scenario: Scenario) -> list[str]:
-    """A line for each."""
+    """A line for each warning."""
     found = []
     if scenario.step_control and scenario.output_step is not None:
         found.append(
@@ -22,7 +23,37 @@ def notices(scenario: Scenario) -> list[str]:
         found.append(
             "energy.correction = true: nothing counts what it gives back; energy.ledger = true shows it"
         )
-    return found + _unloaded(scenario) + _in_own_units(scenario) + unsynchronised(scenario)
+    return [
+        *found,
+        *_doubted(scenario),
+        *_unloaded(scenario),
+        *_in_own_units(scenario),
+        *unsynchronised(scenario),
+    ]
+
+
+def _doubted(scenario: Scenario) -> list[str]:
+    """Numbers without a unit that are plausible in another unit only."""
+    found = []
+    for name, table in scenario.components.items():
+        component = table.made()
+        for key, layout, values in (
+            ("parameters", component.parameters, table.parameters),
+            ("start", component.state, table.start),
+            ("inputs", component.inputs, table.inputs),
+        ):
+            for variable, value in values.items():
+                if isinstance(value, str | WithUnit) or variable not in layout:
+                    continue
+                quantity = layout.field(variable).quantity
+                if values.get(quantity.same_as) == value:
+                    continue  # the other one is doubted
+                if doubt := quantity.doubt(float(value)):
+                    found.append(
+                        f"components.{name}.{key}.{variable} = {value:g} {quantity.unit} "
+                        f"({quantity.description}): {doubt} Write the unit"
+                    )
+    return found
 
 
 def _in_own_units(scenario: Scenario) -> list[str]:

@@ -8,6 +8,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
+from ..plausible import (
+    CURVATURE,
+    FILM,
+    PRESSURE_VISCOSITY,
+    SHEAR_STRESS,
+    VISCOSITY,
+    YIELD_PRESSURE,
+    YOUNGS_MODULUS,
+)
 from ..quantities import Quantity
 from .films import FILMS
 from .fluid import DENSITY_LAWS, VISCOSITY_LAWS
@@ -33,26 +42,57 @@ class ContactParameters:
         Quantity("m", "contact length L_c", nominal=1e-2, positive=True, maximum=LONGEST, display_unit="mm"),
     ] = 12e-3
     youngs_modulus_1: Annotated[
-        float, Quantity("Pa", "Young's modulus of body 1 (cam)", nominal=1e11, positive=True)
+        float,
+        Quantity(
+            "Pa", "Young's modulus of body 1 (cam)", nominal=1e11, positive=True, plausible=YOUNGS_MODULUS
+        ),
     ] = 207e9
     poissons_ratio_1: Annotated[
         float, Quantity("1", "Poisson's ratio of body 1", minimum=0.0, maximum=0.5)
     ] = 0.3
     youngs_modulus_2: Annotated[
-        float, Quantity("Pa", "Young's modulus of body 2 (follower)", nominal=1e11, positive=True)
+        float,
+        Quantity(
+            "Pa",
+            "Young's modulus of body 2 (follower)",
+            nominal=1e11,
+            positive=True,
+            plausible=YOUNGS_MODULUS,
+        ),
     ] = 207e9
     poissons_ratio_2: Annotated[
         float, Quantity("1", "Poisson's ratio of body 2", minimum=0.0, maximum=0.5)
     ] = 0.3
     elastic_limit: Annotated[
-        float, Quantity("Pa", "pressure at which the bodies yield: a warning", nominal=1e9, positive=True)
+        float,
+        Quantity(
+            "Pa",
+            "pressure at which the bodies yield: a warning",
+            nominal=1e9,
+            positive=True,
+            plausible=YIELD_PRESSURE,
+        ),
     ] = ELASTIC_LIMIT
     viscosity: Annotated[
         float,
-        Quantity("Pa.s", "viscosity eta0 of the lubricant", nominal=1e-2, positive=True, maximum=THICKEST),
+        Quantity(
+            "Pa.s",
+            "viscosity eta0 of the lubricant",
+            nominal=1e-2,
+            positive=True,
+            maximum=THICKEST,
+            plausible=VISCOSITY,
+        ),
     ] = 0.036
     pressure_viscosity: Annotated[
-        float, Quantity("1/Pa", "pressure-viscosity coefficient alpha", nominal=1e-8, positive=True)
+        float,
+        Quantity(
+            "1/Pa",
+            "pressure-viscosity coefficient alpha",
+            nominal=1e-8,
+            positive=True,
+            plausible=PRESSURE_VISCOSITY,
+        ),
     ] = 1.8e-8
     squeeze_constant: Annotated[
         float, Quantity("1", "constant C of the squeeze term (K 10)", nominal=100.0, positive=True)
@@ -77,10 +117,18 @@ class ContactParameters:
         float, Quantity("1", "exponent z of Roelands' law", positive=True, maximum=1.0)
     ] = 0.68
     roelands_pressure: Annotated[
-        float, Quantity("Pa", "pressure p_r of Roelands' law", nominal=1e8, positive=True)
+        float,
+        Quantity("Pa", "pressure p_r of Roelands' law", nominal=1e8, positive=True, plausible=YIELD_PRESSURE),
     ] = 1.96e8
     eyring_stress: Annotated[
-        float, Quantity("Pa", "Eyring stress tau_0 of the film; 0: Newtonian", nominal=1e6, minimum=0.0)
+        float,
+        Quantity(
+            "Pa",
+            "Eyring stress tau_0 of the film; 0: Newtonian",
+            nominal=1e6,
+            minimum=0.0,
+            plausible=SHEAR_STRESS,
+        ),
     ] = 0.0
     field_tolerance: Annotated[
         float,
@@ -112,10 +160,24 @@ class ContactParameters:
         float, Quantity("1", "friction coefficient mu_b of asperities", nominal=0.1, minimum=0.0)
     ] = 0.1
     boundary_shear_stress: Annotated[
-        float, Quantity("Pa", "shear stress tau_b of real contact besides", nominal=1e6, minimum=0.0)
+        float,
+        Quantity(
+            "Pa",
+            "shear stress tau_b of real contact besides",
+            nominal=1e6,
+            minimum=0.0,
+            plausible=SHEAR_STRESS,
+        ),
     ] = 0.0
     limiting_shear_stress: Annotated[
-        float, Quantity("Pa", "limiting shear stress tau_L0 at no pressure", nominal=1e6, minimum=0.0)
+        float,
+        Quantity(
+            "Pa",
+            "limiting shear stress tau_L0 at no pressure",
+            nominal=1e6,
+            minimum=0.0,
+            plausible=SHEAR_STRESS,
+        ),
     ] = 2e6
     limiting_shear_coefficient: Annotated[
         float, Quantity("1", "growth gamma of the limit with pressure", nominal=0.1, minimum=0.0)
@@ -125,7 +187,10 @@ class ContactParameters:
 @dataclass
 class ContactState:
     film_thickness: Annotated[
-        float, Quantity("m", "lubricant film thickness h", nominal=1e-6, positive=True, display_unit="um")
+        float,
+        Quantity(
+            "m", "lubricant film thickness h", nominal=1e-6, positive=True, display_unit="um", plausible=FILM
+        ),
     ] = 1e-6
 
 
@@ -148,7 +213,14 @@ class ContactInputs:
     sliding_velocity: Annotated[float, Quantity("m/s", "velocity of surface 1 over surface 2")] = 0.0
     radius_of_curvature: Annotated[
         float,
-        Quantity("m", "reduced radius R of the contact", nominal=1e-2, positive=True, display_unit="mm"),
+        Quantity(
+            "m",
+            "reduced radius R of the contact",
+            nominal=1e-2,
+            positive=True,
+            display_unit="mm",
+            plausible=CURVATURE,
+        ),
     ] = 0.02
 
 

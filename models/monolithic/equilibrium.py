@@ -32,8 +32,21 @@ def equilibrium(system: System, t: float = 0.0) -> Vector:
     for _ in range(POLISHING_STEPS):
         found = found - rest.newton_step(found)
     if not rest.is_close(found):
-        raise ModelError(f"no equilibrium found at t = {t:g} s: {rest.worst(found)}; give start values")
+        what = f"no equilibrium found at t = {t:g} s: {rest.worst(found)}."
+        raise ModelError(" ".join([what, *implausible(system)]))
     return rest.state(found)
+
+
+def implausible(system: System) -> list[str]:
+    """Parameters and inputs of implausible size, with the reason."""
+    found = []
+    for name, instance in system.instances.items():
+        values = {**instance.parameters, **instance.inputs}
+        for field in (*instance.component.parameters.fields, *instance.component.inputs.fields):
+            value = values.get(field.name, field.start)
+            if doubt := field.quantity.doubt(value):
+                found.append(f"{name}.{field.name} = {value:g} {field.quantity.unit}: {doubt}")
+    return found
 
 
 class _Rest:

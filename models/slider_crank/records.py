@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ..kernel import kernel
+from ..plausible import PART_LENGTH, PART_MASS, PLAY
 from ..quantities import Quantity
 from .equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI, Mechanism
 from .forms import AS_PUBLISHED, CORRECTED
@@ -40,21 +41,33 @@ class SliderCrankParameters:
         ),
     ] = CORRECTED
     crank_radius: Annotated[
-        float, Quantity("m", "crank radius r", nominal=0.1, positive=True, display_unit="mm")
+        float,
+        Quantity("m", "crank radius r", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH),
     ] = THESIS_XI * _ROD_LENGTH
     rod_length: Annotated[
-        float, Quantity("m", "length l of the connecting rod", nominal=0.1, positive=True, display_unit="mm")
+        float,
+        Quantity(
+            "m",
+            "length l of the connecting rod",
+            nominal=0.1,
+            positive=True,
+            display_unit="mm",
+            plausible=PART_LENGTH,
+        ),
     ] = _ROD_LENGTH
     rod_mass: Annotated[
-        float, Quantity("kg", "mass m of the connecting rod, centre in its middle", minimum=0.0)
+        float,
+        Quantity(
+            "kg", "mass m of the connecting rod, centre in its middle", minimum=0.0, plausible=PART_MASS
+        ),
     ] = THESIS_ALPHA * _PISTON_MASS
     rod_inertia: Annotated[
         float,
         Quantity("kg.m2", "inertia J_r of the connecting rod about its centre", nominal=1e-3, minimum=0.0),
     ] = THESIS_BETA * _PISTON_MASS * _ROD_LENGTH**2
-    piston_mass: Annotated[float, Quantity("kg", "mass M of the piston (roller)", positive=True)] = (
-        _PISTON_MASS
-    )
+    piston_mass: Annotated[
+        float, Quantity("kg", "mass M of the piston (roller)", positive=True, plausible=PART_MASS)
+    ] = _PISTON_MASS
     joint_friction: Annotated[
         float,
         Quantity("N.m.s", "friction moment c2 of the crank pin per relative speed", nominal=0.1, minimum=0.0),
@@ -62,7 +75,12 @@ class SliderCrankParameters:
     clearance: Annotated[
         float,
         Quantity(
-            "m", "travel d - r* from the centre to either wall", nominal=1e-3, minimum=0.0, display_unit="mm"
+            "m",
+            "travel d - r* from the centre to either wall",
+            nominal=1e-3,
+            minimum=0.0,
+            display_unit="mm",
+            plausible=PLAY,
         ),
     ] = _CLEARANCE
     restitution: Annotated[float, Quantity("1", "coefficient of restitution e", minimum=0.0, maximum=1.0)] = (
@@ -90,7 +108,14 @@ class SliderCrankParameters:
     ] = FILM_LAG
     roller_radius: Annotated[
         float,
-        Quantity("m", "radius r* of the roller on the liner", nominal=0.1, positive=True, display_unit="mm"),
+        Quantity(
+            "m",
+            "radius r* of the roller on the liner",
+            nominal=0.1,
+            positive=True,
+            display_unit="mm",
+            plausible=PART_LENGTH,
+        ),
     ] = 0.040
 
 

@@ -16,6 +16,7 @@ from ..bonds import counts_energies
 from ..component import NO_EVENT, Component, PowerBond
 from ..integrator import FINE_TOLERANCE
 from ..kernel import kernel
+from ..plausible import ANGLE, CAM_LIFT, CAM_RADIUS, PART_LENGTH, PART_MASS, YOUNGS_MODULUS
 from ..quantities import Layout, Quantity, Vector
 from .cam_profile import (
     PROFILE_REQUIREMENTS,
@@ -34,10 +35,14 @@ class CamshaftParameters:
     """Defaults: the set `kushwaha2000`."""
 
     lift: Annotated[
-        float, Quantity("m", "largest lift S", nominal=1e-2, positive=True, display_unit="mm")
+        float,
+        Quantity("m", "largest lift S", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_LIFT),
     ] = 8e-3
     base_radius: Annotated[
-        float, Quantity("m", "base circle radius R0", nominal=1e-2, positive=True, display_unit="mm")
+        float,
+        Quantity(
+            "m", "base circle radius R0", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
+        ),
     ] = 2.610272395869072 * 8e-3
     rise_angle: Annotated[
         float, Quantity("rad", "cam angle of the rise B", positive=True, maximum=math.pi, display_unit="deg")
@@ -52,10 +57,15 @@ class CamshaftParameters:
         float, Quantity("1", "cam angle over drive angle (0.5 behind a four-stroke crankshaft)")
     ] = 1.0
     phase: Annotated[
-        float, Quantity("rad", "cam angle at drive angle zero; the nose is at pi", display_unit="deg")
+        float,
+        Quantity(
+            "rad", "cam angle at drive angle zero; the nose is at pi", display_unit="deg", plausible=ANGLE
+        ),
     ] = 0.0
     flexible: Annotated[float, Quantity("1", "the shaft bends and twists; false: rigid", boolean=True)] = 0.0
-    mass: Annotated[float, Quantity("kg", "mass at the cam", nominal=0.4, positive=True)] = 0.425
+    mass: Annotated[
+        float, Quantity("kg", "mass at the cam", nominal=0.4, positive=True, plausible=PART_MASS)
+    ] = 0.425
     polar_inertia: Annotated[
         float, Quantity("kg.m2", "moment of inertia about the shaft", nominal=1e-4, positive=True)
     ] = 3.00e-4
@@ -63,13 +73,25 @@ class CamshaftParameters:
         float, Quantity("kg.m2", "moment of inertia about a diameter", nominal=1e-4, positive=True)
     ] = 1.42e-4
     shaft_length: Annotated[
-        float, Quantity("m", "length l of the field element", nominal=0.1, positive=True, display_unit="mm")
+        float,
+        Quantity(
+            "m",
+            "length l of the field element",
+            nominal=0.1,
+            positive=True,
+            display_unit="mm",
+            plausible=PART_LENGTH,
+        ),
     ] = 0.1
     shaft_diameter: Annotated[
-        float, Quantity("m", "diameter of the shaft", nominal=1e-2, positive=True, display_unit="mm")
+        float,
+        Quantity(
+            "m", "diameter of the shaft", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
+        ),
     ] = 0.02
     youngs_modulus: Annotated[
-        float, Quantity("Pa", "Young's modulus of the shaft", nominal=1e11, positive=True)
+        float,
+        Quantity("Pa", "Young's modulus of the shaft", nominal=1e11, positive=True, plausible=YOUNGS_MODULUS),
     ] = 207e9
     poissons_ratio: Annotated[
         float, Quantity("1", "Poisson's ratio of the shaft", minimum=0.0, maximum=0.5)

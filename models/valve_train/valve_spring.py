@@ -16,6 +16,7 @@ from ..bonds import counts_energies
 from ..component import Component, PowerBond, check_sizes
 from ..integrator import FINE_TOLERANCE
 from ..kernel import kernel
+from ..plausible import CAM_LIFT, LASH, SEAT_STIFFNESS, SPRING_RATE, SURGE_FREQUENCY, VALVE_MASS
 from ..quantities import Layout, Quantity, Vector, per_element
 from ..requirements import Requirement
 
@@ -25,14 +26,22 @@ class ValveSpringParameters:
     """Defaults: the set `kushwaha2000`, whose follower rides on the cam at all times (no seat)."""
 
     valve_mass: Annotated[
-        float, Quantity("kg", "mass m3 of valve and follower", nominal=0.2, positive=True)
+        float,
+        Quantity("kg", "mass m3 of valve and follower", nominal=0.2, positive=True, plausible=VALVE_MASS),
     ] = 0.22
     spring_rate: Annotated[
-        float, Quantity("N/m", "static rate k0 of the spring", nominal=3e4, positive=True)
+        float,
+        Quantity("N/m", "static rate k0 of the spring", nominal=3e4, positive=True, plausible=SPRING_RATE),
     ] = 35e3
     surge_frequency: Annotated[
         float,
-        Quantity("Hz", "first natural frequency f0 of the clamped spring", nominal=500.0, positive=True),
+        Quantity(
+            "Hz",
+            "first natural frequency f0 of the clamped spring",
+            nominal=500.0,
+            positive=True,
+            plausible=SURGE_FREQUENCY,
+        ),
     ] = 504.5
     damping_ratio: Annotated[
         float,
@@ -46,21 +55,42 @@ class ValveSpringParameters:
     lash: Annotated[
         float,
         Quantity(
-            "m", "follower position at which the valve sits on its seat", nominal=1e-4, display_unit="mm"
+            "m",
+            "follower position at which the valve sits on its seat",
+            nominal=1e-4,
+            display_unit="mm",
+            plausible=LASH,
         ),
     ] = 0.0
     seat_stiffness: Annotated[
-        float, Quantity("N/m", "stiffness of the valve seat; 0: no seat", nominal=1e7, minimum=0.0)
+        float,
+        Quantity(
+            "N/m",
+            "stiffness of the valve seat; 0: no seat",
+            nominal=1e7,
+            minimum=0.0,
+            plausible=SEAT_STIFFNESS,
+        ),
     ] = 0.0
     seat_damping: Annotated[
         float, Quantity("N.s/m", "damping of the valve seat while touching", nominal=1e2, minimum=0.0)
     ] = 0.0
     clash_clearance: Annotated[
         float,
-        Quantity("m", "travel after which all coils touch", nominal=1e-2, positive=True, display_unit="mm"),
+        Quantity(
+            "m",
+            "travel after which all coils touch",
+            nominal=1e-2,
+            positive=True,
+            display_unit="mm",
+            plausible=CAM_LIFT,
+        ),
     ] = 0.02
     clash_stiffness: Annotated[
-        float, Quantity("N/m", "added rate between coils that touch", nominal=1e6, minimum=0.0)
+        float,
+        Quantity(
+            "N/m", "added rate between coils that touch", nominal=1e6, minimum=0.0, plausible=SEAT_STIFFNESS
+        ),
     ] = 0.0
 
 

@@ -278,6 +278,48 @@ def test_what_has_no_effect_is_noticed() -> None:
     assert notices(load("valve-train", [given, "components.contact.inputs.applied_load=300"])) == []
 
 
+SLIPS = {
+    "valve_spring.parameters.spring_rate=45": "45 N/mm",
+    "valve_spring.parameters.valve_mass=150": "150 g",
+    "flywheel.parameters.initial_speed=3000": "3000 rpm",
+    "flywheel.start.speed=2000": "2000 rpm",
+    "camshaft.parameters.base_radius=17": "17 mm",
+    "camshaft.parameters.phase=90": "90 deg",
+    "contact.parameters.viscosity=8": "8 mPa.s",
+    "contact.parameters.youngs_modulus_1=207": "207 GPa",
+    "contact.start.film_thickness=0.1": "0.1 um",
+}
+
+
+@pytest.mark.parametrize("setting", SLIPS)
+def test_a_slip_of_the_unit_is_doubted_with_both_readings(setting: str) -> None:
+    path, number = setting.split("=")
+    (doubt,) = notices(load("valve-train", [f"components.{setting}"]))
+    assert doubt.startswith(f"components.{path} = {number} ")
+    assert f"did you mean {SLIPS[setting]}?" in doubt
+    assert notices(load("valve-train", [f"components.{path}={SLIPS[setting]}"])) == []
+
+
+def test_a_number_with_its_unit_is_not_doubted() -> None:
+    assert notices(load("valve-train", ["components.flywheel.parameters.initial_speed=14000 rpm"])) == []
+
+
+@pytest.mark.parametrize("name", sorted(shipped()))
+def test_no_value_of_a_shipped_scenario_is_doubted(name: str) -> None:
+    """Nor any default: written out, the numbers have no units."""
+    assert not [
+        line for line in notices(scenario_of(tomllib.loads(written(load(name))))) if "did you mean" in line
+    ]
+
+
+def test_without_an_equilibrium_the_odd_parameter_and_the_cure_are_named() -> None:
+    scenario = load("valve-train", ["components.contact.parameters.viscosity=8"])
+    with pytest.raises(ModelError) as error:
+        at_start(scenario, system_of(scenario))
+    assert "contact.viscosity = 8 Pa.s" in str(error.value)
+    assert 'start = "given"' in str(error.value)
+
+
 def test_a_bad_file_in_place_of_a_component_is_the_participants_fault(tmp_path: Path) -> None:
     (tmp_path / "text.fmu").write_text("no archive")
     table = "stop_time = 1\nmacro_step = 0.1\nreference.enabled = false\n[components.cam]\n"

@@ -19,6 +19,7 @@ from typing import Annotated
 from ...bonds import counts_energies
 from ...component import Component
 from ...kernel import kernel
+from ...plausible import ANGLE, GAS_PRESSURE, PART_LENGTH
 from ...quantities import Layout, Quantity, Vector
 from ...requirements import Requirement
 from ..crank import crank_turns
@@ -34,10 +35,19 @@ class CylinderGasParameters:
     """Defaults chosen here: full load of a petrol engine at 2000 r/min (4.9 MPa at most)."""
 
     crank_radius: Annotated[
-        float, Quantity("m", "crank radius", nominal=0.1, positive=True, display_unit="mm")
+        float,
+        Quantity("m", "crank radius", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH),
     ] = 0.043
     rod_length: Annotated[
-        float, Quantity("m", "length of the connecting rod", nominal=0.1, positive=True, display_unit="mm")
+        float,
+        Quantity(
+            "m",
+            "length of the connecting rod",
+            nominal=0.1,
+            positive=True,
+            display_unit="mm",
+            plausible=PART_LENGTH,
+        ),
     ] = 0.143
     bore_area: Annotated[float, Quantity("m2", "area of the bore", nominal=1e-2, positive=True)] = (
         0.25 * math.pi * 0.086**2
@@ -46,14 +56,37 @@ class CylinderGasParameters:
         float, Quantity("1", "largest over smallest volume", nominal=10.0, minimum=1.1)
     ] = 10.0
     intake_pressure: Annotated[
-        float, Quantity("Pa", "pressure in the intake stroke", nominal=1e5, positive=True, display_unit="kPa")
+        float,
+        Quantity(
+            "Pa",
+            "pressure in the intake stroke",
+            nominal=1e5,
+            positive=True,
+            display_unit="kPa",
+            plausible=GAS_PRESSURE,
+        ),
     ] = 95e3
     exhaust_pressure: Annotated[
         float,
-        Quantity("Pa", "pressure in the exhaust stroke", nominal=1e5, positive=True, display_unit="kPa"),
+        Quantity(
+            "Pa",
+            "pressure in the exhaust stroke",
+            nominal=1e5,
+            positive=True,
+            display_unit="kPa",
+            plausible=GAS_PRESSURE,
+        ),
     ] = 108e3
     crankcase_pressure: Annotated[
-        float, Quantity("Pa", "pressure under the piston", nominal=1e5, minimum=0.0, display_unit="kPa")
+        float,
+        Quantity(
+            "Pa",
+            "pressure under the piston",
+            nominal=1e5,
+            minimum=0.0,
+            display_unit="kPa",
+            plausible=GAS_PRESSURE,
+        ),
     ] = 100e3
     compression_exponent: Annotated[
         float, Quantity("1", "polytropic exponent n_c of the compression", minimum=1.0)
@@ -65,7 +98,7 @@ class CylinderGasParameters:
         float, Quantity("1", "rise R by heat release at constant volume; 1: motored", minimum=1.0)
     ] = 4.0
     firing_angle: Annotated[
-        float, Quantity("rad", "crank angle of the firing dead centre", display_unit="deg")
+        float, Quantity("rad", "crank angle of the firing dead centre", display_unit="deg", plausible=ANGLE)
     ] = 0.0
     burn_start: Annotated[
         float,

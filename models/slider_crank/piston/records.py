@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
+from ...plausible import OFFSET, PART_LENGTH, PART_MASS, PLAY
 from ...quantities import Quantity, Vector, per_element
 
 # Flores, Leine and Glocker (2010), table 1; the gravity acts across the cylinder.
@@ -45,10 +46,19 @@ class PistonParameters:
     left to the flywheel that drives it."""
 
     crank_radius: Annotated[
-        float, Quantity("m", "crank radius", nominal=0.1, positive=True, display_unit="mm")
+        float,
+        Quantity("m", "crank radius", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH),
     ] = 0.5 * _BORE
     rod_length: Annotated[
-        float, Quantity("m", "length of the connecting rod", nominal=0.1, positive=True, display_unit="mm")
+        float,
+        Quantity(
+            "m",
+            "length of the connecting rod",
+            nominal=0.1,
+            positive=True,
+            display_unit="mm",
+            plausible=PART_LENGTH,
+        ),
     ] = 0.143
     crank_mass: Annotated[float, Quantity("kg", "mass of the crank", minimum=0.0)] = 0.0
     crank_centre: Annotated[
@@ -60,7 +70,9 @@ class PistonParameters:
     crank_inertia: Annotated[
         float, Quantity("kg.m2", "inertia of the crank about its centre of mass", nominal=1e-3, minimum=0.0)
     ] = 0.0
-    rod_mass: Annotated[float, Quantity("kg", "mass of the connecting rod", minimum=0.0)] = 0.55
+    rod_mass: Annotated[
+        float, Quantity("kg", "mass of the connecting rod", minimum=0.0, plausible=PART_MASS)
+    ] = 0.55
     rod_centre: Annotated[
         float,
         Quantity(
@@ -75,7 +87,9 @@ class PistonParameters:
         float,
         Quantity("kg.m2", "inertia of the rod about its centre of mass", nominal=1e-3, minimum=0.0),
     ] = 2.0e-3
-    piston_mass: Annotated[float, Quantity("kg", "mass of the piston with its pin", positive=True)] = 0.42
+    piston_mass: Annotated[
+        float, Quantity("kg", "mass of the piston with its pin", positive=True, plausible=PART_MASS)
+    ] = 0.42
     piston_inertia: Annotated[
         float,
         Quantity("kg.m2", "inertia of the piston about its centre of mass", nominal=1e-4, positive=True),
@@ -88,12 +102,18 @@ class PistonParameters:
             nominal=0.1,
             minimum=0.0,
             display_unit="mm",
+            plausible=PART_LENGTH,
         ),
     ] = 0.025
     half_height: Annotated[
         float,
         Quantity(
-            "m", "half the width of the piston across the bore", nominal=0.1, minimum=0.0, display_unit="mm"
+            "m",
+            "half the width of the piston across the bore",
+            nominal=0.1,
+            minimum=0.0,
+            display_unit="mm",
+            plausible=PART_LENGTH,
         ),
     ] = 0.5 * _BORE
     clearance: Annotated[
@@ -104,25 +124,44 @@ class PistonParameters:
             nominal=1e-4,
             minimum=1e-7,
             display_unit="um",
+            plausible=PLAY,
         ),
     ] = 40e-6
     pin_height: Annotated[
         float,
-        Quantity("m", "pin ahead of the skirt's middle, along", nominal=1e-2, display_unit="mm"),
+        Quantity(
+            "m", "pin ahead of the skirt's middle, along", nominal=1e-2, display_unit="mm", plausible=OFFSET
+        ),
     ] = 4e-3
     pin_offset: Annotated[
         float,
         Quantity(
-            "m", "pin above the piston's middle line (to the upper wall)", nominal=1e-3, display_unit="mm"
+            "m",
+            "pin above the piston's middle line (to the upper wall)",
+            nominal=1e-3,
+            display_unit="mm",
+            plausible=OFFSET,
         ),
     ] = 0.0
     mass_height: Annotated[
         float,
-        Quantity("m", "centre of mass ahead of the skirt's middle, along", nominal=1e-2, display_unit="mm"),
+        Quantity(
+            "m",
+            "centre of mass ahead of the skirt's middle, along",
+            nominal=1e-2,
+            display_unit="mm",
+            plausible=OFFSET,
+        ),
     ] = 8e-3
     mass_offset: Annotated[
         float,
-        Quantity("m", "centre of mass above the piston's middle line", nominal=1e-3, display_unit="mm"),
+        Quantity(
+            "m",
+            "centre of mass above the piston's middle line",
+            nominal=1e-3,
+            display_unit="mm",
+            plausible=OFFSET,
+        ),
     ] = 0.0
     crank_pin_friction: Annotated[
         float,

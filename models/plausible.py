@@ -1,0 +1,46 @@
+"""Magnitudes of parameters in practice, by which a slip of the unit is noticed.
+
+Each range is wide: it says what engines and their valve trains have, not what is a good design.
+"""
+
+from __future__ import annotations
+
+import math
+
+from .quantities import Plausible
+
+_MASS = (("g", 1e-3),)
+_LENGTH = (("mm", 1e-3), ("um", 1e-6))
+_STIFFNESS = (("N/mm", 1e3),)
+_ANGLE = (("deg", math.pi / 180.0),)
+_PRESSURE = (("MPa", 1e6), ("GPa", 1e9), ("bar", 1e5), ("kPa", 1e3))
+
+SPEED = Plausible(
+    0.0, 300.0 * math.pi, (("rpm", math.pi / 30.0),), "engines of production cars turn at 9000 rpm at most"
+)
+ANGLE = Plausible(0.0, 4.0 * math.pi, _ANGLE, "a four-stroke cycle has 720 deg")
+RAMP = Plausible(1e-6, 10.0, (("ms", 1e-3),), "runs of these models last some seconds at most")
+
+VALVE_MASS = Plausible(5e-3, 5.0, _MASS, "valves with their followers have 5 g to 5 kg")
+PART_MASS = Plausible(5e-3, 50.0, _MASS, "cams, rods and pistons of engines have 5 g to 50 kg")
+SPRING_RATE = Plausible(1e3, 1e6, _STIFFNESS, "valve springs have 1 to 1000 N/mm")
+SEAT_STIFFNESS = Plausible(1e5, 1e11, _STIFFNESS, "seats and coils of metal have 100 N/mm at least")
+SURGE_FREQUENCY = Plausible(30.0, 10e3, (("kHz", 1e3),), "valve springs surge at 30 Hz to 10 kHz")
+
+LASH = Plausible(1e-6, 5e-3, _LENGTH, "valves have a few tenths of a millimetre of lash")
+CAM_LIFT = Plausible(1e-4, 0.1, _LENGTH, "cams lift by 0.1 to 100 mm")
+PART_LENGTH = Plausible(1e-3, 2.0, _LENGTH, "parts of engines measure 1 mm to 2 m")
+CAM_RADIUS = Plausible(1e-3, 0.5, _LENGTH, "cams and their shafts measure 1 to 500 mm")
+CURVATURE = Plausible(1e-4, 10.0, _LENGTH, "contacts have radii of 0.1 mm to 10 m")
+PLAY = Plausible(1e-7, 0.02, _LENGTH, "pistons have 0.1 um to 20 mm of play")
+OFFSET = Plausible(1e-5, 0.2, _LENGTH, "pins and centres of mass lie 0.01 to 200 mm off")
+FILM = Plausible(1e-10, 1e-4, (("um", 1e-6), ("nm", 1e-9)), "films have 0.1 nm to 100 um")
+
+YOUNGS_MODULUS = Plausible(1e6, 2e12, (("GPa", 1e9), ("MPa", 1e6)), "solids have 1 MPa to 2000 GPa")
+YIELD_PRESSURE = Plausible(1e7, 1e11, _PRESSURE, "metals and ceramics yield at 10 MPa to 100 GPa")
+SHEAR_STRESS = Plausible(1e4, 1e10, _PRESSURE, "oils and boundary films shear at 10 kPa to 10 GPa")
+GAS_PRESSURE = Plausible(1e3, 1e8, _PRESSURE, "gas in engines has 1 kPa to 100 MPa")
+
+# SAE J300: no engine oil is thinner than 1.7 mPa.s in a hot bearing; thicker than 5 Pa.s it hardly flows.
+VISCOSITY = Plausible(2e-4, 5.0, (("mPa.s", 1e-3),), "lubricants have 0.2 mPa.s to 5 Pa.s")
+PRESSURE_VISCOSITY = Plausible(1e-10, 1e-6, (("1/GPa", 1e-9),), "lubricants have 0.1 to 1000 1/GPa")
