@@ -17,12 +17,14 @@ from .data import FigureData
 
 KINDS = (
     "valve_train",
+    "valves",
     "film_and_load",
     "solved_film",
     "difference",
     "slider_crank_motion",
     "slider_crank_phase",
     "piston",
+    "solution",
     "steps",
     "energy",
 )

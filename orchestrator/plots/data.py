@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from models.quantities import Quantity, Vector
 
@@ -21,6 +21,12 @@ POINTS = 20_000
 
 # Variables that a figure is drawn against, and their names.
 ANGLES = {"cam_angle": "Cam angle (°)", "angle": "Crank angle (°)", "crank_angle": "Crank angle (°)"}
+
+# Films of a contact, which mean something only under load.
+FILMS = ("film_thickness", "minimum_film_thickness", "film_ratio")
+
+# An angle that departs from its mean rise by less than this share of what it turns is drawn against.
+UNEVEN = 0.02
 
 # Units as they are set in a figure.
 SYMBOLS = {
@@ -39,9 +45,9 @@ SYMBOLS = {
 class FigureData:
     """Values by "instance.variable" in SI units. `reference` is empty if there is none.
 
-    `drivers` gives the output that drives an input, `parameters` what the scenario states. `angle` is the
-    variable to draw against; "": the first angle that there is. `energies` are the ledger's channels at
-    `energy_time`, if one was kept.
+    `drivers` gives the output that drives an input, `parameters` what the scenario states, `tolerance` the
+    allowed relative RMS error of a variable. `angle` is the variable to draw against; "": the first angle
+    that there is. `energies` are the ledger's channels at `energy_time`, if one was kept.
     """
 
     title: str
@@ -55,6 +61,7 @@ class FigureData:
     parameters: Mapping[str, float] = field(default_factory=dict)
     angle: str = ""
     energy_time: Vector = field(default_factory=lambda: np.zeros(0))
+    tolerance: Mapping[str, float] = field(default_factory=dict)
     energies: Mapping[str, Vector] = field(default_factory=dict)
 
     @classmethod
@@ -86,6 +93,7 @@ class FigureData:
             parameters=parameters_of(scenario),
             energy_time=energies.pop("time"),
             energies=energies,
+            tolerance=scenario.tolerance,
         )
 
     def find(self, variable: str) -> str | None:
@@ -96,15 +104,40 @@ class FigureData:
         """All "instance.variable" of that variable."""
         return [name for name in self.coupled if name.split(".", 1)[1] == variable]
 
-    def difference(self, name: str) -> Vector:
-        """|coupled - reference| at the reference's times, which are among the coupled run's."""
+    def instances(self) -> list[str]:
+        """All instances with outputs, in the scenario's order."""
+        return list(dict.fromkeys(name.split(".")[0] for name in self.coupled))
+
+    def driver(self, target: str) -> str:
+        """The instance whose output drives that input; "" if none does."""
+        return self.drivers.get(target, "").split(".")[0]
+
+    def lost(self, contact: str, reference: bool = False) -> NDArray[np.bool_]:
+        """Where a contact carries no load."""
+        values = self.reference if reference else self.coupled
+        return np.asarray(values[f"{contact}.load"] <= 0.0)
+
+    def in_contact(self, contact: str) -> FigureData:
+        """The same, without the contact's films where it carries no load."""
+
+        def under_load(values: Mapping[str, Vector], reference: bool) -> dict[str, Vector]:
+            films = [name for film in FILMS if (name := f"{contact}.{film}") in values]
+            lost = self.lost(contact, reference) if films else False
+            return {**values, **{name: np.where(lost, np.nan, values[name]) for name in films}}
+
+        return replace(
+            self, coupled=under_load(self.coupled, False), reference=under_load(self.reference, True)
+        )
+
+    def error(self, name: str) -> Vector:
+        """coupled - reference at the reference's times; NaN where the thinned coupled run has no record."""
         coupled = self.coupled[name]
         if len(self.reference_time) == len(self.time):
-            return np.asarray(np.abs(coupled - self.reference[name]))
+            return np.asarray(coupled - self.reference[name])
         at = np.searchsorted(self.time, self.reference_time)
         at = np.minimum(at, len(self.time) - 1)
         same = self.time[at] == self.reference_time
-        return np.where(same, np.abs(coupled[at] - self.reference[name]), np.nan)
+        return np.where(same, coupled[at] - self.reference[name], np.nan)
 
     def shown(self, name: str) -> tuple[float, str]:
         """Factor to the display unit, and the unit as it is set."""
@@ -135,14 +168,14 @@ class FigureData:
         return self
 
     def abscissa(self) -> tuple[str, str]:
-        """What to draw against: the cam or crank angle at constant speed, else the time ("")."""
+        """What to draw against: the cam or crank angle at a nearly constant speed, else the time ("")."""
         angles = [self.angle] if self.angle else [name for name in map(self.find, ANGLES) if name]
         for name in angles:
             words = ANGLES[name.split(".", 1)[1]]
             angle = self.coupled[name]
             line = np.interp(self.time, self.time[[0, -1]], angle[[0, -1]])
             turned = abs(angle[-1] - angle[0])
-            if turned > 0.1 and np.abs(angle - line).max() < 0.01 * min(turned, 2.0 * math.pi):
+            if turned > 0.1 and np.abs(angle - line).max() < UNEVEN * turned:
                 return name, words
         unit, _ = self._time_unit()
         return "", f"Time ({SYMBOLS.get(unit, unit)})"

@@ -1,55 +1,84 @@
-"""Error of every compared variable, relative to the reference's range, on a logarithmic scale."""
+"""Error of the judged variables, each in a panel, over the reference's RMS spread, as tolerances count it."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
-from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from models.monolithic.difference import CONSTANT, time_weights
 from models.quantities import Vector
 
 from .data import FigureData
-from .style import headed, over_time, subplots
+from .style import ACCENT, COUPLED, headed, over_time, subplots
 
-# Rounding errors, relative to the range; what is below is not shown.
+# Rounding errors, relative to the spread; what is below is not shown.
 FLOOR = 1e-15
-VARIABLES = (
-    "load", "film_thickness", "minimum_film_thickness", "position", "velocity", "drive_torque", "psi",
-    "crank_torque",
-)  # fmt: skip
+# Panels at most, and beside one another.
+PANELS, COLUMNS = 8, 2
 
 
 def applies(data: FigureData) -> bool:
-    return bool(_names(data))
+    return bool(judged(data))
 
 
-def _names(data: FigureData) -> list[str]:
-    names = [
-        name
-        for name in data.reference
-        if name.split(".", 1)[1] in VARIABLES and np.ptp(data.reference[name]) > 0.0
+def judged(data: FigureData) -> list[str]:
+    """Variables with a tolerance, or else those that are exchanged, as far as they vary."""
+    exchanged = list(dict.fromkeys(data.drivers.values()))
+    varying = [
+        [name for name in wanted if name in data.reference and spread(data, name) > 0.0]
+        for wanted in (data.tolerance, exchanged)
     ]
-    return names[:8]
+    return next((names for names in varying if names), [])
+
+
+def spread(data: FigureData, name: str) -> float:
+    """Root mean square of the reference about its mean; 0 where that is rounding."""
+    reference, weights = data.reference[name], time_weights(data.reference_time)
+    mean = np.average(reference, weights=weights)
+    found = float(np.sqrt(np.average(np.square(reference - mean), weights=weights)))
+    return found if found > CONSTANT * float(np.max(np.abs(reference))) else 0.0
 
 
 def figure(data: FigureData) -> Figure:
-    names = _names(data)
-    made, ax = subplots(figsize=(6.8, 4.2))
-    headed(made, f"{data.title}: error of the coupled run")
-    # Every second one dashed: errors that are alike, as those of two films of one formula, are both seen.
-    colours = colormaps["tab10"].colors[: len(names)]
-    x, hidden = data.x(True), False
-    for i, (name, colour) in enumerate(zip(names, colours, strict=True)):
-        relative = data.difference(name) / np.ptp(data.reference[name])
-        first, top = envelope(np.where(relative > FLOOR, relative, np.nan))
-        hidden |= bool(np.isnan(top).any())
-        ax.semilogy(x[first], top, "--" if i % 2 else "-", color=colour, lw=1.2, label=name)
-    over_time(ax, data)
-    if hidden:
-        ax.set_title(f"errors below {FLOOR:.0e} are not drawn", loc="right", fontsize=8.5)
-    ax.set_ylabel("|coupled − reference| / range of the reference")
-    made.legend(loc="outside lower center", ncols=min(3, len(names)), handlelength=1.6)
+    names = judged(data)
+    shown = names[:PANELS]
+    columns = min(COLUMNS, len(shown))
+    rows = math.ceil(len(shown) / columns)
+    size = (6.8 if columns == 1 else 10.4, 1.2 + (3.0 if rows == 1 else 2.0 * rows))
+    made, axes = subplots(rows, columns, figsize=size, sharey=True, squeeze=False)
+    what = f"error of {len(shown)} of {len(names)} variables" if len(names) > len(shown) else "error"
+    headed(made, f"{data.title}: {what} against the monolithic reference")
+    hidden = [
+        _panel(ax, data.of(name.split(".")[0]), name) for ax, name in zip(axes.flat, shown, strict=False)
+    ]
+    for ax in axes.flat[len(shown) :]:
+        ax.set_visible(False)
+    made.supylabel("|coupled − reference| / RMS spread of the reference", fontsize=9.0)
+    if any(hidden):
+        made.supxlabel(f"Errors below {FLOOR:.0e} are not drawn.", fontsize=8.5, x=0.012, ha="left")
+    handles = {
+        label: handle
+        for ax in axes.flat
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
+    }
+    if handles:
+        made.legend(handles.values(), handles.keys(), loc="outside upper right", ncols=2)
     return made
+
+
+def _panel(ax: Axes, data: FigureData, name: str) -> bool:
+    """One variable's error; whether some of it is too small to be drawn."""
+    relative = np.abs(data.error(name)) / spread(data, name)
+    first, top = envelope(np.where(relative > FLOOR, relative, np.nan))
+    ax.semilogy(data.x(True)[first], top, color=COUPLED, lw=1.1)
+    if name in data.tolerance:
+        ax.axhline(data.tolerance[name], color=ACCENT, lw=1.0, ls=(0, (4, 2)), label="allowed as RMS")
+    ax.set_title(name, loc="left", fontsize=9.0)
+    over_time(ax, data)
+    return bool(np.isnan(top).any())
 
 
 def envelope(values: Vector, bins: int = 400) -> tuple[Vector, Vector]:

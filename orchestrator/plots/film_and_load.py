@@ -1,6 +1,7 @@
-"""Load and film thickness of every loaded contact against the reference, with their errors below.
+"""Load and film thickness of loaded contacts against the reference, with their errors below.
 
-A column for each contact, over the angle of the shaft that drives it.
+A column for each contact, over the angle of the shaft that drives it; of many, those with the largest errors
+of the load. Shaded, and without film, where the contact carries no load.
 """
 
 from __future__ import annotations
@@ -10,13 +11,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .data import FigureData
-from .style import ACCENT, both, headed, legend_above, over_time, subplots
+from .style import ACCENT, both, headed, legend_above, over_time, shade, subplots
 
+# Contacts side by side at most.
+COLUMNS = 4
 VARIABLES = {"load": "Load", "film_thickness": "Film thickness"}
 
 
 def applies(data: FigureData) -> bool:
     return bool(data.reference) and bool(contacts(data))
+
+
+def instances(data: FigureData) -> set[str]:
+    """All contacts, loaded or not."""
+    return {name.split(".")[0] for name in data.all("film_thickness")}
 
 
 def contacts(data: FigureData) -> list[str]:
@@ -30,29 +38,36 @@ def contacts(data: FigureData) -> list[str]:
 
 
 def figure(data: FigureData) -> Figure:
-    names = contacts(data)
+    loaded = contacts(data)
+    names = loaded[:COLUMNS]
+    if len(loaded) > COLUMNS:
+        largest = sorted(loaded, key=lambda name: -float(np.nanmax(np.abs(data.error(f"{name}.load")))))
+        names = [name for name in loaded if name in largest[:COLUMNS]]
     width = 6.8 if len(names) == 1 else 0.8 + 4.6 * len(names)
     made, axes = subplots(
         4, len(names), sharex="col", squeeze=False, figsize=(width, 7.0), height_ratios=(3, 2, 3, 2)
     )
-    headed(made, f"{data.title}: load and film, with their errors")
+    which = f" of {len(names)} of {len(loaded)} contacts, the largest" if len(loaded) > COLUMNS else ""
+    headed(made, f"{data.title}: load and film, with their errors{which}")
     for column, name in zip(axes.T, names, strict=True):
-        own = data.of(name)
+        own = data.of(name).in_contact(name)
         for row, (variable, words) in enumerate(VARIABLES.items()):
             above = column[2 * row]
             both(above, own, f"{name}.{variable}", words)
             above.set_ylim(bottom=min(0.0, above.get_ylim()[0]))
             _error(column[2 * row + 1], own, f"{name}.{variable}")
+        for ax in column:
+            shade(ax, own, name)
         over_time(column[-1], own)
         column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
     made.align_ylabels(axes)
-    legend_above(made, axes[0, -1])
+    legend_above(axes[0, -1], columns=3)
     return made
 
 
 def _error(ax: Axes, data: FigureData, name: str) -> None:
     factor, unit = data.shown(name)
-    error = factor * (data.coupled[name] - data.reference[name])
+    error = factor * data.error(name)
     finite = np.abs(error[np.isfinite(error)])
     ax.plot(data.x(True), error, color=ACCENT, lw=0.8)
     ax.axhline(0.0, color="0.4", lw=0.7)

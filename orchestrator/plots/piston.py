@@ -21,6 +21,11 @@ def applies(data: FigureData) -> bool:
     return data.find("piston_tilt") is not None
 
 
+def instances(data: FigureData) -> set[str]:
+    """Pistons and the gas above them."""
+    return {name.split(".")[0] for name in (*data.all("piston_tilt"), *data.all("gas_pressure"))}
+
+
 def figure(data: FigureData) -> Figure:
     tilt = str(data.find("piston_tilt"))
     instance = tilt.split(".")[0]
@@ -34,7 +39,7 @@ def figure(data: FigureData) -> Figure:
     if gas:
         both(axes[4], data, gas, "Gas pressure")
     axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2)
-    legend_above(made, axes[1])
+    legend_above(axes[1])
     return made
 
 

@@ -17,6 +17,11 @@ def applies(data: FigureData) -> bool:
     return data.find("psi") is not None and data.find("piston_offset") is not None
 
 
+def instances(data: FigureData) -> set[str]:
+    """The slider-crank."""
+    return {name.split(".")[0] for name in data.all("psi")} if applies(data) else set()
+
+
 def figure(data: FigureData) -> Figure:
     instance = str(data.find("psi")).split(".")[0]
     data = data.of(instance)
@@ -26,7 +31,7 @@ def figure(data: FigureData) -> Figure:
     made, axes = panels(len(rows), data, f"{data.title}: motion between the walls", height=1.9)
     for ax, row in zip(axes, rows, strict=True):
         row(ax, data, instance)
-    legend_above(made, axes[0], columns=3)
+    legend_above(axes[0], columns=3)
     return made
 
 

@@ -13,7 +13,7 @@ from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 from models.contact.ehl_contact import FILM_IS_SOLVED
 
 from .data import FigureData
-from .style import ACCENT, COUPLED, MUTED, both, headed, legend_above, over_time, subplots
+from .style import ACCENT, COUPLED, MUTED, both, headed, legend_above, over_time, shade, subplots
 
 ROWS = (
     ("load", "Load"),
@@ -46,7 +46,7 @@ def figure(data: FigureData) -> Figure:
         own = data.of(name)
         for ax, (variable, words) in zip(column, ROWS, strict=True):
             both(ax, own, f"{name}.{variable}", words)
-            _lost(ax, own, name)
+            shade(ax, own, name)
         low, high = column[0].get_ylim()
         column[0].set_ylim(min(0.0, low), high + HEADROOM * (high - low))
         _films(column[1], own, name)
@@ -56,7 +56,7 @@ def figure(data: FigureData) -> Figure:
         over_time(column[-1], own)
         column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
     made.align_ylabels(axes)
-    legend_above(made, axes[0, -1])
+    legend_above(axes[0, -1])
     return made
 
 
@@ -95,10 +95,3 @@ def _logarithmic(ax: Axes) -> None:
     ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     ax.yaxis.set_major_formatter(FormatStrFormatter("%g"))
     ax.yaxis.set_minor_formatter(NullFormatter())
-
-
-def _lost(ax: Axes, data: FigureData, name: str) -> None:
-    lost = data.coupled[f"{name}.load"] <= 0.0
-    if lost.any():
-        ax.fill_between(data.x(), 0.0, 1.0, where=lost, color=MUTED, alpha=0.25, lw=0.0,
-                        transform=ax.get_xaxis_transform())  # fmt: skip

@@ -42,6 +42,8 @@ KINDS = {
     "event": ("event located", ACCENT),
     "discontinuity": ("discontinuity", REFERENCE),
 }
+# The first macro steps differ, while the polynomials of the signals gather their past.
+BEGINNING = 3
 SMALLEST = 1e-6  # of the allowed error: below, estimates are rounding
 
 # Colours, and which steps have each.
@@ -54,7 +56,8 @@ def applies(data: FigureData) -> bool:
     if len(steps) < 2:
         return False
     even = np.ptp(steps.length[:-1]) <= 1e-6 * steps.length[0]
-    return not (even and steps.iterations.max() == 1 and not steps.rejected.any())
+    alike = np.ptp(steps.iterations[BEGINNING:]) == 0 if len(steps) > BEGINNING else True
+    return not (even and alike and not steps.rejected.any())
 
 
 def figure(data: FigureData) -> Figure:

@@ -92,7 +92,17 @@ def both(axes: Axes, data: FigureData, name: str, words: str, scale: float = 1.0
     axes.set_ylabel(data.label(name, words))
 
 
-def legend_above(figure: Figure, axes: Axes, columns: int = 2) -> None:
+def shade(axes: Axes, data: FigureData, contact: str) -> None:
+    """Grey where the contact carries no load."""
+    lost = data.lost(contact)
+    if lost.any():
+        axes.fill_between(
+            data.x(), 0.0, 1.0, where=lost, color=MUTED, alpha=0.25, lw=0.0, label="no contact",
+            transform=axes.get_xaxis_transform(),
+        )  # fmt: skip
+
+
+def legend_above(axes: Axes, columns: int = 2) -> None:
     """The legend over the first panel's right end, where no data is."""
     axes.legend(
         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, borderaxespad=0.2, handlelength=1.8

@@ -1,33 +1,127 @@
-"""Overview of a valve train: load, film, entraining velocity and lift over the cam angle."""
+"""A valve train over the cam angle: its motion on the left, the contact of cam and follower on the right.
+
+Shaded where the follower has left its cam; there the film has no meaning and the gap is drawn instead. Of
+several valve trains it is the one with the highest contact load.
+"""
 
 from __future__ import annotations
 
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .data import FigureData
-from .style import both, legend_above, panels
+from models.quantities import Vector
 
-ROWS = (
+from .data import FigureData
+from .style import COUPLED, MUTED, REFERENCE, both, headed, over_time, shade, subplots
+
+CONTACT = (
     ("load", "Contact load"),
+    ("maximum_pressure", "Highest pressure"),
     ("film_thickness", "Film thickness"),
+    ("friction_force", "Friction"),
     ("entraining_velocity", "Entraining velocity"),
-    ("position", "Follower lift"),
 )
 
 
 def applies(data: FigureData) -> bool:
-    return data.find("entraining_velocity") is not None and data.find("load") is not None
+    return bool(contacts(data))
+
+
+def contacts(data: FigureData) -> list[str]:
+    """Contacts that a cam entrains, the most loaded first."""
+    found = [
+        contact
+        for contact in data.instances()
+        if f"{contact}.load" in data.coupled and f"{cam_of(data, contact)}.cam_angle" in data.coupled
+    ]
+    return sorted(found, key=lambda contact: -float(np.max(data.coupled[f"{contact}.load"])))
+
+
+def cam_of(data: FigureData, contact: str) -> str:
+    return data.driver(f"{contact}.entraining_velocity")
+
+
+def instances(data: FigureData) -> set[str]:
+    """All that these figures draw."""
+    return {
+        part
+        for contact in contacts(data)
+        for part in (contact, cam_of(data, contact), data.driver(f"{contact}.retreat"))
+    }
 
 
 def figure(data: FigureData) -> Figure:
-    rows = [(name, words) for variable, words in ROWS if (name := data.find(variable))]
-    drawn = "coupled run and reference" if data.reference else "coupled run"
-    made, axes = panels(len(rows), data, f"{data.title}: {drawn}")
-    for ax, (name, words) in zip(axes, rows, strict=True):
-        both(ax, data, name, words)
-        if name.endswith("entraining_velocity"):
-            ax.axhline(0.0, color="0.4", lw=0.7)
-        else:
-            ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]))
-    legend_above(made, axes[0])
+    contact, *others = contacts(data)
+    cam, follower = cam_of(data, contact), data.driver(f"{contact}.retreat")
+    own = data.of(cam).in_contact(contact)
+    title = f"{data.title}: valve train of {contact}"
+    if others:
+        title += f", the most loaded of {len(others) + 1} (valves.png has all)"
+    made, axes = subplots(5, 2, figsize=(11.0, 8.8), sharex=True)
+    headed(made, title)
+    lift, second, *rest = axes[:, 0]
+    _lift(lift, own, contact)
+    if own.lost(contact).any() and f"{contact}.retreat" in own.drivers:
+        _gap(second, own, contact)
+    else:
+        _drawn(second, own, f"{follower}.velocity", "Velocity")
+    below = (
+        (f"{follower}.acceleration", "Acceleration"),
+        (f"{follower}.spring_force", "Spring force"),
+        (f"{cam}.drive_torque", "Camshaft torque"),
+    )
+    for ax, (name, words) in zip(rest, below, strict=True):
+        _drawn(ax, own, name, words)
+    for ax, (variable, words) in zip(axes[:, 1], CONTACT, strict=True):
+        source = cam if variable == "entraining_velocity" else contact
+        _drawn(ax, own, f"{source}.{variable}", words)
+    for ax in axes.flat:
+        shade(ax, own, contact)
+    for ax in axes[-1]:
+        over_time(ax, own)
+    made.align_ylabels(axes)
+    lift.set_title(follower, loc="left")
+    axes[0, 1].set_title(f"{contact} with {cam}", loc="left")
+    handles, labels = lift.get_legend_handles_labels()
+    made.legend(handles, labels, loc="outside lower center", ncols=len(labels))
     return made
+
+
+def _drawn(ax: Axes, data: FigureData, name: str, words: str) -> None:
+    """The variable, or an empty panel of its name where a component has none."""
+    if name not in data.coupled:
+        ax.set_visible(False)
+        return
+    both(ax, data, name, words)
+    low, _ = ax.get_ylim()
+    if low < 0.0:
+        ax.axhline(0.0, color="0.4", lw=0.7)
+    elif low > 0.0:
+        ax.set_ylim(bottom=0.0)
+
+
+def _lift(ax: Axes, data: FigureData, contact: str) -> None:
+    """Follower on cam."""
+    cam, follower = data.drivers.get(f"{contact}.approach", ""), data.drivers.get(f"{contact}.retreat", "")
+    _drawn(ax, data, follower, "Lift")
+    if follower and cam:
+        factor, _ = data.shown(cam)
+        ax.plot(
+            data.x(), factor * data.coupled[cam], color=MUTED, lw=1.2, ls=(0, (3, 2)), label="cam surface"
+        )
+
+
+def _gap(ax: Axes, data: FigureData, contact: str) -> None:
+    """From cam surface to follower, while they are apart."""
+    cam, follower = data.drivers[f"{contact}.approach"], data.drivers[f"{contact}.retreat"]
+
+    def gap(values: dict[str, Vector], reference: bool) -> Vector:
+        apart = 1e6 * (values[follower] - values[cam])
+        return np.where(data.lost(contact, reference), np.maximum(apart, 0.0), 0.0)
+
+    if data.reference:
+        ax.plot(data.x(True), gap(dict(data.reference), True), color=REFERENCE, alpha=0.55, lw=3.2)
+    ax.plot(data.x(), gap(dict(data.coupled), False), color=COUPLED, lw=1.1)
+    ax.set_ylabel("Gap (µm)")
+    ax.set_ylim(bottom=0.0)

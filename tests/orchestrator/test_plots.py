@@ -12,7 +12,18 @@ import pytest
 
 from models.contact.ehl_contact import FILM_IS_SOLVED
 from models.quantities import Quantity
-from orchestrator.plots import difference, film_and_load, slider_crank_motion, slider_crank_phase, solved_film
+from orchestrator.diagnosis import Steps
+from orchestrator.plots import (
+    difference,
+    film_and_load,
+    slider_crank_motion,
+    slider_crank_phase,
+    solution,
+    solved_film,
+    steps,
+    valve_train,
+    valves,
+)
 from orchestrator.plots.data import FigureData, parameters_of
 from orchestrator.plots.style import saved
 from orchestrator.scenario import ends
@@ -155,3 +166,139 @@ def test_drawing_leaves_pyplot_alone(tmp_path: Path) -> None:
     )
     subprocess.run([sys.executable, "-c", alone, str(tmp_path / "figure.svg")], check=True)
     assert (tmp_path / "figure.svg").stat().st_size > 1000
+
+
+@pytest.fixture
+def bouncing() -> FigureData:
+    """A valve train whose follower is 20 um off its cam over the nose, where the load is 0."""
+    scenario = load("valve-train-bounce")
+    time = np.linspace(0.0, 60.0 / 3400.0, 721)
+    angle = 2.0 * np.pi * time / time[-1]
+    nose = np.abs(angle - np.pi) < 0.3
+    cam = 4e-3 * (1.0 - np.cos(angle))
+    coupled = {
+        "flywheel.angle": (angle, RADIAN),
+        "flywheel.speed": (np.full_like(time, 356.0), RADIAN),
+        "camshaft.cam_angle": (angle, RADIAN),
+        "camshaft.surface_position": (cam, METRE),
+        "camshaft.entraining_velocity": (np.cos(angle), METRE),
+        "camshaft.drive_torque": (np.sin(angle), FORCE),
+        "valve_spring.position": (cam + 20e-6 * nose, METRE),
+        "valve_spring.velocity": (np.sin(angle), METRE),
+        "valve_spring.acceleration": (np.cos(angle), METRE),
+        "valve_spring.spring_force": (300.0 + cam, FORCE),
+        "contact.load": (np.where(nose, 0.0, 400.0), FORCE),
+        "contact.maximum_pressure": (np.where(nose, 0.0, 3e8), FORCE),
+        "contact.film_thickness": (1e-6 * (2.0 + np.cos(angle)), METRE),
+        "contact.friction_force": (np.where(nose, 0.0, 20.0), FORCE),
+    }
+    return FigureData(
+        title="bouncing",
+        time=time,
+        coupled={name: value for name, (value, _) in coupled.items()},
+        reference_time=time,
+        reference={name: value for name, (value, _) in coupled.items()},
+        quantities={name: quantity for name, (_, quantity) in coupled.items()},
+        drivers={target: source for source, target in map(ends, scenario.connections)},
+        parameters=parameters_of(scenario),
+        tolerance=scenario.tolerance,
+    )
+
+
+def test_a_bouncing_valve_shows_its_gap_and_no_film(bouncing: FigureData) -> None:
+    figure = valve_train.figure(bouncing)
+    lines = {ax.get_ylabel().split(" (")[0]: ax.lines[0].get_ydata() for ax in figure.axes}
+    assert {"Lift", "Acceleration", "Spring force", "Highest pressure", "Friction"} < set(lines)
+    apart = bouncing.lost("contact")
+    assert lines["Gap"].max() == pytest.approx(20.0)
+    assert not lines["Gap"][~apart].any()
+    np.testing.assert_array_equal(np.isnan(lines["Film thickness"]), apart)
+    cam = next(line for line in figure.axes[0].lines if line.get_label() == "cam surface")
+    np.testing.assert_array_equal(cam.get_ydata(), bouncing.coupled["camshaft.surface_position"])
+    assert all(ax.collections for ax in figure.axes)  # shaded
+
+
+def test_a_valve_that_stays_on_its_cam_shows_its_velocity_instead_of_the_gap(bouncing: FigureData) -> None:
+    loaded = bouncing.coupled | {"contact.load": np.full_like(bouncing.time, 400.0)}
+    kept = replace(bouncing, coupled=loaded, reference=loaded)
+    labels = [ax.get_ylabel().split(" (")[0] for ax in valve_train.figure(kept).axes]
+    assert "Gap" not in labels
+    assert "Velocity" in labels
+
+
+def test_films_without_contact_are_not_drawn_with_the_load(bouncing: FigureData) -> None:
+    figure = film_and_load.figure(bouncing)
+    film = figure.axes[2].lines[-1].get_ydata()
+    np.testing.assert_array_equal(np.isnan(film), bouncing.lost("contact"))
+
+
+def test_many_valves_are_all_drawn_and_named(bouncing: FigureData) -> None:
+    """A copy of the train under other names, of half the load."""
+    others = {
+        "_".join((name.split(".")[0], "b")) + "." + name.split(".")[1]: 0.5 * values
+        for name, values in bouncing.coupled.items()
+        if not name.startswith("flywheel")
+    }
+    parts = ("camshaft", "valve_spring", "contact")
+
+    def renamed(name: str) -> str:
+        instance, variable = name.split(".")
+        return f"{instance}_b.{variable}" if instance in parts else name
+
+    twin = {renamed(target): renamed(source) for target, source in bouncing.drivers.items()}
+    both = replace(
+        bouncing,
+        coupled=bouncing.coupled | others,
+        reference={},
+        quantities=bouncing.quantities | dict.fromkeys(others, METRE),
+        drivers={**twin, **bouncing.drivers},
+    )
+    assert valve_train.contacts(both) == ["contact", "contact_b"]
+    assert "valve train of contact, the most loaded of 2" in valve_train.figure(both).get_suptitle()
+    assert valves.applies(both)
+    assert not valves.applies(bouncing)
+    panels = [ax for ax in valves.figure(both).axes if ax.get_visible()]
+    assert [ax.get_title(loc="left") for ax in panels] == ["contact", "contact_b"]
+    assert panels[0].get_xlabel() == "Crank angle (°)"
+
+
+def test_each_judged_variable_has_its_error_and_its_tolerance_in_a_panel(bouncing: FigureData) -> None:
+    off = bouncing.coupled | {"contact.load": bouncing.coupled["contact.load"] + 0.2}
+    figure = difference.figure(replace(bouncing, coupled=off))
+    assert [ax.get_title(loc="left") for ax in figure.axes] == ["contact.load", "contact.film_thickness"]
+    error, allowed = figure.axes[0].lines
+    spread = np.std(bouncing.reference["contact.load"])  # records at equal distances
+    assert error.get_ydata() == pytest.approx(0.2 / spread)
+    assert allowed.get_ydata()[0] == 1e-3
+
+
+def test_what_no_other_figure_draws_is_drawn_by_variable(bouncing: FigureData) -> None:
+    time = np.linspace(0.0, 1.0, 11)
+    names = ("chassis.position", "wheel.position", "wheel.velocity", "wheel.tyre_force", "wheel.still")
+    coupled = {name: np.sin((i + 1) * time) for i, name in enumerate(names)} | {"wheel.still": np.ones(11)}
+    data = FigureData(
+        title="car", time=time, coupled=coupled, reference_time=time, reference={},
+        quantities=dict.fromkeys(coupled, METRE), drivers={"chassis.wheel_velocity": "wheel.velocity"},
+        tolerance={"chassis.position": 1e-3, "wheel.position": 1e-3},
+    )  # fmt: skip
+    assert solution.panels(data) == {
+        "position": ["chassis.position", "wheel.position"],
+        "velocity": ["wheel.velocity"],
+    }
+    alone = replace(data, drivers={}, tolerance={})
+    assert set(solution.panels(alone)) == {"position", "velocity", "tyre_force"}
+    assert [ax.get_ylabel() for ax in solution.figure(data).axes] == ["Position (m)", "Velocity (m)"]
+    assert not solution.applies(bouncing)  # at a constant speed
+
+
+def macro_steps(iterations: list[int]) -> Steps:
+    count = len(iterations)
+    even = np.full(count, 0.1)
+    nothing = np.zeros(count)
+    return Steps(np.cumsum(even), even, np.array(iterations), nothing, nothing, nothing, nothing)
+
+
+def test_steps_that_are_all_alike_but_the_first_are_not_drawn(bouncing: FigureData) -> None:
+    """The first of Gauss-Seidel's have two iterations, while its polynomials gather their past."""
+    assert not steps.applies(replace(bouncing, steps=macro_steps([2, 2, 1, 1, 1, 1])))
+    assert steps.applies(replace(bouncing, steps=macro_steps([2, 2, 1, 1, 2, 1])))

@@ -1,0 +1,80 @@
+"""What components do that no other figure draws: a panel for each variable, a colour for each instance."""
+
+from __future__ import annotations
+
+from itertools import chain
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from . import film_and_load, piston, slider_crank_motion, valve_train
+from .data import ANGLES, FigureData
+from .style import ACCENT, COUPLED, headed, over_time, subplots
+
+# Panels at most, and lines in each.
+PANELS, LINES = 8, 4
+COLOURS = (COUPLED, "#e08e0b", ACCENT, "#7b4fa3")
+# Times of events that are not known, and the like, are no motion.
+ENDLESS = 1e29
+# Of its size: a variable that varies by less is constant.
+CONSTANT = 1e-9
+
+
+def applies(data: FigureData) -> bool:
+    return bool(panels(data))
+
+
+def panels(data: FigureData) -> dict[str, list[str]]:
+    """Outputs to draw, by variable: those with a tolerance and those that drive inputs.
+
+    Where no figure draws anything else, all outputs if there are none of these.
+    """
+    drawn = set(
+        chain.from_iterable(
+            kind.instances(data) for kind in (valve_train, film_and_load, slider_crank_motion, piston)
+        )
+    )
+    free = [name for name in data.coupled if name.split(".")[0] not in drawn and _moves(data, name)]
+    judged = {*data.tolerance, *data.drivers.values()}
+    found: dict[str, list[str]] = {}
+    for name in [name for name in free if name in judged] or ([] if drawn else free):
+        found.setdefault(name.split(".", 1)[1], []).append(name)
+    return found
+
+
+def _moves(data: FigureData, name: str) -> bool:
+    """It varies, and is no angle that others are drawn against."""
+    values = data.coupled[name]
+    size = float(np.nanmax(np.abs(values), initial=0.0))
+    if name.split(".", 1)[1] in ANGLES or size > ENDLESS:
+        return False
+    return float(np.nanmax(values) - np.nanmin(values)) > CONSTANT * size
+
+
+def figure(data: FigureData) -> Figure:
+    found = panels(data)
+    shown = list(found)[:PANELS]
+    data = data.of(found[shown[0]][0].split(".")[0])
+    made, axes = subplots(len(shown), 1, sharex=True, squeeze=False, figsize=(6.8, 1.3 + 1.8 * len(shown)))
+    which = f", {len(shown)} of {len(found)} variables" if len(found) > len(shown) else ""
+    headed(made, f"{data.title}: solution{which}")
+    for ax, variable in zip(axes[:, 0], shown, strict=True):
+        _panel(ax, data, found[variable], variable)
+    over_time(axes[-1, 0], data)
+    made.align_ylabels(axes)
+    if data.reference:
+        made.supxlabel("Wide pale lines: the monolithic reference.", fontsize=8.5, x=0.012, ha="left")
+    return made
+
+
+def _panel(ax: Axes, data: FigureData, names: list[str], variable: str) -> None:
+    for name, colour in zip(names[:LINES], COLOURS, strict=False):
+        factor, _ = data.shown(name)
+        if name in data.reference:
+            ax.plot(data.x(True), factor * data.reference[name], color=colour, alpha=0.3, lw=3.4)
+        ax.plot(data.x(), factor * data.coupled[name], color=colour, lw=1.1, label=name.split(".")[0])
+    more = len(names) - LINES
+    ax.set_title(f"and {more} more" if more > 0 else "", loc="left", fontsize=8.5)
+    ax.set_ylabel(data.label(names[0], variable.replace("_", " ").capitalize()))
+    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=LINES, borderaxespad=0.2)

@@ -1,0 +1,61 @@
+"""All valve trains of an engine: contact load and lift of each over the angle of their common drive."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from .data import FigureData
+from .style import COUPLED, MUTED, REFERENCE, headed, over_time, shade, subplots
+from .valve_train import cam_of, contacts
+
+COLUMNS = 4
+
+
+def applies(data: FigureData) -> bool:
+    return len(contacts(data)) > 1
+
+
+def figure(data: FigureData) -> Figure:
+    trains = contacts(data)
+    names = [name for name in data.instances() if name in trains]
+    driven = data.drivers.get(f"{cam_of(data, names[0])}.drive_angle", "")
+    data = replace(data, angle=driven) if driven in data.coupled else data
+    rows = math.ceil(len(names) / COLUMNS)
+    made, axes = subplots(
+        rows,
+        min(COLUMNS, len(names)),
+        figsize=(12.0, 1.1 + 1.9 * rows),
+        sharex=True,
+        sharey=True,
+        squeeze=False,
+    )
+    headed(made, f"{data.title}: contact loads of {len(names)} valve trains, shaded where contact is lost")
+    x, top = data.x(), 1.05 * max(float(np.max(data.coupled[f"{name}.load"])) for name in names)
+    for ax, name in zip(axes.flat, names, strict=False):
+        lift = data.coupled.get(data.drivers.get(f"{name}.retreat", ""), np.zeros_like(x))
+        share = lift / (float(np.max(lift)) or 1.0)
+        ax.fill_between(
+            x, 0.0, 0.35 * top * share, color=MUTED, alpha=0.35, lw=0.0, label="lift (not to scale)"
+        )
+        if data.reference:
+            reference = data.reference[f"{name}.load"]
+            ax.plot(
+                data.x(True), reference, color=REFERENCE, alpha=0.55, lw=2.6, label="monolithic reference"
+            )
+        ax.plot(x, data.coupled[f"{name}.load"], color=COUPLED, lw=1.0, label="coupled")
+        shade(ax, data, name)
+        ax.set_title(name, loc="left", fontsize=8.5)
+    for ax in axes.flat[len(names) :]:
+        ax.set_visible(False)
+    axes[0, 0].set_ylim(0.0, top)
+    for ax in axes[:, 0]:
+        ax.set_ylabel("Load (N)")
+    for ax in axes[-1]:
+        over_time(ax, data)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    made.legend(handles, labels, loc="outside upper right", ncols=len(labels))
+    return made
