@@ -61,7 +61,7 @@ def figure(found: Survey) -> Figure:
 
 
 def _radius(axes: Axes, method: Surveyed) -> None:
-    """Dashed beyond the limit: radii are those of few steps, between which unstable ones may lie."""
+    """Dashed beyond the limit, where only few steps were sampled."""
     signal = method.master.extrapolation
     colour = COLOURS[signal]
     seen = [(at.step, at.radius) for at in method.seen if math.isfinite(at.radius)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,8 +24,13 @@ from .spectra import runs_away, spectral_radius
 ROUNDING = 1e-6
 # A system that grows by itself may be coupled into growing so much faster, which is an error and no more.
 FASTER = 1.1
-# Steps are compared at powers of this; between two of them the limit is bisected so often.
-RATIO, BISECTIONS = math.sqrt(2.0), 7
+# Spacing of the scan for the first unstable step: as a share of the step, and in radians of the fastest
+# participant's own oscillation. An island of instability that is narrower can be missed.
+SPACING = 0.03
+# Participants' oscillations that have decayed by exp(-this) within a step play no part in the spacing.
+DECAYED = 5.0
+# Bisections of the first interval in which stability ends; ratio of the steps sampled beyond it.
+BISECTIONS, RATIO = 6, math.sqrt(2.0)
 # Beyond this growth per step there is nothing to be seen in a picture.
 SEEN = 30.0
 # Columns of a matrix that are read out together.
@@ -73,7 +78,7 @@ class Behaviour:
     def __init__(self, point: Point, master: Master, benches: Benches | None = None) -> None:
         self.point, self.master = point, master
         self._benches = benches or Benches(point.system)
-        self._known: dict[float, MacroStep | None] = {}
+        self._last: tuple[float, MacroStep | None, float] | None = None
 
     @property
     def sources(self) -> list[Port]:
@@ -87,17 +92,26 @@ class Behaviour:
 
     def operator(self, step: float) -> MacroStep | None:
         """The macro step; None where the master's iteration does not converge."""
-        if step not in self._known:
-            self._known[step] = self._operator(step)
-        return self._known[step]
+        return self._evaluate(step)[0]
 
-    def _operator(self, step: float) -> MacroStep | None:
-        if self.master.implicit and not self._converges(step):
-            return None
+    def _evaluate(self, step: float) -> tuple[MacroStep | None, float]:
+        """The macro step, and how a plain iteration contracts in it (see `At`)."""
+        if self._last is None or self._last[0] != step:
+            self._last = (step, *self._linearised_step(step))
+        return self._last[1:]
+
+    def _linearised_step(self, step: float) -> tuple[MacroStep | None, float]:
+        bench, stepping, contraction = self._benches.of(self.point, self.master), self.master, math.nan
+        if self.master.implicit:
+            stepping = Converged(self.master, bench, step)
+            radii = [spectral_radius(matrix) for matrix in stepping.sweeps.values()]
+            contraction = max(radii, default=0.0)
+            if not self._converges(step):
+                return None, contraction
         try:
-            return macro_step(self._benches.of(self.point, self.master), self.master, step)
+            return macro_step(bench, stepping, step), contraction
         except np.linalg.LinAlgError:
-            return None
+            return None, contraction
 
     def _converges(self, step: float) -> bool:
         """The master's own iteration does, from data with a share of everything."""
@@ -110,20 +124,11 @@ class Behaviour:
         return True
 
     def at(self, step: float) -> At:
-        operator = self.operator(step)
-        shrink = self._contraction(step) if self.master.implicit else math.nan
+        operator, contraction = self._evaluate(step)
         if operator is None:
-            return At(step, math.nan, shrink)
+            return At(step, math.nan, contraction)
         radius = spectral_radius(operator.matrix) * math.exp(-min(FASTER * self.point.growth * step, 700.0))
-        return At(step, radius, shrink)
-
-    def _contraction(self, step: float) -> float:
-        """Spectral radius of what a sweep makes of assumed end values: how a plain iteration contracts.
-
-        Of the parts that the master iterates. Zero without such parts.
-        """
-        swept = Converged(self.master, self._benches.of(self.point, self.master), step).sweeps
-        return max((spectral_radius(matrix) for matrix in swept.values()), default=0.0)
+        return At(step, radius, contraction)
 
     def effort(self, step: float, amounts: Vector) -> float:
         """Steps of participants in one macro step in which the true solution misses by `amounts`."""
@@ -143,40 +148,38 @@ class Behaviour:
         return None if operator is None else runs_away(operator, self.sources)
 
 
-def largest_stable(
-    at: Callable[[float], At], first: float, longest: float, seen: list[At], ratio: float = RATIO
-) -> float:
-    """The step up to which all are stable, looked for from `first` on; infinite if `longest` is stable.
+def largest_stable(behaviour: Behaviour, first: float, longest: float, seen: list[At]) -> float:
+    """The step at which stability first ends; infinite if all scanned steps up to `longest` are stable.
 
-    `seen` takes what was found at powers of `ratio`, ascending. Zero if no step is stable.
+    Steps are scanned upwards from `first`, or from a stable step below it, with `SPACING`: stability can end
+    and return within a few per cent. Zero if no step is stable. `seen` takes what was found, ascending.
     """
-    step = first
-    seen.append(at(step))
+    seen.append(behaviour.at(first))
     while not seen[0].stable:
-        if step <= first / SHORTEST:
+        if seen[0].step <= first / SHORTEST:
             return 0.0
-        step /= 4.0
-        seen.insert(0, at(step))
-    good = bad = 0.0
-    for found in seen:
-        if not found.stable:
-            bad = found.step
-            break
-        good = found.step
-    step = seen[-1].step
-    while step * ratio <= longest and not seen[-1].radius > SEEN:
-        step *= ratio
-        seen.append(at(step))
-        if not bad:
-            good, bad = (step, 0.0) if seen[-1].stable else (good, step)
-    return bisected(at, good, bad) if bad else math.inf
+        seen.insert(0, behaviour.at(seen[0].step / 4.0))
+    del seen[1:]
+    while seen[-1].stable:
+        good = seen[-1].step
+        if good >= longest:
+            return math.inf
+        seen.append(behaviour.at(min(good + _spacing(behaviour.point, good), longest)))
+    limit = _bisect(behaviour, good, seen[-1].step)
+    while seen[-1].step * RATIO <= longest and not seen[-1].radius > SEEN:
+        seen.append(behaviour.at(seen[-1].step * RATIO))
+    return limit
 
 
-def bisected(at: Callable[[float], At], good: float, bad: float) -> float:
+def _spacing(point: Point, step: float) -> float:
+    return SPACING * min(step, 1.0 / max(point.fastest(DECAYED / step), 1e-300))
+
+
+def _bisect(behaviour: Behaviour, good: float, bad: float) -> float:
     """The end of stability between a stable and an unstable step."""
     for _ in range(BISECTIONS):
         middle = math.sqrt(good * bad)
-        good, bad = (middle, bad) if at(middle).stable else (good, middle)
+        good, bad = (middle, bad) if behaviour.at(middle).stable else (good, middle)
     return good
 
 
@@ -193,7 +196,7 @@ def hardest(
     for point in points:
         behaviour = Behaviour(point, master, benches)
         if worst is None or not behaviour.at(min(limit, longest)).stable:
-            found = largest_stable(behaviour.at, first, longest, [])
+            found = largest_stable(behaviour, first, longest, [])
             if worst is None or found < limit:
                 worst, limit = point, found
     assert worst is not None

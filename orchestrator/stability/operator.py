@@ -16,7 +16,6 @@ from models.quantities import Vector
 
 from ..masters import Master
 from .bench import Bench
-from .converged import Converged
 from .missed import ends
 
 
@@ -43,22 +42,21 @@ class MacroStep:
 
 
 def macro_step(bench: Bench, master: Master, step: float) -> MacroStep:
-    """The matrices of a macro step by `master`; of an implicit one, of what it converges to.
+    """The matrices of a macro step by `master`, an implicit one as `Converged`.
 
     LinAlgError where the end values that agree are not determined.
     """
-    stepping: Master = Converged(master, bench, step) if master.implicit else master
     size, sources = bench.size, bench.sources
     at_end = ends(step, bench.degree)
     kinds = at_end.shape[1]
     columns, defect = np.empty((size, size)), np.empty((size, kinds * sources))
     for part, data in _units(size, bench.count):
         bench.put(data, step)
-        columns[:, part] = bench.after(stepping, step)[:, : data.shape[1]]
+        columns[:, part] = bench.after(master, step)[:, : data.shape[1]]
     for part, missed in _units(kinds * sources, bench.count):
         bench.put(np.zeros((size, missed.shape[1])), step)
         bench.follow(missed, step)
-        defect[:, part] = bench.after(stepping, step)[:, : missed.shape[1]]
+        defect[:, part] = bench.after(master, step)[:, : missed.shape[1]]
     # The true solution has moved by what was missed; the rest is error.
     for kind in range(kinds):
         own = np.arange(sources)

@@ -36,6 +36,16 @@ class Point:
         return max(0.0, float(np.max(values.real, initial=0.0)))
 
     @cached_property
+    def _modes(self) -> Vector:
+        """Eigenvalues (1/s) of the participants, each alone."""
+        return np.concatenate([eigenvalues(linear.A) for linear in self.linears.values()])
+
+    def fastest(self, decay: float) -> float:
+        """The fastest oscillation (rad/s) of a lone participant that decays no faster than `decay` (1/s)."""
+        lasting = self._modes[self._modes.real > -decay]
+        return float(np.max(np.abs(lasting.imag), initial=0.0))
+
+    @cached_property
     def matrix(self) -> Vector:
         """dx/dt = matrix x of the whole system: the connections closed exactly."""
         s = self.system

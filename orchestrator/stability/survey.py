@@ -15,7 +15,7 @@ from models.system import Port, System, parse_port
 from ..masters import MASTERS, Master
 from ..scenario import Scenario
 from ..signals import DEGREES
-from .behaviour import RATIO, Behaviour, Benches, bisected, hardest, largest_stable
+from .behaviour import Behaviour, Benches, hardest, largest_stable
 from .course import course_of
 from .error import Sampled, predicted, sampled
 from .findings import Survey, Surveyed
@@ -33,8 +33,6 @@ FINER, INSTANTS, COURSE_TOLERANCE = 2, 60_000, 1e-9
 POINTS = 12
 # Steps are looked at from the scenario's over this to the scenario's times that.
 DOWN, UP = 8.0, 256.0
-# An implicit master's step costs ten times as much to read out: fewer of them.
-COARSE = 2.0
 # What is recommended keeps away from the end of stability and of the tolerance by these factors: the first
 # for what is not linear, the second for an estimate's.
 AWAY, WITHIN = 1.5, 2.0
@@ -139,7 +137,7 @@ class _Surveyor:
         if len(orders) == 1:
             return orders[0]
         listed = Behaviour(self.hardest, kind(), self._benches)
-        limit = largest_stable(listed.at, self._first, self._longest, [], COARSE)
+        limit = largest_stable(listed, self._first, self._longest, [])
         beyond = min(1.5 * limit, self._longest)
         radius = {
             order: Behaviour(self.hardest, kind(order=order), self._benches).at(beyond).radius
@@ -176,14 +174,13 @@ class _Surveyor:
     def _stability(self, master: Master) -> Surveyed:
         found = Surveyed(master)
         worst = Behaviour(self.hardest, master, self._benches)
-        ratio = COARSE if master.implicit else RATIO
-        found.limit = largest_stable(worst.at, self._first, self._longest, found.seen, ratio)
+        found.limit = largest_stable(worst, self._first, self._longest, found.seen)
         found.hardest = self.hardest.time
         for point in self.points:
             other = Behaviour(point, master, self._benches)
             just = min(ALMOST * found.limit, self._longest)
             if found.limit > 0.0 and not other.at(just).stable:
-                found.limit = min(found.limit, largest_stable(other.at, self._first, just, [], ratio))
+                found.limit = min(found.limit, largest_stable(other, self._first, just, []))
                 worst, found.hardest = other, point.time
         if found.limit < math.inf:
             found.culprit = worst.culprit(1.1 * found.limit)
@@ -202,10 +199,9 @@ class _Surveyor:
         step, interval = self.scenario.macro_step, self._sampled.interval
         factor, behaviour = FINER, Behaviour(self.typical, found.master, self._benches)
         while factor * interval < found.limit and len(self._sampled.values) > 8 * factor:
-            # A narrow band of unstable steps, met where the limit's search stepped over it.
+            # Only the hardest point was scanned: this one may have an island of instability of its own.
             if not behaviour.at(factor * interval).stable:
-                good = factor * interval / COARSE
-                found.limit = bisected(behaviour.at, good, factor * interval)
+                found.limit = largest_stable(behaviour, self._first, factor * interval, [])
                 found.culprit, found.hardest = behaviour.culprit(factor * interval), self.typical.time
                 break
             found.errors[factor * interval] = errors = self._errors(behaviour, factor)

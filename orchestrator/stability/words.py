@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ..masters import name_of
+from .behaviour import SPACING
 from .findings import Survey, Surveyed
 
 
@@ -88,6 +89,10 @@ def sentences(found: Survey) -> Iterator[str]:
     yield (
         f"Linearised at {len(found.points)} instants; limits are those of the hardest. Errors are carried "
         f"up to t = {found.until:g} s, about t = {found.typical:.4g} s."
+    )
+    yield (
+        f"Macro steps were scanned upwards, {SPACING:.0%} or {SPACING:g} rad of a participant's fastest "
+        "oscillation apart: a narrower island of instability can be missed."
     )
     yield from _linearised(found)
     if any(instance.component.events for instance in found.system.instances.values()):

@@ -116,7 +116,7 @@ def test_a_run_of_a_foreign_fmu_grows_beyond_the_limit_predicted_by_its_derivati
     made = {"first": Equations(system, "first"), "second": Directional("second", unit, system)}
     behaviour = Behaviour(point_at(system, where, 20, [], made), master)
     unit.close()
-    limit = largest_stable(behaviour.at, 1e-4, 0.5, [])
+    limit = largest_stable(behaviour, 1e-4, 0.5, [])
     for share in (0.96, 1.04):
         rate = np.log(behaviour.at(share * limit).radius)
         units = {name: fmu(name, native(i.component, 2), i) for name, i in system.instances.items()}

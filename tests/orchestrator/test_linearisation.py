@@ -178,8 +178,8 @@ def test_a_run_of_a_foreign_fmu_grows_beyond_the_limit_predicted_by_its_response
     behaviour = Behaviour(point_at(system, where, 20, [], made), master)
     unit.close()
     assert measured.held == ["force"]
-    limit = largest_stable(behaviour.at, 1e-4, 0.5, [])
-    component = largest_stable(Behaviour(point_at(system, where, 20, []), master).at, 1e-4, 0.5, [])
+    limit = largest_stable(behaviour, 1e-4, 0.5, [])
+    component = largest_stable(Behaviour(point_at(system, where, 20, []), master), 1e-4, 0.5, [])
     assert not 0.9 < limit / component < 1.1
     for share in (0.96, 1.04):
         rate = np.log(behaviour.at(share * limit).radius)

@@ -63,7 +63,7 @@ def _two_masses() -> Row:
     parts, wrong = [], []
     for master in COMPARED:
         behaviour = Behaviour(point(system), master)
-        limit = largest_stable(behaviour.at, 1e-3, 0.5, [])
+        limit = largest_stable(behaviour, 1e-3, 0.5, [])
         factors = []
         for share in (1.0 - NEAR, 1.0 + NEAR):
             rate = np.log(behaviour.at(share * limit).radius)
