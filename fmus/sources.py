@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -63,7 +64,13 @@ def closure(module: Path, root: Path, packages: bool = True) -> list[Path]:
     return sorted(found)
 
 
-def _imports(file: Path, root: Path) -> Iterator[Path]:
+@functools.cache
+def _imports(file: Path, root: Path) -> tuple[Path, ...]:
+    """Read once a process: the components of one command share most of their files."""
+    return tuple(_imported(file, root))
+
+
+def _imported(file: Path, root: Path) -> Iterator[Path]:
     for node in ast.walk(ast.parse(file.read_bytes(), str(file))):
         if isinstance(node, ast.ImportFrom) and node.level:
             folder = file.parents[node.level - 1]

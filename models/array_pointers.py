@@ -1,7 +1,7 @@
-"""Arrays for compiled code by their addresses.
+"""Pointers to arrays, handed to compiled code in one record.
 
-A call from Python of compiled code takes time for every array it is handed. What runs in every step is
-handed one record with the addresses of all arrays that it works on, made once: they have to stay in place.
+Each array argument of a compiled function costs time at every call from Python. A function that runs in every
+step takes one record with the addresses of all its arrays instead. The arrays must stay where they are.
 """
 
 from __future__ import annotations
@@ -10,11 +10,12 @@ import ctypes
 from functools import cache
 from typing import Any
 
-import numba
 import numpy as np
-from numba import types
+from numba import carray, types
 from numba.core import cgutils
 from numba.extending import intrinsic
+
+from .kernel import COMPILED, kernel
 
 # Records with attributes, which compiled code and plain Python read in the same way.
 ARRAY = np.dtype((np.record, [("address", np.int64), ("rows", np.int64), ("columns", np.int64)]))
@@ -26,8 +27,8 @@ def _named(names: tuple[str, ...]) -> Any:
     return np.dtype((np.record, [(name, ARRAY) for name in names]))
 
 
-class Addressed:
-    """Keeps contiguous arrays of one or two dimensions; `record[0]` has an ARRAY for each, by name."""
+class ArrayPointers:
+    """Contiguous arrays of one or two dimensions; `record[0]` has the ARRAY of each, by name."""
 
     def __init__(self, **arrays: Any) -> None:
         self._arrays = arrays
@@ -38,51 +39,49 @@ class Addressed:
             self.record[name] = (array.ctypes.data, *((1, *array.shape)[-2:]))
 
 
-@intrinsic
-def _pointer(typing: Any, address: Any) -> Any:
+def _to_pointer(typing: Any, address: Any) -> Any:
+    """The address as a pointer that `carray` takes."""
+
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.inttoptr(arguments[0], cgutils.voidptr_t)
 
     return types.voidptr(types.int64), generate
 
 
-if numba.config.DISABLE_JIT:
-
-    def _pointer(address: Any) -> Any:  # as `carray` takes it in plain Python
-        return ctypes.c_void_p(int(address))
+_pointer: Any = intrinsic(_to_pointer) if COMPILED else lambda address: ctypes.c_void_p(int(address))
 
 
-@numba.njit(cache=True)
+@kernel
 def numbers(array: Any) -> Any:
     """A vector of floating-point numbers."""
-    return numba.carray(_pointer(array.address), array.columns, np.float64)
+    return carray(_pointer(array.address), array.columns, np.float64)
 
 
-@numba.njit(cache=True)
+@kernel
 def table(array: Any) -> Any:
     """Rows of floating-point numbers."""
-    return numba.carray(_pointer(array.address), (array.rows, array.columns), np.float64)
+    return carray(_pointer(array.address), (array.rows, array.columns), np.float64)
 
 
-@numba.njit(cache=True)
+@kernel
 def integers(array: Any) -> Any:
     """A vector of whole numbers."""
-    return numba.carray(_pointer(array.address), array.columns, np.int64)
+    return carray(_pointer(array.address), array.columns, np.int64)
 
 
-@numba.njit(cache=True)
+@kernel
 def integer_table(array: Any) -> Any:
     """Rows of whole numbers."""
-    return numba.carray(_pointer(array.address), (array.rows, array.columns), np.int64)
+    return carray(_pointer(array.address), (array.rows, array.columns), np.int64)
 
 
-@numba.njit(cache=True)
+@kernel
 def marks(array: Any) -> Any:
     """A vector of truth values."""
-    return numba.carray(_pointer(array.address), array.columns, np.bool_)
+    return carray(_pointer(array.address), array.columns, np.bool_)
 
 
-@numba.njit(cache=True)
+@kernel
 def mark_table(array: Any) -> Any:
     """Rows of truth values."""
-    return numba.carray(_pointer(array.address), (array.rows, array.columns), np.bool_)
+    return carray(_pointer(array.address), (array.rows, array.columns), np.bool_)

@@ -21,7 +21,7 @@ class Composition:
     """Calls `functions[i](t, x part, u part, p part, out part)` for every i in turn.
 
     `bounds[i]` are start and stop of the four parts. Before each call u[target] = out[source]. All
-    functions write their parts of `out`.
+    functions write their parts of `out`. `run` is the compiled function, for kernels that call it.
     """
 
     def __init__(
@@ -32,16 +32,16 @@ class Composition:
         target: NDArray[np.int64] | None = None,
     ) -> None:
         none = np.zeros(0, dtype=np.int64)
-        self._source = none if source is None else source
-        self._target = none if target is None else target
-        self._bounds = np.array(bounds, dtype=np.int64).reshape(-1, 8)
+        self.source = none if source is None else source
+        self.target = none if target is None else target
+        self.bounds = np.array(bounds, dtype=np.int64).reshape(-1, 8)
         changes = [i for i in range(1, len(functions)) if functions[i] is not functions[i - 1]]
         starts = [0, *changes] if len(functions) else []
-        self._ends = np.array([*starts, len(functions)], dtype=np.int64)
-        self._run = _joined([_repeated(functions[i]) for i in starts])
+        self.ends = np.array([*starts, len(functions)], dtype=np.int64)
+        self.run = _joined([_repeated(functions[i]) for i in starts])
 
     def __call__(self, t: float, x: Vector, u: Vector, p: Vector, out: Vector) -> None:
-        self._run(t, x, u, p, out, self._source, self._target, self._bounds, self._ends, 0)
+        self.run(t, x, u, p, out, self.source, self.target, self.bounds, self.ends, 0)
 
 
 def _joined(groups: Sequence[Any]) -> Any:

@@ -10,12 +10,10 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from .component import Component
-from .composition import Composition
 from .quantities import Layout, Vector
 
 
@@ -146,21 +144,6 @@ class System:
         if faults:
             raise ModelError("; ".join(faults))
 
-    def check_start(self, t: float, x: Vector) -> None:
-        """ModelError if an instance's part of the state x does not fit the inputs that it has at `t`."""
-        judging = {n: i.component for n, i in self.instances.items() if i.component.start_requirements}
-        if not judging:
-            return
-        evaluation = Interpreted(self)
-        evaluation.outputs(t, x)
-        faults: list[str] = []
-        for name, component in judging.items():
-            parts = self.p[self.parameters.of(name)], x[self.state.of(name)]
-            found = component.start_faults(*parts, evaluation.u[self.inputs.of(name)])
-            faults += [f"{name}.{fault}" for fault in found]
-        if faults:
-            raise ModelError("; ".join(faults))
-
     def loops(self) -> str:
         """The variables at which algebraic loops are cut, in words; empty without loops."""
         return ", ".join(str(port) for port in self.torn)
@@ -252,102 +235,3 @@ def evaluation_order(
 def bounds(instance: str, *vectors: _Slots) -> tuple[int, ...]:
     """Start and stop of the instance's part of each vector."""
     return tuple(bound for slots in vectors for bound in (slots.of(instance).start, slots.of(instance).stop))
-
-
-class Evaluation:
-    """Outputs, inputs and derivatives of a whole system at an instant.
-
-    After `outputs(t, x)` or `derivative(t, x)`, `u` and `y` hold all inputs and outputs. Torn outputs are
-    found by Newton's method to LOOP_TOLERANCE of their nominal values (loops are linear in the torn
-    variable here, so one iteration does it); ModelError if that fails.
-    """
-
-    LOOP_TOLERANCE = 1e-12
-    LOOP_ITERATIONS = 20
-
-    def __init__(self, system: System) -> None:
-        self.system = system
-        self.u = system.u0.copy()
-        self.y = np.zeros(system.outputs.size)
-        self._dx = np.zeros(system.state.size)
-        self._torn = np.array([system.outputs.index(port) for port in system.torn], dtype=np.int64)
-        self._evaluate, self._differentiate = self._composed()
-
-    def _composed(self) -> tuple[Any, Any]:
-        """Outputs and derivatives of all instances, each as one function."""
-        s = self.system
-        evaluate = Composition(
-            [s.instances[name].component.flat_output for name in s.order],
-            [bounds(name, s.state, s.inputs, s.parameters, s.outputs) for name in s.order],
-            s.source_index,
-            s.target_index,
-        )
-        names = alike(s.instances)
-        differentiate = Composition(
-            [s.instances[name].component.flat_derivative for name in names],
-            [bounds(name, s.state, s.inputs, s.parameters, s.state) for name in names],
-        )
-        return evaluate, differentiate
-
-    def outputs(self, t: float, x: Vector) -> Vector:
-        """All outputs at (t, x); shared memory, overwritten by the next call."""
-        s = self.system
-        x = np.ascontiguousarray(x)
-        guess = self.y[self._torn].copy()
-        self._evaluate(t, x, self.u, s.p, self.y)
-        if self._torn.size:
-            self._close_loops(t, x, guess)
-        self.u[s.target_index] = self.y[s.source_index]
-        return self.y
-
-    def derivative(self, t: float, x: Vector) -> Vector:
-        """dx/dt at (t, x); shared memory, overwritten by the next call."""
-        x = np.ascontiguousarray(x)
-        self.outputs(t, x)
-        self._differentiate(t, x, self.u, self.system.p, self._dx)
-        return self._dx
-
-    def _residual(self, t: float, x: Vector, assumed: Vector) -> Vector:
-        s = self.system
-        self.y[self._torn] = assumed
-        self._evaluate(t, x, self.u, s.p, self.y)
-        return np.asarray(self.y[self._torn] - assumed)
-
-    def _close_loops(self, t: float, x: Vector, guess: Vector) -> None:
-        """Newton's method on the torn outputs; the first sweep with `guess` has been done."""
-        nominal = self.system.outputs.nominal[self._torn]
-        residual = self.y[self._torn] - guess
-        for _ in range(self.LOOP_ITERATIONS):
-            # A state that is not finite is the integrator's to reject.
-            if not np.all(np.isfinite(residual)):
-                return
-            if np.all(np.abs(residual) <= self.LOOP_TOLERANCE * (nominal + np.abs(guess))):
-                return
-            columns = []
-            for i, size in enumerate(nominal):
-                moved = guess.copy()
-                moved[i] += size
-                columns.append((self._residual(t, x, moved) - residual) / size)
-            guess = guess - np.linalg.solve(np.column_stack(columns), residual)
-            residual = self._residual(t, x, guess)
-        raise ModelError(f"algebraic loop through {self.system.loops()}: no solution at t = {t:g} s")
-
-
-class Interpreted(Evaluation):
-    """Evaluates instance after instance: for few instants, where compiling the whole would take longer."""
-
-    def _composed(self) -> tuple[Any, Any]:
-        s = self.system
-
-        def evaluate(t: float, x: Any, u: Any, p: Any, y: Any) -> None:
-            for name in s.order:
-                u[s.target_index] = y[s.source_index]
-                own = x[s.state.of(name)], u[s.inputs.of(name)], p[s.parameters.of(name)]
-                s.instances[name].component.flat_output(t, *own, y[s.outputs.of(name)])
-
-        def differentiate(t: float, x: Any, u: Any, p: Any, dx: Any) -> None:
-            for name, instance in s.instances.items():
-                own = x[s.state.of(name)], u[s.inputs.of(name)], p[s.parameters.of(name)]
-                instance.component.flat_derivative(t, *own, dx[s.state.of(name)])
-
-        return evaluate, differentiate

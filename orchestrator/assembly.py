@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from models.bonds import counting
+from models.evaluation import check_start
 from models.fmu_archive import FmuFileError, archive_faults, opened
 from models.integrator import INPUT_COEFFICIENTS
 from models.quantities import Layout, Quantity, Vector
@@ -47,7 +48,7 @@ def system_of(scenario: Scenario) -> System:
         if name not in system.outputs.names:
             raise ScenarioError(f"tolerance.{name}: no such output; {suggestion(name, system.outputs.names)}")
     if scenario.start == "given":
-        system.check_start(0.0, system.x0)
+        check_start(system, 0.0, system.x0)
     check_master(scenario)
     check_foreign(scenario)
     check_energy_estimator(scenario, system)
@@ -159,7 +160,7 @@ def at_start(scenario: Scenario, system: System) -> System:
         for name, instance in system.instances.items()
     }
     resting = system.with_instances(instances)
-    resting.check_start(0.0, resting.x0)
+    check_start(resting, 0.0, resting.x0)
     return resting
 
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numba
 import numpy as np
 
-from .addressed import Addressed, integers, mark_table, marks, numbers, table
+from models.array_pointers import ArrayPointers, integers, mark_table, marks, numbers, table
+
 from .participants.compiled import CALLS, FINE, NOT_FINITE, STEP, advance, give, take
 from .signals import interpolate_part
 
@@ -51,7 +52,7 @@ class FmuPass:
             "places": np.concatenate(places),
             "taken": np.zeros(sum(map(len, places))),
         }
-        self._memory = Addressed(
+        self._memory = ArrayPointers(
             **memory, signals=e.signals, arrived=e.arrived, calls=e.calls, times=h.times, past=h.values,
             past_rates=h.rates, rated=h.rated, smooth=h.smooth, end_smooth=h.end_smooth,
         )  # fmt: skip

@@ -18,9 +18,9 @@ from typing import Any
 import numba
 import numpy as np
 
+from models.array_pointers import ArrayPointers, mark_table, marks, numbers, table
 from models.quantities import Vector
 
-from .addressed import Addressed, mark_table, marks, numbers, table
 from .errors import one_of
 
 DEGREES = {"hold": 0, "linear": 1, "quadratic": 2, "hermite": 3}
@@ -61,7 +61,7 @@ class History:
     @cached_property
     def memory(self) -> Any:
         """The addresses of its arrays, for compiled code."""
-        self._addressed = Addressed(
+        self._addressed = ArrayPointers(
             times=self.times, values=self.values, rates=self.rates, rated=self.rated, smooth=self.smooth,
             end_smooth=self.end_smooth,
         )  # fmt: skip

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..evaluation import check_start
 from ..quantities import Vector
 from ..system import System
 from .cvode import Cvode
@@ -43,7 +44,7 @@ def course(
     problem = SystemProblem(system)
     z0 = problem.start(system.x0)
     start = float(times[0])
-    system.check_start(start, system.x0)
+    check_start(system, start, system.x0)
     stiff, longest = stiffness(problem, start, z0, times)
     states, _ = march(problem, Cvode(problem, tolerance, stiff, longest), z0, start, times, progress)
     inputs, outputs, _ = observe(problem, times, states)

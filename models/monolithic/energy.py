@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..array_pointers import ArrayPointers, integer_table, integers, numbers
 from ..component import DISSIPATED_POWER, SOURCE_POWER, STORED
 from ..composition import Composition
 from ..kernel import kernel
@@ -39,17 +40,34 @@ class EnergyBalance:
         )
 
 
-@kernel
-def _received(bonds: Any, signs: Any, u: Any, y: Any, power: Any) -> None:
-    """Sum the bonds' powers; variables are numbered through inputs, then outputs."""
-    inputs = u.shape[0]
-    for i in range(power.shape[0]):
-        power[i] = 0.0
-    for k in range(bonds.shape[0]):
-        effort, flow = bonds[k, 1], bonds[k, 2]
-        force = u[effort] if effort < inputs else y[effort - inputs]
-        speed = u[flow] if flow < inputs else y[flow - inputs]
-        power[bonds[k, 0]] += signs[k] * force * speed
+def make_powers(run: Any) -> Any:
+    """powers(t, x, u, p, y, memory, rates): QUADRATURES powers of every instance into `rates`.
+
+    `run` computes the instances' energies. A bond's variables are numbered through inputs, then outputs.
+    """
+
+    @kernel
+    def powers(t: float, x: Any, u: Any, p: Any, y: Any, memory: Any, rates: Any) -> None:
+        m = memory[0]
+        energy, bonds, signs, none = (
+            numbers(m.energy),
+            integer_table(m.bonds),
+            numbers(m.signs),
+            integers(m.none),
+        )
+        run(t, x, u, p, energy, none, none, integer_table(m.bounds), integers(m.ends), 0)
+        for i in range(rates.shape[0] // QUADRATURES):
+            rates[QUADRATURES * i + DISSIPATED] = energy[3 * i + DISSIPATED_POWER]
+            rates[QUADRATURES * i + SOURCED] = energy[3 * i + SOURCE_POWER]
+            rates[QUADRATURES * i + RECEIVED] = 0.0
+        inputs = u.shape[0]
+        for k in range(signs.shape[0]):
+            effort, flow = bonds[k, 1], bonds[k, 2]
+            force = u[effort] if effort < inputs else y[effort - inputs]
+            speed = u[flow] if flow < inputs else y[flow - inputs]
+            rates[QUADRATURES * bonds[k, 0] + RECEIVED] += signs[k] * force * speed
+
+    return powers
 
 
 class Energies:
@@ -70,10 +88,16 @@ class Energies:
             [system.instances[name].component.flat_energy for name in names],
             [(*bounds(name, system.state, system.inputs, system.parameters), *rows[name]) for name in names],
         )
-        self._bonds = np.array(bonds, dtype=np.int64).reshape(-1, 3)
-        self._signs = np.array(signs, dtype=np.float64)
         self._energy = np.zeros((len(self.instances), 3))
-        self._power = np.zeros(len(self.instances))
+        self.memory = ArrayPointers(
+            energy=self._energy.reshape(-1),
+            bonds=np.array(bonds, dtype=np.int64).reshape(-1, 3),
+            signs=np.array(signs, dtype=np.float64),
+            bounds=self._evaluate.bounds,
+            ends=self._evaluate.ends,
+            none=self._evaluate.source,
+        )
+        self.flat_powers = make_powers(self._evaluate.run)
 
     def _variable(self, instance: str, variable: str) -> int:
         if variable in self.system.instances[instance].component.inputs:
@@ -87,11 +111,7 @@ class Energies:
 
     def powers(self, t: float, x: Vector, u: Vector, y: Vector, rates: Vector) -> None:
         """Write dissipated, source and received power, (instances * QUADRATURES,), into `rates`."""
-        self._evaluate(t, x, u, self.system.p, self._energy.reshape(-1))
-        _received(self._bonds, self._signs, u, y, self._power)
-        rates[DISSIPATED::QUADRATURES] = self._energy[:, DISSIPATED_POWER]
-        rates[SOURCED::QUADRATURES] = self._energy[:, SOURCE_POWER]
-        rates[RECEIVED::QUADRATURES] = self._power
+        self.flat_powers(t, x, u, self.system.p, y, self.memory.record, rates)
 
     def balances(self, stored: Vector, quadratures: Vector) -> dict[str, EnergyBalance]:
         """From stored energies (n, instances) and integrated powers (n, instances * QUADRATURES)."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import least_squares, root
 
+from ..evaluation import Evaluation
 from ..quantities import Vector
-from ..system import Evaluation, ModelError, System
+from ..system import ModelError, System
 
 # The Newton step that remains, in nominal sizes, at which an equilibrium counts as found.
 CLOSE = 1e-9

@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..component import Component
+from ..evaluation import Evaluation
 from ..implicit import ImplicitSteps
 from ..integrator import FAILURES, OK
 from ..quantities import Vector
-from ..system import Evaluation, System
+from ..system import System
 from .energy import QUADRATURES, Energies
 from .problem import check_solvable, is_ode
 

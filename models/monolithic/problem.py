@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..array_pointers import numbers
 from ..component import Component
+from ..evaluation import Evaluation
+from ..kernel import kernel
 from ..quantities import Vector
-from ..system import Evaluation, ModelError, System
+from ..system import ModelError, System
 from .energy import QUADRATURES, Energies
 
 
@@ -110,6 +113,7 @@ class SystemProblem:
         fields = [f for i in system.instances.values() for f in i.component.state.fields]
         self.whole = np.array([f.quantity.discrete for f in fields] + [False] * quadratures)
         self._rate = np.zeros(self.size + quadratures)
+        self._begin_rate, self._end_rate = _make_rate(self.evaluation, self.energies, self.size)
         self._guards = [
             (name, guard)
             for name, instance in system.instances.items()
@@ -129,9 +133,10 @@ class SystemProblem:
         return np.ascontiguousarray(z[: self.size])
 
     def rate(self, t: float, z: Vector) -> Vector:
-        x = z[: self.size]
-        self._rate[: self.size] = self.evaluation.derivative(t, x)
-        self.energies.powers(t, x, self.evaluation.u, self.evaluation.y, self._rate[self.size :])
+        memory = self.evaluation.memory.record, self.energies.memory.record
+        if not self._begin_rate(t, z, *memory, self._rate):
+            self.evaluation.close_loops(t, z[: self.size])
+            self._end_rate(t, z, *memory, self._rate)
         return self._rate
 
     def guards(self, t: float, z: Vector) -> Vector:
@@ -154,3 +159,26 @@ class SystemProblem:
         u = self.evaluation.u[s.inputs.of(name)]
         s.instances[name].component.flat_transition(k, t, z[s.state.of(name)], u, s.p[s.parameters.of(name)])
         return Event(t, name, k)
+
+
+def _make_rate(evaluation: Evaluation, energies: Energies, size: int) -> tuple[Any, Any]:
+    """begin(t, z, memory, energy_memory, rate) -> bool, and end(...) after loops that `begin` leaves open."""
+    outputs, derivative, powers = evaluation.flat_outputs, evaluation.flat_derivative, energies.flat_powers
+
+    @kernel
+    def end(t: float, z: Any, memory: Any, energy_memory: Any, rate: Any) -> None:
+        x, m = z[:size], memory[0]
+        derivative(t, x, memory)
+        dx = numbers(m.dx)
+        for i in range(size):
+            rate[i] = dx[i]
+        powers(t, x, numbers(m.u), numbers(m.p), numbers(m.y), energy_memory, rate[size:])
+
+    @kernel
+    def begin(t: float, z: Any, memory: Any, energy_memory: Any, rate: Any) -> bool:
+        if not outputs(t, z[:size], memory):
+            return False
+        end(t, z, memory, energy_memory, rate)
+        return True
+
+    return begin, end

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..evaluation import check_start
 from ..quantities import Vector
 from ..system import ModelError, System
 from .cvode import Cvode
@@ -107,7 +108,7 @@ def solve(
     problem = SystemProblem(system)
     z0 = problem.start(system.x0 if x0 is None else np.asarray(x0, dtype=np.float64))
     start = float(times[0]) if t0 is None else float(t0)
-    system.check_start(start, z0[: system.state.size])
+    check_start(system, start, z0[: system.state.size])
     runs, events, names = solve_twice(problem, z0, start, times, tolerance, progress)
     inputs, outputs, stored = observe(problem, times, runs[0])
     others = observe(problem, times, runs[1])[1]
@@ -143,7 +144,7 @@ def _solve_implicit(
     if x.shape != (system.state.size,):
         raise ModelError(f"start state of {x.size} elements: the system has {system.state.size} states")
     start = float(times[0]) if t0 is None else float(t0)
-    system.check_start(start, x)
+    check_start(system, start, x)
     methods: tuple[ImplicitMethod, ImplicitMethod] = Sdirk4(problem), Bdf3(problem)
     lengths = longest_step, BDF_SHARE * longest_step
     courses = [

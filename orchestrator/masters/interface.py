@@ -8,9 +8,9 @@ from typing import Any
 import numba
 import numpy as np
 
+from models.array_pointers import ArrayPointers, integer_table, integers, mark_table, marks, numbers, table
 from models.quantities import Vector
 
-from ..addressed import Addressed, integer_table, integers, mark_table, marks, numbers, table
 from ..exchange import Exchange
 from ..signals import evaluate, interpolate_part
 
@@ -37,7 +37,7 @@ class Interface:
         self._rate_scale = scale[len(self.sources) :]
         h = exchange.history
         bounds = np.array([(s.start, s.stop) for s in self.slices], dtype=np.int64)
-        self._memory = Addressed(
+        self._memory = ArrayPointers(
             sources=self.sources, rate_sources=self.rated, bounds=bounds, scale=scale,
             assumed=exchange.arrived.copy(), arrived=exchange.arrived, signals=exchange.signals,
             times=h.times, past=h.values, past_rates=h.rates, rated=h.rated, smooth=h.smooth,

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..addressed import Addressed
+from models.array_pointers import ArrayPointers
+
 from ..errors import UnstableCouplingError
 from ..exchange import Exchange
 from ..masters import Master, name_of
@@ -40,7 +41,7 @@ class RunawayGuard:
         self._patience = math.inf if master.implicit else float(self.FIRST)
         self._keep = 1.0 - 1.0 / self.WINDOW
         past = exchange.history
-        self._memory = Addressed(
+        self._memory = ArrayPointers(
             times=past.times, values=past.values, new=exchange.values, nominal=self._nominal,
             missed=self._missed, sizes=self._size,
         )  # fmt: skip

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
+from models.evaluation import check_start
 from models.monolithic import solve
 from models.slider_crank import forms
 from models.system import Instance, ModelError, System
@@ -72,10 +73,10 @@ def turned(psi: float) -> System:
 
 
 def test_a_system_judges_the_start_with_its_connected_inputs() -> None:
-    turned(0.0157).check_start(0.0, turned(0.0157).x0)
+    check_start(turned(0.0157), 0.0, turned(0.0157).x0)
     for psi in (0.0158, -0.0158):
         with pytest.raises(ModelError, match=rf"^engine\.psi = {psi:g} rad .* at crank_angle = 1\.5708 rad"):
-            turned(psi).check_start(0.0, turned(psi).x0)
+            check_start(turned(psi), 0.0, turned(psi).x0)
 
 
 def test_the_reference_refuses_it_too() -> None:

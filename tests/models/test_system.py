@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.system import Evaluation, Instance, Interpreted, ModelError, Port, System
+from models.evaluation import Evaluation, Interpreted
+from models.system import Instance, ModelError, Port, System
 from models.valve_train.cam_profile import cycloidal_lift
 
 from .systems import VALVE_TRAIN, valve_train

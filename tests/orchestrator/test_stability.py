@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from models.evaluation import Evaluation
 from models.monolithic.course import course
 from models.monolithic.difference import difference
 from models.oscillators.two_masses import CoupledMassParameters
-from models.system import Evaluation, Instance, Port
+from models.system import Instance, Port
 from models.valve_train.valve_spring import valve_spring
 from orchestrator import assembly
 from orchestrator.errors import UnstableCouplingError
