@@ -220,6 +220,12 @@ class Motion:
 
     def exponents(self, cycles: int, blocks: int = BLOCKS) -> Exponents:
         """Lyapunov exponents over so many revolutions (rounded up to whole blocks)."""
+        growths, impacts, length = self.growths(cycles, blocks)
+        return exponents_of(self.machine, growths, impacts, length)
+
+    def growths(self, cycles: int, blocks: int) -> tuple[Vector, int, int]:
+        """Logarithmic growths (blocks, 2) of two tangents that follow the motion, the number of impacts, and
+        the revolutions of a block."""
         machine = self.machine
         v, length = np.eye(2), -(-cycles // blocks)
         growths, impacts = np.zeros((blocks, 2)), 0
@@ -231,7 +237,7 @@ class Motion:
             growths[block] = growth[:2]
         self.cycle += blocks * length
         self.impact_count += impacts
-        return exponents_of(machine, growths, impacts, length)
+        return growths, impacts, length
 
     def _in_psi(self, phases: Vector, states: Vector) -> Vector:
         result = np.empty_like(states)

@@ -52,7 +52,9 @@ def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     from ..plots.maps.basins import draw_basins
     from ..plots.motion.titles import titled
 
-    figure, axes = titled("Basins of attraction", values, width=6.8, height=4.6)
+    found = data.sizes["number"]
+    title = f"Basins of {found} attractors" if found > 1 else "All starts end on one attractor"
+    figure, axes = titled(title, values, width=6.8, height=4.6)
     draw_basins(figure, axes, data)
     return figure
 

@@ -4,10 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray
 
 from ._machine import MACHINE, START, duration, motion_of
+from ._table import column
 from .protocol import Analysis, Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Windows of the table at most.
+WINDOWS = 200
 
 
 def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
@@ -21,6 +31,31 @@ def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
         "impacts_per_cycle": found.impacts_per_cycle,
         "motion": "slides" if slides else "bounces",
     }
+
+
+def table(values: Mapping[str, Any]) -> xarray.Dataset:
+    """The results, and both exponents of windows that follow one another."""
+    cycles = values["cycles"]
+    growths, _, length = motion_of(values).growths(cycles, min(WINDOWS, cycles))
+    local = np.where(np.isfinite(growths), growths, -np.inf) / (2.0 * math.pi * length)
+    meaning = f"over {length} cycles; -inf: slides"
+    return xarray.Dataset(
+        {
+            "largest_in_window": column("window", local[:, 0], "1/rad", f"largest {meaning}"),
+            "second_in_window": column("window", local[:, 1], "1/rad", f"second {meaning}"),
+            "window_end": column("window", length * np.arange(1.0, len(local) + 1.0), "1", "cycles so far"),
+            **evaluate(values),
+        }
+    )
+
+
+def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    from ..plots.maps.convergence import draw_convergence
+    from ..plots.motion.titles import titled
+
+    figure, axes = titled("Lyapunov exponents", values, width=6.8, height=3.4)
+    draw_convergence(axes, data)
+    return figure
 
 
 ANALYSIS = Analysis(
@@ -38,4 +73,6 @@ ANALYSIS = Analysis(
         "motion": Result("1", "slides (its memory ends) or bounces", text=True),
     },
     evaluate=evaluate,
+    table=table,
+    draw=draw,
 )

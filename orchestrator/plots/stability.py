@@ -1,11 +1,14 @@
-"""Spectral radius and estimated error against the macro step, a column a master, a line a signal."""
+"""Spectral radius and estimated error over the macro step: a column a master, a line a signal."""
 
 from __future__ import annotations
 
 import math
 
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from ..masters import name_of
 from ..signals import DEGREES
@@ -13,6 +16,7 @@ from ..stability.findings import Survey, Surveyed
 from ..stability.words import shown_time
 from .style import ACCENT, COUPLED, MUTED, REFERENCE, headed, subplots
 
+STABLE = "#dfeadf"
 COLOURS = dict(zip(DEGREES, (MUTED, COUPLED, REFERENCE, ACCENT), strict=True))
 
 
@@ -21,7 +25,7 @@ def figure(found: Survey) -> Figure:
         dict.fromkeys(name_of(m.master) for m in sorted(found.methods, key=lambda m: m.master.implicit))
     )
     made, axes = subplots(
-        2, len(masters), figsize=(1.2 + 2.7 * len(masters), 5.2), sharex=True, sharey="row", squeeze=False
+        2, len(masters), figsize=(1.2 + 2.7 * len(masters), 5.7), sharex=True, sharey="row", squeeze=False
     )
     headed(made, f"{found.scenario.name}: coupling against the macro step")
     for column, name in enumerate(masters):
@@ -34,7 +38,7 @@ def figure(found: Survey) -> Figure:
         for panel in (radius, error):
             panel.set_xscale("log")
             panel.axvline(found.scenario.macro_step, color="black", lw=0.8, ls=":")
-        radius.axhspan(0.0, 1.0, color="#eef3ee", zorder=0)
+        radius.axhspan(0.0, 1.0, color=STABLE, zorder=0)
         error.set_xlabel("Macro step (s)")
     radius, error = axes[:, 0]
     radius.set_ylim(0.8, 2.5)
@@ -45,19 +49,22 @@ def figure(found: Survey) -> Figure:
     error.set_ylabel("Estimated error over tolerance")
     for panel in axes[1]:
         panel.axhline(1.0, color="black", lw=0.8)
-    order = list(DEGREES)
-    handles, labels = radius.get_legend_handles_labels()
-    pairs = sorted(dict(zip(labels, handles, strict=True)).items(), key=lambda pair: order.index(pair[0]))
-    axes[0, -1].legend([h for _, h in pairs], [n for n, _ in pairs], loc="upper left")
-    axes[1, 0].annotate(
-        f"scenario: {shown_time(found.scenario.macro_step)}",
-        (found.scenario.macro_step, 0.0),
-        xycoords=("data", "axes fraction"),
-        xytext=(3, 3),
-        textcoords="offset points",
-        fontsize=7.5,
-    )
+    made.legend(handles=_entries(found), loc="outside lower center", ncols=5)
     return made
+
+
+def _entries(found: Survey) -> list[Artist]:
+    """What colours, lines and marks mean; only of signals that were surveyed."""
+    used = {method.master.extrapolation for method in found.methods}
+    step = shown_time(found.scenario.macro_step)
+    return [
+        *(Line2D([], [], color=colour, label=f"signals: {n}") for n, colour in COLOURS.items() if n in used),
+        Line2D([], [], color="0.3", marker="o", ms=4.5, ls="", label="limit of stability"),
+        Line2D([], [], color="0.3", lw=0.8, ls="--", label="beyond the limit: unstable"),
+        Patch(color=STABLE, label="stable: radius up to 1"),
+        Line2D([], [], color="black", lw=0.8, ls=":", label=f"the scenario's step, {step}"),
+        Line2D([], [], color="black", lw=0.8, label="allowed error"),
+    ]
 
 
 def _radius(axes: Axes, method: Surveyed) -> None:

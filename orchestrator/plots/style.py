@@ -47,7 +47,7 @@ def subplots(
     rows: int = 1, columns: int = 1, figsize: tuple[float, float] | None = None, **panels: Any
 ) -> tuple[Figure, Any]:
     """A figure and its panels, as pyplot's, which no window or notebook gets to know."""
-    figure = Figure(figsize=figsize)
+    figure = Figure(figsize=figsize, layout="constrained")
     return figure, figure.subplots(rows, columns, **panels)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import shlex
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -43,13 +44,37 @@ def test_runs_for_every_form(name: str, form: str) -> None:
         assert {key: table[key].item() for key in found} == found
 
 
-@pytest.mark.parametrize("name", [name for name in SLIDER_CRANK if load(name).draw])
+@pytest.mark.parametrize("name", SLIDER_CRANK)
 def test_every_figure_is_drawn(name: str, tmp_path: Path) -> None:
     """Also that of a machine that slides for good, without any impact."""
     for damping in ("0.05", "0.4"):
         settings = [f"{key}={SHORT[key]}" for key in SHORT if key in load(name).parameters]
         analyse(name, [*settings, f"damping={damping}"], tmp_path / damping)
         assert (tmp_path / damping / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_windows_of_exponents_add_up_to_the_result() -> None:
+    """The tangents go on from window to window: both exponents are the windows' means, to rounding."""
+    analysis = load("exponents")
+    table = analysis.table(analysis.complete({"form": "as_published", "cycles": 2000}))
+    assert table.sizes["window"] == 200
+    assert table["largest_in_window"].values.mean() == pytest.approx(table["largest"].item(), rel=1e-9)
+    assert table["second_in_window"].values.mean() == pytest.approx(table["second"].item(), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("machine", "title"),
+    [
+        ({"damping": 0.15, "gap": 0.02, "largest_rate": 0.2}, "Basins of 2 attractors"),
+        ({"damping": 0.05, "gap": 0.015, "form": "as_published"}, "All starts end on one attractor"),
+    ],
+)
+def test_the_figure_of_basins_says_how_many_attractors_there_are(machine: dict[str, Any], title: str) -> None:
+    analysis = load("basins")
+    values = analysis.complete({**machine, "count": 8, "cycles": 2000})
+    assert analysis.draw
+    assert analysis.table
+    assert analysis.draw(analysis.table(values), values).texts[0].get_text() == title
 
 
 def test_files_read_back(tmp_path: Path) -> None:

@@ -14,9 +14,11 @@ from models.monolithic.difference import difference
 from orchestrator import assembly
 from orchestrator.command_line import app
 from orchestrator.masters import MASTERS
+from orchestrator.plots.stability import figure
 from orchestrator.scenario import MasterTable
 from orchestrator.scenario_files import load
 from orchestrator.signals import DEGREES
+from orchestrator.stability.command import analyse_scenario
 from orchestrator.stability.steps import rounded_down
 
 from .coupled import recorded
@@ -80,6 +82,15 @@ def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_
     truth = course(system, found.times, 1e-10).outputs[:, system.outputs.names.index("first.force")]
     assert difference(found["first.force"], truth).relative_rms <= scenario.tolerance["first.force"]
     assert step > 0.01
+
+
+def test_the_figure_explains_its_colours_and_lines(masses, tmp_path):
+    found = analyse_scenario(str(masses), ["macro_step=0.02"], out=tmp_path / "out")
+    (legend,) = figure(found).legends
+    said = [text.get_text() for text in legend.get_texts()]
+    signals = {method.master.extrapolation for method in found.methods}
+    assert {text.removeprefix("signals: ") for text in said if text.startswith("signals: ")} == signals
+    assert {"limit of stability", "allowed error", "the scenario's step, 20 ms"} <= set(said)
 
 
 @pytest.mark.parametrize(

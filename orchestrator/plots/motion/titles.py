@@ -28,7 +28,7 @@ def titled(
 ) -> tuple[Figure, Any]:
     """Figure and its axes, by name where `mosaic` (as matplotlib's) has several; the title stands on the
     left, with the machine in a second line."""
-    figure = Figure(figsize=(width, height + TITLE))
+    figure = Figure(figsize=(width, height + TITLE), layout="constrained")
     figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - TITLE / (height + TITLE)))
     axes = figure.subplot_mosaic(mosaic, **more)
     lines = ((title, 0.06, {"fontsize": 11, "fontweight": "bold"}), (machine_in_words(values), 0.27, MACHINE))
