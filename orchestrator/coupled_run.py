@@ -30,6 +30,7 @@ from .stepping import Step
 from .summary import Summary, Warnings
 from .unfinished import shown
 from .watchdog import watching
+from .workload import Forecast
 
 
 def run_coupled(
@@ -63,6 +64,7 @@ def run_coupled(
         participants = assembly.participants_of(scenario, system, fmus, made)
         try:
             with stage as bar, Interruption() as interruption:
+                forecast = Forecast(stop, job.reporter.line)
                 keeper = [_checkpoints(job, identity, interruption)] if scenario.checkpoint_every else []
                 statistics = simulate(
                     system,
@@ -70,7 +72,7 @@ def run_coupled(
                     scenario.made_master(),
                     scenario.made_steps(),
                     scenario.stop_time,
-                    [*watchdog.observers, *recorders, counter, *keeper, bar, interruption],
+                    [*watchdog.observers, *recorders, counter, *keeper, bar, forecast, interruption],
                     resumed=job.resumed[1] if job.resumed else None,
                 )
         finally:

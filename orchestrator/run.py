@@ -32,6 +32,7 @@ from .scenario import Scenario, ScenarioError
 from .scenario_files import written
 from .summary import FAILED, INTERRUPTED, Summary
 from .unfinished import clear, shown
+from .workload import announce
 
 
 def run(
@@ -54,6 +55,8 @@ def run(
     with prepared(out, overwrite) as (folder, earlier):
         replace(out / SCENARIO, written(scenario).encode())
         for line in notices(scenario):
+            reporter.line(line)
+        if line := announce(scenario, system.outputs.size, out):
             reporter.line(line)
         try:
             summary = carry_out(

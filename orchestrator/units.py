@@ -122,7 +122,8 @@ def _registry() -> Any:
 
 
 def _as_pint(unit: str) -> str:
-    """FMI's way of writing (N.s/m, kg.m2) and r/min as pint reads them."""
+    """FMI's way of writing (N.s/m, kg.m2), r/min and rev as pint reads them."""
+    unit = "revolution" if unit == "rev" else unit
     unit = unit.replace("r/min", "rpm").replace("°", "degree").replace(".", "*").replace("·", "*")
     above, slash, below = unit.partition("/")
     if slash and "*" in below:

@@ -18,6 +18,7 @@ from .connection import line_of
 from .fields import Seconds, SecondsOr0, Table, Tolerance
 from .master_table import MasterTable
 from .messages import REMEDIES, Location, messages
+from .revolutions import in_seconds
 from .step_control_table import CONVERGED, EVENT_TOLERANCE, StepControlTable
 
 # The comparison sees this many intervals of a run at least. An RMS error estimated from n values has a
@@ -65,7 +66,9 @@ class Scenario(Table):
 
     name: str = Field(description="Name of the scenario; default: that of the file", pattern=r"^[\w .-]+$")
     description: str = Field("", description="What the scenario shows, in a line")
-    stop_time: Seconds = Field(description="End of the run (s, or a text with a unit)")
+    stop_time: Seconds = Field(
+        description="End of the run (s, or a text with a unit: '120 ms', '2 revolutions' of the drive)"
+    )
     macro_step: Seconds = Field(
         description="Communication step (s, or a text with a unit); with step control the first one"
     )
@@ -232,9 +235,11 @@ def _of_option(line: str) -> tuple[str, str]:
 def scenario_of(content: dict[str, Any]) -> Scenario:
     """A Scenario of a file's content; ScenarioError with a line for each fault."""
     try:
-        return Scenario.model_validate(content)
+        return Scenario.model_validate(in_seconds(content))
     except ValidationError as error:
         raise ScenarioError("\n".join(map(_placed, messages(error, _keys)))) from None
+    except Faults as error:
+        raise ScenarioError("\n".join(key + text for key, text in error.faults)) from None
 
 
 def _placed(line: str) -> str:

@@ -423,6 +423,33 @@ def test_the_speed_after_the_ramp_is_that_before_it_unless_given() -> None:
     assert (low, after) == (pytest.approx(20.0 * np.pi), high)
 
 
+def test_durations_may_be_given_in_revolutions_of_the_drive() -> None:
+    turned = load("valve-train", ["stop_time=2 revolutions", "macro_step=0.03 deg", "output_step=0.12 deg"])
+    assert (turned.stop_time, turned.macro_step, turned.output_step) == (0.12, 5e-6, 20e-6)
+    fast = load("valve-train", ["stop_time=2 rev", "components.flywheel.parameters.initial_speed=3000 rpm"])
+    assert fast.stop_time == 0.04
+
+
+@pytest.mark.parametrize("setting", ["motion=free", "final_speed=2000 rpm", "initial_speed=0"])
+def test_without_a_constant_speed_revolutions_are_refused(setting: str) -> None:
+    with pytest.raises(ScenarioError) as error:
+        load("valve-train", ["stop_time=2 revolutions", f"components.flywheel.parameters.{setting}"])
+    assert "stop_time = '2 revolutions'" in str(error.value)
+    assert "constant speed" in str(error.value)
+
+
+def test_without_a_drive_revolutions_are_refused() -> None:
+    with pytest.raises(ScenarioError, match="stop_time"):
+        load("two-masses", ["stop_time=2 revolutions"])
+
+
+def test_a_wrong_speed_is_the_fault_and_not_the_duration() -> None:
+    with pytest.raises(ScenarioError) as error:
+        load("valve-train", ["stop_time=2 revolutions", "components.flywheel.parameters.initial_speed=3 kg"])
+    assert "components.flywheel.parameters.initial_speed" in str(error.value)
+    assert "stop_time" not in str(error.value)
+
+
 def test_another_master_keeps_the_options_that_it_has() -> None:
     first = load("valve-train", ["master.name=iterated", "master.tolerance=1e-8"])
     assert first.master.made().tolerance == 1e-8

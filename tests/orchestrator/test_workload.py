@@ -1,0 +1,56 @@
+"""Long runs say what they need before they start, and how long they will take."""
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator import workload
+from orchestrator.scenario_files import load
+from orchestrator.stepping import Step
+from orchestrator.workload import Forecast, Workload, announce
+
+from .commands import SHORT, called
+
+
+def test_a_short_run_is_not_announced(tmp_path: Path) -> None:
+    assert announce(load("valve-train"), 57, tmp_path) == ""
+
+
+def test_a_stop_time_without_its_unit_is_announced_with_its_steps(tmp_path: Path) -> None:
+    line = announce(load("valve-train", ["stop_time=120"]), 57, tmp_path)
+    assert "24,000,000 macro steps" in line
+    assert '"120 ms"' in line
+
+
+def test_records_that_do_not_fit_on_the_disk_are_announced_with_the_remedy(tmp_path: Path) -> None:
+    line = announce(load("valve-train", ["stop_time=1e5", "macro_step=1 us"]), 57, tmp_path)
+    assert "output_step" in line
+
+
+def test_the_files_of_a_run_are_within_what_is_announced(tmp_path: Path) -> None:
+    """Rows of journals and CSV at once; the files' heads are not counted."""
+    done = called("run", "valve-train", "--out", str(tmp_path), "--no-figures", *SHORT)
+    assert done.returncode in (0, 1), done.stderr
+    head, *rows = (tmp_path / "coupled.csv").read_text().splitlines(keepends=True)
+    columns = head.count(",") + 1
+    found = Workload.of(load("valve-train", ["stop_time=2 ms"]), columns - 1)
+    assert found.steps == 400
+    assert 0 <= found.records - len(rows) <= 1
+    journals = 8 * (len(rows) * columns + found.steps * 7)
+    assert sum(map(len, rows)) + 2 * journals < found.disk
+
+
+@pytest.mark.parametrize(("speed", "said"), [(1e-3, ["the coupled run will take about 17 min"]), (1.0, [])])
+def test_the_time_of_a_run_is_forecast_from_its_speed(
+    speed: float, said: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At `speed` seconds of the model in a second, a run of 1 s."""
+    seconds = itertools.count()
+    monkeypatch.setattr(workload.clock, "monotonic", lambda: float(next(seconds)))
+    told: list[str] = []
+    forecast = Forecast(1.0, told.append)
+    for k in range(4):
+        forecast.observe(k * speed, lambda: np.zeros(0), Step(k * speed, speed, 1))
+    assert [line.partition(" at this")[0] for line in told] == said
