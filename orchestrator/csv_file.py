@@ -1,12 +1,19 @@
-"""The coupled run as CSV in the FMI cross-check layout, made of its journal: the result's rows."""
+"""The coupled run as CSV, made of its journal: the result's rows, and a table of their units.
+
+The layout is that of the FMI cross-check: one line of names, which are those of the variables, then numbers.
+A unit in a name or a second line would make tools of that layout miss the variables or refuse the file, so
+that units stand in a file of their own.
+"""
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 from pathlib import Path
 
 from .journal import Recorded
-from .replacement import naming, partial
+from .replacement import naming, partial, replace
 
 ROWS = 4096  # in memory at once
 
@@ -24,3 +31,12 @@ def write_csv(path: Path, recorded: Recorded) -> None:
         os.replace(new, path)
     finally:
         new.unlink(missing_ok=True)
+
+
+def write_units(path: Path, recorded: Recorded) -> None:
+    """Write a line "variable","unit","description" for each column, in its order."""
+    text = io.StringIO()
+    table = csv.writer(text, quoting=csv.QUOTE_ALL, lineterminator="\n")
+    table.writerow(("variable", "unit", "description"))
+    table.writerows((name, of.unit, of.description) for name, of in recorded.columns.items())
+    replace(path, text.getvalue().encode())

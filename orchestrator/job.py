@@ -17,10 +17,11 @@ from .scenario import Scenario
 
 @dataclass(frozen=True)
 class Job:
-    """A run to be carried out. `folder` is that of what is unfinished in `out`; `resumed` is a checkpoint.
+    """A run to be carried out. `folder` is that of what is unfinished in `out`.
 
-    `begun` is called when the first values are there to be recorded; `spared` says whether `out` has a result
-    of before that is kept, since there were none.
+    `resumed` is a checkpoint, `spent` the wall time (s) of the processes before this one. `begun` is called
+    when the first values are there to be recorded; `spared` says whether `out` has a result of before that is
+    kept, since there were none.
     """
 
     scenario: Scenario
@@ -31,5 +32,6 @@ class Job:
     reporter: Reporter
     figures: bool
     resumed: tuple[Identity, Plain] | None = None
+    spent: float = 0.0
     begun: Callable[[], None] = lambda: None
     spared: Callable[[], bool] = lambda: False

@@ -13,9 +13,10 @@ from .scenario import Scenario
 from .scenario_files import written
 from .unfinished import clear, contents, locked, shown, unfinished
 
-RESULT, CSV, SCENARIO, SUMMARY, FIGURES = (
+RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES = (
     "result.nc",
     "coupled.csv",
+    "units.csv",
     "scenario.toml",
     "summary.json",
     "figures",
@@ -69,7 +70,7 @@ def prepared(out: Path, overwrite: bool) -> Iterator[tuple[Path, Earlier]]:
 
 def files(out: Path) -> list[Path]:
     """What a run has written, in the order to be shown."""
-    found = [out / name for name in (SUMMARY, RESULT, CSV, SCENARIO)]
+    found = [out / name for name in (SUMMARY, RESULT, CSV, UNITS, SCENARIO)]
     return [path for path in [*found, *_figures(out)] if path.exists()]
 
 
@@ -93,7 +94,7 @@ def _check_empty(out: Path) -> None:
 
 
 def _held(out: Path) -> list[Path]:
-    paths = [out / name for name in (RESULT, CSV, SCENARIO, SUMMARY)]
+    paths = [out / name for name in (RESULT, CSV, UNITS, SCENARIO, SUMMARY)]
     return [path for path in [*paths, *map(partial, paths), *_figures(out)] if path.exists()]
 
 

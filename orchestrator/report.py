@@ -152,8 +152,6 @@ class Reporter:
             )
         if summary.complete:
             self.line(f"{summary.scenario}: {summary.verdict}")
-        if summary.resumable:
-            self.line(f"tribocosim resume {shown(out)} continues this run")
         self.line(f"results in {shown(out)}: {', '.join(str(file.relative_to(out)) for file in files)}")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +50,10 @@ def resume(out: Path, build: assembly.Builder, reporter: Reporter, figures: bool
         figures = figures and before.get("figures", True)
         job = Job(scenario, system, out, folder, build, reporter, figures, begun=Earlier(out).drop)
         if (folder / CHECKPOINT).exists():
-            job = Job(**vars(job) | {"resumed": read(folder / CHECKPOINT)})
+            identity, state = read(folder / CHECKPOINT)
+            # A killed process has left no wall time, but that of its steps.
+            spent = max(before.get("wall_time_s", 0.0), state["elapsed"])
+            job = replace(job, resumed=(identity, state), spent=spent)
         elif _rows(folder, "coupled") > 1:
             return _kept(job)
         else:

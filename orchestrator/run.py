@@ -16,14 +16,14 @@ from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import Identity
 from .contact_course import courses
 from .coupled_run import run_coupled
-from .csv_file import write_csv
+from .csv_file import write_csv, write_units
 from .diagnosis import Facts, diagnosed, steps_of, suggestions
 from .errors import CheckpointError, RefusedError, RunError
 from .job import Job
 from .journal import Recorded, journals
 from .judgement import judge
 from .notices import notices
-from .output_folder import CSV, FIGURES, RESULT, SCENARIO, SUMMARY, files, prepared
+from .output_folder import CSV, FIGURES, RESULT, SCENARIO, SUMMARY, UNITS, files, prepared
 from .overload import overloads
 from .replacement import NO_ROOM, naming, replace
 from .report import Reporter
@@ -101,7 +101,7 @@ def carry_out(job: Job) -> Summary:
         raise
     finally:
         if not refused:
-            summary.wall_time_s = clock.perf_counter() - began
+            summary.wall_time_s = job.spent + clock.perf_counter() - began
             summary.resumable &= (job.folder / CHECKPOINT).exists()
             if summary.message.endswith(NO_ROOM):
                 summary.message += f"; {_remedy(job)}"
@@ -179,6 +179,7 @@ def written_result(job: Job, summary: Summary) -> Iterator[ResultFile]:
                 result.take(name, journal)
         if "coupled" in recorded:
             write_csv(job.out / CSV, recorded["coupled"])
+            write_units(job.out / UNITS, recorded["coupled"])
         _diagnosed(job.scenario, result, summary)
         if result.length("coupled") > 1:
             read = partial(result.read, "coupled", rows=slice(None))

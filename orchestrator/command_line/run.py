@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .fmu import built, check_native
-from .reported import reported, say
+from .reported import INTERRUPTED, reported, say
+
+if TYPE_CHECKING:
+    from ..summary import Summary
 
 
 @reported
@@ -61,9 +64,7 @@ def run_scenario(
     folder = out or Path("results") / loaded.name
     spare(find(scenario), loaded, folder)
     summary = run(loaded, folder, built, Reporter(), overwrite, figures=not no_figures)
-    if not summary.complete:
-        say(summary.message)
-    return summary.exit_status
+    return _ended(summary, folder)
 
 
 @reported
@@ -80,6 +81,16 @@ def resume_run(
     from ..resume import resume
 
     summary = resume(folder, built, Reporter(), figures=not no_figures)
+    return _ended(summary, folder)
+
+
+def _ended(summary: Summary, folder: Path) -> int:
+    """The exit status; of an incomplete run, what happened and how it goes on."""
     if not summary.complete:
-        say(summary.message)
+        remedy = ""
+        if summary.resumable and "tribocosim resume" not in summary.message:
+            remedy = f"; tribocosim resume {folder} continues this run"
+        elif summary.exit_status == INTERRUPTED:
+            remedy = "; there is no checkpoint to go on from: repeat the command with --overwrite"
+        say(summary.message + remedy)
     return summary.exit_status

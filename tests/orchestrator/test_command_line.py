@@ -38,7 +38,7 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_run_leaves_result_csv_figures_scenario_and_summary(result: Path) -> None:
     names = {path.name for path in result.iterdir()}
-    assert names == {"result.nc", "coupled.csv", "scenario.toml", "summary.json", "figures"}
+    assert names == {"result.nc", "coupled.csv", "units.csv", "scenario.toml", "summary.json", "figures"}
     figures = list((result / "figures").glob("*.png"))
     assert len(figures) >= 3
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in figures)
@@ -158,9 +158,10 @@ def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
         process.wait(2.0)
     except subprocess.TimeoutExpired:
         process.send_signal(signal.SIGINT)
-    output, errors = process.communicate(timeout=60)
+    _, errors = process.communicate(timeout=60)
     assert process.returncode == 130, errors
-    assert errors.strip() == "tribocosim: incomplete: interrupted"
+    assert errors.startswith("tribocosim: incomplete: interrupted")
+    assert f"tribocosim resume {out} " in errors
     summary = json.loads((out / "summary.json").read_text())
     assert summary["complete"] is False
     assert summary["macro_steps"] > 0
@@ -170,7 +171,6 @@ def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
     tree.close()
     assert summary["resumable"] is True
     assert (out / "unfinished" / "checkpoint").exists()
-    assert f"tribocosim resume {out} continues this run" in output
 
 
 SHIPPED = ", ".join(shipped())

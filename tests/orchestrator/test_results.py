@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from models.quantities import Quantity
-from orchestrator.csv_file import ROWS, write_csv
+from orchestrator.csv_file import ROWS, write_csv, write_units
 from orchestrator.journal import HELD, Journal, JournalError, Recorded, journals
 from orchestrator.recording import ResultRecorder
 from orchestrator.results import CHUNK, ResultFile, open_result
@@ -101,6 +101,21 @@ def test_csv_is_in_cross_check_layout_and_exact(tmp_path: Path) -> None:
         rows = [[float(text) for text in row] for row in csv.reader(file)]
     assert first == '"time","contact.load","spring.coil_position[1]"'
     assert rows == [[0.1 * i, *values] for i in range(0, 2 * ROWS + 3, 2)]
+
+
+def test_every_column_of_the_csv_file_has_its_unit_beside_it(tmp_path: Path) -> None:
+    recorder = ResultRecorder(tmp_path, QUANTITIES, every=1)
+    recorder.begin(list(QUANTITIES))
+    recorder.end(True, "")
+    recorded = Recorded(journals(tmp_path)["coupled"])
+    write_csv(tmp_path / "out.csv", recorded)
+    write_units(tmp_path / "units.csv", recorded)
+    with (tmp_path / "out.csv").open() as file:
+        columns = next(csv.reader(file))
+    with (tmp_path / "units.csv").open() as file:
+        units = {row["variable"]: row["unit"] for row in csv.DictReader(file)}
+    assert list(units) == columns
+    assert units == {"time": "s", **{name: quantity.unit for name, quantity in QUANTITIES.items()}}
 
 
 def _in_a_process(code: str) -> subprocess.CompletedProcess[str]:

@@ -179,6 +179,14 @@ def test_what_came_after_the_checkpoint_is_forgotten(killed: Path, whole: Path) 
     _same(killed, whole)
 
 
+def test_the_wall_time_is_that_of_all_processes(killed: Path) -> None:
+    """An interrupted process leaves its wall time in the summary, a killed one that of its steps."""
+    (killed / "summary.json").write_text('{"wall_time_s": 100.0}')
+    summary = resume(killed, built, _quiet(), figures=False)
+    assert 100.0 < summary.wall_time_s < 400.0
+    assert summary.coupled_time_s < summary.wall_time_s
+
+
 def test_a_damaged_checkpoint_is_refused(killed: Path) -> None:
     path = killed / "unfinished" / "checkpoint"
     data = path.read_bytes()
