@@ -38,7 +38,9 @@ def checks(everything: bool) -> dict[str, list[str]]:
 
 def validation(words: list[str]) -> dict[str, list[str]]:
     """The command that runs the recording tests whose file or name contains a word, or all."""
-    tests = [f"tests/{test}" for test in recording_tests() if not words or any(w in test for w in words)]
+    tests = [
+        f"tests/{test}" for test in sorted(recording_tests()) if not words or any(w in test for w in words)
+    ]
     if not tests:
         raise SystemExit(f"no test that records numbers has {' or '.join(words)} in its file or name")
     return {"validation": [*PYTEST, "-p", "tests.validation", "-m", "", *tests]}

@@ -1,7 +1,7 @@
 """The validation manual: numbers that tests compare and record, gathered on docs/validation.md.
 
-Loaded as a pytest plugin (`-p tests.validation`), it writes the page after a session without failures. Rows
-of tests that did not run stay on the page as they are.
+Loaded as a pytest plugin (`-p tests.validation`), it writes the page at the end of a session. Rows of tests
+that did not run stay on the page as they are.
 """
 
 from __future__ import annotations
@@ -53,24 +53,30 @@ def record(request: pytest.FixtureRequest) -> Callable[..., None]:
 
 
 def compare(
-    quantity: str, value: Any, reference: Any, source: str, *, tolerance: float = 0.0, relative: float = 0.0
+    quantity: str,
+    value: Any,
+    reference: Any,
+    source: str,
+    *,
+    tolerance: float | None = None,
+    relative: float | None = None,
 ) -> tuple[float, list[str]]:
     """Assert |value - reference| <= tolerance, or <= relative * |reference|, for every element of arrays.
 
     Returns the share of the tolerance that is used up and the cells of a row, of the worst element.
     """
-    if (tolerance > 0.0) == (relative > 0.0):
-        raise ValueError(f"{quantity}: give a tolerance or a relative one, larger than 0")
+    if (tolerance is None) == (relative is None):
+        raise ValueError(f"{quantity}: give either a tolerance or a relative one")
     values, references = np.broadcast_arrays(np.asarray(value, float), np.asarray(reference, float))
-    scales = np.abs(references) if relative else np.ones_like(references)
+    scales = np.ones_like(references) if relative is None else np.abs(references)
     differences = np.nan_to_num(np.abs(values - references) / scales, nan=np.inf)
     worst = np.unravel_index(np.argmax(differences), differences.shape)
-    difference, allowed = float(differences[worst]), relative or tolerance
-    mark = " rel." if relative else ""
+    difference, allowed = float(differences[worst]), relative if tolerance is None else tolerance
+    mark = " rel." if tolerance is None else ""
     numbers = (f"{values[worst]:.6g}", f"{references[worst]:.6g}", f"{difference:.1e}{mark}")
     cells = [quantity, *numbers, f"{allowed:.2g}{mark}", source]
     assert difference <= allowed, ", ".join(f"{n} {c}" for n, c in zip(COLUMNS, cells, strict=False))
-    return difference / allowed, cells
+    return difference / allowed if allowed else difference, cells
 
 
 def recording_tests() -> set[str]:
@@ -107,12 +113,16 @@ def page_text(blocks: Blocks) -> str:
     return "\n".join(parts)
 
 
+def named_test(node: str) -> str:
+    """The test of a node of pytest, without its case, as "file::test"."""
+    return node.partition("[")[0].removeprefix("tests/")
+
+
 def recorded_blocks(records: Iterable[Record]) -> Blocks:
     """The rows of new records; the cases of a parametrised test share a row."""
     cases = defaultdict(list)
     for node, place, subject, share, cells in sorted(records):
-        test = node.partition("[")[0].removeprefix("tests/")
-        cases[subject, test, place, cells[0]].append((share, cells))
+        cases[subject, named_test(node), place, cells[0]].append((share, cells))
     blocks: Blocks = defaultdict(list)
     for (subject, test, _, quantity), found in sorted(cases.items()):
         cells = max(found, key=lambda case: case[0])[1]
@@ -124,20 +134,23 @@ def recorded_blocks(records: Iterable[Record]) -> Blocks:
 
 
 _records: list[Record] = []
+_failed: set[str] = set()
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
     """Keep what a test recorded. With pytest-xdist the workers' reports pass here too."""
-    if report.when == "call" and report.passed:
+    if report.failed:
+        _failed.add(named_test(report.nodeid))
+    elif report.when == "call":
         found = [value for name, value in report.user_properties if name == "validation"]
         _records.extend((report.nodeid, place, *row) for place, row in enumerate(found))
 
 
-def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
-    """Write the page in the process that has all reports, unless a test failed."""
-    if exitstatus == 0 and not hasattr(session.config, "workerinput"):
-        new, tests = recorded_blocks(_records), recording_tests()
-        ran = {test for _, test in new}
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Write the page in the process that has all reports; a test that failed has no rows."""
+    if not hasattr(session.config, "workerinput"):
+        new, tests = recorded_blocks(_records), recording_tests() - _failed
         old = page_blocks(PAGE.read_text("utf-8")) if PAGE.exists() else {}
-        kept = {key: rows for key, rows in old.items() if key[1] in tests and key[1] not in ran}
-        PAGE.write_text(page_text(kept | new), "utf-8")
+        ran = {test for _, test in new}
+        kept = {key: rows for key, rows in old.items() if key[1] not in ran} | new
+        PAGE.write_text(page_text({key: rows for key, rows in kept.items() if key[1] in tests}), "utf-8")

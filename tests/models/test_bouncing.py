@@ -46,14 +46,20 @@ def next_impact(flow, walls, position) -> None:
     ("omega", "r", "sigma", "sign"),
     [(2.8, 0.8, 0.0, -1.0), (2.8, 0.8, 0.05, -1.0), (3.3, 0.5, 0.02, -1.0), (1.7, 0.7, 0.0, 1.0)],
 )
-def test_impact_oscillator_returns_to_its_orbit(omega: float, r: float, sigma: float, sign: float) -> None:
+def test_impact_oscillator_returns_to_its_orbit(
+    omega: float, r: float, sigma: float, sign: float, record
+) -> None:
     orbit = impact_oscillator_orbit(omega, r, sigma, sign)
     assert orbit.velocity > 0.0
     flow, walls = impact_oscillator(omega, r, sigma)
     position = position_at(flow, orbit.phase, sigma, -r * orbit.velocity / omega)
     next_impact(flow, walls, position)
-    assert phase(flow, position) == pytest.approx(orbit.phase, abs=1e-11)
-    assert omega * position[RATE_OF_Y] == pytest.approx(orbit.velocity, abs=1e-11)
+    for name, value, exact in (
+        ("phase (rad)", phase(flow, position), orbit.phase),
+        ("velocity", omega * position[RATE_OF_Y], orbit.velocity),
+    ):
+        quantity = f"impact oscillator: {name} of the one-impact orbit"
+        record("Slider-crank", quantity, value, exact, "closed form", tolerance=1e-11)
 
 
 def test_impact_oscillator_has_the_listed_numbers() -> None:
@@ -61,7 +67,7 @@ def test_impact_oscillator_has_the_listed_numbers() -> None:
     assert orbit == pytest.approx((0.3361772700, 3.0593767579, -3.17445052), abs=1e-8)
 
 
-def test_multipliers_of_the_impact_oscillator() -> None:
+def test_multipliers_of_the_impact_oscillator(record) -> None:
     """Trace and determinant r^2 of the tangent map over one orbit, impact included."""
     omega, r = 2.8, 0.8
     orbit = impact_oscillator_orbit(omega, r, 0.0, -1.0)
@@ -76,12 +82,16 @@ def test_multipliers_of_the_impact_oscillator() -> None:
     assert h.LINEAR.next_event(flow, walls, position, last, 1.0, scratch()) == UPPER_IMPACT
     carry(flow, start, position, v, scratch())
     across_impact(r, kick(flow, walls, position, UPPER), position[RATE_OF_Y], v)
-    assert np.trace(v) == pytest.approx(orbit.trace, abs=1e-10)
-    assert np.linalg.det(v) == pytest.approx(r**2, abs=1e-12)
+    for name, value, exact, tolerance in (
+        ("trace", np.trace(v), orbit.trace, 1e-10),
+        ("determinant", np.linalg.det(v), r**2, 1e-12),
+    ):
+        quantity = f"impact oscillator: {name} of the tangent map"
+        record("Slider-crank", quantity, value, exact, "closed form", tolerance=tolerance)
 
 
 @pytest.mark.parametrize("e", [0.3, 0.9, 0.99])
-def test_bouncing_ball_comes_to_rest_after_its_geometric_series(e: float) -> None:
+def test_bouncing_ball_comes_to_rest_after_its_geometric_series(e: float, record) -> None:
     """Bounce n lasts 2 v e^n / g; the sum to infinity is 2 v e / (g (1 - e))."""
     g, v = 0.7, 0.5 * (1.0 - e)
     flow, walls = flow_of(lambda x: np.full_like(x, g)), Walls(0.0, 10.0, e, 0.0)
@@ -98,7 +108,10 @@ def test_bouncing_ball_comes_to_rest_after_its_geometric_series(e: float) -> Non
         n += 1
     left = 2.0 * v * e**n / (g * (1.0 - e))
     assert left <= CHATTER_LEFT
-    assert start + left == pytest.approx(0.1 + 2.0 * v / (g * (1.0 - e)), abs=1e-13)
+    exact = 0.1 + 2.0 * v / (g * (1.0 - e))
+    record(
+        "Slider-crank", "bouncing ball: end of chatter (rad)", start + left, exact, "series", tolerance=1e-13
+    )
 
 
 def test_sliding_ends_where_the_pressing_acceleration_falls_to_zero() -> None:
@@ -188,7 +201,7 @@ def test_slider_stays_between_the_walls_and_impacts_take_energy(
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_cutting_a_flight_changes_no_impact(form: str) -> None:
+def test_cutting_a_flight_changes_no_impact(form: str, record) -> None:
     """Events over two chaotic revolutions, run in one piece and in 500: 1e-12 grows by e^(0.4 * 12)."""
     machine = Machine(0.05, 0.01, form=form)
     whole = Motion(machine).events(2)
@@ -206,7 +219,9 @@ def test_cutting_a_flight_changes_no_impact(form: str) -> None:
                     found.append(TURN * cycle + phase(flow, position))
                     pass_event(flow, walls, position, code)
         h.begin_cycle(position)
-    assert found == pytest.approx(TURN * whole.cycle + whole.theta, abs=1e-11)
+    quantity = "impacts of two chaotic revolutions cut into 500 pieces (rad)"
+    angles = TURN * whole.cycle + whole.theta
+    record("Slider-crank", quantity, found, angles, "uncut motion", tolerance=1e-11)
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -38,17 +38,20 @@ def work_of_the_radius(found):
         (1000, {"camshaft": {"flexible": 1.0}, "valve_spring": SEAT}),
     ],
 )
-def test_every_component_and_the_whole_balance(speed_rpm, parts):
+def test_every_component_and_the_whole_balance(speed_rpm, parts, record):
     system = valve_train(speed_rpm, **parts)
     times = np.linspace(0.0, 0.8, 5761) * turn(speed_rpm)
     found = solve(system, times, x0=equilibrium(system), tolerance=1e-8)
     # 1e-10 per step and joule over some thousand steps, of energies up to 4 J.
+    source = "stored + dissipated - supplied"
     for name in ("flywheel", "camshaft", "valve_spring"):
-        assert np.max(np.abs(found.energy[name].residual)) < 1e-7, name
+        quantity, residual = f"energy residual of the {name} (J)", found.energy[name].residual
+        record("Coupling", quantity, residual, 0.0, source, tolerance=1e-7)
     # Trapezoids at 5760 instants: up to 1e-8 J in impacts, falling as 1/n^2 with more instants.
     left_out = work_of_the_radius(found)
     assert np.max(np.abs(left_out)) > 1e-5
-    assert np.max(np.abs(found.energy["contact"].residual - left_out)) < 2e-8
+    quantity, residual = "energy residual of the contact (J)", found.energy["contact"].residual
+    record("Coupling", quantity, residual, left_out, "work of the changing radius", tolerance=2e-8)
     whole = found.stored_energy - found.stored_energy[0] + found.dissipated - found.supplied
     assert np.max(np.abs(whole - left_out)) < 1e-7
 

@@ -94,13 +94,15 @@ def test_numbers_choose_the_formulas(number):
     assert film_by_number(float(number), *AT.values()) == film(name)
 
 
-def test_moes_asymptotes():
-    """Rigid-isoviscous 2.45/M, elastic-isoviscous 2.05 M^-1/5, elastic-piezoviscous 0.99 M^-1/8 L^3/4."""
-    assert moes_film(1e-4, 0.0) == pytest.approx(2.45e4, rel=1e-4)
-    assert moes_film(1e4, 0.0) == pytest.approx(2.05 * 1e4**-0.2, rel=1e-6)
-    # L small against M^1/2, so that t is 1; the elastic term adds 2e-5.
-    M, L = 1e8, 100.0
-    assert moes_film(M, L) == pytest.approx(0.99 * M**-0.125 * L**0.75, rel=1e-4)
+def test_moes_asymptotes(record):
+    for name, M, L, asymptote in (
+        ("rigid-isoviscous", 1e-4, 0.0, 2.45e4),
+        ("elastic-isoviscous", 1e4, 0.0, 2.05 * 1e4**-0.2),
+        # L small against M^1/2, so that t is 1; the elastic term adds 2e-5.
+        ("elastic-piezoviscous", 1e8, 100.0, 0.99 * 1e8**-0.125 * 100.0**0.75),
+    ):
+        quantity = f"formula of Moes and Venner, {name}, M = {M:g}, L = {L:g}"
+        record("Film", quantity, moes_film(M, L), asymptote, "asymptote of Moes (1992)", relative=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -108,9 +110,10 @@ def test_moes_asymptotes():
                       (10, 5, 2.826), (20, 5, 2.567), (50, 5, 2.262),
                       (10, 10, 4.103), (20, 10, 3.777), (50, 10, 3.374)],
 )  # fmt: skip
-def test_moes_fit_is_near_numerical_solutions(M, L, H):
+def test_moes_fit_is_near_numerical_solutions(M, L, H, record):
     """Against a numerical EHL solution (good to 0.5 %): the fit is off by up to 3.4 %."""
-    assert moes_film(M, L) == pytest.approx(H, rel=0.04)
+    quantity = "formula of Moes and Venner, smallest film H, M = 10 to 50, L = 0 to 10"
+    record("Film", quantity, moes_film(M, L), H, "independent numerical solution", relative=0.04)
 
 
 @given(film=st.floats(1e-8, 5e-6), steady=st.floats(1e-8, 5e-6), velocity=st.floats(-5.0, 5.0))
@@ -131,14 +134,14 @@ def test_film_is_kept_where_the_entraining_velocity_vanishes():
     assert outputs_of(contact, inputs=pressed)["film_thickness"] == 1e-6
 
 
-def test_relaxation_time_constant_is_c_h_over_u():
+def test_relaxation_time_constant_is_c_h_over_u(record):
     h, u = 1e-6, 2.0
     slope = (relaxation_rate(h * 1.0001, h, u, C) - relaxation_rate(h * 0.9999, h, u, C)) / (2e-4 * h)
-    assert -1.0 / slope == pytest.approx(C * h / u, rel=1e-8)
+    record("Film", "time constant of the film (s)", -1.0 / slope, C * h / u, "C h / u", relative=1e-8)
 
 
 @pytest.mark.parametrize(("start", "steady"), [(0.3e-6, 1.2e-6), (2e-6, 0.2e-6)])
-def test_relaxation_agrees_with_the_exact_implicit_step(start, steady):
+def test_relaxation_agrees_with_the_exact_implicit_step(start, steady, record):
     """Backward Euler of dh/dt = -(u/C) ln(h/h_ss) has a closed form (Lambert W); first order in its step."""
     u, end = 1.5, 5e-5
     exact = solve_ivp(
@@ -151,7 +154,9 @@ def test_relaxation_agrees_with_the_exact_implicit_step(start, steady):
             # a W0[(h_ss/a) exp(h/a)], by logarithms where the exponential overflows.
             h = a * lambert_of_exp(math.log(steady / a) + h / a)
         errors.append(abs(h - exact))
-    assert np.log2(np.array(errors[:-1]) / np.array(errors[1:])) == pytest.approx([1.0, 1.0], abs=0.05)
+    orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    quantity = "order with which exact implicit steps tend to the film's motion"
+    record("Film", quantity, orders, 1.0, "Lambert W against DOP853", tolerance=0.05)
     assert errors[-1] < 2e-3 * abs(start - steady)
 
 

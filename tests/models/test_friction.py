@@ -120,17 +120,19 @@ def test_eyrings_law_is_newtons_at_small_stress_and_its_logarithm_at_large():
     assert shear_stress(8e8, 5.0, 1e-7, EYRING, unlimited) == pytest.approx(expected, rel=1e-8)
 
 
-def test_friction_of_a_constant_viscosity_is_a_closed_form():
+def test_friction_of_a_constant_viscosity_is_a_closed_form(record):
     """eta u_s/h over the area; and of the limiting stress alone, gamma W + tau_L0 A."""
     water = Lubricant(1e-3, 1e-8, viscosity_law=2.0)
     b, p0 = half_width(500.0, RADIUS, LENGTH, STEEL), maximum_pressure(500.0, RADIUS, LENGTH, STEEL)
     newtonian = Traction(**UNLIMITED)
     found = viscous_friction(b, LENGTH, p0, 2.0, 1e-7, water, newtonian)
     # Twelve Gauss points integrate a cosine to rounding.
-    assert found == pytest.approx(1e-3 * 2.0 / 1e-7 * area(500.0), rel=1e-13)
+    exact = 1e-3 * 2.0 / 1e-7 * area(500.0)
+    record("Film", "friction of a constant viscosity (N)", found, exact, "η u A / h", relative=1e-13)
     limited = Traction(limiting_stress=1e6, limiting_coefficient=0.05)
     found = viscous_friction(b, LENGTH, p0, -1e9, 1e-7, water, limited)
-    assert found == pytest.approx(-(0.05 * 500.0 + 1e6 * area(500.0)), rel=1e-13)
+    exact = -(0.05 * 500.0 + 1e6 * area(500.0))
+    record("Film", "friction at the limiting stress (N)", found, exact, "-(γ W + τ A)", relative=1e-13)
 
 
 @pytest.mark.parametrize("fluid", [OIL, EYRING])

@@ -28,19 +28,26 @@ loads = st.floats(1e-3, 2e4)
 radii = st.floats(5e-3, 0.1)
 
 
-def test_610_newton_on_28_88_millimetres():
+def test_610_newton_on_28_88_millimetres(record):
     # Half a unit of the last digit stated.
-    assert deflection(610.0, 28.88e-3, LENGTH, COMPLIANCE) == pytest.approx(1.631e-6, abs=0.5e-9)
-    assert half_width(610.0, 28.88e-3, LENGTH, COMPLIANCE) == pytest.approx(128.2e-6, abs=0.05e-6)
-    assert maximum_pressure(610.0, 28.88e-3, LENGTH, COMPLIANCE) == pytest.approx(252.4e6, abs=0.05e6)
+    for name, law, stated, tolerance in (
+        ("deflection", deflection, 1.631e-6, 0.5e-9),
+        ("half width", half_width, 128.2e-6, 0.05e-6),
+        ("largest pressure", maximum_pressure, 252.4e6, 0.05e6),
+    ):
+        value = law(610.0, 28.88e-3, LENGTH, COMPLIANCE)
+        quantity = f"{name}, 610 N on a radius of 28.88 mm, length 12 mm"
+        record(
+            "Contact", quantity, value, stated, "independent evaluation of Hertz's law", tolerance=tolerance
+        )
 
 
-def test_contact_stiffness_at_450_newton():
-    """3.85e8 N/m at rho = 20 mm."""
+def test_contact_stiffness_at_450_newton(record):
     step = 1.0
     change = deflection(450.0 + step, 20e-3, LENGTH, COMPLIANCE)
     change -= deflection(450.0 - step, 20e-3, LENGTH, COMPLIANCE)
-    assert 2 * step / change == pytest.approx(3.85e8, rel=2e-3)
+    quantity, source = "stiffness, 450 N on a radius of 20 mm (N/m)", "independent evaluation of Hertz's law"
+    record("Contact", quantity, 2 * step / change, 3.85e8, source, relative=2e-3)
 
 
 @given(load=loads, radius=radii)

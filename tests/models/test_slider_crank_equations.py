@@ -79,11 +79,12 @@ def residuals(corrected: bool, rod_sign: float, size: float, state: tuple[float,
 @pytest.mark.parametrize("state", STATES)
 @pytest.mark.parametrize(("corrected", "rod_sign"), [(True, -1.0), (False, 1.0)])
 def test_motion_and_torque_agree_with_lagrange_to_first_order(
-    corrected: bool, rod_sign: float, state: tuple[float, float, float]
+    corrected: bool, rod_sign: float, state: tuple[float, float, float], record
 ) -> None:
     """Exact at psi = 0; the residual falls with psi^2. F's form needs its phi' + psi' for that."""
     at_zero = residuals(corrected, rod_sign, 0.0, state)
-    assert np.abs(at_zero).max() < 1e-10
+    quantity = f"what Lagrange's equations leave at psi = 0, {'corrected' if corrected else 'as published'}"
+    record("Slider-crank", quantity, at_zero, 0.0, "energies of the bodies", tolerance=1e-10)
     large, small = (residuals(corrected, rod_sign, size, state) for size in (0.02, 0.01))
     assert np.abs(large).max() > 1e-6
     assert np.abs(large - 4.0 * small).max() < 0.05 * np.abs(large).max()
@@ -100,7 +101,7 @@ def test_published_form_is_not_the_mechanism(state: tuple[float, float, float]) 
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_constant_speed_form_is_f_2_13(sign: float) -> None:
+def test_constant_speed_form_is_f_2_13(sign: float, record) -> None:
     """a, c and f as F prints them (with -beta), and with +beta."""
     m = eq.thesis_mechanism(LAMBDA, corrected=sign > 0.0)
     tau, psi, rate = 1.234, 0.01, -0.02
@@ -115,7 +116,9 @@ def test_constant_speed_form_is_f_2_13(sign: float) -> None:
     )
     a = ALPHA / 4 + 1 + BETA
     expected = (f - c * psi - LAMBDA * rate) / a
-    assert eq.flight_acceleration(tau, 1.0, 0.0, psi, rate, m) == pytest.approx(expected, rel=1e-14)
+    found = eq.flight_acceleration(tau, 1.0, 0.0, psi, rate, m)
+    quantity = "acceleration of the rod at constant speed"
+    record("Slider-crank", quantity, found, expected, "Farahanchi (1991), (2.13)", relative=1e-14)
 
 
 def test_wall_rates_are_derivatives_of_the_wall() -> None:
@@ -156,22 +159,26 @@ def published_lower_force(tau: float, damping: float, gap: float) -> float:
     )
 
 
-def test_interval_of_lower_wall_sliding_in_f_2_7() -> None:
+def test_interval_of_lower_wall_sliding_in_f_2_7(record) -> None:
     """lambda = 0.267, rho = 0.02: 4.957 < theta < 5.151 by F's own (2.29).
 
     Linear in psi, as the motion itself is, the interval is 4.953 to 5.154: a difference O(psi^2).
     """
     ends = [brentq(published_lower_force, a, b, args=(0.267, 0.02)) for a, b in ((4.8, 5.05), (5.05, 5.3))]
-    assert ends == pytest.approx([4.957, 5.151], abs=1e-3)
+    for name, end, stated in (("begin", ends[0], 4.957), ("end", ends[1], 5.151)):
+        quantity = f"crank angle at the {name} of sliding on the lower wall (rad)"
+        record("Slider-crank", quantity, end, stated, "Farahanchi (1991), 2.7", tolerance=1e-3)
     ends = [brentq(wall_force, a, b, args=(-1.0, 0.267, 0.02)) for a, b in ((4.8, 5.05), (5.05, 5.3))]
     assert ends == pytest.approx([4.9531, 5.1541], abs=1e-4)
 
 
 @pytest.mark.parametrize(("corrected", "threshold"), [(False, 0.2669), (True, 0.1196)])
-def test_threshold_of_permanent_sliding_on_the_upper_wall(corrected: bool, threshold: float) -> None:
+def test_threshold_of_permanent_sliding_on_the_upper_wall(corrected: bool, threshold: float, record) -> None:
     angles = np.linspace(0.0, 2.0 * math.pi, 2001)
     least = lambda damping: min(wall_force(t, 1.0, damping, 0.0, corrected) for t in angles)  # noqa: E731
-    assert brentq(least, 0.01, 0.5) == pytest.approx(threshold, abs=5e-5)
+    found, form = brentq(least, 0.01, 0.5), "corrected" if corrected else "as published"
+    quantity = f"friction λ from which the slider rests on the upper wall, {form}"
+    record("Slider-crank", quantity, found, threshold, "independent evaluation", tolerance=5e-5)
 
 
 def test_symmetries_of_the_wall_forces() -> None:

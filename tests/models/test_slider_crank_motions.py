@@ -143,19 +143,21 @@ def published(damping: float, gap: float) -> Motion:
 
 
 @pytest.mark.parametrize(("damping", "gap", "reference"), EXPONENTS)
-def test_lyapunov_exponents(damping: float, gap: float, reference: float) -> None:
+def test_lyapunov_exponents(damping: float, gap: float, reference: float, record) -> None:
     """The largest within the references' 2 % and four standard errors; their sum exactly."""
     found = published(damping, gap).skip(200).exponents(5000)
-    assert found.largest + found.second == pytest.approx(found.exact_sum, abs=1e-11)
+    quantity, total = "sum of both Lyapunov exponents (1/rad)", found.largest + found.second
+    record("Slider-crank", quantity, total, found.exact_sum, "-λ/a + 2 N ln e/(2π)", tolerance=1e-11)
     assert found.largest == pytest.approx(reference, abs=0.02 * abs(reference) + 4.0 * found.uncertainty)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize(("damping", "gap", "reference"), EXPONENTS)
-def test_lyapunov_exponents_long(damping: float, gap: float, reference: float) -> None:
+def test_lyapunov_exponents_long(damping: float, gap: float, reference: float, record) -> None:
     """Within 2 %, at a standard error of 0.2 %."""
     found = published(damping, gap).skip(200).exponents(200_000)
-    assert found.largest == pytest.approx(reference, rel=0.02)
+    quantity = f"largest Lyapunov exponent (1/rad), λ = {damping:g}, ρ = {gap:g}"
+    record("Slider-crank", quantity, found.largest, reference, "independent integration", relative=0.02)
 
 
 def test_periodic_orbit_has_half_the_sum() -> None:
@@ -171,9 +173,11 @@ def test_sliding_motion_has_no_exponents() -> None:
     assert (found.largest, found.second) == (-math.inf, -math.inf)
 
 
-def test_impacts_per_revolution_of_the_periodic_orbit() -> None:
+def test_impacts_per_revolution_of_the_periodic_orbit(record) -> None:
     """(0.05, 0.015): three on the upper wall and five on the lower."""
     states = cycles(thesis_parameters(0.05, 0.015), 400)
     assert period(states) == 1
     last = states[-1] - states[-2]
-    assert (last[UPPER], last[LOWER]) == (3.0, 5.0)
+    for wall, count, stated in (("upper", last[UPPER], 3), ("lower", last[LOWER], 5)):
+        quantity = f"impacts on the {wall} wall per revolution, λ = 0.05, ρ = 0.015"
+        record("Slider-crank", quantity, count, stated, "independent integration", tolerance=0)

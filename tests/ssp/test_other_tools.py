@@ -107,21 +107,23 @@ def expected(scenario: Scenario) -> list[float]:
 
 @pytest.mark.parametrize(("tool", "code"), [("libcosim", LIBCOSIM), ("ecos", ECOS)], ids=["libcosim", "ecos"])
 def test_another_tool_comes_to_the_same(
-    tool: str, code: str, package: Path, expected: list[float], isolated: Isolated
+    tool: str, code: str, package: Path, expected: list[float], isolated: Isolated, record
 ) -> None:
     """To the times of steps, which some count in nanoseconds or add up: 1e-9 of a value that moves by itself
     in a second."""
     if why := missing(tool, Path(sys.executable)):
         pytest.skip(why)
     found = isolated(code.format(path=str(package), steps=STEPS, step=STEP, names=NAMES))
-    np.testing.assert_allclose(found, expected, rtol=1e-9)
+    quantity = f"two masses as an SSP package in {tool}"
+    record("Tools", quantity, found, expected, "run by tribocosim", relative=1e-9)
 
 
-def test_fmpys_loop_converges_to_the_same(package: Path, isolated: Isolated) -> None:
+def test_fmpys_loop_converges_to_the_same(package: Path, isolated: Isolated, record) -> None:
     """With the first order of held inputs: halving its step halves what is missing of the exact motion."""
     stop = STEPS * STEP
     rows = isolated(FMPY.format(path=str(package), step=STEP, stop=stop, names=NAMES))
     truth = two_masses(np.array([stop]), FIRST, SECOND, START)[0]
     missed = [np.abs(np.array(row) - truth).max() for row in rows]
     orders = np.log2(np.array(missed[:-1]) / missed[1:])
-    np.testing.assert_allclose(orders, 1.0, atol=0.1)
+    quantity = "two masses as an SSP package in fmpy: order"
+    record("Tools", quantity, orders, 1.0, "order of held inputs", tolerance=0.1)

@@ -22,7 +22,7 @@ def profiled(profile):
     return dataclasses.replace(STRAIGHT, profile=profile)
 
 
-def test_a_ball_is_hertz_point_contact():
+def test_a_ball_is_hertz_point_contact(record):
     """Crown radius = rolling radius: p0 = (6 W E*^2 / (pi^3 R^2))^(1/3), E* = 1/compliance."""
     radius, load = 20e-3, 5.0
     ball = FiniteLine(0.5e-3, STEEL, OIL, Crowned(radius))
@@ -30,11 +30,16 @@ def test_a_ball_is_hertz_point_contact():
     p0 = (6.0 * load / (math.pi**3 * (STEEL * radius) ** 2)) ** (1.0 / 3.0)
     approach = (math.pi * p0 * STEEL / 2.0) ** 2 * radius
     # Cells of a sixteenth and of a fifth of the contact's radius, on its rim half pressed.
-    assert found.largest_pressure == pytest.approx(p0, rel=1e-2)
-    assert found.approach == pytest.approx(approach, rel=1e-2)
+    for name, value, exact in (
+        ("pressure", found.largest_pressure, p0),
+        ("approach", found.approach, approach),
+    ):
+        record(
+            "Field", f"finite line: {name} of a ball", value, exact, "Hertz's point contact", relative=1e-2
+        )
 
 
-def test_a_crown_is_hertz_elliptical_contact():
+def test_a_crown_is_hertz_elliptical_contact(record):
     """Johnson (1985) 4.28-4.30: half axes by complete elliptic integrals of the ratio of the radii."""
     load, along, crown = 200.0, 0.02, 0.5
     reduced = math.sqrt(along * crown)
@@ -61,7 +66,8 @@ def test_a_crown_is_hertz_elliptical_contact():
     errors = 1.0 - np.array(pressures) / exact
     # Of second order in the lines, which are as wide as 1/4 to 1/16 of the long half axis.
     assert np.log2(errors[:-1] / errors[1:]) == pytest.approx([2.0, 2.0], abs=0.4)
-    assert abs(errors[-1]) < 1e-3
+    source = "Hertz's elliptical contact, Johnson (1985)"
+    record("Field", "finite line: pressure of a crown (Pa)", pressures[-1], exact, source, relative=1e-3)
 
 
 def test_the_middle_of_a_long_contact_is_hertz_line_contact():

@@ -72,15 +72,18 @@ def test_misalignment_mirrors_and_its_moment_turns_with_it():
     assert one.end_pressure > film_of(STRAIGHT, AT, COARSE).end_pressure
 
 
-def test_the_middle_is_the_line_contact():
+def test_the_middle_is_the_line_contact(record):
     """At that load per length; 12 and 24 nodes, extrapolated by their second order."""
     coarse, fine = (film_of(STRAIGHT, AT, Resolution(nodes, 0.4, 0.5, 16)) for nodes in (12.0, 24.0))
     line = in_the_middle(fine)
     extrapolated = fine.central_film + (fine.central_film - coarse.central_film) / 3.0
     # The line's own 0.2 %, what is left of the grid's 0.6 %, and ends 50 half widths away.
-    assert extrapolated == pytest.approx(line.central_film, rel=5e-3)
-    assert fine.middle_film == pytest.approx(line.minimum_film, rel=1e-2)
-    assert fine.middle_pressure == pytest.approx(line.maximum_pressure, rel=1e-2)
+    for name, found, exact, relative in (
+        ("central film", extrapolated, line.central_film, 5e-3),
+        ("smallest film in the middle", fine.middle_film, line.minimum_film, 1e-2),
+        ("largest pressure in the middle", fine.middle_pressure, line.maximum_pressure, 1e-2),
+    ):
+        record("Field", f"finite line: {name}", found, exact, "line contact of that load", relative=relative)
 
 
 def test_a_thin_film_in_the_middle_is_the_line_contact():
@@ -106,12 +109,13 @@ def test_the_grids_error_is_of_second_order_in_x():
     assert order == pytest.approx(2.0, abs=0.5)
 
 
-def test_the_ends_of_a_logarithmic_profile_converge():
+def test_the_ends_of_a_logarithmic_profile_converge(record):
     """Cells of 0.2, 0.1 and 0.05 half widths: the change of the end film shrinks at least by their square."""
     logarithmic = FiniteLine(LENGTH, STEEL, OIL, johns_gohar(AT.load, AT.radius, LENGTH, STEEL))
     films = [film_of(logarithmic, AT, Resolution(12.0, cell, 0.2, 24)).end_film for cell in (0.2, 0.1, 0.05)]
     assert abs(films[2] - films[1]) < 0.25 * abs(films[1] - films[0])
-    assert films[2] == pytest.approx(films[1], rel=2e-2)
+    quantity = "finite line: film at the end of a logarithmic profile (m)"
+    record("Field", quantity, films[2], films[1], "cells twice as wide", relative=2e-2)
 
 
 @pytest.mark.long
