@@ -71,9 +71,9 @@ def compare(
     scales = np.ones_like(references) if relative is None else np.abs(references)
     differences = np.nan_to_num(np.abs(values - references) / scales, nan=np.inf)
     worst = np.unravel_index(np.argmax(differences), differences.shape)
-    difference, allowed = float(differences[worst]), relative if tolerance is None else tolerance
+    difference, allowed = float(differences[worst]), float(relative if tolerance is None else tolerance)
     mark = " rel." if tolerance is None else ""
-    numbers = (f"{values[worst]:.6g}", f"{references[worst]:.6g}", f"{difference:.1e}{mark}")
+    numbers = (f"{values[worst]:.6g}", f"{references[worst]:.6g}", f"{difference:.2g}{mark}")
     cells = [quantity, *numbers, f"{allowed:.2g}{mark}", source]
     assert difference <= allowed, ", ".join(f"{n} {c}" for n, c in zip(COLUMNS, cells, strict=False))
     return difference / allowed if allowed else difference, cells

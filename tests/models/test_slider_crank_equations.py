@@ -165,7 +165,7 @@ def test_interval_of_lower_wall_sliding_in_f_2_7(record) -> None:
     Linear in psi, as the motion itself is, the interval is 4.953 to 5.154: a difference O(psi^2).
     """
     ends = [brentq(published_lower_force, a, b, args=(0.267, 0.02)) for a, b in ((4.8, 5.05), (5.05, 5.3))]
-    for name, end, stated in (("begin", ends[0], 4.957), ("end", ends[1], 5.151)):
+    for name, end, stated in (("beginning", ends[0], 4.957), ("end", ends[1], 5.151)):
         quantity = f"crank angle at the {name} of sliding on the lower wall (rad)"
         record("Slider-crank", quantity, end, stated, "Farahanchi (1991), 2.7", tolerance=1e-3)
     ends = [brentq(wall_force, a, b, args=(-1.0, 0.267, 0.02)) for a, b in ((4.8, 5.05), (5.05, 5.3))]

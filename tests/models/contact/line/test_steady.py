@@ -199,7 +199,12 @@ def test_pressure_carries_the_load(M, L, record):
     film = film_of(M, L)
     found = np.trapezoid(film.pressure, film.x) * film.contact.length
     record(
-        "Field", "load that the steady pressure carries (N)", found, film.contact.load, "load", relative=1e-7
+        "Field",
+        "load that the steady pressure carries (N)",
+        found,
+        film.contact.load,
+        "load given",
+        relative=1e-7,
     )
     assert film.load_error < 1e-7
 
