@@ -54,15 +54,13 @@ def test_what_is_given_and_created_is_taken(master):
 
 
 @pytest.mark.parametrize("master", MASTERS, ids=repr)
-def test_the_whole_ledger_closes_to_rounding(master, record):
+def test_the_whole_ledger_closes_to_rounding(master):
     """Stored and dissipated - sources = created over bonds + what came besides them."""
     account = booked(master, 1e-2).account()
     parts = account.components.values()
     spent = sum(part.stored + part.dissipated - part.sourced for part in parts)
     # Energies of 25 J at the start, 200 steps, sums of a dozen numbers.
-    found, source = account.created + account.besides, "stored + dissipated - sourced"
-    rounding = 200 * 25 * 2.3e-16
-    record("Coupling", "energy created by a coupling (J)", found, spent, source, tolerance=rounding)
+    assert spent == pytest.approx(account.created + account.besides, abs=200 * 25 * 2.3e-16)
     for part in parts:
         assert part.besides == pytest.approx(part.jumped + part.unaccounted, abs=1e-12)
         assert part.besides == pytest.approx(
@@ -83,15 +81,12 @@ ORDERS = [(kind(signal), k) for kind in (Jacobi, GaussSeidel, Iterated) for k, s
 
 
 @pytest.mark.parametrize(("master", "order"), ORDERS, ids=repr)
-def test_spurious_energy_falls_with_the_order_of_the_method(master, order, record):
+def test_spurious_energy_falls_with_the_order_of_the_method(master, order):
     coarse, fine = (abs(booked(master, h).account().bonds[BOND].largest_created) for h in (2e-3, 1e-3))
-    quantity = (
-        f"order of the energy that the coupling creates, {type(master).__name__}, {master.extrapolation}"
-    )
-    record("Coupling", quantity, np.log2(coarse / fine), order, "order of the signals", tolerance=0.1)
+    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.1)
 
 
-def test_a_converged_coupling_exchanges_the_energies_of_the_exact_solution(record):
+def test_a_converged_coupling_exchanges_the_energies_of_the_exact_solution():
     """Undamped, what the second mass took is its mechanical energy by the matrix exponential."""
     ledger = booked(Iterated("hermite", 1e-12), 1e-3, **UNDAMPED)
     first = CoupledMassParameters(damping=0.0, coupling_damping=0.0)
@@ -100,9 +95,8 @@ def test_a_converged_coupling_exchanges_the_energies_of_the_exact_solution(recor
     energy = 0.5 * (second.mass * v**2 + second.stiffness * x**2)
     assert energy > 0.1
     # The Hermite signal's error of order four at H = 1 ms, and 2000 steps of 1e-10.
-    for side in ("taken", "given"):
-        found, quantity = ledger[f"{side} {BOND}"], f"energy {side} over a bond of two masses (J)"
-        record("Coupling", quantity, found, energy, "matrix exponential", tolerance=1e-7)
+    assert ledger[f"taken {BOND}"] == pytest.approx(energy, abs=1e-7)
+    assert ledger[f"given {BOND}"] == pytest.approx(energy, abs=1e-7)
 
 
 def test_nobody_sees_that_energies_are_counted():
@@ -221,11 +215,10 @@ def impulses(step=1e-5, stop=0.03):
     return ledger["besides flywheel"], given, float(np.abs(impulse).sum() * change)
 
 
-def test_what_impacts_take_as_impulses_comes_besides_the_bonds(record):
+def test_what_impacts_take_as_impulses_comes_besides_the_bonds():
     besides, given, bound = impulses()
     assert abs(given) > 100.0 * bound > 0.0
-    quantity = "energy that impacts take from a free flywheel (J)"
-    record("Coupling", quantity, besides, given, "speeds and impulses", tolerance=bound)
+    assert besides == pytest.approx(given, abs=bound)
 
 
 def test_scenarios_refuse_a_correction_of_masters_that_interpolate():
