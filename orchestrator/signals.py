@@ -302,28 +302,6 @@ def finite(values: Any, rates: Any, first: int, last: int) -> bool:
 
 
 @numba.njit(cache=True)
-def judge(memory: Any, count: int, time: float, keep: float, bound: float, share: float) -> int:
-    """The source that most misses its own linear extrapolation, if it does by more than `share`; else -1.
-
-    Updates the fading sums (kept by the factor `keep` per step) of what each source misses and of its
-    size. A value above `bound` nominal sizes counts as well. `memory`: see `RunawayGuard`.
-    """
-    m = memory[0]
-    times, values, new, nominal = numbers(m.times), table(m.values), numbers(m.new), numbers(m.nominal)
-    missed, size = numbers(m.missed), numbers(m.sizes)
-    worst, most = -1, share
-    for i in range(new.shape[0]):
-        v, d, _ = parabola(times[0], values[0, i], times[1], values[1, i], 0.0, 0.0, min(count, 2), times[0])
-        missed[i] = keep * missed[i] + abs(new[i] - (v + (time - times[0]) * d))
-        size[i] = keep * size[i] + max(abs(new[i]), nominal[i])
-        if missed[i] > most * size[i]:
-            worst, most = i, missed[i] / size[i]
-        elif abs(new[i]) > bound * nominal[i] and worst < 0:
-            worst = i
-    return worst
-
-
-@numba.njit(cache=True)
 def move_origin(signals: Any, shift: float, out: Any) -> None:
     """The signals' derivatives at a time `shift` later; `out` may be `signals` itself."""
     for k in range(signals.shape[0]):

@@ -5,27 +5,41 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numba
 import numpy as np
 
-from models.array_pointers import ArrayPointers
+from models.array_pointers import ArrayPointers, numbers, table
 
 from ..errors import UnstableCouplingError
 from ..exchange import Exchange
 from ..masters import Master, name_of
-from ..signals import judge
+from ..signals import parabola
+
+# Steps over which sums fade, and over which swings are the consequence of a landing.
+WINDOW = 50
+# A value swings where it misses its linear extrapolation by this share of its size.
+SWING = 0.3
+# Swings in a window without a landing before them, or after landings, that are an instability.
+UNPROVOKED, LASTING = 1.9, 0.4 * WINDOW
+# A value that was at rest lands where it leaves its rest by more than this share of its nominal size.
+LANDING = 1e-2
 
 
 class RunawayGuard:
     """It judges the exchanged values, which the master reads in every step.
 
-    An explicit master is right only where exchanged values follow their own prediction. Where they swing
-    with the macro step itself, or a contact bounces within single steps, the sum of what they miss their
-    linear extrapolation by, over the last WINDOW steps or so, is as large as the values themselves (or
-    their nominal sizes, if those are larger): more than SHARE of it is a runaway. An impact misses in one
-    or two steps of a window and passes. Any master: a value of BOUND nominal sizes is a runaway.
+    An explicit master is right only where exchanged values follow their own linear extrapolation. The
+    coupling is suspect where the sum of what a value misses it by, over the last WINDOW steps or so, is
+    more than SHARE of the sum of its sizes (at least its nominal size).
+
+    A contact that closes at high speed does that too. A separation begins with a load that falls smoothly to
+    zero, and the values swing only after the landing. An unstable coupling swings while the contact is
+    still closed, or goes on swinging. So a suspect coupling is unstable where values swing from step to step
+    without a landing in the last WINDOW steps, or in most of the steps after one.
+
+    With any master a value of BOUND nominal sizes is a runaway.
     """
 
-    WINDOW = 50
     FIRST = 10  # steps that are not judged: a start in motion rings
     SHARE = 0.5
     BOUND = 1e9
@@ -33,25 +47,22 @@ class RunawayGuard:
     def __init__(self, exchange: Exchange, master: Master) -> None:
         self._exchange = exchange
         self._master = master
-        self._missed = np.zeros(len(exchange.sources))
-        self._size = np.zeros(len(exchange.sources))
         # Only what is exchanged is judged.
-        self._nominal = np.full(len(exchange.sources), np.inf)
-        self._nominal[exchange.connected] = exchange.nominal[exchange.connected]
+        nominal = np.full(len(exchange.sources), np.inf)
+        nominal[exchange.connected] = exchange.nominal[exchange.connected]
         self._patience = math.inf if master.implicit else float(self.FIRST)
-        self._keep = 1.0 - 1.0 / self.WINDOW
+        self._sums = {name: np.zeros(len(nominal)) for name in ("missed", "sizes", "swings", "unprovoked")}
+        self._sums["landed"] = np.full(1, math.inf)  # steps since the last landing
         past = exchange.history
         self._memory = ArrayPointers(
-            times=past.times, values=past.values, new=exchange.values, nominal=self._nominal,
-            missed=self._missed, sizes=self._size,
-        )  # fmt: skip
+            times=past.times, values=past.values, new=exchange.values, nominal=nominal, **self._sums
+        )
 
     def judge(self, time: float, step: float) -> None:
         """UnstableCouplingError if the values after `step` at `time` run away."""
         self._patience -= 1
         share = self.SHARE if self._patience < 0 else math.inf
-        known = self._exchange.history.count
-        worst = judge(self._memory.record, known, time, self._keep, self.BOUND, share)
+        worst = _judge(self._memory.record, self._exchange.history.count, time, self.BOUND, share)
         if worst >= 0:
             source = self._exchange.sources[worst]
             other = "another extrapolation" if self._master.implicit else "the iterated master"
@@ -63,8 +74,46 @@ class RunawayGuard:
 
     def state(self) -> dict[str, Any]:
         """The sums, as plain arrays."""
-        return {"missed": self._missed.copy(), "size": self._size.copy(), "patience": self._patience}
+        return {name: sums.copy() for name, sums in self._sums.items()} | {"patience": self._patience}
 
     def resume(self, state: dict[str, Any]) -> None:
-        self._missed[:], self._size[:] = state["missed"], state["size"]
+        for name, sums in self._sums.items():
+            sums[:] = state[name]
         self._patience = float(state["patience"])
+
+
+@numba.njit(cache=True)
+def _judge(memory: Any, known: int, time: float, bound: float, share: float) -> int:
+    """The source that most misses its own linear extrapolation, if the coupling is unstable; else -1.
+
+    Updates the fading sums. A value above `bound` nominal sizes counts as well.
+    """
+    m = memory[0]
+    times, values, new, nominal = numbers(m.times), table(m.values), numbers(m.new), numbers(m.nominal)
+    missed, sizes, landed = numbers(m.missed), numbers(m.sizes), numbers(m.landed)
+    swings, unprovoked = numbers(m.swings), numbers(m.unprovoked)
+    keep = 1.0 - 1.0 / WINDOW
+    landed[0] += 1.0
+    for i in range(new.shape[0]):
+        resting = known > 1 and values[0, i] == values[1, i]
+        if resting and abs(new[i] - values[0, i]) > LANDING * nominal[i]:
+            landed[0] = 0.0
+    worst, most, unstable = -1, share, False
+    for i in range(new.shape[0]):
+        v, d, _ = parabola(times[0], values[0, i], times[1], values[1, i], 0.0, 0.0, min(known, 2), times[0])
+        miss = abs(new[i] - (v + (time - times[0]) * d))
+        missed[i] = keep * missed[i] + miss
+        sizes[i] = keep * sizes[i] + max(abs(new[i]), nominal[i])
+        largest = max(max(abs(new[i]), nominal[i]), max(abs(values[0, i]), abs(values[1, i])))
+        swing = 1.0 if miss > SWING * largest else 0.0
+        swings[i] = keep * swings[i] + swing
+        unprovoked[i] = keep * unprovoked[i] + (swing if landed[0] > WINDOW else 0.0)
+        unstable |= swings[i] > LASTING or unprovoked[i] > UNPROVOKED
+        if missed[i] > most * sizes[i]:
+            worst, most = i, missed[i] / sizes[i]
+    if worst >= 0 and unstable:
+        return worst
+    for i in range(new.shape[0]):
+        if abs(new[i]) > bound * nominal[i]:
+            return i
+    return -1
