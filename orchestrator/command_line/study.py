@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 from pathlib import Path
 from typing import Annotated
 
@@ -9,6 +10,17 @@ import typer
 
 from .fmu import built
 from .reported import reported
+
+# What the extra `studies` installs.
+PACKAGES = ("distributed", "zarr", "cryptography")
+
+
+def check_packages() -> None:
+    """MistakeError with the names of those that are missing."""
+    from ..errors import MistakeError
+
+    if missing := [name for name in PACKAGES if importlib.util.find_spec(name) is None]:
+        raise MistakeError(f"studies need {', '.join(missing)}: pip install 'tribocosim[studies]'")
 
 
 @reported
@@ -36,6 +48,8 @@ def run_study(
     study or the command, 3: the workers cannot go on, 130: interrupted.
     """
     from ..errors import MistakeError
+
+    check_packages()
     from ..report import Reporter
     from ..study.files import load
     from ..study.run import Where, run

@@ -11,7 +11,8 @@ from multiprocessing import resource_tracker
 
 import dask
 from dask.system import CPU_COUNT
-from distributed import Client, LocalCluster
+from distributed import Client, LocalCluster, Security
+from distributed.comm.core import FatalCommClosedError
 
 from models.cache_folder import private_folder
 
@@ -37,12 +38,15 @@ def _here(workers: int) -> Iterator[Client]:
         "distributed.scheduler.allowed-failures": DEATHS,
         "temporary-directory": _scratch(),
         "distributed.worker.memory.pause": False,  # points hold no data: a full memory ends the worker
+        "distributed.scheduler.http.routes": [],  # nothing is shown to other users of this machine
+        "distributed.worker.http.routes": [],
     }
     with dask.config.set(settings):
         with _interrupts_held():
             cluster = LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
+                security=Security.temporary(),  # others, who can reach the port, cannot run code through it
                 dashboard_address="127.0.0.1:0",  # any free port: none can be taken
                 silence_logs=logging.CRITICAL,
             )
@@ -77,11 +81,15 @@ def _interrupts_held() -> Iterator[None]:
 def _there(address: str, timeout: float) -> Iterator[Client]:
     try:
         client = Client(address, timeout=timeout)
-    except (OSError, ValueError) as error:
-        reason = f"no answer within {timeout:g} s" if isinstance(error, OSError) else str(error)
+    except (OSError, ValueError, TypeError, RuntimeError) as error:
+        if isinstance(error, FatalCommClosedError | TypeError | RuntimeError):
+            reason = f"{error}; docs/studies.md shows how to name its certificate"
+        elif isinstance(error, OSError):
+            reason = f"no answer within {timeout:g} s; start one with 'dask scheduler'"
+        else:
+            reason = str(error)
         raise MistakeError(
-            f"--scheduler {address}: {reason}; start one with 'dask scheduler', or leave --scheduler out to "
-            "use this machine"
+            f"--scheduler {address}: {reason}, or leave --scheduler out to use this machine"
         ) from None
     with client:
         yield client

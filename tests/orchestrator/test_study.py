@@ -1,24 +1,33 @@
 """Studies through the command, a scheduler and workers, all in processes of their own."""
 
+import asyncio
 import contextlib
+import http.client
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
+import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import xarray
+from distributed import Security
+from distributed.comm import connect
 
+from orchestrator.command_line.study import PACKAGES
 from orchestrator.study.files import load
 
-from .commands import ROOT, said, tribocosim
+from .commands import ROOT, called, said, tribocosim
 
+DOCS = (ROOT / "docs" / "studies.md").read_text()
 ANALYSIS = "tests.orchestrator.studied"
 GRID = """
 [points]
@@ -85,9 +94,9 @@ def processes_of(group: int) -> list[int]:
 
 
 @contextlib.contextmanager
-def scheduled(*options_of_workers: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
+def scheduled(*options_of_workers: str, **variables: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
     """A scheduler and two workers as a user starts them; the scheduler's address and process."""
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    environment = os.environ | {"PYTHONPATH": str(ROOT)} | variables
     options = {"stdout": subprocess.DEVNULL, "text": True, "env": environment, "cwd": ROOT}
     dask = [sys.executable, "-m", "dask"]
     scheduler = subprocess.Popen(
@@ -96,7 +105,7 @@ def scheduled(*options_of_workers: str) -> Iterator[tuple[str, subprocess.Popen[
     )  # fmt: skip
     assert scheduler.stderr
     lines = iter(scheduler.stderr.readline, "")
-    address = next(found[0] for line in lines if (found := re.search(r"tcp://[\d.]+:\d+", line)))
+    address = next(found[0] for line in lines if (found := re.search(r"(tcp|tls)://[\d.]+:\d+", line)))
     worker = subprocess.Popen(
         [*dask, "worker", address, "--nworkers", "2", "--nthreads", "1", "--no-dashboard",
          *options_of_workers],
@@ -109,6 +118,71 @@ def scheduled(*options_of_workers: str) -> Iterator[tuple[str, subprocess.Popen[
             process.terminate()
             process.wait(30)
         scheduler.stderr.close()
+
+
+def listening(group: int) -> set[int]:
+    """The ports of this machine at which processes of the group listen."""
+    sockets = set()
+    for process in processes_of(group):
+        with contextlib.suppress(OSError):
+            sockets |= {os.readlink(file) for file in Path(f"/proc/{process}/fd").iterdir()}
+    ports = set()
+    for table in ("tcp", "tcp6"):
+        for line in Path(f"/proc/net/{table}").read_text().splitlines()[1:]:
+            _, local, _, state, *_, inode = line.split()[:10]
+            if state == "0A" and f"socket:[{inode}]" in sockets:
+                ports.add(int(local.rpartition(":")[2], 16))
+    return ports
+
+
+def pages(ports: set[int]) -> dict[int, int]:
+    """The status of a page of dask's at each of the ports that answer as a web server."""
+    found = {}
+    for port in ports:
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=3.0)
+        with contextlib.suppress(OSError, http.client.HTTPException), contextlib.closing(connection):
+            connection.request("GET", "/health")
+            found[port] = connection.getresponse().status
+    return found
+
+
+async def answering(ports: set[int]) -> list[str]:
+    """Where dask answers one who has no certificate, or one of his own."""
+    own = Security.temporary().get_connection_args("client")
+    places = [(f"{kind}://127.0.0.1:{port}", options) for port in ports
+              for kind, options in (("tcp", {}), ("tls", own))]  # fmt: skip
+
+    async def answers(place: str, options: dict[str, Any]) -> bool:
+        try:
+            comm = await connect(place, timeout=3.0, **options)
+        except (OSError, ValueError):  # the latter for TLS where none is spoken
+            return False
+        comm.abort()
+        return True
+
+    found = await asyncio.gather(*(answers(*place) for place in places))
+    return [place for (place, _), yes in zip(places, found, strict=True) if yes]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads the kernel's list of ports")
+def test_a_local_study_answers_nobody_else(tmp_path: Path) -> None:
+    """Another user of this machine, who can reach its ports, cannot have it run code."""
+    store, waits = tmp_path / "store.zarr", tmp_path / "waits"
+    arguments = [str(study(tmp_path, "SLOW", 8.0, 10)), "--out", str(store), "--workers", "1"]
+    running = started(*arguments, STUDIED_WAITS_FOR=str(waits))
+    try:
+        wait_for(lambda: np.count_nonzero(status_of(store)) >= 3)
+        ports = listening(running.pid)
+        web = pages(ports)
+        assert set(web.values()) == {404}
+        assert len(ports - set(web)) >= 3  # of scheduler, worker and the worker's keeper
+        assert asyncio.run(answering(ports - set(web))) == []
+        waits.touch()
+        assert running.wait(60) == 1
+    finally:
+        with contextlib.suppress(OSError):
+            os.killpg(running.pid, signal.SIGKILL)
+        running.communicate()
 
 
 @pytest.fixture(scope="module")
@@ -214,6 +288,19 @@ def test_a_point_that_kills_its_process_is_recorded_and_the_rest_goes_on(tmp_pat
         assert np.array_equal(found["sum"].where(~lethal), (found["x"] + found["y"]).where(~lethal), True)
 
 
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_study_without_its_packages_names_them_and_the_extra(
+    package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    done = called("study", str(study(tmp_path, "PLAIN")), "--out", str(tmp_path / "store.zarr"))
+    assert done.returncode == 2
+    assert f"studies need {package}: " in said(done)
+    assert "tribocosim[studies]" in said(done)
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
+    assert [re.match(r"\w+", line)[0] for line in extras["studies"]] == list(PACKAGES)
+
+
 def test_an_unreachable_scheduler_is_one_message(tmp_path: Path) -> None:
     address = "tcp://127.0.0.1:1"
     done = tribocosim(
@@ -237,6 +324,27 @@ def test_workers_of_another_source_are_refused(cluster: str, tmp_path: Path) -> 
     assert done.returncode == 3
     assert "a worker" in said(done)
     assert "No module named 'elsewhere'" in said(done)
+
+
+@pytest.mark.skipif(not shutil.which("openssl"), reason="needs openssl")
+def test_the_documented_certificate_keeps_others_from_a_scheduler(tmp_path: Path) -> None:
+    """Who has it can study there; who has none cannot."""
+    (command,) = re.findall(r"^openssl .+?[^\\]$", DOCS, re.DOTALL | re.MULTILINE)
+    (settings,) = re.findall(r"```yaml\n(.+?)```", DOCS, re.DOTALL)
+    for home in (tmp_path / "mine", tmp_path / "other"):
+        home.mkdir()
+        subprocess.run(["sh", "-c", command], cwd=home, check=True, capture_output=True)
+        (home / "study.yaml").write_text(settings.replace("/home/me", str(home)))
+    having, other = ({"DASK_CONFIG": str(tmp_path / name / "study.yaml")} for name in ("mine", "other"))
+    store = tmp_path / "store.zarr"
+    with scheduled(**having) as (address, _):
+        assert address.startswith("tls://")
+        arguments = ["--scheduler", address, "--out", str(store), "--timeout", "3"]
+        for there, status in (({}, 2), (other, 2), (having, 1)):
+            running = started(str(study(tmp_path, "PICKY")), *arguments, **there)
+            message = running.communicate(timeout=120)[1]
+            assert running.returncode == status, message
+            assert store.exists() == (there == having)
 
 
 @pytest.mark.long
@@ -264,9 +372,6 @@ def test_a_scheduler_that_ends_is_named_and_what_is_finished_is_kept(tmp_path: P
         (line,) = message.splitlines()
         assert f"the scheduler at {address} is gone" in line
     assert 3 <= np.count_nonzero(status_of(store)) < 20
-
-
-DOCS = (ROOT / "docs" / "studies.md").read_text()
 
 
 def test_the_documented_studies_are_possible(tmp_path: Path) -> None:
