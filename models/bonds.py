@@ -2,10 +2,11 @@
 
 A component that counts has, after its own states and outputs, its stored energy, what that gained within
 steps, what was dissipated, what sources gave, and what came in through each power bond. What its stored
-energy changed by beyond `energy_gained` came from inputs that jumped between two steps.
+energy changed by beyond `energy_gained` came from inputs that jumped between two steps. What impacts lose is
+dissipated; what their impulses give is no power of a bond and is not counted.
 
 The powers are integrated along the steps that the motion makes (see `quadrature`). The motion does not see
-it: its bits are those of the component that does not count. What passes in impacts is not counted.
+it: its bits are those of the component that does not count.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property, wraps
 from typing import Any
 
-from .component import DISSIPATED_POWER, SOURCE_POWER, STORED, Component, PowerBond
+from .component import DISSIPATED_POWER, IMPACT_LOSS, SOURCE_POWER, STORED, Component, PowerBond
 from .integrator import OK, copy, taylor
 from .kernel import kernel
 from .quantities import Layout, Quantity
@@ -146,6 +147,8 @@ class CountingComponent(Component):
         """`advance`, a kernel of `sampled`, with the integrals beside it."""
         plain, powers, energy = self.plain, _INNER + len(self.bonds), self.plain.flat_energy
         n, m, base = plain.state.size, plain.inputs.size, plain.work_size
+        has_impacts = IMPACT_LOSS in plain.state
+        loss = plain.state.index(IMPACT_LOSS) if has_impacts else 0
 
         @kernel
         def counting_advance(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any) -> int:
@@ -158,7 +161,7 @@ class CountingComponent(Component):
             counted[:] = 0.0
             taylor(U, 0.0, u)
             energy(t, x[:n], u, p, e)
-            before = e[STORED]
+            before, lost_before = e[STORED], x[loss]
             status = advance(t, h, x[:n], U, p, scale, work)
             if status == OK:
                 taylor(U, h, u)
@@ -166,6 +169,8 @@ class CountingComponent(Component):
                 x[n] += e[STORED] - before
                 for i in range(powers):
                     x[n + 1 + i] += counted[i]
+                if has_impacts:
+                    x[n + DISSIPATED_POWER] += x[loss] - lost_before
             return status
 
         return counting_advance

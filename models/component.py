@@ -24,6 +24,9 @@ from .requirements import Requirement
 # Indices of what an energy kernel writes, in J, W and W.
 STORED, DISSIPATED_POWER, SOURCE_POWER = 0, 1, 2
 
+# States of components with impacts: energy (J) that impacts have lost, and that their impulses have given.
+IMPACT_LOSS, IMPACT_WORK = "impact_loss", "impact_work"
+
 # The value of an output `next_event` (s) where no event is known.
 NO_EVENT = 1e30
 

@@ -60,15 +60,16 @@ def solve_adherence(
     inputs, outputs, stored = observe(problem, times, runs[0])
     others = observe(problem, times, runs[1])[1]
     n = problem.size
+    states = np.array([problem.full_state(float(t), z) for t, z in zip(times, runs[0], strict=True)])
     return Reference(
         system=problem.system,
         times=times,
-        state=np.array([problem.full_state(float(t), z) for t, z in zip(times, runs[0], strict=True)]),
+        state=states,
         inputs=inputs,
         outputs=outputs,
         uncertainty=uncertainties(problem.system, times, outputs, others),
         events=events,
-        energy=problem.energies.balances(stored, runs[0][:, n:]),
+        energy=problem.energies.balances(stored, runs[0][:, n:], states),
         wall_time_s=time.perf_counter() - begun,
         method_names=names,
     )

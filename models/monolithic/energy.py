@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..array_pointers import ArrayPointers, integer_table, integers, numbers
-from ..component import DISSIPATED_POWER, SOURCE_POWER, STORED
+from ..component import DISSIPATED_POWER, IMPACT_LOSS, IMPACT_WORK, SOURCE_POWER, STORED
 from ..composition import Composition
 from ..kernel import kernel
 from ..quantities import Vector
@@ -24,7 +24,7 @@ class EnergyBalance:
     """Energies (J) of one component over time, each (n,); all but `stored` count from the first instant.
 
     stored - stored[0] + dissipated = sourced + received, up to what the component's description leaves
-    out (see `residual`). `received` came in over the power bonds.
+    out (see `residual`). `received` came in over the power bonds and, at impacts, with their impulses.
     """
 
     stored: Vector
@@ -113,15 +113,23 @@ class Energies:
         """Write dissipated, source and received power, (instances * QUADRATURES,), into `rates`."""
         self.flat_powers(t, x, u, self.system.p, y, self.memory.record, rates)
 
-    def balances(self, stored: Vector, quadratures: Vector) -> dict[str, EnergyBalance]:
-        """From stored energies (n, instances) and integrated powers (n, instances * QUADRATURES)."""
+    def balances(self, stored: Vector, quadratures: Vector, states: Vector) -> dict[str, EnergyBalance]:
+        """From stored energies (n, instances), integrals of powers (n, instances * QUADRATURES) and the
+        system's states (n, size)."""
         quadratures = quadratures - quadratures[0]
         return {
             name: EnergyBalance(
                 stored[:, i],
-                quadratures[:, QUADRATURES * i + DISSIPATED],
+                quadratures[:, QUADRATURES * i + DISSIPATED] + self._of_impacts(name, IMPACT_LOSS, states),
                 quadratures[:, QUADRATURES * i + SOURCED],
-                quadratures[:, QUADRATURES * i + RECEIVED],
+                quadratures[:, QUADRATURES * i + RECEIVED] + self._of_impacts(name, IMPACT_WORK, states),
             )
             for i, name in enumerate(self.instances)
         }
+
+    def _of_impacts(self, name: str, energy: str, states: Vector) -> Any:
+        """What the sum `energy` of an instance has grown by; zero if its component has none."""
+        if energy not in self.system.instances[name].component.state:
+            return 0.0
+        sums = states[:, self.system.state.index(Port(name, energy))]
+        return sums - sums[0]

@@ -121,7 +121,7 @@ def solve(
         outputs=outputs,
         uncertainty=uncertainties(system, times, outputs, others),
         events=events,
-        energy=problem.energies.balances(stored, runs[0][:, n:]),
+        energy=problem.energies.balances(stored, runs[0][:, n:], runs[0][:, :n]),
         wall_time_s=time.perf_counter() - begun,
         method_names=names,
     )
@@ -160,7 +160,7 @@ def _solve_implicit(
         outputs=first.outputs,
         uncertainty=uncertainties(system, times, first.outputs, second.outputs),
         events=[],
-        energy=problem.energies.balances(first.stored, first.energies),
+        energy=problem.energies.balances(first.stored, first.energies, first.state),
         wall_time_s=time.perf_counter() - begun,
         method_names=(
             f"{methods[0].name}, steps of {lengths[0]:g} s",

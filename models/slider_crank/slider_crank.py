@@ -207,11 +207,10 @@ def output(
 
 @kernel
 def energy(t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, e: Vector) -> None:
-    """Stored: kinetic energy of the form, and what impacts lost less what they were given
-    (so that it is continuous). Dissipated: joint friction. Source: the film that moves the wall under a
-    sliding piston."""
+    """Stored: kinetic energy of the form. Dissipated: joint friction, and at impacts `impact_loss`. Source:
+    the film that moves the wall under a sliding piston."""
     now = motion(x, u, p)
-    e[0] = energy_now(x, u, p) + x.impact_loss - x.impact_work
+    e[0] = energy_now(x, u, p)
     e[1] = p.joint_friction * joint_rate(u.crank_angle, u.crank_speed, now.rate, mechanism(p)) ** 2
     e[2] = 0.0
     if x.mode != FREE:

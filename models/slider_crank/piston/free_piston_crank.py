@@ -97,10 +97,10 @@ def output(
 def energy(
     t: float, x: FreePistonCrankState, u: FreePistonCrankInputs, p: FreePistonParameters, e: Vector
 ) -> None:
-    """Stored: kinetic and potential energy, and what impacts lost (so that it is continuous). Dissipated:
-    friction. Source: the gas."""
+    """Stored: kinetic and potential energy. Dissipated: friction, and at impacts `impact_loss`. Source: the
+    gas."""
     m, s = machine(p), motion(x, u, p)
-    e[0] = kinetic_energy(s.q, s.v, m) + potential_energy(s.q, m) + x.impact_loss
+    e[0] = kinetic_energy(s.q, s.v, m) + potential_energy(s.q, m)
     e[1] = friction_power(x, s, p, m)
     e[2] = gas_power(s.q, s.v, u.gas_pressure, m)
 

@@ -97,10 +97,10 @@ def output(
 
 @kernel
 def energy(t: float, x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters, e: Vector) -> None:
-    """Stored: kinetic and potential energy, and what impacts lost less what the crank gave in them (so
-    that it is continuous). Dissipated: friction. Source: the gas."""
+    """Stored: kinetic and potential energy. Dissipated: friction, and at impacts `impact_loss`. Source: the
+    gas."""
     m, s = machine(p), motion(x, u, p)
-    e[0] = kinetic_energy(s.q, s.v, m) + potential_energy(s.q, m) + x.impact_loss - x.impact_work
+    e[0] = kinetic_energy(s.q, s.v, m) + potential_energy(s.q, m)
     e[1] = friction_power(x, s, p, m)
     e[2] = gas_power(s.q, s.v, u.gas_pressure, m)
 
