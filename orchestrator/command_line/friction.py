@@ -21,11 +21,15 @@ def friction_of_run(
         float, typer.Option(help="Wear volume over load times sliding distance, in m2/N.")
     ] = COEFFICIENT,
     cycles: Annotated[float, typer.Option(help="Revolutions that the wear is extrapolated over.")] = 1e8,
-    table: Annotated[Path | None, typer.Option(help="Write the revolution into this file (.nc).")] = None,
-    figure: Annotated[Path | None, typer.Option(help="Draw the revolution into this file (.png).")] = None,
+    table: Annotated[
+        Path | None, typer.Option(help="Write the revolution into this file (.csv, .json or .nc).")
+    ] = None,
+    figure: Annotated[
+        Path | None, typer.Option(help="Draw the revolution into this file (.png, .svg or .pdf).")
+    ] = None,
 ) -> None:
-    """Say friction and wear of a valve train's contacts over a cam revolution, the run's last."""
+    """Report friction and wear of a valve train's contacts over the last cam revolution of a run."""
     from ..friction.command import friction
     from ..report import Reporter
 
-    friction(folder, contact, wear_coefficient, cycles, table, figure, Reporter().line)
+    friction(folder, contact, wear_coefficient, cycles, table, figure, Reporter())

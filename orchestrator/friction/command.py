@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +13,16 @@ from models.quantities import Vector
 from ..errors import MistakeError
 from ..output_folder import RESULT, SCENARIO
 from ..plots.data import parameters_of
+from ..report import Reporter
 from ..results import open_result
 from ..scenario import Scenario, ScenarioError, ends
 from ..scenario_files import load
-from .cycle import OF_CAM, OF_CONTACT, Cycle, Wear, last_revolution, summary, wear
-from .table import written
+from .cycle import OF_CAM, OF_CONTACT, last_revolution, wear
+from .report import Judged, remarks, tables
+from .table import write
+
+# Endings of the files.
+TABLES, FIGURES = (".csv", ".json", ".nc"), (".png", ".svg", ".pdf")
 
 
 def friction(
@@ -26,9 +32,9 @@ def friction(
     cycles: float,
     table: Path | None,
     figure: Path | None,
-    say: Callable[[str], None],
+    reporter: Reporter,
 ) -> None:
-    """Say friction and wear of the cams' contacts, or of one; write table and figure of the first of them.
+    """Report friction and wear of the cams' contacts, or of one; write a table and a figure of each.
 
     MistakeError if there is no result, or none with a contact under a cam.
     """
@@ -41,28 +47,47 @@ def friction(
         )
     if not cams:
         raise MistakeError(f"{folder}: no contact takes its sliding_velocity from a camshaft")
-    names = [contact] if contact else list(cams)
-    lengths = parameters_of(scenario)
-    first: tuple[Cycle, Wear] | None = None
-    for name in names:
+    values = parameters_of(scenario)
+    found = []
+    for name in [contact] if contact else list(cams):
         cycle = last_revolution(name, *_read(folder, name, cams[name]))
-        worn = wear(cycle, "asperity_load", coefficient, lengths[f"{name}.length"])
-        for line in lines(cycle, worn, coefficient, cycles):
-            say(line)
-        first = first or (cycle, worn)
-    assert first
+        worn = wear(cycle, "asperity_load", coefficient, values[f"{name}.length"])
+        found.append(Judged(cycle, worn, coefficient, cycles, values[f"{name}.roughness"]))
+    for each in tables(found):
+        reporter.console.print(each)
+    for line in chain.from_iterable(map(remarks, found)):
+        reporter.line(line)
     try:
-        if table:
-            say(f"table in {written(*first, coefficient, table)}")
-        if figure:
-            from ..plots.friction import drawn
-            from ..plots.style import saved
-
-            say(f"figure in {saved(lambda: drawn(*first, cycles, scenario.name), figure)}")
+        for each in found:
+            _write(
+                each,
+                scenario.name,
+                contact_file(table, each, found),
+                contact_file(figure, each, found),
+                reporter,
+            )
     except OSError as error:
         raise MistakeError(
             f"{error.filename}: cannot be written ({error.strerror}); choose another"
         ) from None
+
+
+def contact_file(path: Path | None, one: Judged, all_of_them: Sequence[Judged]) -> Path | None:
+    """The file's name, with the contact's where there are several."""
+    several = path and len(all_of_them) > 1
+    return path.with_stem(f"{path.stem}-{one.cycle.contact}") if path and several else path
+
+
+def _write(found: Judged, title: str, table: Path | None, figure: Path | None, reporter: Reporter) -> None:
+    if table:
+        files = write(found.cycle, found.worn, found.coefficient, table)
+        reporter.line(f"table in {', '.join(map(str, files))}")
+    if figure:
+        from ..plots.friction import drawn
+        from ..plots.style import saved
+
+        file = saved(lambda: drawn(found.cycle, found.worn, found.cycles, title), figure)
+        reporter.line(f"figure in {file}")
 
 
 def _checked(coefficient: float, cycles: float, table: Path | None, figure: Path | None) -> None:
@@ -70,9 +95,9 @@ def _checked(coefficient: float, cycles: float, table: Path | None, figure: Path
         raise MistakeError(f"--wear-coefficient {coefficient:g} m2/N: must be > 0")
     if not cycles > 0.0:
         raise MistakeError(f"--cycles {cycles:g}: must be > 0")
-    for option, path, ending in (("--table", table, ".nc"), ("--figure", figure, ".png")):
-        if path and path.suffix != ending:
-            raise MistakeError(f"{option} {path}: must end in {ending}")
+    for option, path, endings in (("--table", table, TABLES), ("--figure", figure, FIGURES)):
+        if path and path.suffix not in endings:
+            raise MistakeError(f"{option} {path}: must end in {', '.join(endings)}")
 
 
 def _scenario(folder: Path) -> Scenario:
@@ -103,24 +128,3 @@ def _read(folder: Path, contact: str, cam: str) -> tuple[Vector, Mapping[str, Ve
             raise MistakeError(f"{folder / RESULT}: has no {', '.join(missing)}; run the scenario again")
         columns = {name.split(".")[1]: np.asarray(group[name].values, float) for name in wanted}
         return np.asarray(group["time"].values, float), columns
-
-
-def lines(cycle: Cycle, worn: Wear, coefficient: float, cycles: float) -> list[str]:
-    """What the reader should know, in sentences."""
-    s = summary(cycle)
-    cam, follower = (float(depth.max()) for depth in (worn.cam_depth, worn.follower_depth))
-    at = np.degrees(worn.cam_angle[worn.cam_depth.argmax()])
-    place = worn.follower_place[worn.follower_depth.argmax()]
-    return [
-        f"{cycle.contact}: mean friction torque {s.mean_torque:.4g} N m (at most {s.largest_torque:.4g}), "
-        f"power {s.mean_power:.4g} W, {s.work:.4g} J a revolution, coefficient of friction "
-        f"{s.coefficient:.4g}",
-        f"{cycle.contact}: asperities carry {100.0 * s.asperity_share:.3g} % of the load and make "
-        f"{100.0 * s.boundary_share:.3g} % of the friction work; film over roughness at least "
-        f"{s.least_film_ratio:.3g}",
-        f"{cycle.contact}: wear a revolution at {coefficient:g} m2/N at most {cam:.3g} m on the cam (at "
-        f"{at:.0f} deg), {follower:.3g} m on the follower (at {1e3 * place:.2f} mm); {worn.volume:.3g} m3 "
-        "each",
-        f"{cycle.contact}: after {cycles:g} revolutions alike, of surfaces that keep their profile and a "
-        f"follower that does not turn, {1e6 * cycles * cam:.3g} and {1e6 * cycles * follower:.3g} um",
-    ]

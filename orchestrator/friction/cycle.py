@@ -14,6 +14,8 @@ from models.quantities import Vector
 from ..errors import MistakeError
 
 TURN = 2.0 * math.pi
+# Of a revolution: a run that lacks no more than this is one; what is missing is some of the base circle.
+OPEN = 0.01
 # Bins of the wear: half a degree of the cam, and as fine along the follower.
 BINS = 720
 
@@ -26,7 +28,7 @@ OF_CONTACT = (
     "half_width",
     "film_ratio",
 )
-OF_CAM = ("cam_angle", "cam_speed", "sliding_velocity", "radius_of_curvature", "contact_offset")
+OF_CAM = ("cam_angle", "cam_speed", "sliding_velocity", "radius_of_curvature", "contact_offset", "cam_lift")
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,12 @@ class Cycle:
         return float(trapezoidal(self.time) @ value / (self.time[-1] - self.time[0]))
 
     @property
+    def turned(self) -> float:
+        """Angle of the cam from the first record to the last (rad)."""
+        angle = self["cam_angle"]
+        return float(angle[-1] - angle[0])
+
+    @property
     def power(self) -> Vector:
         """Friction power F u_s (W)."""
         return np.asarray(self["friction_force"] * self["sliding_velocity"])
@@ -60,10 +68,11 @@ def last_revolution(contact: str, time: Vector, values: Mapping[str, Vector]) ->
     angle = values["cam_angle"]
     turned = angle[-1] - angle[0]
     forwards = np.diff(angle) > 0.0
-    if abs(turned) < TURN * (1.0 - 1e-9):
+    if abs(turned) < TURN * (1.0 - OPEN):
+        needed = (time[-1] - time[0]) * TURN / abs(turned) if turned else math.inf
         raise MistakeError(
-            f"{contact}: its cam turns {math.degrees(abs(turned)):.3g} deg in the run: must be at least 360; "
-            "make the stop_time longer"
+            f"{contact}: its cam turns {math.degrees(abs(turned)):.4g} deg in the run: must be a revolution; "
+            + (f"a stop_time of {needed:.4g} s would do" if needed < math.inf else "the cam stands still")
         )
     if turned < 0.0 or not forwards.all():
         raise MistakeError(f"{contact}: its cam does not turn forwards all the time; there is no cycle")
@@ -78,7 +87,8 @@ def last_revolution(contact: str, time: Vector, values: Mapping[str, Vector]) ->
 
 @dataclass(frozen=True)
 class Summary:
-    """Of one revolution. `coefficient` is work over load times sliding distance."""
+    """Of one revolution. `coefficient` is work over load times sliding distance; `lost` is the share of the
+    time without load. `least_film_ratio` is that under load."""
 
     mean_torque: float
     largest_torque: float
@@ -88,6 +98,7 @@ class Summary:
     boundary_share: float
     asperity_share: float
     least_film_ratio: float
+    lost: float
 
 
 def summary(cycle: Cycle) -> Summary:
@@ -97,16 +108,17 @@ def summary(cycle: Cycle) -> Summary:
     distance = np.abs(cycle["sliding_velocity"])
     loaded = float(time @ (cycle["load"] * distance))
     boundary = float(time @ (cycle["boundary_friction"] * cycle["sliding_velocity"]))
-    load = cycle.mean(cycle["load"])
+    load, lost = cycle.mean(cycle["load"]), cycle["load"] <= 0.0
     return Summary(
-        mean_torque=work / TURN,
+        mean_torque=work / cycle.turned,
         largest_torque=float(np.abs(cycle.torque).max()),
         mean_power=work / float(cycle.time[-1] - cycle.time[0]),
         work=work,
         coefficient=work / loaded if loaded else 0.0,
         boundary_share=boundary / work if work else 0.0,
         asperity_share=cycle.mean(cycle["asperity_load"]) / load if load else 0.0,
-        least_film_ratio=float(cycle["film_ratio"].min()),
+        least_film_ratio=float(np.min(cycle["film_ratio"], where=~lost, initial=np.inf)),
+        lost=cycle.mean(lost.astype(float)),
     )
 
 

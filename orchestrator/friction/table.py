@@ -1,7 +1,8 @@
-"""The table of a revolution as netCDF."""
+"""The table of a revolution as netCDF, JSON or CSV."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ UNITS = {
     "sliding_velocity": "m/s",
     "radius_of_curvature": "m",
     "contact_offset": "m",
+    "cam_lift": "m",
 }
 MEANS = {
     "mean_torque": "N.m",
@@ -33,7 +35,10 @@ MEANS = {
     "boundary_share": "1",
     "asperity_share": "1",
     "least_film_ratio": "1",
+    "lost": "1",
 }
+# Ends of the names of the CSV files with wear, by dimension.
+WEAR_TABLES = {"cam_place": "cam-wear", "follower_place": "follower-wear"}
 
 
 def of(cycle: Cycle, worn: Wear, coefficient: float) -> xarray.Dataset:
@@ -64,8 +69,22 @@ def of(cycle: Cycle, worn: Wear, coefficient: float) -> xarray.Dataset:
     )
 
 
-def written(cycle: Cycle, worn: Wear, coefficient: float, path: Path) -> Path:
-    """The file; OSError where it cannot be written."""
+def write(cycle: Cycle, worn: Wear, coefficient: float, path: Path) -> list[Path]:
+    """One file as netCDF or JSON, as CSV one for each dimension; OSError if one cannot be written."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    of(cycle, worn, coefficient).to_netcdf(path, engine="h5netcdf")
-    return path
+    found = of(cycle, worn, coefficient)
+    if path.suffix == ".nc":
+        found.to_netcdf(path, engine="h5netcdf")
+        return [path]
+    if path.suffix == ".json":
+        path.write_text(json.dumps(found.to_dict(), indent=1) + "\n", "utf-8")
+        return [path]
+    files = {"cam_angle": path} | {
+        dimension: path.with_stem(f"{path.stem}-{words}") for dimension, words in WEAR_TABLES.items()
+    }
+    for dimension, file in files.items():
+        part = found.drop_vars([name for name in found if found[name].dims != (dimension,)])
+        frame = part.drop_dims([name for name in part.dims if name != dimension]).to_dataframe().reset_index()
+        frame.columns = [f"{name} [{found[name].attrs['units']}]" for name in frame.columns]
+        frame.to_csv(file, index=False)
+    return list(files.values())

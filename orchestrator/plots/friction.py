@@ -1,4 +1,4 @@
-"""Friction, its torque, the film ratio and the wear over a cam revolution, and the wear of the follower."""
+"""Friction, its torque, film ratio and wear over a cam revolution, and the wear along the follower."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ def drawn(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure:
     headed(made, f"{title}, {cycle.contact}: friction and wear over a cam revolution")
     angle = np.degrees(cycle["cam_angle"] - TURN * np.floor(cycle["cam_angle"][0] / TURN + 1e-9))
     force, torque, ratio, cam, follower = axes
-    force.plot(angle, cycle["friction_force"], color=COUPLED, label="all")
-    force.plot(angle, cycle["boundary_friction"], color=REFERENCE, label="boundary")
+    force.plot(angle, cycle["friction_force"], color=COUPLED, label="friction")
+    force.plot(angle, cycle["boundary_friction"], color=REFERENCE, label="of asperities")
     force.set_ylabel("Friction (N)")
-    force.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
     torque.plot(angle, cycle.torque, color=COUPLED)
     torque.set_ylabel("Torque (N m)")
-    ratio.plot(angle, cycle["film_ratio"], color=ACCENT)
+    lost = cycle["load"] <= 0.0
+    ratio.plot(angle, np.where(lost, np.nan, cycle["film_ratio"]), color=ACCENT)
     ratio.axhline(FULL, color=MUTED, lw=0.7)
     ratio.text(
         0.995, FULL, f"full film above {FULL:g}", transform=ratio.get_yaxis_transform(), ha="right",
@@ -32,6 +32,11 @@ def drawn(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure:
     cam.set_ylabel(f"Cam wear (µm)\nafter {cycles:g}\nrevolutions")
     cam.set_xlabel("Cam angle (°)")
     for ax in (force, torque, ratio):
+        if lost.any():
+            ax.fill_between(
+                angle, 0.0, 1.0, where=lost, color=MUTED, alpha=0.25, lw=0.0, label="no contact",
+                transform=ax.get_xaxis_transform(),
+            )  # fmt: skip
         ax.sharex(cam)
         ax.tick_params(labelbottom=False)
     cam.set_xlim(0.0, 360.0)
@@ -40,5 +45,6 @@ def drawn(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure:
     follower.set_xlabel("Place along the follower (mm)")
     for ax in axes:
         ax.set_ylim(bottom=0.0)
+    force.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
     made.align_ylabels(axes)
     return made

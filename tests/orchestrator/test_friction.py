@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import csv
+import io
+import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray
+from rich.console import Console
 
 from orchestrator.errors import MistakeError
-from orchestrator.friction.command import cams_of, friction
+from orchestrator.friction.command import cams_of, contact_file, friction
 from orchestrator.friction.cycle import OF_CAM, OF_CONTACT, Cycle, last_revolution, summary, wear
-from orchestrator.friction.table import written
+from orchestrator.friction.report import WORN, Judged, remarks, tables
+from orchestrator.friction.table import write
 from orchestrator.plots.friction import drawn
 from orchestrator.plots.style import saved
 from orchestrator.report import Reporter
@@ -41,6 +47,7 @@ def eccentric(turns: float = 1.5, count: int = 3001) -> Cycle:
         "sliding_velocity": SPEED * (RADIUS + lift),
         "radius_of_curvature": RADIUS + lift + 5e-3 * np.cos(angle),
         "contact_offset": slope,
+        "cam_lift": lift,
     }
     assert set(values) == {*OF_CONTACT, *OF_CAM}
     return last_revolution("contact", time, values)
@@ -84,9 +91,57 @@ def test_the_cam_wears_by_load_over_length_and_the_ratio_of_speeds():
     assert worn.cam_depth.mean() == pytest.approx(expected.mean(), rel=1e-6)
 
 
-def test_a_result_without_a_whole_revolution_is_refused():
-    with pytest.raises(MistakeError, match="must be at least 360; make the stop_time longer"):
+def test_a_result_without_a_revolution_is_refused_with_the_stop_time_that_would_do():
+    with pytest.raises(MistakeError, match=r"stop_time of 0\.06283 s"):
         eccentric(turns=0.9)
+
+
+def test_a_run_that_lacks_a_degree_of_the_base_circle_is_a_revolution():
+    """The scenario valve-train-bounce covers 359.04 degrees. Means are over what there is."""
+    cycle = eccentric(turns=359.04 / 360.0)
+    assert math.degrees(cycle.turned) == pytest.approx(359.04)
+    assert summary(cycle).mean_torque == pytest.approx(20.0 * (RADIUS + 5e-3), rel=1e-3)
+    (line,) = remarks(judged(cycle))
+    assert "359" in line
+    assert "0.96" in line
+
+
+def judged(cycle: Cycle, cycles: float = 1.0) -> Judged:
+    return Judged(cycle, wear(cycle, "asperity_load", 1e-17, LENGTH), 1e-17, cycles, roughness=0.2e-6)
+
+
+def test_a_follower_off_its_cam_is_remarked_and_has_no_film():
+    cycle = eccentric()
+    off = cycle["cam_angle"] - cycle["cam_angle"][0] > 1.5 * math.pi
+    load = np.where(off, 0.0, cycle["load"])
+    # Without load a film is a number of the formula alone; here it would be the least.
+    ratio = np.where(off, 0.1, cycle["film_ratio"])
+    found = judged(replace(cycle, values={**cycle.values, "load": load, "film_ratio": ratio}))
+    assert found.summary.lost == pytest.approx(0.25, abs=1e-3)
+    assert found.summary.least_film_ratio >= 1.0
+    (line,) = remarks(found)
+    assert "off its cam for 25" in line
+
+
+def test_wear_that_takes_the_profile_away_is_remarked_with_the_revolutions_that_hold():
+    once = judged(eccentric())
+    most = WORN * 10e-3 / max(once.deepest)  # of the lift
+    assert not list(remarks(judged(eccentric(), 0.99 * most)))
+    (line,) = remarks(judged(eccentric(), 2.0 * most))
+    assert f"at most {most:.1g}" in line
+    assert "2 % of the lift of 10 mm" in line
+
+
+def test_printed_numbers_are_quotients_of_one_another():
+    """The ratio is that of the printed film to the printed roughness, the power that of work and time."""
+    (table,) = tables([judged(eccentric())])
+    words, units, values = ([*column.cells] for column in table.columns)
+    shown = dict(zip(words, values, strict=True))
+    film, roughness = float(shown["least film of the oil under load"]), float(shown["roughness"])
+    assert float(shown["its ratio to the roughness"]) == pytest.approx(film / roughness, rel=6e-3)
+    work, torque = float(shown["friction work"]), float(shown["mean friction torque"])
+    assert work == pytest.approx(2.0 * math.pi * torque, rel=1e-3)
+    assert units[words.index("roughness")] == "um"
 
 
 @pytest.fixture(scope="module")
@@ -104,25 +159,47 @@ def folder(tmp_path_factory):
     return out
 
 
-def test_the_command_says_what_the_table_holds(folder, tmp_path):
-    said: list[str] = []
-    table, figure = tmp_path / "friction.nc", tmp_path / "friction.png"
-    friction(folder, None, 1e-17, 1e8, table, figure, said.append)
+def said_by(folder, table=None, figure=None, contact=None, k=1e-17, cycles=1e8):
+    """What the command prints."""
+    text = io.StringIO()
+    friction(folder, contact, k, cycles, table, figure, Reporter(Console(file=text, width=110)))
+    return text.getvalue()
+
+
+@pytest.mark.parametrize("ending", [".png", ".svg", ".pdf"])
+def test_the_command_says_what_the_table_holds(folder, tmp_path, ending):
+    table, figure = tmp_path / "friction.nc", tmp_path / f"friction{ending}"
+    said = said_by(folder, table, figure)
     assert figure.stat().st_size > 10_000
     with xarray.open_dataset(table, engine="h5netcdf") as found:
-        assert f"mean friction torque {float(found.mean_torque):.4g} N m" in said[0]
+        assert f"{float(found.mean_torque):.4g}" in said
         # Energy: the torque over the angle is the power over the time.
         work = float(np.trapezoid(found.friction_torque, found.cam_angle))
         assert work == pytest.approx(float(found.work), rel=1e-6)
         assert 0.0 < float(found.mean_torque) <= float(found.largest_torque)
         assert (found.friction_force == found.viscous_friction + found.boundary_friction).all()
         assert found.cam_wear.attrs["units"] == "m"
-    assert any("after 1e+08 revolutions" in line for line in said)
+    assert "all revolutions: 1e+08" in said
+
+
+def test_tables_hold_the_same_as_csv_and_json(folder, tmp_path):
+    said_by(folder, tmp_path / "f.nc")
+    said_by(folder, tmp_path / "f.json")
+    assert "f-cam-wear.csv" in said_by(folder, tmp_path / "f.csv")
+    with xarray.open_dataset(tmp_path / "f.nc", engine="h5netcdf") as table:
+        held = json.loads((tmp_path / "f.json").read_text())
+        assert held["data_vars"]["mean_torque"]["data"] == float(table.mean_torque)
+        assert held["data_vars"]["load"]["attrs"]["units"] == "N"
+        for name, columns in (("f", ["load [N]"]), ("f-cam-wear", ["cam_wear [m]"])):
+            rows = list(csv.DictReader((tmp_path / f"{name}.csv").read_text().splitlines()))
+            for column in columns:
+                values = table[column.split(" ")[0]].values
+                np.testing.assert_array_equal([float(row[column]) for row in rows], values)
 
 
 def test_mistakes_name_the_option_and_the_remedy(folder, tmp_path):
     def asked(folder=folder, contact=None, k=1e-17, cycles=1.0, table=None, figure=None):
-        friction(folder, contact, k, cycles, table, figure, lambda line: None)
+        said_by(folder, table, figure, contact, k, cycles)
 
     with pytest.raises(MistakeError, match="give the output folder of a finished run"):
         asked(folder=tmp_path)
@@ -132,10 +209,10 @@ def test_mistakes_name_the_option_and_the_remedy(folder, tmp_path):
         asked(k=-1.0)
     with pytest.raises(MistakeError, match="--cycles 0: must be > 0"):
         asked(cycles=0.0)
-    with pytest.raises(MistakeError, match=r"must end in \.nc"):
-        asked(table=tmp_path / "a.csv")
-    with pytest.raises(MistakeError, match=r"must end in \.png"):
-        asked(figure=tmp_path / "a.pdf")
+    with pytest.raises(MistakeError, match=r"--table .*must end in \.csv, \.json, \.nc"):
+        asked(table=tmp_path / "a.txt")
+    with pytest.raises(MistakeError, match=r"--figure .*must end in \.png, \.svg, \.pdf"):
+        asked(figure=tmp_path / "a.jpg")
 
 
 def test_every_contact_under_a_cam_is_found():
@@ -147,5 +224,12 @@ def test_every_contact_under_a_cam_is_found():
 def test_table_and_figure_of_any_cycle(tmp_path):
     cycle = eccentric()
     worn = wear(cycle, "asperity_load", 1e-17, LENGTH)
-    assert written(cycle, worn, 1e-17, tmp_path / "a" / "x.nc").is_file()
+    assert write(cycle, worn, 1e-17, tmp_path / "a" / "x.nc") == [tmp_path / "a" / "x.nc"]
     assert saved(lambda: drawn(cycle, worn, 1e6, "eccentric"), tmp_path / "x.png").is_file()
+
+
+def test_each_of_several_contacts_has_a_file_of_its_own():
+    one, two = judged(eccentric()), judged(replace(eccentric(), contact="second"))
+    assert contact_file(Path("a/f.csv"), two, [one, two]) == Path("a/f-second.csv")
+    assert contact_file(Path("a/f.csv"), one, [one]) == Path("a/f.csv")
+    assert contact_file(None, one, [one, two]) is None

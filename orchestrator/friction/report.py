@@ -1,0 +1,118 @@
+"""Friction and wear of contacts as a table to read, and what to beware of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from .cycle import TURN, Cycle, Summary, Wear, summary
+
+# Of the cam's lift: a profile that has lost more is no longer the one that was computed.
+WORN = 0.01
+# Contacts side by side in one table.
+COLUMNS = 4
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A contact's last revolution; wear at the coefficient (m2/N), extrapolated over `cycles` revolutions."""
+
+    cycle: Cycle
+    worn: Wear
+    coefficient: float
+    cycles: float
+    roughness: float
+
+    @property
+    def summary(self) -> Summary:
+        return summary(self.cycle)
+
+    @property
+    def deepest(self) -> tuple[float, float]:
+        """Depth worn off cam and follower in one revolution (m)."""
+        return float(self.worn.cam_depth.max()), float(self.worn.follower_depth.max())
+
+
+def _film(found: Judged) -> str:
+    """The film whose ratio is the least: printed numbers are quotients of one another."""
+    if found.roughness <= 0.0:
+        return "smooth"
+    return f"{1e6 * found.summary.least_film_ratio * found.roughness:.4g}"
+
+
+def _cam_place(found: Judged) -> str:
+    return f"{math.degrees(found.worn.cam_angle[found.worn.cam_depth.argmax()]):.0f}"
+
+
+def _follower_place(found: Judged) -> str:
+    return f"{1e3 * found.worn.follower_place[found.worn.follower_depth.argmax()]:.2f}"
+
+
+ROWS: tuple[tuple[str, str, Callable[[Judged], str]], ...] = (
+    ("mean friction torque", "N m", lambda f: f"{f.summary.mean_torque:.4g}"),
+    ("largest friction torque", "N m", lambda f: f"{f.summary.largest_torque:.4g}"),
+    ("mean friction power", "W", lambda f: f"{f.summary.mean_power:.4g}"),
+    ("friction work", "J", lambda f: f"{f.summary.work:.4g}"),
+    ("coefficient of friction", "", lambda f: f"{f.summary.coefficient:.4g}"),
+    ("asperities' share of the load", "%", lambda f: f"{100.0 * f.summary.asperity_share:.3g}"),
+    ("asperities' share of the work", "%", lambda f: f"{100.0 * f.summary.boundary_share:.3g}"),
+    ("least film of the oil under load", "um", _film),
+    ("its ratio to the roughness", "", lambda f: f"{f.summary.least_film_ratio:.3g}"),
+    ("roughness", "um", lambda f: f"{1e6 * f.roughness:.3g}"),
+    ("time without contact", "%", lambda f: f"{100.0 * f.summary.lost:.3g}"),
+    ("deepest wear of the cam", "m", lambda f: f"{f.deepest[0]:.3g}"),
+    ("  at the cam angle", "deg", _cam_place),
+    ("deepest wear of the follower", "m", lambda f: f"{f.deepest[1]:.3g}"),
+    ("  at the place", "mm", _follower_place),
+    ("worn off each body", "m3", lambda f: f"{f.worn.volume:.3g}"),
+    ("cam after all revolutions", "um", lambda f: f"{1e6 * f.cycles * f.deepest[0]:.3g}"),
+    ("follower after all revolutions", "um", lambda f: f"{1e6 * f.cycles * f.deepest[1]:.3g}"),
+)
+
+
+def tables(found: Sequence[Judged]) -> Iterator[Table]:
+    """Of some contacts each."""
+    for first in range(0, len(found), COLUMNS):
+        some = found[first : first + COLUMNS]
+        note = f"wear at {some[0].coefficient:g} m2/N; all revolutions: {some[0].cycles:g}"
+        table = Table(
+            title="Friction and wear over the last revolution",
+            caption=note, title_justify="left", caption_justify="left", box=box.SIMPLE_HEAD, pad_edge=False,
+        )  # fmt: skip
+        table.add_column("quantity", no_wrap=True)
+        table.add_column("unit", no_wrap=True)
+        for each in some:
+            table.add_column(Text(each.cycle.contact), justify="right")
+        for words, unit, text in ROWS:
+            table.add_row(words, unit, *map(text, some))
+        yield table
+
+
+def remarks(found: Judged) -> Iterator[str]:
+    """What the numbers of a contact don't say by themselves."""
+    cycle, contact = found.cycle, found.cycle.contact
+    missing = TURN - cycle.turned
+    if missing > 1e-6 * TURN:
+        yield (
+            f"{contact}: the run covers {math.degrees(cycle.turned):.4g} deg of the revolution; the other "
+            f"{math.degrees(missing):.2g} deg count in no number here"
+        )
+    if found.summary.lost > 0.0:
+        yield (
+            f"{contact}: the follower is off its cam for {100.0 * found.summary.lost:.3g} % of the time. "
+            "Means are over all of it; the wear is that of sliding, without that of landing"
+        )
+    lift = float(np.ptp(cycle["cam_lift"]))
+    worst = found.cycles * max(found.deepest)
+    if worst > WORN * lift:
+        yield (
+            f"{contact}: {1e6 * worst:.4g} um of wear are {100.0 * worst / lift:.3g} % of the lift of "
+            f"{1e3 * lift:.3g} mm: the computed profile is gone long before {found.cycles:g} revolutions; "
+            f"extrapolate over at most {WORN * lift / max(found.deepest):.1g} (--cycles)"
+        )
