@@ -80,6 +80,7 @@ class Result:
     unit: str
     description: str
     text: bool = False
+    display_unit: str = ""
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,14 @@ from .connection import Line, ends, line_of
 from .fields import Written
 from .master_table import MasterTable
 from .messages import messages
+from .revolutions import DURATIONS
 from .scenario import EnergyTable, Scenario, ScenarioError, elsewhere, scenario_of
 from .step_control_table import CONVERGED
 
 __all__ = [
     "BUILT",
     "CONVERGED",
+    "DURATIONS",
     "ComponentTable",
     "EnergyTable",
     "Line",

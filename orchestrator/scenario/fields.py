@@ -5,7 +5,15 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+)
 
 from ..units import to_unit
 from ..values import Faults, Value, WithUnit
@@ -35,17 +43,17 @@ def _seconds_or_0(value: Any) -> Any:
     return number
 
 
-def _scalar(value: Any) -> Any:
+def _scalar(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
     if not isinstance(value, (bool, int, float, str)):
         raise ValueError("must be a number, a text with a unit, a choice's name, true or false")
-    return value
+    return value if isinstance(value, WithUnit) else validate(value)
 
 
 Seconds = Annotated[float, BeforeValidator(_seconds, json_schema_input_type=float | str)]
 SecondsOr0 = Annotated[float, BeforeValidator(_seconds_or_0, json_schema_input_type=float | str)]
 # How a number was written is of no matter once it is written out.
 _Plain = PlainSerializer(lambda value: float(value) if isinstance(value, WithUnit) else value)
-Written = Annotated[Value, BeforeValidator(_scalar), _Plain]
+Written = Annotated[Value, WrapValidator(_scalar), _Plain]
 Tolerance = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
 
 

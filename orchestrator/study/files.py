@@ -41,6 +41,7 @@ class Study(Table):
         {}, description="Short names for settings of the scenario, each for one or several"
     )
     fixed: dict[str, Written] = Field({}, description="Values set at every point")
+    figure: list[str] = Field([], description="Results to draw; default: some, by the subject")
     points: Annotated[Grid | Sobol | Rows, BeforeValidator(kind_of)]
 
     @model_validator(mode="after")
@@ -126,6 +127,10 @@ def resolved(study: Study, folder: Path, build: Builder) -> Plan:
     taken = {STATUS, MESSAGE, POINT, *points.coordinates}
     if clash := taken & set(subject.results):
         raise StudyError(f"{min(clash)}: is the name of a result; call the parameter something else")
+    for name in study.figure:
+        if name not in subject.results or subject.results[name].text:
+            numbers = [known for known, result in subject.results.items() if not result.text]
+            raise StudyError(f"figure: no number {name!r} among the results; {suggestion(name, numbers)}")
     return Plan(study, subject, points)
 
 

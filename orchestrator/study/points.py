@@ -15,7 +15,7 @@ from models.system import suggestion
 
 from ..errors import MistakeError
 from ..scenario import Written, messages
-from ..values import Faults, Value
+from ..values import Faults, Value, WithUnit
 
 # Values of all points are held in memory, several numbers a point.
 MOST_POINTS = 10_000_000
@@ -88,7 +88,8 @@ class Range(Table):
         # Rounding must not leave the range, nor its end.
         values = np.clip(values, min(low, high), max(low, high))
         values[fractions == 1.0] = high
-        return [float(value) for value in values]
+        kind = WithUnit if all(isinstance(end, WithUnit) for end in ends) else float
+        return [kind(value) for value in values]
 
     @staticmethod
     def _number(name: str, value: Value) -> float:

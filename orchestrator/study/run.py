@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from models.system import ModelError
+
+from ..errors import MistakeError
 from ..report import Reporter
 from .cluster import connected
 from .execution import Execution
 from .files import Plan
+from .points import POINT
 from .progress import StudyProgress
 from .source import fingerprint
 from .store import DONE, FAILED, PENDING, Store, opened
@@ -40,6 +45,8 @@ def run(
     KeyboardInterrupt says how to continue.
     MistakeError before anything is written; RunError if the workers cannot go on: what is finished is kept.
     """
+    for line in _notices(plan):
+        reporter.line(line)
     versions = fingerprint(plan.subject)
     with (
         connected(where.scheduler, where.workers, where.timeout) as client,
@@ -64,6 +71,15 @@ def run(
         return _end(plan, store, out, reporter)
 
 
+def _notices(plan: Plan) -> list[str]:
+    """Warnings about the first and the last point; one that cannot be evaluated fails with its message."""
+    found: dict[str, None] = {}
+    for index in (0, len(plan.points) - 1):
+        with suppress(MistakeError, ModelError):
+            found |= dict.fromkeys(plan.subject.notices(plan.points[index]))
+    return list(found)
+
+
 def _evaluate(execution: Execution, store: Store, progress: StudyProgress) -> None:
     progress.show(store.count(DONE), store.count(FAILED))
     for batch in execution.outcomes(store.pending()):
@@ -73,7 +89,26 @@ def _evaluate(execution: Execution, store: Store, progress: StudyProgress) -> No
         progress.show(store.count(DONE), store.count(FAILED))
 
 
+def _publish(plan: Plan, out: Path) -> list[Path]:
+    """The table beside the store, and a figure of a grid with one or two axes."""
+    import xarray
+
+    from ..plots.study import figure
+    from ..plots.style import saved
+    from .table import write_table
+
+    stem = out.name.removesuffix(".zarr")
+    files = [out.with_name(f"{stem}.csv")]
+    names = plan.study.figure or plan.subject.drawn
+    with xarray.open_zarr(out) as found:
+        write_table(found, files[0])
+        if POINT not in plan.points.dimensions and len(plan.points.dimensions) <= 2 and names:
+            files.append(saved(lambda: figure(found, names), out.with_name(f"{stem}.png")))
+    return files
+
+
 def _end(plan: Plan, store: Store, out: Path, reporter: Reporter) -> int:
+    reporter.line(f"results in {out}, {', '.join(str(path) for path in _publish(plan, out))}")
     failed = np.flatnonzero(store.status == FAILED)
     line = f"{out}: {store.count(DONE)} points done, {len(failed)} failed"
     if not len(failed):

@@ -6,7 +6,7 @@ import copy
 import functools
 import hashlib
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,12 +20,14 @@ from ..analyses import Result
 from ..assembly import Builder
 from ..comparison import VariableError
 from ..errors import MistakeError, RunError
+from ..notices import notices
 from ..report import Reporter
 from ..results import open_result
 from ..run import run
-from ..scenario import Scenario, ends, scenario_of
+from ..scenario import DURATIONS, Scenario, ends, scenario_of
 from ..scenario_files import keys_of, put, written
 from ..values import Value, meaning
+from .subjects import MOST_DRAWN
 
 STATISTICS = {"minimum": np.min, "maximum": np.max, "mean": np.mean}
 ERRORS = {
@@ -61,7 +63,11 @@ class ScenarioSubject:
     def results(self) -> Mapping[str, Result]:
         """Of the scenario as fixed: statistics of all outputs over time, and errors where compared."""
         found = {
-            f"{name}.{statistic}": Result(quantity.unit, f"{quantity.description}: {statistic} over time")
+            f"{name}.{statistic}": Result(
+                quantity.unit,
+                f"{quantity.description}: {statistic} over time",
+                display_unit=quantity.display_unit,
+            )
             for name, quantity in self._outputs().items()
             for statistic in STATISTICS
         }
@@ -118,12 +124,23 @@ class ScenarioSubject:
         except ValueError as error:
             raise MistakeError(f"{path} = {value!r} ({quantity.description}): {error}") from None
 
-    def described(self, name: str) -> tuple[str, str]:
+    def described(self, name: str) -> Result:
         path = self._paths(name)[0]
         quantity = self._quantity(path)
         if quantity is not None:
-            return quantity.unit, quantity.description
-        return "s" if path in ("stop_time", "macro_step", "output_step") else "1", path
+            return Result(quantity.unit, quantity.description, display_unit=quantity.display_unit)
+        return Result("s" if path in DURATIONS else "1", path)
+
+    @property
+    def drawn(self) -> Sequence[str]:
+        """Extremes of what the scenario has a tolerance for."""
+        found = [
+            f"{name}.{extreme}" for name in self.scenario.tolerance for extreme in ("minimum", "maximum")
+        ]
+        return (found or list(self.results))[:MOST_DRAWN]
+
+    def notices(self, values: Mapping[str, Value]) -> list[str]:
+        return notices(self.at(values))
 
     def content(self) -> str:
         return written(self.scenario) + "".join(self._foreign_fmus())

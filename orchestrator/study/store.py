@@ -22,6 +22,7 @@ import numpy as np
 import zarr
 from numpy.typing import NDArray
 
+from ..analyses import Result
 from ..errors import RunError
 from .files import MESSAGE, STATUS, Plan, StudyError
 from .points import POINT
@@ -190,14 +191,12 @@ def _make(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
     group = zarr.create_group(unfinished, zarr_format=3, attributes=attributes)
     for name, values in points.coordinates.items():
         array = _array(values)
-        unit, text = plan.subject.described(name)
         along = name if name in points.dimensions else POINT
-        _create(group, name, [along], array, {"long_name": text, "units": unit}, array.shape)
+        _create(group, name, [along], array, _about(plan.subject.described(name)), array.shape)
     chunks = chunks_of(points.shape)
     for name, result in results.items():
         empty = np.full(points.shape, "" if result.text else math.nan, object if result.text else np.float64)
-        about = {"long_name": result.description, "units": result.unit}
-        _create(group, name, points.dimensions, empty, about, chunks)
+        _create(group, name, points.dimensions, empty, _about(result), chunks)
     texts, states = np.full(points.shape, "", object), np.zeros(points.shape, np.int8)
     _create(group, MESSAGE, points.dimensions, texts, {"long_name": "why the point failed"}, chunks)
     _create(group, STATUS, points.dimensions, states, {"long_name": "state of the point"} | FLAGS, chunks)
@@ -206,6 +205,12 @@ def _make(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
         warnings.filterwarnings("ignore", "Consolidated metadata", zarr.errors.ZarrUserWarning)
         zarr.consolidate_metadata(unfinished)
     os.replace(unfinished, path)
+
+
+def _about(result: Result) -> dict[str, str]:
+    """The attributes of a variable."""
+    about = {"long_name": result.description, "units": result.unit}
+    return about | ({"display_units": result.display_unit} if result.display_unit else {})
 
 
 def _create(

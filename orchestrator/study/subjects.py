@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from ..analyses import Analysis, Parameter, Result, load
 from ..values import Value
+
+# Panels of a figure.
+MOST_DRAWN = 4
 
 
 class Subject(Protocol):
@@ -22,8 +25,17 @@ class Subject(Protocol):
         """`value` in the parameter's unit; MistakeError for an unknown name or a value out of range."""
         ...
 
-    def described(self, name: str) -> tuple[str, str]:
+    def described(self, name: str) -> Result:
         """Unit and description of a parameter."""
+        ...
+
+    @property
+    def drawn(self) -> Sequence[str]:
+        """The results to draw where a study names none."""
+        ...
+
+    def notices(self, values: Mapping[str, Value]) -> list[str]:
+        """Warnings about what is to be evaluated at a point."""
         ...
 
     def content(self) -> str:
@@ -61,9 +73,16 @@ class AnalysisSubject:
     def resolved(self, name: str, value: Value) -> Value:
         return self._parameter(name).checked(name, value)
 
-    def described(self, name: str) -> tuple[str, str]:
+    def described(self, name: str) -> Result:
         parameter = self._parameter(name)
-        return parameter.unit, parameter.description
+        return Result(parameter.unit, parameter.description)
+
+    @property
+    def drawn(self) -> Sequence[str]:
+        return [name for name, result in self.results.items() if not result.text][:MOST_DRAWN]
+
+    def notices(self, values: Mapping[str, Value]) -> list[str]:
+        return []
 
     def content(self) -> str:
         return json.dumps({"analysis": self.name, "parameters": self.analysis.complete(self.fixed)})

@@ -203,6 +203,11 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def test_a_table_and_a_figure_stand_beside_the_store(undisturbed: Path) -> None:
+    assert len((undisturbed / "store.csv").read_text().splitlines()) == 1 + 20
+    assert (undisturbed / "store.png").read_bytes().startswith(b"\x89PNG")
+
+
 def test_the_store_is_a_labelled_dataset(undisturbed: Path) -> None:
     with xarray.open_zarr(undisturbed / "store.zarr") as found:
         assert found["sum"].dims == ("x", "y")

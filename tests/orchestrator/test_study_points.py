@@ -184,7 +184,8 @@ def test_values_mean_what_the_scenario_takes_them_for() -> None:
         "macro_step": 2e-6,
         "master.extrapolation": "hold",
     }
-    assert plan.subject.described("speed") == ("rad/s", "prescribed speed before the ramp")
+    about = plan.subject.described("speed")
+    assert (about.unit, about.description) == ("rad/s", "prescribed speed before the ramp")
     assert not any(name.endswith(".error") for name in plan.subject.results)
 
 
