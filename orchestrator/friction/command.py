@@ -59,13 +59,8 @@ def friction(
         reporter.line(line)
     try:
         for each in found:
-            _write(
-                each,
-                scenario.name,
-                contact_file(table, each, found),
-                contact_file(figure, each, found),
-                reporter,
-            )
+            files = (contact_file(path, each, found) for path in (table, figure))
+            _write(each, scenario.name, *files, reporter)
     except OSError as error:
         raise MistakeError(
             f"{error.filename}: cannot be written ({error.strerror}); choose another"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
 
 from ..friction.cycle import TURN, Cycle, Wear
 from .solved_film import FULL
@@ -40,6 +41,7 @@ def drawn(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure:
         ax.sharex(cam)
         ax.tick_params(labelbottom=False)
     cam.set_xlim(0.0, 360.0)
+    cam.xaxis.set_major_locator(MultipleLocator(45.0))
     follower.plot(1e3 * worn.follower_place, 1e6 * cycles * worn.follower_depth, color=COUPLED)
     follower.set_ylabel(f"Follower wear (µm)\nafter {cycles:g}\nrevolutions")
     follower.set_xlabel("Place along the follower (mm)")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
@@ -14,9 +14,11 @@ from ..report import Reporter
 from . import methods, peers
 from .problem import CouplingProblem, problem_named
 from .run import Row, fmu_files
-from .table import dataset, digest, failures, write
+from .table import dataset, digest, failures, progress, write, write_csv
 
 NAME = "coupling"
+# Columns of a window in which the digest has room for all its numbers.
+WIDEST = 200
 
 
 def benchmark(
@@ -27,18 +29,32 @@ def benchmark(
     overwrite: bool = False,
     reporter: Reporter | None = None,
 ) -> list[Row]:
-    """Measure, print the digest and write NAME.nc, NAME.csv and NAME.png into `out`."""
+    """Measure, print the digest and write NAME.nc, NAME.csv and NAME.png into `out`.
+
+    NAME-unfinished.csv has the rows of each method as soon as it is measured, and is removed at the end.
+    """
     reporter = reporter or Reporter()
     problem = problem_named(name, duration)
     held = results_in(out, NAME, overwrite)
+    unfinished = out / f"{NAME}-unfinished.csv"
+    rows: list[Row] = []
     with made(out):
         with reporter.stage(f"{problem.name}: {problem.description}") as bar:
-            rows = measure(problem, build, bar.show)
+            for done, found in measure(problem, build):
+                rows += found
+                write_csv(dataset(rows, problem.outputs, {}), unfinished)
+                bar.show(done)
+                reporter.line(f"{100.0 * done:3.0f} %  {progress(found)}")
         table = dataset(rows, problem.outputs, about(problem))
         for file in held:
             file.unlink()
         files = write(table, rows, problem, out, NAME)
-    reporter.console.print(digest(rows))
+        unfinished.unlink()
+    whole = digest(rows)
+    # A narrow window folds lines, but cuts no numbers.
+    console = reporter.console
+    whole.width = console.measure(whole, options=console.options.update(max_width=WIDEST)).maximum
+    console.print(whole, crop=False)
     for line in failures(rows):
         reporter.line(line)
     if problem.uncertainty > 0.0:
@@ -47,25 +63,18 @@ def benchmark(
     return rows
 
 
-def measure(
-    problem: CouplingProblem, build: Builder, progress: Callable[[float], None] = lambda share: None
-) -> list[Row]:
-    """All rows."""
+def measure(problem: CouplingProblem, build: Builder) -> Iterator[tuple[float, list[Row]]]:
+    """The rows of one method or tool after the other, and the share of all runs that is done."""
     files = fmu_files(problem, build)
-    every = [(method, setting) for method in methods.METHODS for setting in method.settings(problem)]
-
-    def runs() -> Iterator[Row]:
-        for method, setting in every:
-            yield methods.measured(problem, files, method, setting)
-        for peer in peers.PEERS:
-            yield from peers.measured(problem, files, peer)
-
-    expected = len(every) + len(problem.held_ladder) * len(peers.PEERS)
-    rows = []
-    for row in runs():
-        rows.append(row)
-        progress(min(1.0, len(rows) / expected))
-    return rows
+    planned = [method.settings(problem) for method in methods.METHODS]
+    total = sum(map(len, planned)) + len(problem.held_ladder) * len(peers.PEERS)
+    done = 0
+    for method, settings in zip(methods.METHODS, planned, strict=True):
+        done += len(settings)
+        yield done / total, [methods.measured(problem, files, method, setting) for setting in settings]
+    for peer in peers.PEERS:
+        done += len(problem.held_ladder)
+        yield done / total, list(peers.measured(problem, files, peer))
 
 
 def about(problem: CouplingProblem) -> dict[str, str | float]:

@@ -55,11 +55,24 @@ def write(
 
     files = [out / f"{name}.nc", out / f"{name}.csv"]
     table.to_netcdf(files[0], engine="h5netcdf")
-    frame = table.drop_dims("output").to_dataframe()
-    for i, output in enumerate(problem.outputs):
-        frame[f"error of {output}"] = table["errors"].values[:, i]
-    frame.to_csv(files[1], index=False)
+    write_csv(table, files[1])
     return [*files, saved(lambda: figure(problem, rows), out / f"{name}.png")]
+
+
+def write_csv(table: xarray.Dataset, path: Path) -> None:
+    """A row for each run."""
+    frame = table.drop_dims("output").to_dataframe()
+    for i, output in enumerate(table["output"].values):
+        frame[f"error of {output}"] = table["errors"].values[:, i]
+    frame.to_csv(path, index=False)
+
+
+def progress(rows: Sequence[Row]) -> str:
+    """A method that has been measured, in a line."""
+    reached = [row.error for row in rows if row.error >= 0.0]
+    if not reached:
+        return f"{rows[0].method}: no result"
+    return f"{rows[0].method}: {len(reached)} of {len(rows)} runs, least error {min(reached):.1e}"
 
 
 def cheapest(rows: Sequence[Row], method: str, error: float) -> Row | None:

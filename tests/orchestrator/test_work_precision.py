@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -9,15 +11,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from rich.console import Console
 
 from fmus.build import build
 from orchestrator.command_line import app
 from orchestrator.errors import MistakeError
+from orchestrator.report import Reporter
 from orchestrator.work_precision import methods, peers
 from orchestrator.work_precision.benchmark import benchmark
 from orchestrator.work_precision.methods import Method, measured
 from orchestrator.work_precision.problem import PROBLEMS, problem_named
-from orchestrator.work_precision.run import errors_of, fmu_files
+from orchestrator.work_precision.run import Row, errors_of, fmu_files
 from orchestrator.work_precision.table import cheapest, digest, failures
 
 ROOT = Path(__file__).parents[2]
@@ -178,6 +182,49 @@ def test_the_benchmark_leaves_a_table_and_a_figure(tmp_path, monkeypatch):
         assert table.sizes == {"run": len(rows), "output": 4}
     with pytest.raises(MistakeError, match=r"already holds a result \(coupling\.nc\)"):
         benchmark("quarter-car", builder, out, duration=0.032)
+
+
+def test_a_benchmark_that_is_killed_leaves_the_methods_that_it_has_measured(
+    quarter_car, tmp_path, monkeypatch
+):
+    first, second = Method("jacobi", "linear"), Method("jacobi", "hermite")
+    monkeypatch.setattr(methods, "METHODS", (first, second))
+
+    def measured_once(problem, files, method, setting):
+        if method == second:
+            raise KeyboardInterrupt
+        return measured(problem, files, method, setting)
+
+    monkeypatch.setattr(methods, "measured", measured_once)
+    said = io.StringIO()
+
+    def builder(name, structure, kind):
+        return build(name, structure=structure)
+
+    with pytest.raises(KeyboardInterrupt):
+        benchmark("quarter-car", builder, tmp_path, 0.032, reporter=Reporter(Console(file=said, width=80)))
+    rows = list(csv.DictReader((tmp_path / "coupling-unfinished.csv").read_text().splitlines()))
+    assert {row["method"] for row in rows} == {"jacobi, linear"}
+    assert len(rows) == len(first.settings(quarter_car))
+    assert "jacobi, linear: " in said.getvalue()
+
+
+def test_the_digest_is_not_cut_in_a_narrow_window(tmp_path, monkeypatch):
+    """All its numbers are there at 40 columns, where lines fold."""
+    row = Row(
+        "gauss_seidel, quadratic, step_doubling",
+        "tribocosim",
+        1e-3,
+        calls=123456,
+        wall_time_s=0.111,
+        error=3.2e-6,
+    )
+    monkeypatch.setattr("orchestrator.work_precision.benchmark.measure", lambda *_: iter([(1.0, [row])]))
+    said = io.StringIO()
+    benchmark("quarter-car", None, tmp_path, 0.032, reporter=Reporter(Console(file=said, width=40)))
+    assert said.getvalue().count("123456 (111 ms)") == 4
+    assert "3.2e-06" in said.getvalue()
+    assert "…" not in said.getvalue()
 
 
 def test_the_command_names_a_mistake(capsys):
