@@ -43,9 +43,10 @@ def _speed(content: Mapping[str, Any]) -> float:
     drives = [name for name, table in tables if isinstance(table, dict) and table.get("component") == DRIVE]
     if len(drives) != 1:
         raise ArithmeticError
-    layout, given = component_of(DRIVE).parameters, content["components"][drives[0]].get("parameters", {})
+    layout, table = component_of(DRIVE).parameters, content["components"][drives[0]].get("parameters", {})
+    given = {name: table[name] for name in layout.names if name in table} if isinstance(table, dict) else {}
     try:
-        found = meanings(layout, {key: given[key] for key in given if key in layout}, "parameter")
+        found = meanings(layout, given, "parameter")
     except Faults as error:
         path = f"components.{drives[0]}.parameters."
         raise Faults(*((path + key, text) for key, text in error.faults)) from None

@@ -443,6 +443,11 @@ def test_without_a_drive_revolutions_are_refused() -> None:
         load("two-masses", ["stop_time=2 revolutions"])
 
 
+def test_a_wrong_table_of_the_drive_is_the_fault_and_not_the_duration() -> None:
+    with pytest.raises(ScenarioError, match=r"components\.flywheel\.parameters = 3: must be a table"):
+        load("valve-train", ["stop_time=2 revolutions", "components.flywheel.parameters=3"])
+
+
 def test_a_wrong_speed_is_the_fault_and_not_the_duration() -> None:
     with pytest.raises(ScenarioError) as error:
         load("valve-train", ["stop_time=2 revolutions", "components.flywheel.parameters.initial_speed=3 kg"])
