@@ -5,22 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import Generic
 
 from orchestrator.output_folder import OutputFolderError
 from orchestrator.report import Reporter
 
 from . import table
-from .statement import Statement
+from .statement import Claim, Runs, Statement
 
 CSV, JSON, FIGURES = "statements.csv", "statements.json", "figures"
-
-Runs = TypeVar("Runs")
 
 
 @dataclass(frozen=True)
 class Publication(Generic[Runs]):
-    """`checks` judge the source's statements, in its order; `figures` are the files that `draw` makes.
+    """`claims` are the source's statements, in its order; `figures` are the files that `draw` makes.
 
     All of them work on one `runs()`, which computes what is asked for and keeps it. `solve` computes what
     takes long before they ask, and yields the share that is done.
@@ -28,7 +26,7 @@ class Publication(Generic[Runs]):
 
     name: str
     runs: Callable[[], Runs]
-    checks: Sequence[Callable[[Runs], Statement]]
+    claims: Sequence[Claim[Runs]]
     figures: Sequence[str]
     draw: Callable[[Runs, Path], list[Path]]
     page: Callable[[Runs, Sequence[Statement]], str]
@@ -54,9 +52,9 @@ class Publication(Generic[Runs]):
                     bar.show(share)
         statements = []
         with reporter.stage("statements") as bar:
-            for n, check in enumerate(self.checks):
-                statements.append(check(runs))
-                bar.show((n + 1) / len(self.checks))
+            for n, claim in enumerate(self.claims):
+                statements.append(claim.judge(runs))
+                bar.show((n + 1) / len(self.claims))
         with reporter.stage("figures"):
             drawn = self.draw(runs, folder / FIGURES)
         table.write_csv(statements, folder / CSV)

@@ -13,7 +13,7 @@ from ..publication import FIGURES, Publication
 from ..statement import Statement
 from . import engineer, figures
 from .runs import STARTS, STARTS_SOUGHT, Runs
-from .statements import CHECKS
+from .statements import CLAIMS
 
 INTRODUCTION = f"""\
 # Farahanchi (1991), reproduced
@@ -73,7 +73,7 @@ def page(runs: Runs, statements: Sequence[Statement]) -> str:
 PUBLICATION = Publication(
     name="farahanchi1991",
     runs=Runs,
-    checks=CHECKS,
+    claims=CLAIMS,
     figures=[figures.PREFIX + picture.file for picture in figures.PICTURES],
     draw=figures.draw,
     page=page,

@@ -54,8 +54,8 @@ def observed(runs: Runs, case: Case) -> Observed:
 def _irregular(runs: Runs, case: Case, share: float) -> str:
     kind = runs.kind(case)
     if kind.slides:
-        period = f"period {kind.period}" if kind.period else "a period beyond what was looked at"
-        words = f"irregular, but exactly periodic as it slides ({period})"
+        orbit = f"period {kind.period}" if kind.period else "a period beyond what was looked at"
+        words = f"irregular, but exactly periodic as it slides ({orbit})"
     else:
         words = f"chaotic: exponent {kind.exponent:.3f} ± {max(kind.uncertainty, 5e-4):.3f} per rad"
         period, width = runs.band(case)

@@ -18,7 +18,7 @@ from .cycle_table import by_speed
 from .in_short import in_short
 from .numerical import TOLERANCE
 from .runs import STEP_DEG, Runs
-from .statements import CHECKS
+from .statements import CLAIMS
 
 INTRODUCTION = f"""\
 # Film formulas, judged
@@ -55,14 +55,14 @@ def page(runs: Runs, statements: Sequence[Statement]) -> str:
     cycle = ["## Through the cam's event\n", pictures.pop(figures.CYCLE)]
     over = ["## Over Table 3\n", *pictures.values()]
     verdicts = ["## Verdicts\n", f"{table.tally(statements)}.\n", table.markdown(statements), ""]
-    brief = ["## In short\n", in_short(runs, statements)]
+    brief = ["## In short\n", in_short(runs)]
     return "\n".join([INTRODUCTION, *brief, *cycle, BY_SPEED, by_speed(runs), "", *across, *over, *verdicts])
 
 
 PUBLICATION = Publication(
     name="films",
     runs=Runs,
-    checks=CHECKS,
+    claims=CLAIMS,
     figures=figures.FILES,
     draw=figures.draw,
     page=page,

@@ -9,7 +9,7 @@ from scipy.signal import find_peaks
 
 from models.quantities import Vector
 
-from .cam import CamCycle
+from .cam import CamCycle, Flags
 from .in_short import bullets
 
 MICRO, GIGA = 1e6, 1e-9
@@ -55,7 +55,7 @@ def constriction_x(c: CamCycle) -> Vector:
     return np.asarray(np.take_along_axis(history.x[inside], least[:, None], axis=1)[:, 0])
 
 
-def second_maxima(c: CamCycle) -> Vector:
+def second_maxima(c: CamCycle) -> Flags:
     """Whether the pressure has a second maximum, over the angles of the history in the event."""
     pressures = c.history.pressure[c.in_event]
     return np.array([find_peaks(p, prominence=PROMINENCE * p.max())[0].size > 1 for p in pressures])
@@ -95,5 +95,5 @@ def _constrictions(found: list[Dimple]) -> str:
     return _span(MICRO, [film for d in found for film in (d.left, d.right)])
 
 
-def _percent(flags: Vector) -> str:
+def _percent(flags: Flags) -> str:
     return f"{100.0 * np.mean(flags):.0f} %"

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from models.contact.ehl_contact import TABLE_3
 from models.contact.fluid import lubricant_of
@@ -21,6 +22,7 @@ from ..kushwaha2000.runs import Runs as ValveTrain
 from .formulas import CENTRAL, FORMULAS, MINIMUM, in_table_3
 from .numerical import films_beside, heights
 
+Flags = NDArray[np.bool_]
 # The cam's event; before and after it lies the base circle, whose film is that at its ends.
 EVENT_DEG = (90.0, 270.0)
 # The transient film begins so early: in 15 degrees at 500 r/min or more the oil crosses the contact five
@@ -44,7 +46,7 @@ class Judged:
     words: str
     film: str
     values: Vector
-    valid: Vector
+    valid: Flags
 
 
 @dataclass(frozen=True)
@@ -124,10 +126,11 @@ def contacts(train: ValveTrain, turn: Turn, at: Vector) -> list[LineContact | No
     return found
 
 
-def course(turn: Turn) -> tuple[Vector, ...]:
+def course(turn: Turn) -> tuple[Vector, Vector, Vector, Vector]:
     """Times and what the contact sees at them, from BEGIN_DEG to the end of the event."""
     inside = (turn.angle_deg >= BEGIN_DEG) & (turn.angle_deg <= EVENT_DEG[1])
-    return (turn.time[inside], *(turn[name][inside] for name in SEEN))
+    load, velocity, radius = (turn[name][inside] for name in SEEN)
+    return turn.time[inside], load, velocity, radius
 
 
 def cam_cycle(train: ValveTrain, speed_rpm: float, step_deg: float, nodes: int = NODES) -> CamCycle:
@@ -175,12 +178,13 @@ def _judged(
         for film, values in steady.items()
     }
     for formula in FORMULAS:
-        values = np.array([formula.film_at(*(turn.at(name, angle) for name in SEEN), p) for angle in at])
+        seen = [[turn.at(name, angle) for name in SEEN] for angle in at]
+        values = np.array([formula.film_at(p, *one) for one in seen])
         valid = np.array([contact is not None and formula.valid(contact) for contact in found])
         judged[formula.name] = Judged(formula.words, formula.film, values, valid)
         if formula.valid is in_table_3:
-            times, *seen = course(turn)
-            relaxed = formula_history(formula.name, times, *seen)
+            times, load, velocity, radius = course(turn)
+            relaxed = formula_history(formula.name, times, load, velocity, radius)
             film = np.interp(np.interp(at, turn.angle_deg, turn.time), times[1:], relaxed)
             judged[f"{formula.name} {SQUEEZED}"] = Judged(
                 f"{formula.words} squeezed", formula.film, film, valid & _in_squeeze(film, values, p)
@@ -188,7 +192,7 @@ def _judged(
     return judged
 
 
-def _in_squeeze(film: Vector, steady: Vector, p: ContactParameters) -> Vector:
+def _in_squeeze(film: Vector, steady: Vector, p: ContactParameters) -> Flags:
     """Whether w_s is in Table 3: (10) solved for it, w_s = -ln(h/h_ss)/C."""
     low, high = TABLE_3["squeeze"]
     with np.errstate(divide="ignore"):

@@ -12,7 +12,7 @@ from matplotlib.ticker import FormatStrFormatter, MultipleLocator, NullFormatter
 from models.quantities import Vector
 from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, headed, subplots
 
-from .cam import EVENT_DEG, SQUEEZED, STEADY, CamCycle
+from .cam import EVENT_DEG, SQUEEZED, STEADY, CamCycle, Flags
 from .formulas import CENTRAL, MINIMUM
 
 INK, AMBER, VIOLET = "#22282f", "#c77d11", "#8a5bb5"
@@ -71,8 +71,8 @@ def _films(ax: Axes, c: CamCycle) -> None:
         ax.plot(c.history_deg[inside], MICRO * values[inside], color=colour, label=f"{film}, transient")
         ax.plot(c.angle_deg, MICRO * c.steady[film], color=colour, lw=0.9, ls=(0, (3, 1.5)),
                 label=f"{film}, steady")  # fmt: skip
-    film, angle = c.least
-    ax.plot([angle], [0.88 * MICRO * film], "^", color=REFERENCE, ms=5.0, label="least of the event")
+    least, angle = c.least
+    ax.plot([angle], [0.88 * MICRO * least], "^", color=REFERENCE, ms=5.0, label="least of the event")
     ax.set_yscale("log")
     ax.set_ylim(0.03, 3.5)
     ax.set_yticks([0.05, 0.1, 0.2, 0.5, 1.0, 2.0])
@@ -102,7 +102,7 @@ def _ratios(ax: Axes, c: CamCycle, film: str) -> None:
     _plain(ax)
 
 
-def _outside(ax: Axes, angle: Vector, outside: Vector, colour: str, row: int) -> None:
+def _outside(ax: Axes, angle: Vector, outside: Flags, colour: str, row: int) -> None:
     """A bar at the foot of the panel over the angles where conditions do not hold."""
     foot = FOOT + 1.4 * BAR * row
     ax.fill_between(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib import colormaps
@@ -33,7 +33,8 @@ def field(c: CamCycle) -> Figure:
     """Profiles at six instants; maps of pressure and film over cam angle and x."""
     figure = Figure(figsize=(11.0, 9.0))
     headed(figure, f"Pressure and film across the contact at {c.speed_rpm:.0f} r/min (transient)")
-    upper, lower = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
+    halves: Any = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
+    upper, lower = halves
     first = c.reversals_deg[0]
     instants = (
         (112.0, "flank"),
@@ -78,7 +79,7 @@ def _map(
     shown = np.flatnonzero((c.history_deg >= MAP_DEG[0]) & (c.history_deg <= MAP_DEG[1]))[::EVERY]
     rows = np.array([np.interp(x, MICRO * c.history.x[k], values[k]) for k in shown]).T
     # Steps of their own colour: few colours, and evenly spread over uneven steps.
-    extend = "both" if steps[0] > 0.0 else "max"
+    extend: Literal["both", "max"] = "both" if steps[0] > 0.0 else "max"
     norm = BoundaryNorm(steps, colormaps[colours].N, extend=extend)
     drawn = ax.contourf(c.history_deg[shown], x, rows, steps, cmap=colours, norm=norm, extend=extend)
     for angle in c.reversals_deg:

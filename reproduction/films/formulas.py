@@ -38,7 +38,7 @@ class Formula:
             )
         )  # fmt: skip
 
-    def film_at(self, load: float, velocity: float, radius: float, p: ContactParameters) -> float:
+    def film_at(self, p: ContactParameters, load: float, velocity: float, radius: float) -> float:
         """The film (m) of a contact with these parameters, which may be at rest."""
         return float(
             FILMS[self.name](

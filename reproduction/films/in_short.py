@@ -3,19 +3,52 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
 from ..kushwaha2000.runs import NOSE_DEG
-from ..statement import Statement
-from .cam import SQUEEZED
-from .formulas import FORMULAS, MINIMUM
+from ..statement import Numbers, Words
+from .formulas import CENTRAL, FORMULAS, MINIMUM
 from .runs import Runs
+from .statements import CLAIMS, in_the_cycle, power_law
 
-Values = Mapping[str, float]
 # A power law, for whose conditions all stand.
 POWER_LAW = "pan_hamrock_central"
+# What the sentences take from statements.
+NAMES = {
+    "printed": "cycle-kushwaha", "negative": "cycle-kushwaha_negative", "shares": "table-3-share",
+    "table": "table-3-kushwaha", "table_negative": "table-3-kushwaha_negative",
+    "toyoda": "cycle-dowson_toyoda", "pan": f"cycle-{POWER_LAW}", "steady": "cycle-steady",
+    "squeezed": "cycle-kushwaha-squeezed",
+}  # fmt: skip
+SENTENCES = (
+    "Kushwaha's (10) as printed (+0.059) is {printed.inside_low:.2f}-{printed.inside_high:.2f} times the "
+    "steady numerical central film where Table 3 holds in the event ({shares.each} r/min), up to "
+    "{printed.outside_high:.1f} elsewhere; with −0.059 it is "
+    "{negative.inside_low:.2f}-{negative.inside_high:.2f}, and up to {negative.outside_high:.1f}.",
+    "Over all of Table 3 the printed one is {table.steady_low:.2f}-{table.steady_high:.2f} times (median "
+    "{table.steady_median:.2f}): it misses that films between nearly rigid bodies fall as 1/W. The other "
+    "sign: {table_negative.steady_low:.2f}-{table_negative.steady_high:.2f}. With squeeze "
+    "{table.squeezed_low:.2f}-{table.squeezed_high:.2f} and "
+    "{table_negative.squeezed_low:.2f}-{table_negative.squeezed_high:.2f}.",
+    "{laws.outside:.0f%} of the event is outside the conditions of power laws: {laws.on_flanks:.0f%} of "
+    "that on the flanks, at the nose at {laws.nose} r/min. There Dowson-Toyoda is up to "
+    "{toyoda.outside_high:.2f}, Pan-Hamrock up to {pan.outside_high:.2f} times the steady central film; "
+    "inside {toyoda.inside_low:.2f}-{toyoda.inside_high:.2f} and {pan.inside_low:.2f}-{pan.inside_high:.2f}. "
+    "Minimum films are better than their conditions: {laws.minimum} everywhere.",
+    "No steady film is the cam's: it is within 10 % of the transient one in {steady.least:.0f%} to "
+    "{steady.most:.0f%} of the event, and 0 at the reversals, where the transient minimum is "
+    "{steady.kept_low:µ.2f}-{steady.kept_high:µ.2f} µm. With its squeeze term the printed formula keeps "
+    "{squeezed.at_rest_low:.2f}-{squeezed.at_rest_high:.2f} times the central film there; over the event it "
+    "is {squeezed.all_low:.2f}-{squeezed.all_high:.1f} times it.",
+    "No power law has Table 3: the best is right to {new.rms} rms, {new.worst} at most (central and "
+    "minimum film). Joined with Martin's film, 4.9 U/W, to {joined.rms} rms, {joined.worst} at most, on "
+    "contacts that it was not fitted to; with squeeze in its group w_s U^-1/4 to {joined.squeezed_rms} rms, "
+    "{joined.squeezed_worst} at most.",
+)
 
 
 def bullets(sentences: Sequence[str]) -> str:
@@ -25,95 +58,37 @@ def bullets(sentences: Sequence[str]) -> str:
     )
 
 
-def in_short(runs: Runs, statements: Sequence[Statement]) -> str:
+def in_short(runs: Runs) -> str:
     """A Markdown list."""
-    found = {s.key: s.values for s in statements}
-    return bullets(
-        [_kushwaha(found), _table_3(found), _power_laws(found, runs), _transient(found), _regression(found)]
-    )
+    quantities = {claim.key: claim.quantity for claim in CLAIMS}
+    found: dict[str, Any] = {name: Numbers(quantities[key](runs)) for name, key in NAMES.items()}
+    found |= {"laws": _conditions(runs), "new": _errors(runs, False), "joined": _errors(runs, True)}
+    return bullets([Words().vformat(text, (SimpleNamespace(**found),), {}) for text in SENTENCES])
 
 
-def _kushwaha(found: Mapping[str, Values]) -> str:
-    printed, other = (found[f"cycle-{name}"] for name in ("kushwaha", "kushwaha_negative"))
-    shares = ", ".join(f"{_percent(share)} at {speed}" for speed, share in found["table-3-share"].items())
-    return (
-        f"Kushwaha's (10) as printed (+0.059) is {_inside(printed)} times the steady numerical central film "
-        f"where Table 3 holds in the event ({shares} r/min), up to {printed['outside_high']:.1f} elsewhere; "
-        f"with −0.059 it is {_inside(other)}, and up to {other['outside_high']:.1f}."
-    )
-
-
-def _table_3(found: Mapping[str, Values]) -> str:
-    printed, other = (found[f"table-3-{name}"] for name in ("kushwaha", "kushwaha_negative"))
-    steady, squeezed = (
-        [f"{v[f'{state}_low']:.2f}-{v[f'{state}_high']:.2f}" for v in (printed, other)]
-        for state in ("steady", "squeezed")
-    )
-    return (
-        f"Over all of Table 3 the printed one is {steady[0]} times (median {printed['steady_median']:.2f}): "
-        f"it misses that films between nearly rigid bodies fall as 1/W. The other sign: {steady[1]}. With "
-        f"squeeze {squeezed[0]} and {squeezed[1]}."
-    )
-
-
-def _power_laws(found: Mapping[str, Values], runs: Runs) -> str:
-    toyoda, pan = (found[f"cycle-{name}"] for name in ("dowson_toyoda", POWER_LAW))
+def _conditions(runs: Runs) -> SimpleNamespace:
+    """Where the conditions of power laws do not hold, and how right minimum films are everywhere."""
     outside = [~c.judged[POWER_LAW].valid for c in runs.cycles]
     flanks = [
         (c.angle_deg < min(c.reversals_deg)) | (c.angle_deg > max(c.reversals_deg)) for c in runs.cycles
     ]
-    on_flanks = float(np.mean(np.concatenate(flanks)[np.concatenate(outside)]))
     nose = [f"{c.speed_rpm:.0f}" for c, out in zip(runs.cycles, outside, strict=True) if out[c.at(NOSE_DEG)]]
-    minimum = ", ".join(
-        f"{formula.words} {_anywhere(found[f'cycle-{formula.name}'])}"
-        for formula in FORMULAS
-        if formula.film == MINIMUM
-    )
-    return (
-        f"{_percent(1.0 - pan['share'])} of the event is outside the conditions of power laws: "
-        f"{_percent(on_flanks)} of that on the flanks, at the nose at {', '.join(nose) or 'no'} r/min. There "
-        f"Dowson-Toyoda is up to {toyoda['outside_high']:.2f}, Pan-Hamrock up to {pan['outside_high']:.2f} "
-        f"times the steady central film; inside {_inside(toyoda)} and {_inside(pan)}. Minimum films are "
-        f"better than their conditions: {minimum} everywhere."
-    )
-
-
-def _transient(found: Mapping[str, Values]) -> str:
-    shares = dict(found["cycle-steady"])
-    low, high = shares.pop("kept_low"), shares.pop("kept_high")
-    squeezed = found[f"cycle-kushwaha-{SQUEEZED}"]
-    return (
-        f"No steady film is the cam's: it is within 10 % of the transient one in "
-        f"{_percent(min(shares.values()))} to {_percent(max(shares.values()))} of the event, and 0 at the "
-        f"reversals, where the transient minimum is {1e6 * low:.2f}-{1e6 * high:.2f} µm. With its squeeze "
-        f"term the printed formula keeps {squeezed['at_rest_low']:.2f}-{squeezed['at_rest_high']:.2f} times "
-        f"the central film there; over the event it is {squeezed['low']:.2f}-{squeezed['high']:.1f} times it."
+    minimum = []
+    for formula in FORMULAS:
+        if formula.film == MINIMUM:
+            v = in_the_cycle(runs, formula)
+            low, high = min(v["inside_low"], v.get("outside_low", np.inf)), v.get("outside_high", 0.0)
+            minimum.append(f"{formula.words} {low:.2f}-{max(v['inside_high'], high):.2f}")
+    return SimpleNamespace(
+        outside=np.mean(np.concatenate(outside)),
+        on_flanks=np.mean(np.concatenate(flanks)[np.concatenate(outside)]),
+        nose=", ".join(nose) or "no",
+        minimum=minimum,
     )
 
 
-def _regression(found: Mapping[str, Values]) -> str:
-    laws = [found[f"new-{name}"] for name in ("central", "minimum")]
-    joined = [found[f"new-{name}-joined"] for name in ("central", "minimum")]
-    return (
-        f"No power law has Table 3: the best is right to {_both(laws, 'rms')} rms, {_both(laws, 'worst')} at "
-        f"most (central and minimum film). Joined with Martin's film, 4.9 U/W, to {_both(joined, 'rms')} "
-        f"rms, {_both(joined, 'worst')} at most, on contacts that it was not fitted to; with squeeze in its "
-        f"group w_s U^-1/4 to {_both(joined, 'squeezed_rms')} rms, {_both(joined, 'squeezed_worst')} at most."
-    )
-
-
-def _inside(values: Values) -> str:
-    return f"{values['inside_low']:.2f}-{values['inside_high']:.2f}"
-
-
-def _anywhere(v: Values) -> str:
-    low = min(v["inside_low"], v.get("outside_low", v["inside_low"]))
-    return f"{low:.2f}-{max(v['inside_high'], v.get('outside_high', v['inside_high'])):.2f}"
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.0f} %"
-
-
-def _both(values: Sequence[Values], name: str) -> str:
-    return " and ".join(f"{100.0 * v[name]:.1f}" for v in values) + " %"
+def _errors(runs: Runs, blended: bool) -> SimpleNamespace:
+    """Errors of the new laws for central and minimum film."""
+    laws = [power_law(runs, film, blended) for film in (CENTRAL, MINIMUM)]
+    names = ("rms", "worst", "squeezed_rms", "squeezed_worst")
+    return SimpleNamespace(**{n: " and ".join(f"{100.0 * law[n]:.1f}" for law in laws) + " %" for n in names})

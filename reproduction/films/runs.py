@@ -11,7 +11,7 @@ from models.contact.line.history import FilmHistory, film_history
 from models.quantities import Vector
 
 from ..kushwaha2000.runs import Runs as ValveTrain
-from .cam import NODES, CamCycle, cam_cycle, course
+from .cam import NODES, CamCycle, Flags, cam_cycle, course
 from .formulas import CENTRAL, MINIMUM
 from .samples import PowerLaw, Sample, fitted, sample
 
@@ -77,7 +77,7 @@ class Runs:
         """A judged film over the steady one."""
         return np.concatenate([c.over_steady(name) for c in self.cycles])
 
-    def valid(self, name: str) -> Vector:
+    def valid(self, name: str) -> Flags:
         """Where its conditions hold."""
         return np.concatenate([c.judged[name].valid for c in self.cycles])
 

@@ -13,7 +13,7 @@ from ..publication import FIGURES, Publication
 from ..statement import Statement
 from . import figures
 from .runs import Runs
-from .statements import CHECKS
+from .statements import CLAIMS
 
 INTRODUCTION = """\
 # Kushwaha, Rahnejat and Jin (2000), reproduced
@@ -49,7 +49,7 @@ def page(runs: Runs, statements: Sequence[Statement]) -> str:
 PUBLICATION = Publication(
     name="kushwaha2000",
     runs=Runs,
-    checks=CHECKS,
+    claims=CLAIMS,
     figures=[f"{figures.PREFIX}{number}.png" for number in figures.FIGURES],
     draw=figures.draw,
     page=page,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,10 +30,9 @@ STATED_FILMS = {"stated minimum 0.04 µm": 0.04e-6, "stated maximum 1.3 µm": 1.
 
 def draw(runs: Runs, folder: Path) -> list[Path]:
     """Draw every figure into `folder`."""
-    paths = []
-    for number, make in FIGURES.items():
-        paths.append(compact(lambda make=make: make(runs), folder / f"{PREFIX}{number}.png"))
-    return paths
+    return [
+        compact(partial(make, runs), folder / f"{PREFIX}{number}.png") for number, make in FIGURES.items()
+    ]
 
 
 def _panels(rows: int, title: str, heights: Sequence[float] | None = None) -> tuple[Figure, Any]:

@@ -16,7 +16,7 @@ from reproduction.films.cycle_table import by_speed
 from reproduction.films.formulas import FORMULAS, asymptotes, regime
 from reproduction.films.runs import Runs
 from reproduction.films.samples import error_of, sample
-from reproduction.films.statements import CHECKS, over_table_3, power_law
+from reproduction.films.statements import CLAIMS, NEW, TABLE_3
 
 DOCS = Path(__file__).parents[2] / "docs"
 LARGEST_FIGURE_BYTES = 150_000
@@ -155,9 +155,9 @@ def test_across_the_contact(runs: Runs) -> None:
 
 
 def test_every_formula_is_judged(runs: Runs) -> None:
-    assert len(CHECKS) == len(FORMULAS) + 1 + 1 + 2 + 1 + 2 + 4
+    assert len(CLAIMS) == len(FORMULAS) + 1 + 1 + 2 + 1 + 2 + 4
     keys = {f"cycle-{formula.name}" for formula in FORMULAS}
-    statements = [check(runs) for check in CHECKS]
+    statements = [claim.judge(runs) for claim in CLAIMS]
     assert keys <= {statement.key for statement in statements}
     # All sentences find their numbers.
     page = films.page(runs, statements)
@@ -181,9 +181,8 @@ def test_the_page_says_what_comes_out() -> None:
     table = [line for line in lines[lines.index("## By speed") :] if line.startswith("| ")]
     column = table[0].split("|").index(" 1000 r/min ")
     assert [line.split("|")[column].strip() for line in table[2 : 2 + len(own)]] == own
-    for check in CHECKS:
-        if getattr(check, "func", None) in (power_law, over_table_3):
-            assert check(runs).computed in page
+    for claim in (*TABLE_3, *NEW):
+        assert claim.judge(runs).computed in page
 
 
 def test_the_page_is_whole() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import product
 from pathlib import Path
 
@@ -70,6 +71,6 @@ PICTURES: tuple[Picture, ...] = (
 def draw(runs: Runs, folder: Path) -> list[Path]:
     """Draw every figure into `folder`."""
     return [
-        compact(lambda picture=picture: picture.make(runs), folder / f"{PREFIX}{picture.file}", DPI)
+        compact(partial(picture.draw, runs, picture), folder / f"{PREFIX}{picture.file}", DPI)
         for picture in PICTURES
     ]

@@ -33,7 +33,7 @@ def constraint(runs: Runs, picture: Picture) -> Figure:
     """Figs 2.4 to 2.7 and 2.9."""
     figure, axes = picture.frame(7.4, 2.9, [list(FORMS)], sharey=True)
     for form in FORMS:
-        machine = Machine(picture.case.damping, picture.case.gap, form=form)
+        machine = Machine(picture.shown.damping, picture.shown.gap, form=form)
         upper, lower = (wall_forces(machine, side, THETA) for side in (UPPER, LOWER))
         draw_force(axes[form], THETA, upper, lower, label=form != CORRECTED)
         caption(axes[form], f"{LABELS[form]}: {_changes(machine)}")
@@ -50,7 +50,7 @@ def blow_up(runs: Runs, picture: Picture) -> Figure:
     """Fig 2.8: where the forces cross, in windows of equal width."""
     figure, axes = picture.frame(7.4, 4.6, [[f"{form} {n}" for n in range(2)] for form in FORMS])
     for form in FORMS:
-        machine = Machine(picture.case.damping, picture.case.gap, form=form)
+        machine = Machine(picture.shown.damping, picture.shown.gap, form=form)
         pairs = list(zip(changes(machine, UPPER), changes(machine, LOWER), strict=True))[:2]
         for n, (a, b) in enumerate(pairs):
             ax, middle = axes[f"{form} {n}"], 0.5 * (a + b)

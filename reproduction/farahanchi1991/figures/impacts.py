@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import cast
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.projections.polar import PolarAxes
 
 from models.slider_crank.equations import THESIS_XI
 from models.slider_crank.flight.bouncing import LOWER, UPPER
@@ -30,7 +32,7 @@ def profile(runs: Runs, picture: Picture) -> Figure:
     """Figs 4.6 to 4.14 and 4.24 to 4.32."""
     figure, axes = picture.frame(7.4, 4.1, [[form] for form in FORMS], sharex=True, sharey=True)
     for form in FORMS:
-        _profile(runs, axes[form], picture.case.in_form(form), LABELS[form])
+        _profile(runs, axes[form], picture.shown.in_form(form), LABELS[form])
     axes[PUBLISHED].set_xlabel("")
     legend(figure, axes[PUBLISHED])
     return figure
@@ -48,7 +50,7 @@ def _profile(runs: Runs, ax: Axes, case: Case, words: str) -> None:
 
 def profile_of_two(runs: Runs, picture: Picture) -> Figure:
     """Figs 4.40 and 4.41: caption and text differ in lambda."""
-    words = {"caption": picture.case, "text": replace(picture.case, damping=TEXT_DAMPING)}
+    words = {"caption": picture.shown, "text": replace(picture.shown, damping=TEXT_DAMPING)}
     mosaic = [[f"{form} {name}" for name in words] for form in FORMS]
     figure, axes = picture.frame(8.6, 4.1, mosaic, sharex=True, sharey=True)
     for form in FORMS:
@@ -67,11 +69,11 @@ def spectrum(runs: Runs, picture: Picture, side: float) -> Figure:
     """Figs 4.16, 4.17, 4.19, 4.20, 4.22, 4.23."""
     figure, axes = picture.frame(7.4, 4.1, [list(FORMS)], subplot_kw={"projection": "polar"})
     for form in FORMS:
-        case = picture.case.in_form(form)
+        case = picture.shown.in_form(form)
         impacts = runs.events(case).impacts
         found = impact_spectrum(impacts, approach_velocities(impacts), SPECTRUM_BINS, CYCLES)
         values, colour = (found.upper, COUPLED) if side == UPPER else (found.lower, ACCENT)
-        draw_spectrum(axes[form], found.edges, values, colour)
+        draw_spectrum(cast(PolarAxes, axes[form]), found.edges, values, colour)
         axes[form].set_title(f"{LABELS[form]}: {in_words(runs, case)}", fontsize=9, pad=12.0, color=INK)
     return figure
 

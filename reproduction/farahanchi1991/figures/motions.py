@@ -34,7 +34,7 @@ def trace(runs: Runs, picture: Picture, cycles: int = 3, after: int = TRANSIENT)
     """Figs 4.1, 4.35, 4.42 to 4.44."""
     figure, axes = picture.frame(7.4, 3.9, [[form] for form in FORMS], sharex=True, sharey=True)
     for form in FORMS:
-        motion = portrait(runs.motion(picture.case.in_form(form), after), cycles)
+        motion = portrait(runs.motion(picture.shown.in_form(form), after), cycles)
         draw_trace(axes[form], motion.theta, motion.psi, motion.side, motion.upper, motion.lower)
         caption(axes[form], f"{LABELS[form]}, after {after} cycles")
     axes[PUBLISHED].set_xlabel("")
@@ -50,7 +50,7 @@ def phase(runs: Runs, picture: Picture) -> Figure:
     """Fig 4.2."""
     figure, axes = picture.frame(7.4, 3.4, [list(FORMS)], sharey=True)
     for form in FORMS:
-        motion = portrait(runs.motion(picture.case.in_form(form), 25), 2)
+        motion = portrait(runs.motion(picture.shown.in_form(form), 25), 2)
         walls = (float(motion.upper.min()), float(motion.upper.max()))
         draw_phase(axes[form], motion.theta, motion.psi, motion.psi_rate, motion.side, walls)
         caption(axes[form], LABELS[form])
@@ -68,7 +68,7 @@ def poincare(runs: Runs, picture: Picture) -> Figure:
     """Figs 4.3, 4.15, 4.18, 4.21, 4.33, 4.34, 4.36 to 4.39."""
     figure, axes = picture.frame(7.4, 3.3, [list(FORMS)], sharey=True)
     for form in FORMS:
-        case = picture.case.in_form(form)
+        case = picture.shown.in_form(form)
         theta, rate = points(runs, case)
         draw_poincare(axes[form], theta, rate, label=form == PUBLISHED)
         _mark_orbit(axes[form], runs, case)
@@ -108,11 +108,12 @@ def in_words(runs: Runs, case: Case) -> str:
 
 def magnification(runs: Runs, picture: Picture, level: int) -> Figure:
     """Figs 4.4 and 4.5: the window, and where it lies; as published only, see the table."""
-    theta, rate = points_of_many(runs, picture.case)
-    windows = [None, magnified(theta, rate, CENTRE, BY), magnified(theta, rate, CENTRE, BY**2)]
+    theta, rate = points_of_many(runs, picture.shown)
+    window = magnified(theta, rate, CENTRE, BY**level)
+    whole = magnified(theta, rate, CENTRE, BY ** (level - 1)) if level > 1 else None
     figure, axes = picture.frame(7.4, 3.3, [["whole", "part"]], form=LABELS[PUBLISHED])
-    draw_poincare(axes["whole"], theta, rate, windows[level - 1], marks=[windows[level]])
-    draw_poincare(axes["part"], theta, rate, windows[level])
+    draw_poincare(axes["whole"], theta, rate, whole, marks=[window])
+    draw_poincare(axes["part"], theta, rate, window)
     caption(axes["whole"], f"× {BY ** (level - 1):g}")
     caption(axes["part"], f"× {BY**level:g}")
     axes["part"].set_ylabel("")

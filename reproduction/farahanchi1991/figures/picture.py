@@ -41,8 +41,11 @@ class Picture:
                 name += f"-e-{self.case.restitution:.1f}"
         return f"{name}.png"
 
-    def make(self, runs: Runs) -> Figure:
-        return self.draw(runs, self)
+    @property
+    def shown(self) -> Case:
+        """The case of a figure that shows one."""
+        assert self.case
+        return self.case
 
     @property
     def heading(self) -> str:

@@ -1,0 +1,168 @@
+"""F 2.6 and 4.4: the forces of the walls on a sliding roller, and where they can hold it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import brentq
+
+from models.slider_crank.equations import (
+    joint_rate,
+    thesis_mechanism,
+    wall_acceleration,
+    wall_angle,
+    wall_rate,
+)
+from models.slider_crank.flight.histories import LIFT
+from models.slider_crank.machine import Machine, Motion
+
+from ..cases import GAPS, PUBLISHED
+from ..forces import LOWER, TURN, UPPER, changes, curve, in_force, limits, pressed, region, shares
+from ..lagrange import printed
+from ..runs import Runs
+from .derivation import Numbers
+
+# F's figures and their regions.
+REGIONS = {
+    "2.4": (0.01, 0.01, "I"), "2.5": (0.1, 0.01, "I"), "2.6": (0.25, 0.01, "I"),
+    "2.7": (0.267, 0.02, "II"), "2.9": (0.35, 0.01, "III"),
+}  # fmt: skip
+
+
+def _intervals(pairs: Sequence[tuple[float, float]]) -> str:
+    return ", ".join(f"{a:.3f}-{b:.3f}" for a, b in pairs) or "nowhere"
+
+
+def restitution(runs: Runs) -> Numbers:
+    """Largest difference of the forces with e = 0, 0.5 and 1."""
+    values = [curve(Machine(0.1, 0.01, e, PUBLISHED), UPPER, 361) for e in (0.0, 0.5, 1.0)]
+    return {"spread": np.ptp(values, axis=0).max()}
+
+
+def symmetry(runs: Runs, form: str, damping: float, gap: float, half_turn: bool) -> Numbers:
+    """What is missing of f_u = -f_l, or of f_u(theta + pi) = -f_u(theta), over the largest force."""
+    machine = Machine(damping, gap, form=form)
+    upper = curve(machine, UPPER, 721)[:-1]
+    other = np.roll(upper, -360) if half_turn else curve(machine, LOWER, 721)[:-1]
+    return {"fault": np.abs(upper + other).max() / np.abs(upper).max()}
+
+
+def four_regions(runs: Runs, form: str) -> Numbers:
+    found = shares(Machine(0.1, 0.01, form=form))
+    return {"each": [f"{name} {value:.4f}" for name, value in found.items()], "least": min(found.values())}
+
+
+def figure_2_4(runs: Runs, form: str) -> Numbers:
+    """`off`: how far the changes are from pi and 2 pi, infinite where there are not two of them."""
+    machine = Machine(0.01, 0.01, form=form)
+    up, low = changes(machine, UPPER), changes(machine, LOWER)
+    ends = [*zip(up, (math.pi, TURN), strict=False), *zip(low, (math.pi, TURN), strict=False)]
+    return {
+        "upper_changes": len(up), "lower_changes": len(low),
+        "upper": _intervals(pressed(machine, UPPER)), "lower": _intervals(pressed(machine, LOWER)),
+        "off": max(abs(a - b) for a, b in ends) if len(up) == len(low) == 2 else math.inf,
+    }  # fmt: skip
+
+
+def longer_upper(runs: Runs, form: str) -> Numbers:
+    machines = [Machine(damping, 0.01, form=form) for damping in (0.01, 0.1, 0.25)]
+    found = [shares(machine) for machine in machines]
+    grows = bool(np.all(np.diff([curve(machine, UPPER, 361) for machine in machines], axis=0) > 0.0))
+    return {
+        "spans": [one["upper"] + one["both"] for one in found],
+        "grows": grows, "where": "every angle" if grows else "not every angle",
+    }  # fmt: skip
+
+
+def asymmetry(runs: Runs, form: str) -> Numbers:
+    machines = [Machine(0.1, gap, form=form) for gap in (0.0, 0.01, 0.02)]
+    return {"sums": [np.abs(curve(m, UPPER, 361) + curve(m, LOWER, 361)).max() for m in machines]}
+
+
+def figure_2_7(runs: Runs, form: str) -> Numbers:
+    """Where the walls can hold the roller; the lower one's first interval."""
+    machine = Machine(0.267, 0.02, form=form)
+    low, upper_changes = pressed(machine, LOWER), len(changes(machine, UPPER))
+    begin, end = low[0] if low else (math.inf, math.inf)
+    return {
+        "upper": _intervals(pressed(machine, UPPER)) if upper_changes else "the whole turn",
+        "lower": _intervals(low), "upper_changes": upper_changes, "begin": begin, "end": end,
+        "mixed": _mixed_interval(),
+    }  # fmt: skip
+
+
+def _mixed_interval() -> tuple[float, float]:
+    """Where the lower wall's force of (2.29), not linearized, at the linear walls is positive."""
+    m = thesis_mechanism(0.267)
+
+    def pushing(theta: float) -> float:
+        psi = wall_angle(theta, -0.02, m.xi)
+        rate = wall_rate(theta, 1.0, psi, m.xi)
+        bend = wall_acceleration(theta, 1.0, 0.0, psi, m.xi)
+        return printed(theta, psi, bend, m) - m.damping * joint_rate(theta, 1.0, rate, m)
+
+    return float(brentq(pushing, 4.85, 5.05)), float(brentq(pushing, 5.05, 5.25))
+
+
+def near_crossings(runs: Runs, form: str) -> Numbers:
+    """Over pairs (lambda, rho) with crossings: radians in which either wall holds the roller, and neither."""
+    pairs = [(d, gap) for d in np.linspace(0.01, 0.25, 9) for gap in (0.005, 0.01, 0.02)]
+    machines = [Machine(float(damping), gap, form=form) for damping, gap in pairs]
+    found = [shares(m) for m in machines if min(len(changes(m, side)) for side in (UPPER, LOWER)) >= 2]
+    if not found:
+        return {"words": "no crossings", "least": 0.0, "most": math.inf}
+    both, neither = ([one[name] for one in found] for name in ("both", "neither"))
+    return {
+        "words": f"{len(found)} pairs (λ, ρ) with crossings: either {min(both):.4f}-{max(both):.4f} rad of a "
+        f"turn, neither {min(neither):.4f}-{max(neither):.4f}",
+        "least": min(*both, *neither), "most": max(*both, *neither),
+    }  # fmt: skip
+
+
+def figure_2_8(runs: Runs, form: str) -> Numbers:
+    machine = Machine(0.1, 0.01, form=form)
+    pairs = list(zip(changes(machine, UPPER), changes(machine, LOWER), strict=True))
+    return {
+        "pairs": _intervals([(min(pair), max(pair)) for pair in pairs]),
+        "kinds": ["either" if in_force(machine, UPPER, 0.5 * sum(pair)) else "neither" for pair in pairs],
+    }
+
+
+def figure_2_9(runs: Runs, form: str) -> Numbers:
+    machine = Machine(0.35, 0.01, form=form)
+    return {
+        "least": curve(machine, UPPER, 721).min(),
+        "releases": int(np.sum(Motion(machine).skip(100).events(100).kind == LIFT)),
+    }
+
+
+def figure_2_10(runs: Runs, form: str) -> Numbers:
+    found = {name: region(Machine(d, gap, form=form)) for name, (d, gap, _) in REGIONS.items()}
+    return {
+        "each": [f"Fig. {name}: {where}" for name, where in found.items()],
+        "right": all(found[name] == stated for name, (_, _, stated) in REGIONS.items()),
+    }
+
+
+def thresholds(runs: Runs, form: str) -> Numbers:
+    """lambda from which the upper wall holds throughout and from which the lower one holds nowhere."""
+    first, second = limits(form, 0.02)
+    return {"zero": limits(form)[0], "first": first, "second": second,
+            "lower": [limits(form, gap)[1] for gap in GAPS]}  # fmt: skip
+
+
+def lower_region(runs: Runs, form: str) -> Numbers:
+    """Largest interval pressed to the lower wall at rho = 0.01: its size and its distance from theta = 0."""
+    rows = []
+    for share in (0.2, 0.6, 0.95):
+        damping = share * limits(form)[0]
+        found = pressed(Machine(damping, 0.01, form=form), LOWER)
+        rows.append((damping, *max(found, key=lambda interval: interval.end - interval.start)))
+    middles = [0.5 * (a + b) for _, a, b in rows]
+    return {
+        "each": "; ".join(f"λ = {d:.3f}: {a:.2f}-{b:.2f}" for d, a, b in rows),
+        "sizes": [b - a for _, a, b in rows],
+        "from_zero": [abs(middle - TURN * round(middle / TURN)) for middle in middles],
+    }

@@ -1,0 +1,209 @@
+"""F chapter 4: kinds of motion, over cases and starts."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from functools import cache
+
+import numpy as np
+from scipy.optimize import brentq
+
+from models.slider_crank.flight.histories import LIFT, ONSET
+from models.slider_crank.machine import Machine, Motion
+from models.slider_crank.motions.classification import classify
+
+from ..cases import CYCLES, HIGH_DAMPINGS, LOW_DAMPINGS, MATRIX, THRESHOLD, TRANSIENT, Case, matrix
+from ..kinds import CHAOTIC, PERIODIC, TRANSIENT_CHAOS, observed
+from ..runs import STARTS, Runs
+from .derivation import Numbers
+
+EXAMPLE, SLIDING = Case(0.05, 0.01), Case(0.20, 0.015)
+RESTITUTIONS = (0.9, 0.7, 0.5)
+# "Very slight" changes of a parameter.
+SLIGHT = 0.02
+
+
+def _kinds(runs: Runs, dampings: tuple[float, ...], form: str, restitution: float = 0.9) -> list[str]:
+    return [observed(runs, case).kind for case in matrix(dampings, form, restitution)]
+
+
+def behaviour(runs: Runs, form: str, case: Case) -> Numbers:
+    """The kind of a case over the starts, and what F's threshold of sliding makes of the published one."""
+    seen, exact, ruled = (observed(runs, c) for c in (case.in_form(form), case, case.by_thesis_rule))
+    rule = (
+        f"as published, with F's sliding threshold 0.005: {ruled.words}" if exact.kind != ruled.kind else ""
+    )
+    return {"kind": seen.kind, "words": seen.words, "rule": rule, "also": rule and f"; {rule}"}
+
+
+def three_types(runs: Runs, form: str) -> Numbers:
+    """How many of the cases are of each kind, at small and at large friction."""
+    low, high = (Counter(_kinds(runs, dampings, form)) for dampings in (LOW_DAMPINGS, HIGH_DAMPINGS))
+    kinds = (CHAOTIC, TRANSIENT_CHAOS, PERIODIC)
+    return {
+        "each": [f"{low[kind] + high[kind]} {kind}" for kind in kinds],
+        "least": min(low[kind] + high[kind] for kind in kinds),
+        "low": [f"{low[kind]} {kind}" for kind in sorted(low)],
+        "low_kinds": len(low), "high_kinds": len(high),
+        "sets": "; ".join(
+            f"{words}: {found[CHAOTIC]} chaotic, {found[TRANSIENT_CHAOS]} transiently, "
+            f"{found[PERIODIC]} periodic"
+            for words, found in (("λ ≤ 0.075", low), ("λ ≥ 0.15", high))
+        ),
+        "periodic_low": low[PERIODIC], "periodic_high": high[PERIODIC],
+    }  # fmt: skip
+
+
+def chaos(runs: Runs, form: str) -> Numbers:
+    """How many of 9 cases are chaotic at small friction, at large friction, and with e = 0.5; by lambda."""
+    counts = [_kinds(runs, (damping,), form).count(CHAOTIC) for damping in MATRIX]
+    soft = _kinds(runs, LOW_DAMPINGS, form, 0.5).count(CHAOTIC)
+    return {"fast": sum(counts[:3]), "slow": sum(counts[3:]), "soft": soft, "counts": counts}
+
+
+def either(runs: Runs, form: str) -> Numbers:
+    """Starts that are periodic for most of F's record, and those that are chaotic throughout."""
+    found = runs.settling(Case(0.025, 0.01, form=form))
+    return {
+        "starts": STARTS, "short": int(np.sum(found.lengths + TRANSIENT < CYCLES // 2)),
+        "long": int(np.sum(~found.settled | (found.lengths > CYCLES))),
+    }  # fmt: skip
+
+
+def fewer_impacts(runs: Runs, form: str) -> Numbers:
+    """Correlation of sliding share and impacts per cycle, with F's threshold."""
+    cases = [case.by_thesis_rule for e in RESTITUTIONS for case in matrix(MATRIX, form, e)]
+    shares = [runs.sliding_share(case) for case in cases]
+    return {"value": np.corrcoef(shares, [len(runs.events(c).impacts.theta) / CYCLES for c in cases])[0, 1]}
+
+
+def _listed(cases: list[str]) -> str:
+    return f": {'; '.join(cases)}" if cases else ""
+
+
+def no_sliding(runs: Runs, form: str) -> Numbers:
+    """Cases of small friction whose records slide, and others that do so from another start."""
+    cases = matrix(LOW_DAMPINGS, form)
+    recorded = [str(case) for case in cases if np.any(runs.events(case).kind == ONSET)]
+    other = [str(c) for c in cases if str(c) not in recorded and observed(runs, c).sliding]
+    return {"count": len(recorded), "cases": len(cases), "recorded": _listed(recorded),
+            "other": (other and f"; from other starts{_listed(other)}") or ""}  # fmt: skip
+
+
+def with_sliding(runs: Runs, form: str) -> Numbers:
+    """Cases of large friction that slide; as published with F's threshold too."""
+    cases = matrix(HIGH_DAMPINGS, form)
+    sliding = [str(case) for case in cases if runs.sliding_share(case) > 0.0]
+    ruled = [str(c) for c in matrix(HIGH_DAMPINGS) if runs.sliding_share(c.by_thesis_rule) > 0.0]
+    return {"count": len(sliding), "cases": len(cases), "listed": _listed(sliding),
+            "ruled": len(ruled), "ruled_cases": "; ".join(ruled)}  # fmt: skip
+
+
+def apart(runs: Runs, form: str) -> Numbers:
+    """How far apart successive cycles begin after 25 cycles, over the range of F's print."""
+    states = Motion(EXAMPLE.in_form(form).machine).skip(25).strobe(3)[:, :2]
+    return {"apart": np.abs(np.diff(states, axis=0) / [2.0 * EXAMPLE.gap, 0.2]).max(axis=1).min()}
+
+
+def exponent(runs: Runs, form: str) -> Numbers:
+    kind = runs.kind(EXAMPLE.in_form(form))
+    return {
+        "kind": kind.kind,
+        "evidence": kind.evidence,
+        "exponent": kind.exponent,
+        "error": kind.uncertainty,
+    }
+
+
+def fractal(runs: Runs, form: str) -> Numbers:
+    """Kaplan-Yorke dimension of the section."""
+    found = Motion(EXAMPLE.in_form(form).machine).skip(100).exponents(20_000)
+    if found.largest == -math.inf:
+        return {"words": "a finite set of points: the motion is periodic in the end", "dimension": 0.0}
+    second = found.exact_sum - found.largest
+    dimension = 1.0 - found.largest / second
+    words = f"exponents {found.largest:.4f} and {second:.4f}: Kaplan-Yorke dimension {dimension:.3f}"
+    return {"words": f"{words} of the section", "dimension": dimension}
+
+
+def slight_changes(runs: Runs, form: str) -> Numbers:
+    """The kinds at (0.05, 0.015) with slightly other gaps."""
+    shares = (-SLIGHT, -0.5 * SLIGHT, 0.0, 0.5 * SLIGHT, SLIGHT)
+    kinds = [observed(runs, Case(0.05, 0.015 * (1.0 + share), form=form)).kind for share in shares]
+    return {
+        "kinds": kinds,
+        "each": [f"{100 * s:+.0f} %: {kind}" for s, kind in zip(shares, kinds, strict=True)],
+    }
+
+
+def high_matrix(runs: Runs, form: str) -> Numbers:
+    """The motions of the cases of large friction."""
+    seen = {case: observed(runs, case) for case in matrix(HIGH_DAMPINGS, form)}
+    counts = [_kinds(runs, (damping,), form).count(PERIODIC) for damping in HIGH_DAMPINGS]
+    return {"each": "; ".join(f"{case} {one.words}" for case, one in seen.items()), "periodic": counts}
+
+
+def slides(runs: Runs, form: str) -> Numbers:
+    """How often (0.20, 0.015) slides, exactly and with F's threshold."""
+    case = SLIDING.in_form(form)
+    approach, share = runs.events(case).impacts.approach, runs.sliding_share(case)
+    slow = float(np.mean(0.9 * approach < THRESHOLD)) if len(approach) else 0.0
+    exact, ruled = (int((runs.events(c).kind == ONSET).sum()) for c in (case, case.by_thesis_rule))
+    words = (
+        f"slides {exact} times in {CYCLES} cycles, {ruled} times with F's threshold; {100 * slow:.1f} % of "
+        "the impacts rebound with less than 0.005, where nothing presses the roller to the wall"
+    )
+    if share > 0.0:
+        words = f"slides {100 * share:.0f} % of the time, from its first cycles on"
+    return {"words": words, "exact": exact, "ruled": ruled}
+
+
+def simple_periodic(runs: Runs, form: str) -> Numbers:
+    """lambda from which the motion has period 1 at rho = 0.015, exactly and with F's threshold."""
+
+    def first(threshold: float) -> float:
+        def excess(damping: float) -> float:
+            machine = Machine(damping, 0.015, 0.9, form, sliding_threshold=threshold)
+            return 0.5 - (classify(machine, 2000).period == 1)
+
+        grid = np.arange(0.250, 0.2095, -0.001)
+        last = next((d for d in grid if excess(float(d)) > 0.0), None)
+        return float(grid[-1]) if last is None else float(brentq(excess, last, last + 0.001, xtol=1e-5))
+
+    exact, ruled = first(0.0), first(THRESHOLD)
+    words = ["at every λ from 0.21 on" if v < 0.2105 else f"from λ = {v:.4f} on" for v in (exact, ruled)]
+    return {"exact": exact, "ruled": ruled, "exact_words": words[0], "ruled_words": words[1]}
+
+
+def low_velocity_cycles(runs: Runs, form: str) -> Numbers:
+    """Beginnings of sliding and releases per cycle at (0.25, 0.015)."""
+    kinds = runs.events(Case(0.25, 0.015, form=form)).kind
+    return {"onsets": (kinds == ONSET).sum() / CYCLES, "lifts": (kinds == LIFT).sum() / CYCLES}
+
+
+def periods(runs: Runs, form: str) -> Numbers:
+    """Periods at lambda = 0.25 over the gaps."""
+    gaps = np.linspace(0.01, 0.02, 21)
+    return {"periods": sorted({classify(Machine(0.25, float(gap), 0.9, form), 2000).period for gap in gaps})}
+
+
+@cache
+def by_restitution(runs: Runs, form: str) -> Numbers:
+    """By e, over all pairs (lambda, rho): share of sliding, irregular motions; sliding at (0.05, 0.02)."""
+    return {
+        "shares": [np.mean([runs.sliding_share(c) for c in matrix(MATRIX, form, e)]) for e in RESTITUTIONS],
+        "irregular": [_kinds(runs, MATRIX, form, e).count(CHAOTIC) for e in RESTITUTIONS],
+        "alone": [runs.sliding_share(Case(0.05, 0.02, e, form)) for e in RESTITUTIONS],
+    }
+
+
+def sliding_at(runs: Runs, form: str, restitution: float) -> Numbers:
+    """Of all pairs (lambda, rho) with this restitution."""
+    shares = [runs.sliding_share(case) for case in matrix(MATRIX, form, restitution)]
+    kinds = _kinds(runs, MATRIX, form, restitution)
+    return {
+        "cases": len(shares), "sliding": sum(share > 0.0 for share in shares),
+        "least": min(shares), "least_percent": 100 * min(shares), "most": max(shares),
+        "mean": np.mean(shares), "regular": len(kinds) - kinds.count(CHAOTIC),
+    }  # fmt: skip

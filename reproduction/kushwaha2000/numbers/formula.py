@@ -1,0 +1,122 @@
+"""Sections 3 and 4.4: the film formula (10), its ranges, and the way to its squeeze velocity (37)-(39)."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+
+from models.contact.films import FILMS
+from models.contact.films.groups import groups
+from models.contact.hertz import compliance_of
+from models.quantities import Vector
+
+from ..film_iteration import FIRST_INCREASE, ITERATIONS, FilmIteration, iterate
+from ..runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, Runs
+from .parts import Numbers, at_nose
+
+STEPS = 500  # per turn
+TABLE_3_FLAGS = {"G*": "material", "w_s*": "squeeze", "W*": "load", "U*": "speed"}
+# A formula for the same central film, fitted to numerical solutions by others.
+COMPARED = "pan_hamrock_central"
+
+
+def _film(runs: Runs, name: str, load: float, speed: float, radius: float) -> float:
+    p = runs.parameters("contact")
+    return float(
+        FILMS[name](load, speed, radius, p.length, compliance_of(p), p.viscosity, p.pressure_viscosity)
+    )
+
+
+def _similarity_sum(runs: Runs, name: str) -> float:
+    """Scale U, G and W so that M = W U^-1/2 and L = G U^1/4 stay: then h* goes as U^(a - b/4 + c/2)."""
+    load, radius, length, sigma = at_nose(runs)
+    p = runs.parameters("contact")
+    one, two = (
+        FILMS[name](load * f**0.5, f, radius, length, sigma, p.viscosity, p.pressure_viscosity * f**-0.25)
+        for f in (1.0, math.e)
+    )
+    return math.log(two / one)
+
+
+def exponents(runs: Runs) -> Numbers:
+    """Of the load, and a - b/4 + c/2 of the exponents a of U, b of G, c of W."""
+    load, radius, *_ = at_nose(runs)
+    of_load = {
+        name: math.log(_film(runs, name, 2.0 * load, 1.0, radius) / _film(runs, name, load, 1.0, radius))
+        / math.log(2.0)
+        for name in FILMS
+        if name != "dry"
+    }
+    others = [value for name, value in of_load.items() if name != AS_PRINTED]
+    return {
+        "sum_printed": _similarity_sum(runs, AS_PRINTED), "sum_negative": _similarity_sum(runs, NEGATIVE),
+        "sum_pan_hamrock": _similarity_sum(runs, COMPARED),
+        "of_load": of_load[AS_PRINTED], "least_other": min(others), "largest_other": max(others),
+    }  # fmt: skip
+
+
+def size(runs: Runs) -> Numbers:
+    """Films of (10) over another formula's, inside Table 3."""
+    cycle = runs.kinematic()
+    found: Numbers = {}
+    inside = (cycle["contact.load_in_range"] > 0.0) & (cycle["contact.speed_in_range"] > 0.0)
+    seen = (cycle["contact.load"], np.abs(cycle["camshaft.entraining_velocity"]),
+            cycle["camshaft.radius_of_curvature"])  # fmt: skip
+    for name, words in ((AS_PRINTED, "printed"), (NEGATIVE, "negative")):
+        ratios = [
+            _film(runs, name, *one) / _film(runs, COMPARED, *one)
+            for one in zip(*(values[inside] for values in seen), strict=True)
+        ]
+        found |= {f"{words}_low": min(ratios), f"{words}_high": max(ratios)}
+    return found
+
+
+def table_3(runs: Runs) -> Numbers:
+    """Shares of the cycle inside the ranges, and the squeeze-roll ratio, unbounded as u goes to zero."""
+    cycle, p = runs.kinematic(), runs.parameters("contact")
+    inside = {name: cycle[f"contact.{flag}_in_range"] for name, flag in TABLE_3_FLAGS.items()}
+    u = np.abs(cycle["camshaft.entraining_velocity"])
+    ratio = cycle.squeeze[u > 1e-9] / u[u > 1e-9]
+    modulus = math.pi / compliance_of(p)
+    return {
+        "each": [f"{name} {100.0 * float(np.mean(flags[:-1])):.0f} %" for name, flags in inside.items()],
+        "together": float(np.mean(np.prod(list(inside.values()), axis=0)[:-1])),
+        "G": groups(modulus, 1.0, 1.0, 1.0, p.length, p.viscosity, p.pressure_viscosity).material,
+        "ratio_low": ratio.min(), "ratio_high": ratio.max(),
+    }  # fmt: skip
+
+
+def _angles() -> Vector:
+    return np.asarray(np.arange(STEPS + 1) * (360.0 / STEPS))
+
+
+def _iteration(runs: Runs, sign: float) -> FilmIteration:
+    """K's own iteration over one kinematic turn; sign -1 is the printed (37)."""
+    cycle = runs.kinematic()
+    steady = np.interp(_angles(), cycle.angle_deg, cycle["contact.steady_film_thickness"])
+    velocity = np.array([runs.entraining(a) for a in _angles()])
+    step = 60.0 / KINEMATIC_SPEED / STEPS
+    return iterate(steady, velocity, step, runs.parameters("contact").squeeze_constant, sign)
+
+
+@cache
+def iteration(runs: Runs) -> Numbers:
+    """Where (37) to (39) do not converge, with either sign; and how the start is forgotten."""
+    cycle, angles = runs.kinematic(), _angles()
+    c, u = runs.parameters("contact").squeeze_constant, cycle["camshaft.entraining_velocity"][0]
+    printed, right = _iteration(runs, -1.0), _iteration(runs, 1.0)
+    away = np.abs(angles[right.failed, None] - np.array(runs.reversals_deg)).min(axis=1)
+    exact = np.interp(angles, cycle.angle_deg, cycle.film)
+    steady, step = float(cycle["contact.steady_film_thickness"][0]), 60.0 / KINEMATIC_SPEED / STEPS
+    return {
+        "steps": STEPS, "iterations": ITERATIONS,
+        "failed_as_printed": len(printed.failed), "first_deg": angles[printed.failed[0]],
+        "growth_time": c * cycle.film[0] / u,
+        "failed": len(right.failed), "away_deg": away.max(),
+        "film_error": np.max(np.abs(np.array(right.film) - exact)[1:]),
+        "first_velocity": (FIRST_INCREASE - 1.0) * steady / step,
+        # The relaxation halves ln(h/h_ss) many times before the lift begins.
+        "left_at_lift": math.log(FIRST_INCREASE) * math.exp(-u / (c * steady) * step * STEPS / 4.0),
+    }  # fmt: skip
