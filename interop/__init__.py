@@ -1,18 +1,19 @@
-"""Other tools run our FMUs: the matrix of docs/tools.md, and what its tests share.
+"""Other tools run our FMUs: `python -m interop` writes the tables of docs/tools.md.
 
-A tool is a file in `hosts/`. It is run with the interpreter of the tool's environment, where nothing but the
-tool's packages and this folder can be imported, and has
+A tool is a file in `tools/`. It runs with the interpreter of the tool's own environment, which can import
+only the tool's packages and this folder. It has
 
-- TITLE; REQUIREMENTS, the packages that pip installs; USE, what its user needs besides, in a few words;
+- TITLE; REQUIREMENTS, the packages that pip installs; USE, what else its user needs, in a few words;
 - version(): the tool's version, or an exception that says what is missing;
-- values(case): all outputs after every step, with the inputs of the case's table held in each step;
-- timing(case): a context that gives a function: how long the tool's own loop takes for so many steps, with
-  the inputs of the first row held, and as little recorded as the tool lets. Its first call is not counted;
-- steps(count, step), only where the tool's steps are not at i * step: the time and size of each;
-- NEXT_INPUTS, only where outputs are those with the inputs of the next step set: true;
-- FMI, only where the tool does not take both versions: those that it takes;
-- PLATFORM, only where native FMUs are built for another platform than this one;
-- FINDINGS, only where there are some: lines for the document.
+- values(case): all outputs after every step. Each step holds its row of the case's input table;
+- timing(case): a context that gives a function from a number of steps to the seconds that the tool's own
+  loop takes for them. It holds the inputs of the first row and records as little as the tool allows. The
+  first call does not count;
+- optionally steps(count, step): time and size of each step, if the steps do not begin at i * step;
+- optionally NEXT_INPUTS = True: outputs are computed with the inputs of the next step;
+- optionally FMI: the versions that the tool takes, if not both;
+- optionally PLATFORM: the platform of native FMUs, if it is not this one;
+- optionally FINDINGS: lines for the page.
 
-`case.loaded()` is called when the tool has taken the FMU.
+A tool calls `case.report_loaded()` when it has an instance of the FMU.
 """

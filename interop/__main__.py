@@ -1,7 +1,7 @@
 """`python -m interop [TOOL ...] [--fmu NAME ...] [--install]` runs our FMUs in other tools.
 
-Without names every tool that is here. With --install each of them gets an environment of its own first.
-With --fmu only these FMUs; what docs/tools.md has of others, and of other tools, stays.
+Without names it runs every tool that is installed. --install first makes an environment for each tool.
+--fmu limits the run to these FMUs. docs/tools.md keeps its results of other FMUs and other tools.
 """
 
 from __future__ import annotations
@@ -13,48 +13,48 @@ import time
 from fmus.build import NAMES as FMUS
 from fmus.native.machine_code import NativeBuildError
 
-from .document import FILE, Section, here, text, written
-from .plan import KINDS, compared
-from .running import NAMES, install, missing
+from .comparison import KINDS, compare
+from .document import FILE, Section, describe_machine, format_page, read_sections
+from .processes import NAMES, explain_missing, install
 
-RUNS = 4  # of which the best is told
+RUNS = 4  # the best one counts
 
 
 def main() -> int:
-    """0 if every tool that was named could be run."""
+    """Return 0 if every named tool could run."""
     parser = argparse.ArgumentParser(prog="python -m interop", description=__doc__)
-    parser.add_argument("tools", nargs="*", metavar="TOOL", help=f"of {', '.join(NAMES)}")
+    parser.add_argument("tools", nargs="*", metavar="TOOL", help=f"one of {', '.join(NAMES)}")
     parser.add_argument("--fmu", nargs="+", choices=FMUS, metavar="NAME", help="only these FMUs")
-    parser.add_argument("--install", action="store_true", help="into an environment of the tool's own")
+    parser.add_argument("--install", action="store_true", help="make an environment for each tool")
     given = parser.parse_args()
     if unknown := [name for name in given.tools if name not in NAMES]:
         parser.error(f"no tool {unknown[0]!r}: there are {', '.join(NAMES)}")
-    sections, absent = written(), []
+    sections, absent = read_sections(), []
     for name in given.tools or NAMES:
         if given.install and not install(name):
             print(f"{name}: could not be installed")
             absent.append(name)
             continue
-        if why := missing(name):
+        if why := explain_missing(name):
             print(why)
             absent.append(name)
             continue
         kept = sections.get(name) if given.fmu else None
-        sections[name] = kept or Section(name, "", here())
+        sections[name] = kept or Section(name, "", describe_machine())
         for fmu in given.fmu or FMUS:
             run(sections[name], fmu)
-        FILE.write_text(text(sections), "utf-8")
+        FILE.write_text(format_page(sections), "utf-8")
     return 1 if given.tools and absent else 0
 
 
 def run(section: Section, fmu: str) -> None:
-    """Every kind of this FMU in the section's tool."""
+    """Run every kind of this FMU in the section's tool."""
     for name, kind in KINDS.items():
         began = time.perf_counter()
-        difference, answer = compared(section.tool, fmu, kind, RUNS)
-        told = " ".join(section.note(fmu, name, difference, answer))
+        difference, answer = compare(section.tool, fmu, kind, RUNS)
+        cells = " ".join(section.add(fmu, name, difference, answer))
         passed = time.perf_counter() - began
-        print(f"{section.tool}: {fmu}, {kind.title}: {told} {answer.failed} ({passed:.1f} s)", flush=True)
+        print(f"{section.tool}: {fmu}, {kind.title}: {cells} {answer.failed} ({passed:.1f} s)", flush=True)
 
 
 if __name__ == "__main__":

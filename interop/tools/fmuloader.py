@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ..case import Case, loaded
+from ..case import Case, report_loaded
 
 TITLE = "fmuloader"
 REQUIREMENTS = ("fmuloader",)
@@ -63,12 +63,12 @@ def _begun(case: Case) -> Iterator[tuple[Any, Any, Any]]:
     with kind(case.fmu, model_identifier=case.identifier) as unit:
         if case.fmi == 2:
             unit.instantiate("unit", Fmi2Type.CO_SIMULATION, guid=case.token)
-            loaded()
+            report_loaded()
             unit.setup_experiment(start_time=0.0)
             unit.enter_initialization_mode()
         else:
             unit.instantiate_co_simulation("unit", instantiation_token=case.token)
-            loaded()
+            report_loaded()
             unit.enter_initialization_mode(start_time=0.0)
         unit.exit_initialization_mode()
         yield (

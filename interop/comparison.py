@@ -1,4 +1,4 @@
-"""What every tool is asked to do with an FMU, and what the component says in this process."""
+"""The cases, and the outputs that the component computes for them in this process."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
 from tests.fmus.reference import Reference, wave
 
-from .case import Case, equal_steps
-from .running import Answer, ask, host
+from .case import Case, list_equal_steps
+from .processes import Answer, ask, load_tool
 
 STEPS = 100
 
 
 @dataclass(frozen=True)
 class Kind:
-    """How an FMU is made: `structure` names its sizes in the component's folder."""
+    """A way to build an FMU. `structure` names the component's constant with its array sizes."""
 
     title: str
     fmi: int
@@ -44,19 +44,19 @@ KINDS: Mapping[str, Kind] = {
 }
 
 
-def step_of(name: str) -> float:
-    """The power of two next to the step that the FMU offers: sums and multiples of it have no rounding."""
+def choose_step(name: str) -> float:
+    """The power of two nearest to the FMU's default step: its sums and multiples are exact."""
     return 2.0 ** round(math.log2(experiment(name).step_size))
 
 
-def case_of(name: str, kind: Kind, fmu: Path, steps: int = STEPS) -> Case:
-    """Inputs that change from step to step, as `wave` says; all outputs that are real."""
+def make_case(name: str, kind: Kind, fmu: Path, steps: int = STEPS) -> Case:
+    """The case of an FMU: inputs that follow `wave`, and all real outputs."""
     reference = Reference(name, **default_structure(name, kind.structure))
     description = fmpy.read_model_description(str(fmu), validate=False)
     known = {v.name: v for v in description.modelVariables}
     inputs = reference.component.inputs.names
     outputs = [v.name for v in known.values() if v.causality == "output" and v.type in ("Real", "Float64")]
-    step = step_of(name)
+    step = choose_step(name)
     table = [[wave(reference.component, i * step)[one] for one in inputs] for i in range(steps)]
     return Case(
         fmu=str(fmu),
@@ -72,14 +72,14 @@ def case_of(name: str, kind: Kind, fmu: Path, steps: int = STEPS) -> Case:
     )
 
 
-def expected(
+def compute_expected(
     name: str,
     kind: Kind,
     case: Case,
     steps: Iterable[tuple[float, float]],
     next_inputs: bool = False,
 ) -> list[list[float]]:
-    """The outputs after each of these steps (time and size), maybe with the inputs of the next step."""
+    """The component's outputs after each step (time and size), with its inputs or those of the next step."""
     reference = Reference(name, **default_structure(name, kind.structure))
     outputs = reference.component.outputs
     rated = [f"der({f.name})" for f in outputs.fields if not f.quantity.discrete]
@@ -97,7 +97,7 @@ def expected(
 
 
 def largest_difference(found: list[list[float]], truth: list[list[float]]) -> float:
-    """Of all outputs and steps, in parts of the output's largest magnitude; infinity where one is missing."""
+    """Largest difference, relative to the output's largest magnitude; infinite if a value is missing."""
     one, right = np.array(found), np.array(truth)
     if one.shape != right.shape or not np.isfinite(one).all():
         return math.inf
@@ -106,12 +106,12 @@ def largest_difference(found: list[list[float]], truth: list[list[float]]) -> fl
     return float((missed[apart] / np.where(scale[apart] > 0.0, scale[apart], 1.0)).max(initial=0.0))
 
 
-def compared(name: str, fmu: str, kind: Kind, runs: int = 0) -> tuple[float | None, Answer]:
-    """The largest difference to the component, None where there are no values."""
-    case = case_of(fmu, kind, kind.build(fmu, getattr(host(name), "PLATFORM", "")))
+def compare(name: str, fmu: str, kind: Kind, runs: int = 0) -> tuple[float | None, Answer]:
+    """The largest difference from the component (None without values), and the tool's answer."""
+    case = make_case(fmu, kind, kind.build(fmu, getattr(load_tool(name), "PLATFORM", "")))
     answer = ask(name, case, runs)
     if answer.values is None:
         return None, answer
-    steps = getattr(host(name), "steps", equal_steps)(case.steps, case.step)
-    truth = expected(fmu, kind, case, steps, getattr(host(name), "NEXT_INPUTS", False))
+    steps = getattr(load_tool(name), "steps", list_equal_steps)(case.steps, case.step)
+    truth = compute_expected(fmu, kind, case, steps, getattr(load_tool(name), "NEXT_INPUTS", False))
     return largest_difference(answer.values, truth), answer

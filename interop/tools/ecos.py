@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ..case import Case, RefusedError, loaded
+from ..case import Case, RefusedError, report_loaded
 
 TITLE = "ecos"
 REQUIREMENTS = ("ecospy",)
@@ -52,7 +52,7 @@ def _begun(case: Case) -> Iterator[Any]:
 
     with EcosSimulationStructure() as structure:
         structure.add_model("unit", case.fmu)
-        loaded()
+        report_loaded()
         structure.add_parameter_set("given", {f"unit::{name}": value for name, value in case.start.items()})
         with EcosSimulation(structure=structure, step_size=case.step) as simulation:
             if not simulation.init(parameter_set="given"):

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ..case import Case, RefusedError, loaded
+from ..case import Case, RefusedError, report_loaded
 
 TITLE = "libcosim"
 REQUIREMENTS = ("libcosimpy",)
@@ -39,32 +39,32 @@ def steps(count: int, step: float) -> list[tuple[float, float]]:
 def values(case: Case) -> list[list[float]]:
     from libcosimpy.CosimObserver import CosimObserver
 
-    execution, index, manipulator = _loaded(case)
+    execution, index, manipulator = _load(case)
     observer = CosimObserver.create_last_value()
     execution.add_observer(observer)
     inputs, outputs = case.references_of(case.inputs), case.references_of(case.outputs)
     found = []
     for row in case.table:
         manipulator.slave_real_values(index, inputs, row)
-        _stepped(execution, 1)
+        _step(execution, 1)
         found.append(observer.last_real_values(index, outputs))
     return found
 
 
 @contextmanager
 def timing(case: Case) -> Iterator[Callable[[int], float]]:
-    execution, index, manipulator = _loaded(case)
+    execution, index, manipulator = _load(case)
     manipulator.slave_real_values(index, case.references_of(case.inputs), case.table[0])
 
     def seconds(steps: int) -> float:
         began = time.perf_counter()
-        _stepped(execution, steps)
+        _step(execution, steps)
         return time.perf_counter() - began
 
     yield seconds
 
 
-def _loaded(case: Case) -> tuple[Any, int, Any]:
+def _load(case: Case) -> tuple[Any, int, Any]:
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimManipulator import CosimManipulator
     from libcosimpy.CosimSlave import CosimLocalSlave
@@ -74,13 +74,13 @@ def _loaded(case: Case) -> tuple[Any, int, Any]:
     if not slave.ptr():  # add_local_slave would take it all the same, and crash
         raise RefusedError(_last_error())
     index = execution.add_local_slave(slave)
-    loaded()
+    report_loaded()
     manipulator = CosimManipulator.create_override()
     execution.add_manipulator(manipulator)
     return execution, index, manipulator
 
 
-def _stepped(execution: Any, count: int) -> None:
+def _step(execution: Any, count: int) -> None:
     if not execution.step(step_count=count):
         raise RefusedError(_last_error())
 

@@ -1,4 +1,4 @@
-"""The host in C, compiled for some platform, as the tools that are programs run it."""
+"""The program in C (host.c), compiled for a platform, and how the tools that use it run it."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from .case import Case, RefusedError, loaded
+from .case import Case, RefusedError, report_loaded
 
 SOURCE = Path(__file__).with_name("host.c")
 WARNINGS = ["-Wall", "-Wextra", "-Werror"]
 
-# What the file of a tool defines: outputs after every step; and seconds that so many steps take.
+# The functions of a tool: outputs after each step; seconds that a number of steps takes.
 Values = Callable[[Case], list[list[float]]]
 Timing = Callable[[Case], AbstractContextManager[Callable[[int], float]]]
 
 
-def compiled(folder: Path, target: str = "", suffix: str = "") -> Path:
-    """The program; `target` as zig calls a platform, this machine's without."""
+def compile_host(folder: Path, target: str = "", suffix: str = "") -> Path:
+    """Compile the program for zig's `target`, by default this machine."""
     import fmpy
 
     program = folder / f"host{suffix}"
@@ -37,7 +37,7 @@ def compiled(folder: Path, target: str = "", suffix: str = "") -> Path:
     return program
 
 
-def libpython() -> Path | None:
+def find_libpython() -> Path | None:
     """The shared library of this Python, or None if it was built without."""
     name = sysconfig.get_config_var("INSTSONAME") or sysconfig.get_config_var("LDLIBRARY") or ""
     path = Path(sysconfig.get_config_var("LIBDIR") or "") / name
@@ -46,9 +46,11 @@ def libpython() -> Path | None:
 
 @dataclass(frozen=True)
 class Host:
-    """The program and how it is started: `places`, the folder of an FMU's binaries by version of FMI;
-    `runner`, the command that runs it; `preload`, the library that it loads first, or "-"; `drive`, what
-    stands before paths as the program sees them."""
+    """The program and how to start it.
+
+    places: the folder of an FMU's binaries, by FMI version. runner: the command that runs the program.
+    preload: the library that it loads first, or "-". drive: prefix of paths inside the program.
+    """
 
     program: Path
     places: Mapping[int, str] = field(default_factory=lambda: {2: "linux64", 3: "x86_64-linux"})
@@ -58,41 +60,41 @@ class Host:
     drive: str = ""
 
     def values(self, case: Case, at_end: str = "free", **environment: str) -> list[list[float]]:
-        """Outputs after every step; at the end the instance is freed, or with `keep` not."""
-        process = self._started(case, at_end, environment)
+        """Outputs after each step. The program frees its instance at the end, unless `at_end` is "keep"."""
+        process = self._start(case, at_end, environment)
         said, errors = process.communicate("")
         if said.startswith("LOADED"):
-            loaded()
+            report_loaded()
         if process.returncode:
-            words = "; ".join(errors.strip().splitlines()[-2:]) or "without a word"
+            words = "; ".join(errors.strip().splitlines()[-2:]) or "no message"
             raise RefusedError(f"{words} (exit status {process.returncode})")
         return [[_value(bits) for bits in line.split()] for line in said.splitlines()[1:]]
 
     @contextmanager
     def timing(self, case: Case) -> Iterator[Callable[[int], float]]:
-        process = self._started(replace(case, table=case.table[:1]), "free", {})
-        assert process.stdin is not None
-        assert process.stdout is not None
-        process.stdout.readline(), process.stdout.readline()
+        process = self._start(replace(case, table=case.table[:1]), "free", {})
+        answers = process.stdout
+        assert answers is not None
+        answers.readline(), answers.readline()
 
         def seconds(steps: int) -> float:
             print(steps, file=process.stdin, flush=True)
-            said = process.stdout.readline()
+            said = answers.readline()
             if not said:
-                raise RefusedError(process.communicate()[1].strip() or "without a word")
+                raise RefusedError(process.communicate()[1].strip() or "no message")
             return float(said)
 
         yield seconds
         process.communicate()
 
-    def _started(self, case: Case, at_end: str, environment: Mapping[str, str]) -> subprocess.Popen[str]:
+    def _start(self, case: Case, at_end: str, environment: Mapping[str, str]) -> subprocess.Popen[str]:
         folder = self.program.parent / "unpacked"
         with zipfile.ZipFile(case.fmu) as archive:
             archive.extractall(folder)
         library = folder / "binaries" / self.places[case.fmi] / f"{case.identifier}{self.suffix}"
         if not library.is_file():
             raise RefusedError(f"the FMU has no binary in {self.places[case.fmi]}")
-        (folder / "numbers").write_text(numbers_of(case))
+        (folder / "numbers").write_text(format_case(case))
         seen = [f"{self.drive}{path}" for path in (library, folder / "resources", folder / "numbers")]
         seen[1] = f"file:///{seen[1].lstrip('/')}" if case.fmi == 2 else f"{seen[1]}/"
         command = [*self.runner, self.program, self.preload, *seen[:2], case.token, seen[2], at_end]
@@ -111,8 +113,8 @@ class Host:
         )
 
 
-def ways(started: Callable[[Case], AbstractContextManager[Host]]) -> tuple[Values, Timing]:
-    """A tool's `values` and `timing`, by the program that `started` gives for a case."""
+def tool_functions(started: Callable[[Case], AbstractContextManager[Host]]) -> tuple[Values, Timing]:
+    """The `values` and `timing` of a tool that starts the program with `started`."""
 
     def values(case: Case) -> list[list[float]]:
         with started(case) as host:
@@ -126,8 +128,8 @@ def ways(started: Callable[[Case], AbstractContextManager[Host]]) -> tuple[Value
     return values, timing
 
 
-def numbers_of(case: Case) -> str:
-    """The case as host.c reads it."""
+def format_case(case: Case) -> str:
+    """The case in the format that host.c reads."""
     counts = [len(case.inputs), len(case.outputs), case.steps]
     lines = [f"{case.fmi} {_bits(case.step)}", " ".join(map(str, counts))]
     lines += [" ".join(map(str, case.references_of(names))) for names in (case.inputs, case.outputs)]

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..c_program import Host, compile_host, tool_functions
 from ..case import FOLDER, Case, NotTriedError, RefusedError
-from ..programs import Host, compiled, ways
 
 TITLE = "program in C for Windows, in wine"
 REQUIREMENTS = ("fmpy", "ziglang")
@@ -39,8 +39,8 @@ def _host(case: Case) -> Iterator[Host]:
     prefix.parent.mkdir(parents=True, exist_ok=True)
     os.environ |= {"WINEPREFIX": str(prefix), "WINEDEBUG": "-all"}
     with tempfile.TemporaryDirectory() as folder:
-        program = compiled(Path(folder), "x86_64-windows-gnu", ".exe")
+        program = compile_host(Path(folder), "x86_64-windows-gnu", ".exe")
         yield Host(program, {2: "win64", 3: PLATFORM}, ".dll", runner=["wine"], drive="Z:")
 
 
-values, timing = ways(_host)
+values, timing = tool_functions(_host)

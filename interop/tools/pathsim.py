@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-from ..case import Case, loaded
+from ..case import Case, report_loaded
 
 TITLE = "PathSim"
 REQUIREMENTS = ("pathsim-fmi", "pathsim", "fmpy")
@@ -59,7 +59,7 @@ def _simulation(case: Case, sources: Mapping[str, Callable[[float], float]], out
     from pathsim_fmi import CoSimulationFMU
 
     unit = CoSimulationFMU(case.fmu, dt=case.step)
-    loaded()
+    report_loaded()
     scope = Scope(labels=list(outputs))
     blocks = {name: Source(source) for name, source in sources.items()}
     connections = [Connection(block, unit[name]) for name, block in blocks.items()]

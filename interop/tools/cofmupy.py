@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from ..case import Case, loaded
+from ..case import Case, report_loaded
 
 TITLE = "CoFmuPy"
 REQUIREMENTS = ("cofmupy",)
@@ -33,7 +33,7 @@ def version() -> str:
 
 
 def values(case: Case) -> list[list[float]]:
-    coordinator = _started(case, case.table)
+    coordinator = _start(case, case.table)
     coordinator.run_simulation(case.step, case.steps * case.step)
     found = coordinator.get_results()
     return [[float(found["unit", name][i]) for name in case.outputs] for i in range(case.steps)]
@@ -41,7 +41,7 @@ def values(case: Case) -> list[list[float]]:
 
 @contextmanager
 def timing(case: Case) -> Iterator[Callable[[int], float]]:
-    coordinator, done = _started(case, case.table[:1]), 0
+    coordinator, done = _start(case, case.table[:1]), 0
 
     def seconds(steps: int) -> float:
         nonlocal done
@@ -53,7 +53,7 @@ def timing(case: Case) -> Iterator[Callable[[int], float]]:
     yield seconds
 
 
-def _started(case: Case, table: Sequence[Sequence[float]]) -> Any:
+def _start(case: Case, table: Sequence[Sequence[float]]) -> Any:
     from cofmupy import Coordinator
 
     streams = {
@@ -74,5 +74,5 @@ def _started(case: Case, table: Sequence[Sequence[float]]) -> Any:
             "root": "",
         }
     )
-    loaded()
+    report_loaded()
     return coordinator

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..c_program import Host, compile_host, find_libpython, tool_functions
 from ..case import Case, RefusedError
-from ..programs import Host, compiled, libpython, ways
 
 TITLE = "program in C"
 REQUIREMENTS = ("fmpy", "ziglang")
@@ -18,16 +18,16 @@ USE = "nothing else; for FMUs in Python, to load `libpython3.x.so` [first](fmus.
 def version() -> str:
     from importlib.metadata import version
 
-    if libpython() is None:
+    if find_libpython() is None:
         raise RefusedError("this Python was built without a shared library, which a program would load")
     return f"zig {version('ziglang')}"
 
 
 @contextmanager
 def _host(case: Case) -> Iterator[Host]:
-    preload = str(libpython()) if case.python else "-"
+    preload = str(find_libpython()) if case.python else "-"
     with tempfile.TemporaryDirectory() as folder:
-        yield Host(compiled(Path(folder)), preload=preload)
+        yield Host(compile_host(Path(folder)), preload=preload)
 
 
-values, timing = ways(_host)
+values, timing = tool_functions(_host)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ..case import Case, loaded
+from ..case import Case, report_loaded
 
 TITLE = "FMPy"
 REQUIREMENTS = ("fmpy",)
@@ -27,7 +27,7 @@ def values(case: Case) -> list[list[float]]:
     table["time"] = [i * case.step for i in range(case.steps)]
     for j, name in enumerate(case.inputs):
         table[name] = [row[j] for row in case.table]
-    found = _simulated(case, case.steps, input=table, output=list(case.outputs))
+    found = _simulate(case, case.steps, input=table, output=list(case.outputs))
     return [[float(row[name]) for name in case.outputs] for row in found[1:]]
 
 
@@ -41,17 +41,17 @@ def timing(case: Case) -> Iterator[Callable[[int], float]]:
             return True
 
         outputs = case.outputs[:1]
-        _simulated(case, steps + 1, start_values=case.start, output=outputs, step_finished=finished)
+        _simulate(case, steps + 1, start_values=case.start, output=outputs, step_finished=finished)
         return ends[-1] - ends[0]
 
     yield seconds
 
 
-def _simulated(case: Case, steps: int, **how: Any) -> Any:
+def _simulate(case: Case, steps: int, **how: Any) -> Any:
     import fmpy
 
     fmpy.read_model_description(case.fmu)
-    loaded()
+    report_loaded()
     stop = steps * case.step
     return fmpy.simulate_fmu(
         case.fmu, fmi_type="CoSimulation", stop_time=stop, output_interval=case.step, **how

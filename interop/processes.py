@@ -1,4 +1,4 @@
-"""Runs tools in processes of their own, in their own environments where they have one."""
+"""Starts each tool in its own process and environment."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from typing import Any
 
 from models.cache_folder import user_cache_directory
 
-from . import hosts
+from . import tools
 from .case import FOLDER, Case
 
 ROOT = Path(__file__).parents[1]
-NAMES: tuple[str, ...] = tuple(sorted(file.stem for file in Path(hosts.__file__).parent.glob("[a-z]*.py")))
+NAMES: tuple[str, ...] = tuple(sorted(file.stem for file in Path(tools.__file__).parent.glob("[a-z]*.py")))
 
-# What FMUs need that run in Python, with steps at compiled speed.
+# Needed by FMUs in Python, for steps at compiled speed.
 FOR_FMUS = ("numpy", "numba")
-PATIENCE = 600.0  # s, for a call that hangs; compiling takes minutes on a busy machine
+TIME_LIMIT = 600.0  # s, for calls that hang; compiling takes minutes on a busy machine
 
 
 @cache
-def host(name: str) -> ModuleType:
-    """The tool's file."""
-    return importlib.import_module(f"interop.hosts.{name}")
+def load_tool(name: str) -> ModuleType:
+    """Import the tool's file."""
+    return importlib.import_module(f"interop.tools.{name}")
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a tool made of a case: `failed` is why it ended early, or was not tried, or empty."""
+    """A tool's result for a case. `failed`: why it stopped early or was not tried; else empty."""
 
     version: str = ""
     loaded: bool = False
@@ -48,14 +48,14 @@ class Answer:
     tried: bool = True
 
 
-def environment(name: str) -> Path:
-    """The folder of the tool's own environment, which need not be there."""
+def environment_folder(name: str) -> Path:
+    """Folder of the tool's own environment; it may be missing."""
     return user_cache_directory() / "tools" / name
 
 
-def interpreter(name: str) -> Path:
-    """That of the tool's own environment if it has one, else that of this process."""
-    folder = environment(name)
+def find_interpreter(name: str) -> Path:
+    """The interpreter of the tool's environment, or this process's if it has none."""
+    folder = environment_folder(name)
     for place in ("bin/python", "Scripts/python.exe"):
         if (folder / place).exists():
             return folder / place
@@ -63,47 +63,47 @@ def interpreter(name: str) -> Path:
 
 
 def install(name: str) -> bool:
-    """The tool's packages, in an environment of their own; False if pip cannot, which says why itself."""
-    folder = environment(name)
+    """Install the tool's packages in their own environment; False if pip fails."""
+    folder = environment_folder(name)
     venv.create(folder, with_pip=True, clear=True)
-    packages = [*host(name).REQUIREMENTS, *FOR_FMUS]
-    command = [str(interpreter(name)), "-m", "pip", "install", "--quiet", *packages]
+    packages = [*load_tool(name).REQUIREMENTS, *FOR_FMUS]
+    command = [str(find_interpreter(name)), "-m", "pip", "install", "--quiet", *packages]
     return subprocess.run(command, check=False).returncode == 0
 
 
 @cache
-def missing(name: str, python: Path | None = None) -> str:
-    """Why the tool cannot be run by its interpreter, or by this one; or nothing."""
+def explain_missing(name: str, python: Path | None = None) -> str:
+    """Why this interpreter, by default the tool's own, cannot run the tool; empty if it can."""
     why = ask(name, python=python).failed
-    return f"{host(name).TITLE} cannot run here: {why}" if why else ""
+    return f"{load_tool(name).TITLE} cannot run here: {why}" if why else ""
 
 
 def ask(name: str, case: Case | None = None, runs: int = 0, python: Path | None = None) -> Answer:
-    """The tool's answer to a case, its rate of so many runs; without a case, only its version."""
+    """Run the tool on a case, with `runs` timed runs; without a case, ask for its version only."""
     with tempfile.TemporaryDirectory(prefix="tribocosim-tools-") as folder:
-        command = [str(python or interpreter(name)), "-m", "interop.inside", name]
+        command = [str(python or find_interpreter(name)), "-m", "interop.tool_process", name]
         if case is not None:
-            command += [str(case.written(Path(folder) / "case.json")), str(runs)]
+            command += [str(case.write(Path(folder) / "case.json")), str(runs)]
         kept = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
         try:
             finished = subprocess.run(
                 command,
                 cwd=folder,
-                env=kept | {"PYTHONPATH": str(ROOT), "TMPDIR": folder, FOLDER: str(environment(name))},
+                env=kept | {"PYTHONPATH": str(ROOT), "TMPDIR": folder, FOLDER: str(environment_folder(name))},
                 capture_output=True,
                 text=True,
                 errors="replace",
-                timeout=PATIENCE,
+                timeout=TIME_LIMIT,
                 check=False,
             )
         except subprocess.TimeoutExpired:
-            return Answer(failed=f"no answer in {PATIENCE:g} s")
-    answer = _answer(finished)
+            return Answer(failed=f"no answer in {TIME_LIMIT:g} s")
+    answer = _read_answer(finished)
     known = answer.failed.replace(case.fmu, "the FMU") if case else answer.failed
     return replace(answer, failed=re.sub(r"(/[^\s/'\"]+)+/", "…/", known))
 
 
-def _answer(finished: subprocess.CompletedProcess[str]) -> Answer:
+def _read_answer(finished: subprocess.CompletedProcess[str]) -> Answer:
     told: dict[str, Any] = {}
     for line in finished.stdout.splitlines():
         word, _, rest = line.partition(" ")
@@ -113,7 +113,9 @@ def _answer(finished: subprocess.CompletedProcess[str]) -> Answer:
             told[word] = True
     failed = told.get("FAILED", "") or told.get("UNTRIED", "")
     if finished.returncode and not failed:
-        failed = _ending(finished.returncode) + ": " + (finished.stderr.strip().splitlines() or [""])[-1]
+        failed = (
+            _describe_exit(finished.returncode) + ": " + (finished.stderr.strip().splitlines() or [""])[-1]
+        )
     return Answer(
         version=told.get("VERSION", ""),
         loaded="LOADED" in told,
@@ -124,5 +126,5 @@ def _answer(finished: subprocess.CompletedProcess[str]) -> Answer:
     )
 
 
-def _ending(code: int) -> str:
+def _describe_exit(code: int) -> str:
     return f"ended by {signal.Signals(-code).name}" if code < 0 else f"exit status {code}"

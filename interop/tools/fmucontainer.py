@@ -46,7 +46,7 @@ def _contained(case: Case) -> Iterator[Case]:
         (Path(folder) / "container.csv").write_text(
             "rule;from_fmu;from_port;to_fmu;to_port\nFMU;unit.fmu;;;\n"
         )
-        command = [PROGRAM, "-container", f"container.csv:{case.step!r}", "-fmi", str(case.fmi)]
+        command = [str(PROGRAM), "-container", f"container.csv:{case.step!r}", "-fmi", str(case.fmi)]
         made = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if made.returncode:
             raise RefusedError((made.stdout + made.stderr).strip().splitlines()[-1])

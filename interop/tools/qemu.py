@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..c_program import Host, compile_host, tool_functions
 from ..case import Case, RefusedError
-from ..programs import Host, compiled, ways
 
 TITLE = "program in C for ARM64, in qemu"
 REQUIREMENTS = ("fmpy", "ziglang")
@@ -36,9 +36,9 @@ def version() -> str:
 @contextmanager
 def _host(case: Case) -> Iterator[Host]:
     with tempfile.TemporaryDirectory() as folder:
-        program = compiled(Path(folder), "aarch64-linux-gnu.2.17")
+        program = compile_host(Path(folder), "aarch64-linux-gnu.2.17")
         places = {2: PLATFORM, 3: PLATFORM}
         yield Host(program, places, runner=["qemu-aarch64", "-L", LIBRARIES])
 
 
-values, timing = ways(_host)
+values, timing = tool_functions(_host)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from ..case import Case, loaded
+from ..case import Case, report_loaded
 
 TITLE = "GEMSEO"
 REQUIREMENTS = ("gemseo-fmu",)
@@ -35,7 +35,7 @@ def values(case: Case) -> list[list[float]]:
 @contextmanager
 def timing(case: Case) -> Iterator[Callable[[int], float]]:
     def seconds(steps: int) -> float:
-        discipline = _discipline(case, case.table[:1] * 2, steps, case.outputs[:1])
+        discipline = _discipline(case, [case.table[0]] * 2, steps, case.outputs[:1])
         began = time.perf_counter()
         discipline.execute()
         return time.perf_counter() - began
@@ -55,7 +55,7 @@ def _discipline(case: Case, table: Sequence[Sequence[float]], steps: int, output
         final_time=steps * case.step,
         time_step=case.step,
     )
-    loaded()
+    report_loaded()
     times = [i * case.step for i in range(len(table))]
     for j, name in enumerate(case.inputs):
         discipline.default_input_data[name] = TimeSeries(times, [row[j] for row in table])
