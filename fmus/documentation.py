@@ -11,8 +11,8 @@ from .description import display_unit_of, unit_of
 from .memory import Memory, Variable
 from .units import display_factor
 
-# Where a README has this line, the page has the variables.
-MARKER = "<!-- variables -->"
+# Where a README has a line that begins with this (a link to the tables), the page has the variables.
+MARKER = "[All variables]"
 
 _STYLE = """body{font:15px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em}
 table{border-collapse:collapse}td,th{border:1px solid #bbb;padding:.2em .6em;text-align:left}
@@ -38,9 +38,10 @@ _TITLES = {
 
 def page(readme: str, component: Any) -> str:
     """The HTML page of a README and its component. ValueError if the README lacks the marker."""
-    if MARKER not in readme:
-        raise ValueError(f"README of {component.name}: the line {MARKER} must say where the variables go")
-    before, after = readme.split(MARKER)
+    before, marker, rest = readme.partition(f"\n{MARKER}")
+    if not marker:
+        raise ValueError(f"README of {component.name}: a line {MARKER}(...) must say where the variables go")
+    after = rest.partition("\n")[2]
     parser = MarkdownIt("commonmark").enable("table")
     body = parser.render(before) + variables_table(component) + parser.render(after)
     title = html.escape(component.name)

@@ -11,6 +11,7 @@ import typer
 
 from .analyse import run_analysis
 from .benchmark import benchmark_coupling
+from .components import components
 from .diagnose import diagnose_run
 from .fmu import fmu_build, fmu_compare, fmu_cross_check, fmu_info, fmu_validate
 from .friction import friction_of_run
@@ -28,6 +29,7 @@ app = typer.Typer(
 app.command("run")(run_scenario)
 app.command("resume")(resume_run)
 app.command("scenarios")(scenarios)
+app.command("components")(components)
 app.command("diagnose")(diagnose_run)
 app.command("friction")(friction_of_run)
 app.command("analyse")(run_analysis)
