@@ -10,8 +10,9 @@ import ctypes
 from functools import cache
 from typing import Any
 
+import numba
 import numpy as np
-from numba import carray, types
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
@@ -54,34 +55,34 @@ _pointer: Any = intrinsic(_to_pointer) if COMPILED else lambda address: ctypes.c
 @kernel
 def numbers(array: Any) -> Any:
     """A vector of floating-point numbers."""
-    return carray(_pointer(array.address), array.columns, np.float64)
+    return numba.carray(_pointer(array.address), array.columns, np.float64)
 
 
 @kernel
 def table(array: Any) -> Any:
     """Rows of floating-point numbers."""
-    return carray(_pointer(array.address), (array.rows, array.columns), np.float64)
+    return numba.carray(_pointer(array.address), (array.rows, array.columns), np.float64)
 
 
 @kernel
 def integers(array: Any) -> Any:
     """A vector of whole numbers."""
-    return carray(_pointer(array.address), array.columns, np.int64)
+    return numba.carray(_pointer(array.address), array.columns, np.int64)
 
 
 @kernel
 def integer_table(array: Any) -> Any:
     """Rows of whole numbers."""
-    return carray(_pointer(array.address), (array.rows, array.columns), np.int64)
+    return numba.carray(_pointer(array.address), (array.rows, array.columns), np.int64)
 
 
 @kernel
 def marks(array: Any) -> Any:
     """A vector of truth values."""
-    return carray(_pointer(array.address), array.columns, np.bool_)
+    return numba.carray(_pointer(array.address), array.columns, np.bool_)
 
 
 @kernel
 def mark_table(array: Any) -> Any:
     """Rows of truth values."""
-    return carray(_pointer(array.address), (array.rows, array.columns), np.bool_)
+    return numba.carray(_pointer(array.address), (array.rows, array.columns), np.bool_)
