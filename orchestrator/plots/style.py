@@ -6,8 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from matplotlib import rc_context
+from matplotlib import rc_context, rcParams
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
@@ -39,7 +40,9 @@ def saved(make: Callable[[], Figure], path: Path, dpi: float | None = None) -> P
     """Make the figure in this style and save it, with the style's dots per inch where none are given."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with rc_context(RC):
-        make().savefig(path, dpi=dpi)
+        figure = make()
+        figure.set_dpi(dpi or rcParams["savefig.dpi"])
+        FigureCanvasAgg(figure).print_png(path)  # `savefig` goes through the layout once more
     return path
 
 
