@@ -27,7 +27,7 @@ from models.fmu_archive import digest_of, seal
 from .cross_check.inside import TOLD, references
 from .description import GUID_PLACE, PYTHON, Experiment, Origin, model_description
 from .documentation import page
-from .kept import cached, there, tidy
+from .kept import cached, recall, there, tidy
 from .needed import with_needed
 from .sources import shipped
 
@@ -92,14 +92,18 @@ def build(
     one. KeyError with the known names for an unknown one; ValueError for sizes that the component refuses,
     and for what cannot be such a library.
     """
-    files = content_of(name, structure, libpython)
     if destination is not None:
-        return written(packed(files), name, Path(destination))
-    target = cached(name, digest_of(files))
-    if not there(target):
-        written(packed(files), name, target)
-        tidy(target.parent)
-    return target
+        return written(packed(content_of(name, structure, libpython)), name, Path(destination))
+
+    def find() -> Path:
+        files = content_of(name, structure, libpython)
+        target = cached(name, digest_of(files))
+        if not there(target):
+            written(packed(files), name, target)
+            tidy(target.parent)
+        return target
+
+    return recall(name, f"{structure} {libpython} {metadata.version('pythonfmu')}", find)
 
 
 def written(content: bytes, name: str, destination: Path) -> Path:

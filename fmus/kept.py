@@ -6,6 +6,11 @@ code leaves the files of before behind. Whoever adds one deletes those.
 
 from __future__ import annotations
 
+import contextlib
+import functools
+import hashlib
+from collections.abc import Callable
+from importlib import metadata
 from pathlib import Path
 
 from models import kept_files
@@ -18,6 +23,35 @@ def cached(name: str, digest: str) -> Path:
     return private_folder("fmus") / f"{name}-{digest[:16]}.fmu"
 
 
+def recall(label: str, choice: str, find: Callable[[], Path]) -> Path:
+    """The file that `find()` gives for this choice; found again by a note as long as no source has changed.
+
+    To find it takes a third of a second, in which the imports of its sources are read. `choice` says all that
+    the file depends on besides the sources. OSError where there is no folder to keep files in.
+    """
+    folder = private_folder("fmus")
+    note = folder / f"{label}-{hashlib.sha256(f'{_sources()} {choice}'.encode()).hexdigest()[:16]}.txt"
+    use(note)
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        if there(known := folder / note.read_text()):
+            return known
+    found = find()
+    note.write_text(found.name)
+    return found
+
+
+@functools.cache
+def _sources() -> str:
+    """A digest of this package's files, wherever they lie."""
+    top = Path(__file__).parent.parent
+    digest = hashlib.sha256(metadata.version("tribocosim").encode())
+    for folder in ("models", "fmus"):
+        for file in sorted(top.joinpath(folder).rglob("*")):
+            if file.is_file() and file.parent.name != "__pycache__":
+                digest.update(f"\n{file.relative_to(top).as_posix()}\n".encode() + file.read_bytes())
+    return digest.hexdigest()
+
+
 def there(file: Path) -> bool:
     """Whether the file is there; then it is kept from now on."""
     use(file)
@@ -25,5 +59,5 @@ def there(file: Path) -> bool:
 
 
 def tidy(folder: Path) -> None:
-    """Delete the FMUs (and what builds that were killed have left of them) not asked for of late."""
-    kept_files.tidy([*folder.glob("*.fmu"), *folder.glob(".*.part")])
+    """Delete FMUs, their notes and what killed builds have left, where nobody has asked for them of late."""
+    kept_files.tidy([*folder.glob("*.fmu"), *folder.glob("*.txt"), *folder.glob(".*.part")])

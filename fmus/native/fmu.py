@@ -16,7 +16,7 @@ from .. import build as python_build
 from .. import description3
 from ..cross_check.inside import references
 from ..description import EXCHANGE, GUID_PLACE, NATIVE, model_description
-from ..kept import cached, there, tidy
+from ..kept import cached, recall, there, tidy
 from ..memory import Memory
 from ..sources import shipped
 from ..terminals import FOLDER, terminals_and_icons
@@ -52,11 +52,15 @@ def build(
     def pack() -> bytes:
         return python_build.packed(content_of(name, component, sizes, platforms, fmi, told))
 
-    try:
+    def find() -> Path:
         target = cached(label, _made_of(name, sizes, platforms))
         if not there(target):
             python_build.written(pack(), label, target)
             tidy(target.parent)
+        return target
+
+    try:
+        target = recall(label, f"{sizes} {sorted(platforms)} {_versions()}", find)
         if destination is None:
             return target
         content = target.read_bytes()
@@ -122,9 +126,12 @@ def _made_of(name: str, sizes: Mapping[str, int], platforms: Sequence[str]) -> s
     files = {f"fmus/{path.relative_to(here.parent)}": path.read_bytes() for path in here.parent.rglob("*.py")}
     documents = {path.name: path.read_bytes() for path in (here.parent / name).iterdir() if path.is_file()}
     documents |= references(name, exchange=True)
-    versions = {tool: _version(tool) for tool in (*_TOOLS, "tribocosim")}
-    said = f"{package} {sorted(sizes.items())} {sorted(platforms)} {versions}"
+    said = f"{package} {sorted(sizes.items())} {sorted(platforms)} {_versions()}"
     return digest_of(files | documents | dict(_shell()) | {"said": said.encode()})
+
+
+def _versions() -> dict[str, str]:
+    return {tool: _version(tool) for tool in (*_TOOLS, "tribocosim")}
 
 
 def check_tools() -> None:
