@@ -30,7 +30,7 @@ def recall(label: str, choice: str, find: Callable[[], Path]) -> Path:
     the file depends on besides the sources. OSError where there is no folder to keep files in.
     """
     folder = private_folder("fmus")
-    note = folder / f"{label}-{hashlib.sha256(f'{_sources()} {choice}'.encode()).hexdigest()[:16]}.txt"
+    note = folder / f"{label}-{hashlib.sha256(f'{_sources()} {choice}'.encode()).hexdigest()[:16]}.note"
     use(note)
     with contextlib.suppress(OSError, UnicodeDecodeError):
         if there(known := folder / note.read_text()):
@@ -60,4 +60,4 @@ def there(file: Path) -> bool:
 
 def tidy(folder: Path) -> None:
     """Delete FMUs, their notes and what killed builds have left, where nobody has asked for them of late."""
-    kept_files.tidy([*folder.glob("*.fmu"), *folder.glob("*.txt"), *folder.glob(".*.part")])
+    kept_files.tidy([*folder.glob("*.fmu"), *folder.glob("*.note"), *folder.glob(".*.part")])

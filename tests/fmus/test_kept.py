@@ -27,7 +27,7 @@ def test_what_was_not_asked_for_goes_when_another_fmu_is_added(cache: Path) -> N
     foreign = aged(cache / "notes.txt", 1000.0)
     assert build("coupled_mass") == used  # asked for again
     added = build("falling_mass")
-    assert {*cache.iterdir()} == {used, added, foreign, *young}
+    assert {file for file in cache.iterdir() if file.suffix != ".note"} == {used, added, foreign, *young}
     assert not rest.exists()
 
 
@@ -36,3 +36,21 @@ def test_a_deleted_fmu_is_built_again(cache: Path) -> None:
     content = file.read_bytes()
     file.unlink()
     assert build("coupled_mass").read_bytes() == content
+
+
+def test_a_known_fmu_is_found_by_its_note_until_a_source_changes(
+    cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = build("coupled_mass")
+    packed: list[str] = []
+
+    def content_of(name: str, *rest: object) -> dict[str, bytes]:
+        packed.append(name)
+        return {"modelDescription.xml": b"other"}
+
+    monkeypatch.setattr("fmus.build.content_of", content_of)
+    assert build("coupled_mass") == file
+    assert not packed
+    monkeypatch.setattr("fmus.kept._sources", lambda: "edited")
+    assert build("coupled_mass") != file
+    assert packed == ["coupled_mass"]

@@ -263,3 +263,16 @@ def test_every_kernel_of_a_component_can_be_kept(name: str) -> None:
     for made in (component.step, component.flat_output, component.flat_energy):
         function = getattr(made, "py_func", None)
         assert function is None or len(content_of(function)) == 64
+
+
+def test_every_kernel_of_a_whole_system_can_be_kept() -> None:
+    """The reference's rates, too, are compiled once a machine."""
+    from models.kernel_content import content_of
+    from models.monolithic.problem import SystemProblem
+
+    from .systems import valve_train
+
+    problem = SystemProblem(valve_train(1000))
+    for made in (problem.evaluation.flat_outputs, problem._begin_rate, problem._end_rate):
+        function = getattr(made, "py_func", None)
+        assert function is None or len(content_of(function)) == 64
