@@ -53,7 +53,7 @@ def translated(name: str, structure: Mapping[str, int]) -> str:
     except OSError:
         kept = Path(os.devnull)  # which holds no folders: nothing is kept
     made = subprocess.run(
-        [sys.executable, "-m", __spec__.name, name, *sizes],
+        [sys.executable, "-P", "-m", __spec__.name, name, *sizes],
         env=os.environ | _PLAIN_PROCESSOR | {"PYTHONPATH": path, "TRIBOCOSIM_CACHE": str(kept)},
         capture_output=True,
         text=True,

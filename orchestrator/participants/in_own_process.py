@@ -221,7 +221,7 @@ def _started() -> subprocess.Popen[bytes]:
     path = os.pathsep.join(filter(None, [*sys.path, os.environ.get("PYTHONPATH", "")]))
     with _without_interrupts():
         return subprocess.Popen(
-            [sys.executable, "-c", f"from {__package__}.process import main; main()"],
+            [sys.executable, "-P", "-c", f"from {__package__}.process import main; main()"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             bufsize=0,

@@ -37,7 +37,7 @@ def measured(problem: CouplingProblem, files: Mapping[str, FmuFile], name: str) 
     jobs = [job(problem, files, step) for step in problem.held_ladder]
     module = f"{__name__}.{PEERS[name]}"
     process = subprocess.run(
-        [sys.executable, "-m", module],
+        [sys.executable, "-P", "-m", module],
         input="".join(json.dumps(one) + "\n" for one in jobs),
         capture_output=True,
         text=True,

@@ -1,0 +1,84 @@
+"""Files and folders with the name of one of our packages are named, and what we start does not see them."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from fmus.native.translate import translated
+from tribocosim.packages import NAMES
+
+ROOT = Path(__file__).parents[1]
+
+
+def python(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Python in the folder, which it searches first for modules."""
+    environment = os.environ | {"PYTHONPATH": f"{folder}{os.pathsep}{ROOT}"}
+    return subprocess.run(
+        [sys.executable, *arguments], cwd=folder, env=environment, capture_output=True, text=True, timeout=120
+    )
+
+
+def occupied(folder: Path, name: str, as_folder: bool) -> Path:
+    """A module of the user's with that name."""
+    place = folder / name if as_folder else folder / f"{name}.py"
+    if as_folder:
+        place.mkdir()
+    (place / "__init__.py" if as_folder else place).write_text("x = 1\n")
+    return place
+
+
+@pytest.mark.parametrize("as_folder", [False, True])
+@pytest.mark.parametrize("name", NAMES)
+def test_what_hides_a_package_is_named(name: str, as_folder: bool, tmp_path: Path) -> None:
+    place = occupied(tmp_path, name, as_folder)
+    done = python(tmp_path, "-m", "tribocosim", "scenarios")
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"tribocosim: {place} hides ")
+    assert "rename it" in line
+
+
+@pytest.mark.parametrize("name", ["models", "fmus"])
+def test_what_hides_a_package_from_a_notebook_is_named(name: str, tmp_path: Path) -> None:
+    place = occupied(tmp_path, name, False)
+    done = python(tmp_path, "-c", "import orchestrator.scenario_files")
+    assert done.stderr.splitlines()[-1].startswith(f"ImportError: {place} hides ")
+
+
+def test_a_folder_of_data_with_that_name_does_no_harm(tmp_path: Path) -> None:
+    for name in NAMES:
+        (tmp_path / name).mkdir()
+    done = python(tmp_path, "-m", "tribocosim", "scenarios")
+    assert done.returncode == 0, done.stderr
+    assert "valve-train" in done.stdout
+
+
+def test_processes_that_a_run_starts_do_not_look_into_the_current_folder(tmp_path: Path) -> None:
+    """Where the command itself does not look either, as after an installation."""
+    for name in NAMES:
+        occupied(tmp_path, name, False)
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    settings = [
+        "stop_time=1.0",
+        *(f"components.{n}.process='own'" for n in ("first", "second")),
+    ]
+    arguments = [word for setting in settings for word in ("--set", setting)]
+    done = subprocess.run(
+        [sys.executable, "-P", "-m", "tribocosim", "run", "two-masses", *arguments, "--out", "out"],
+        cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=280,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "coupled.csv").exists()
+
+
+def test_neither_does_the_translation_to_machine_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    occupied(tmp_path, "models", False)
+    monkeypatch.chdir(tmp_path)
+    assert "kernel_step" in translated("coupled_mass", {})

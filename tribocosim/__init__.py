@@ -1,0 +1,1 @@
+"""tribocosim: the packages `models`, `fmus` and `orchestrator`, and the command."""

@@ -1,0 +1,21 @@
+"""The command `tribocosim`, also as `python -m tribocosim`."""
+
+from __future__ import annotations
+
+import sys
+
+from .packages import hidden
+
+
+def main() -> None:
+    """Run the command line."""
+    if message := hidden():
+        print(f"tribocosim: {message}", file=sys.stderr)
+        sys.exit(2)
+    from orchestrator.command_line import main as run
+
+    run()
+
+
+if __name__ == "__main__":
+    main()
