@@ -44,7 +44,8 @@ def _speed(content: Mapping[str, Any]) -> float:
     if len(drives) != 1:
         raise ArithmeticError
     layout, table = component_of(DRIVE).parameters, content["components"][drives[0]].get("parameters", {})
-    given = {name: table[name] for name in layout.names if name in table} if isinstance(table, dict) else {}
+    values = table.items() if isinstance(table, dict) else ()
+    given = {name: value for name, value in values if name in layout and isinstance(value, int | float | str)}
     try:
         found = meanings(layout, given, "parameter")
     except Faults as error:

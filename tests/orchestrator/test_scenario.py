@@ -443,9 +443,12 @@ def test_without_a_drive_revolutions_are_refused() -> None:
         load("two-masses", ["stop_time=2 revolutions"])
 
 
-def test_a_wrong_table_of_the_drive_is_the_fault_and_not_the_duration() -> None:
-    with pytest.raises(ScenarioError, match=r"components\.flywheel\.parameters = 3: must be a table"):
-        load("valve-train", ["stop_time=2 revolutions", "components.flywheel.parameters=3"])
+@pytest.mark.parametrize("wrong", ["parameters=3", "parameters.initial_speed=[1]"])
+def test_a_wrong_type_is_the_fault_and_not_the_duration(wrong: str) -> None:
+    with pytest.raises(ScenarioError) as error:
+        load("valve-train", ["stop_time=2 revolutions", f"components.flywheel.{wrong}"])
+    assert f"components.flywheel.{wrong.partition('=')[0]}" in str(error.value)
+    assert "stop_time" not in str(error.value)
 
 
 def test_a_wrong_speed_is_the_fault_and_not_the_duration() -> None:
