@@ -5,10 +5,10 @@ With names, the page's other figures stay as they are.
 
 from __future__ import annotations
 
+import argparse
 import importlib
 import os
 import platform
-import sys
 from pathlib import Path
 
 NAMES = (
@@ -20,13 +20,19 @@ PAGE = Path(__file__).parent.parent / "docs" / "benchmarks.md"
 
 def main() -> None:
     """Run the named benchmarks, or all."""
-    named = [name for name in sys.argv[1:] if not name.startswith("-")]
+    parser = argparse.ArgumentParser("python -m benchmarks", description="Measure and print tables.")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(NAMES)}; default: all")
+    parser.add_argument("--write", action="store_true", help=f"also write the figures to {PAGE}")
+    options = parser.parse_args()
+    named: list[str] = options.names
+    if unknown := [name for name in named if name not in NAMES]:
+        parser.error(f"no benchmark {unknown[0]!r}; known: {', '.join(NAMES)}")
     found = {}
     for name in named or NAMES:
         for figure, value in importlib.import_module(f"benchmarks.{name}").rows():
             found[figure] = value
             print(f"| {figure} | {value} |", flush=True)
-    if "--write" in sys.argv[1:]:
+    if options.write:
         kept = written(PAGE.read_text("utf-8")) if named and PAGE.exists() else {}
         PAGE.write_text(page(kept | found), encoding="utf-8")
 

@@ -7,9 +7,9 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Polygon, Rectangle
 from PIL import Image
 
@@ -172,13 +172,12 @@ ICONS: tuple[Callable[[Axes], None], ...] = (
 
 def draw(icon: Callable[[Axes], None], path: Path) -> None:
     """Save the icon as a square image with transparent background, of so few colours that it is small."""
-    figure = plt.figure(figsize=(1.6, 1.6), dpi=100)
+    figure = Figure(figsize=(1.6, 1.6), dpi=100)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0, 10), ylim=(0, 10), aspect="equal")
     axes.axis("off")
     icon(axes)
     drawn = io.BytesIO()
     figure.savefig(drawn, transparent=True)
-    plt.close(figure)
     Image.open(drawn).quantize(COLOURS, Image.Quantize.FASTOCTREE).save(path, "PNG", optimize=True)
 
 

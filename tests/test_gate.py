@@ -1,0 +1,64 @@
+"""The files around the code: hosted checks, hooks, citation, and the benchmarks' help."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+
+
+def read(name: str) -> dict:
+    return yaml.safe_load((ROOT / name).read_text("utf-8"))
+
+
+def test_the_hosted_checks_are_those_of_ci() -> None:
+    (job,) = read(".github/workflows/ci.yml")["jobs"].values()
+    assert [step["run"] for step in job["steps"] if "run" in step] == [".ci/run"]
+    (python,) = (step["with"]["python-version"] for step in job["steps"] if "with" in step)
+    assert PROJECT["requires-python"] == f">={python}"  # the oldest that is promised
+
+
+def test_the_citation_has_the_projects_name_version_and_licence() -> None:
+    citation = read("CITATION.cff")
+    assert [citation[key] for key in ("title", "version", "license")] == [
+        PROJECT[key] for key in ("name", "version", "license")
+    ]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX shell")
+@pytest.mark.parametrize(("length", "status"), [(72, 0), (73, 1)])
+def test_the_hook_measures_the_subject_of_a_commit(length: int, status: int, tmp_path: Path) -> None:
+    (repository,) = read(".pre-commit-config.yaml")["repos"]
+    (entry,) = (hook["entry"] for hook in repository["hooks"] if hook["id"] == "subject")
+    message = tmp_path / "message"
+    message.write_text("s" * length + "\n\n" + "a longer line of the body " * 5)
+    assert subprocess.run(["sh", "-c", f'{entry} "{message}"']).returncode == status
+
+
+def test_the_other_hooks_are_checks_of_the_tests() -> None:
+    from .__main__ import checks
+
+    (repository,) = read(".pre-commit-config.yaml")["repos"]
+    commands = {" ".join(command[1:]) for command in checks(False).values()} | {"--no-cache"}
+    for hook in repository["hooks"]:
+        if hook["id"] != "subject":
+            words = hook["entry"].split()[1:]
+            assert any(command.startswith(" ".join(words)) for command in commands), hook["id"]
+
+
+def test_benchmarks_have_help_and_know_their_names() -> None:
+    def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "benchmarks", *arguments]
+        return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
+
+    assert "macro_steps" in run("--help").stdout
+    wrong = run("no_such")
+    assert wrong.returncode == 2
+    assert "'no_such'" in wrong.stderr
