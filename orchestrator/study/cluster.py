@@ -36,12 +36,11 @@ def connected(scheduler: str | None, workers: int | None, timeout: float) -> Ite
 def _here(workers: int) -> Iterator[Client]:
     settings = {
         "distributed.scheduler.allowed-failures": DEATHS,
-        "temporary-directory": _scratch(),
         "distributed.worker.memory.pause": False,  # points hold no data: a full memory ends the worker
         "distributed.scheduler.http.routes": [],  # nothing is shown to other users of this machine
         "distributed.worker.http.routes": [],
     }
-    with dask.config.set(settings):
+    with _scratch() as scratch, dask.config.set({**settings, "temporary-directory": scratch}):
         with _interrupts_held():
             cluster = LocalCluster(
                 n_workers=workers,
@@ -54,12 +53,16 @@ def _here(workers: int) -> Iterator[Client]:
             yield client
 
 
-def _scratch() -> str:
+@contextmanager
+def _scratch() -> Iterator[str]:
     """Where workers have their files: in the cache folder, so that the next start clears up after a kill."""
     try:
-        return str(private_folder("studies"))
+        folder = private_folder("studies")
     except OSError:
-        return tempfile.mkdtemp(prefix="tribocosim-study-")
+        with tempfile.TemporaryDirectory(prefix="tribocosim-study-") as made:
+            yield made
+    else:
+        yield str(folder)
 
 
 @contextmanager

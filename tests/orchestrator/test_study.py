@@ -293,6 +293,21 @@ def test_a_point_that_kills_its_process_is_recorded_and_the_rest_goes_on(tmp_pat
         assert np.array_equal(found["sum"].where(~lethal), (found["x"] + found["y"]).where(~lethal), True)
 
 
+def test_a_study_needs_no_cache_folder(tmp_path: Path) -> None:
+    """Here one that everyone may write; what workers have instead goes with them."""
+    for name in ("cache", "temporary"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "cache").chmod(0o777)
+    variables = {"TRIBOCOSIM_CACHE": str(tmp_path / "cache"), "TMPDIR": str(tmp_path / "temporary")}
+    store = tmp_path / "store.zarr"
+    running = started(str(study(tmp_path, "PICKY")), "--out", str(store), "--workers=1", **variables)
+    message = running.communicate(timeout=120)[1]
+    assert running.returncode == 1, message
+    (line,) = message.splitlines()  # also of the workers
+    assert f"{tmp_path / 'cache'}: " in line
+    assert [list((tmp_path / name).iterdir()) for name in ("cache", "temporary")] == [[], []]
+
+
 @pytest.mark.parametrize("package", PACKAGES)
 def test_a_study_without_its_packages_names_them_and_the_extra(
     package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
