@@ -57,6 +57,16 @@ class ObservableProblem(Problem, Protocol):
         ...
 
 
+class CompiledProblem(Problem, Protocol):
+    """A problem with a compiled rate.
+
+    flat_rate(t, z, *memory, rate) is False where algebraic loops are left open, which `rate` closes.
+    """
+
+    flat_rate: Any
+    memory: tuple[Any, Any]
+
+
 def check_ode(system: System) -> None:
     """ModelError if a component's motion is not that of its derivative (`Component.ode`)."""
     for name, instance in system.instances.items():
@@ -113,7 +123,8 @@ class SystemProblem:
         fields = [f for i in system.instances.values() for f in i.component.state.fields]
         self.whole = np.array([f.quantity.discrete for f in fields] + [False] * quadratures)
         self._rate = np.zeros(self.size + quadratures)
-        self._begin_rate, self._end_rate = _make_rate(self.evaluation, self.energies, self.size)
+        self.flat_rate, self._end_rate = _make_rate(self.evaluation, self.energies, self.size)
+        self.memory = self.evaluation.memory.record, self.energies.memory.record
         self._guards = [
             (name, guard)
             for name, instance in system.instances.items()
@@ -133,10 +144,9 @@ class SystemProblem:
         return np.ascontiguousarray(z[: self.size])
 
     def rate(self, t: float, z: Vector) -> Vector:
-        memory = self.evaluation.memory.record, self.energies.memory.record
-        if not self._begin_rate(t, z, *memory, self._rate):
+        if not self.flat_rate(t, z, *self.memory, self._rate):
             self.evaluation.close_loops(t, z[: self.size])
-            self._end_rate(t, z, *memory, self._rate)
+            self._end_rate(t, z, *self.memory, self._rate)
         return self._rate
 
     def guards(self, t: float, z: Vector) -> Vector:

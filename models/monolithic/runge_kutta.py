@@ -6,6 +6,7 @@ The guards are sampled along every step's continuous extension; a dip between sa
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,8 @@ from scipy.optimize import brentq, minimize_scalar
 
 from ..quantities import Vector
 from ..system import ModelError
-from .problem import Problem
+from .dop853 import CompiledDop853
+from .problem import Problem, SystemProblem
 
 # Where a step's guards are sampled, as fractions of it.
 FRACTIONS = np.linspace(0.0, 1.0, 9)
@@ -27,6 +29,8 @@ class RungeKutta:
         self.name = f"scipy {'Radau' if stiff else 'DOP853'}, relative tolerance {tolerance:g}"
         self._problem = problem
         self._class: Any = Radau if stiff else DOP853
+        if not stiff and isinstance(problem, SystemProblem):
+            self._class = partial(CompiledDop853, problem)
         self._options = {"rtol": tolerance, "atol": tolerance * problem.nominal, "max_step": longest_step}
         self._solver: Any = None
         self._dense: Any = None

@@ -42,7 +42,9 @@ def saved(make: Callable[[], Figure], path: Path, dpi: float | None = None) -> P
     with rc_context(RC):
         figure = make()
         figure.set_dpi(dpi or rcParams["savefig.dpi"])
-        FigureCanvasAgg(figure).print_png(path)  # `savefig` goes through the layout once more
+        FigureCanvasAgg(figure).print_png(
+            path, pil_kwargs={"compress_level": 3}
+        )  # `savefig` goes through the layout once more
     return path
 
 

@@ -273,6 +273,6 @@ def test_every_kernel_of_a_whole_system_can_be_kept() -> None:
     from .systems import valve_train
 
     problem = SystemProblem(valve_train(1000))
-    for made in (problem.evaluation.flat_outputs, problem._begin_rate, problem._end_rate):
+    for made in (problem.evaluation.flat_outputs, problem.flat_rate, problem._end_rate):
         function = getattr(made, "py_func", None)
         assert function is None or len(content_of(function)) == 64

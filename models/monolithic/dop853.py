@@ -1,0 +1,96 @@
+"""scipy's DOP853 with the stages of a step in one call of compiled code.
+
+The tables, the error estimate and the interpolant are scipy's (Hairer, Norsett and Wanner, Solving Ordinary
+Differential Equations I, section II.10); the step size control is written as there.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.integrate import DOP853
+from scipy.integrate._ivp import dop853_coefficients as table
+from scipy.integrate._ivp.rk import MAX_FACTOR, MIN_FACTOR, SAFETY, Dop853DenseOutput
+
+from ..kernel import kernel
+from ..quantities import Vector
+from .problem import CompiledProblem
+
+# Rows of the table: the first stage, the stages of a step with the rate at its end, those of the interpolant.
+A, C = table.A, table.C
+FIRST, END, INTERPOLANT = 1, table.N_STAGES + 1, table.N_STAGES_EXTENDED
+
+
+class CompiledDop853(DOP853):  # type: ignore[misc]
+    """DOP853 for a problem whose rate is compiled."""
+
+    t: float
+    y: Vector
+    f: Vector
+    h_abs: float
+
+    def __init__(self, problem: CompiledProblem, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._problem = problem
+        self._stages = make_stages(problem.flat_rate)
+        self._z = np.empty(self.n)
+
+    def _evaluate(self, first: int, last: int, t: float, y: Vector, h: float) -> None:
+        """Rates of the stages from `first` to before `last`; `_z` is the last stage's state."""
+        K = self.K_extended
+        while (first := self._stages(first, last, t, y, h, K, self._z, *self._problem.memory)) < last:
+            K[first] = self.fun(t + C[first] * h, self._z)  # with algebraic loops that are left to Newton
+            first += 1
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        t, y = self.t, self.y
+        shortest = 10.0 * abs(np.nextafter(t, np.inf) - t)
+        h_abs = max(shortest, min(self.h_abs, self.max_step))
+        self.K[0] = self.f
+        most = MAX_FACTOR
+        while h_abs >= shortest:
+            t_new = min(t + h_abs, self.t_bound)
+            h_abs = t_new - t
+            self._evaluate(FIRST, END, t, y, h_abs)
+            scale = self.atol + np.maximum(np.abs(y), np.abs(self._z)) * self.rtol
+            error = self._estimate_error_norm(self.K, h_abs, scale)
+            factor = MAX_FACTOR if error == 0.0 else SAFETY * error**self.error_exponent
+            if error < 1.0:
+                self.h_previous, self.y_old = h_abs, y
+                self.t, self.y, self.f = t_new, self._z.copy(), self.K[-1].copy()
+                self.h_abs = h_abs * min(most, factor)
+                return True, None
+            h_abs *= max(MIN_FACTOR, factor)
+            most = 1.0
+        return False, self.TOO_SMALL_STEP
+
+    def _dense_output_impl(self) -> Any:
+        self._evaluate(END, INTERPOLANT, self.t_old, self.y_old, self.h_previous)
+        h, change, slope = self.h_previous, self.y - self.y_old, self.K[0]
+        F = np.empty((table.INTERPOLATOR_POWER, self.n))
+        F[0] = change
+        F[1] = h * slope - change
+        F[2] = 2.0 * change - h * (self.f + slope)
+        F[3:] = h * np.dot(self.D, self.K_extended)
+        return Dop853DenseOutput(self.t_old, self.t, self.y_old, F)
+
+
+def make_stages(rate: Any) -> Any:
+    """stages(first, last, t, y, h, K, z, *memory): the stage whose rate is left open, or `last`."""
+
+    @kernel
+    def stages(
+        first: int, last: int, t: float, y: Any, h: float, K: Any, z: Any, memory: Any, energies: Any
+    ) -> int:
+        for s in range(first, last):
+            for i in range(y.shape[0]):
+                total = 0.0
+                for j in range(s):
+                    total += A[s, j] * K[j, i]
+                z[i] = y[i] + h * total
+            if not rate(t + C[s] * h, z, memory, energies, K[s]):
+                return s
+        return last
+
+    return stages

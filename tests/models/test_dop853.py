@@ -1,0 +1,56 @@
+"""DOP853 with compiled stages is scipy's DOP853: the same steps, the same solution to rounding."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import DOP853
+
+from models.monolithic.dop853 import CompiledDop853
+from models.monolithic.problem import SystemProblem
+
+from .systems import valve_train
+
+# So wide that every step is accepted: rejected ones are made shorter by estimates near rounding.
+OPTIONS = {"rtol": 1e-3, "atol": 1e-3, "max_step": 2e-4}
+END = 5e-3
+
+
+@pytest.mark.parametrize("motion", ["prescribed", "free: an algebraic loop"])
+def test_every_step_is_scipys(motion: str) -> None:
+    """From the same state with the same length: 1e-13 is the rounding of sums in another order."""
+    free = {"motion": 0.0, "inertia": 0.02}
+    problem = SystemProblem(valve_train(1000.0, flywheel=free if motion.startswith("free") else None))
+    z = problem.start(problem.system.x0)
+    t, steps = 0.0, 0
+
+    def rate(t: float, z: Any) -> Any:
+        return problem.rate(t, np.ascontiguousarray(z)).copy()
+
+    while t < END:
+        begun = (t, z, END)
+        theirs = DOP853(rate, *begun, first_step=min(1e-5, END - t), **OPTIONS)
+        ours = CompiledDop853(problem, rate, *begun, first_step=min(1e-5, END - t), **OPTIONS)
+        theirs.step()
+        ours.step()
+        middle = 0.5 * (t + theirs.t)
+        size = problem.nominal + np.abs(theirs.y)
+        assert ours.t == theirs.t
+        assert np.max(np.abs(ours.y - theirs.y) / size) < 1e-13
+        assert np.max(np.abs(ours.dense_output()(middle) - theirs.dense_output()(middle)) / size) < 1e-13
+        t, z, steps = theirs.t, theirs.y, steps + 1
+    assert steps >= 500
+
+
+def test_a_rate_that_is_not_finite_ends_in_a_failure() -> None:
+    """The step shrinks to nothing; it does not grow."""
+    system = valve_train(1000.0)
+    problem = SystemProblem(system)
+    z0 = problem.start(system.x0)
+    start = problem.rate(0.0, z0).copy()
+    solver = CompiledDop853(problem, lambda t, z: start, 0.0, z0, END, **OPTIONS)
+    system.p[system.parameters.names.index("valve_spring.valve_mass")] = np.nan
+    assert solver.step() is not None
+    assert solver.status == "failed"
