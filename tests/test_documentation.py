@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 from pathlib import Path
 
 import pytest
 
+from fmus.build import build
+from orchestrator.exchange import Exchange
 from orchestrator.masters.acceleration import ACCELERATIONS
 from orchestrator.scenario_files import load
 from orchestrator.schema import schema
@@ -34,3 +37,31 @@ def test_every_example_is_read(example: str, tmp_path: Path) -> None:
         example if "extends" in example else f'extends = "valve-train"\n{example}', encoding="utf-8"
     )
     load(file)
+
+
+def test_the_example_with_an_fmu_from_elsewhere_is_a_whole_scenario(tmp_path: Path) -> None:
+    """With any FMU in its place, whose parameters are others."""
+    (example,) = re.findall(r"```\n([^`]*VanDerPol.fmu.+?)```", PAGE, re.DOTALL)
+    fmu = build("falling_mass")
+    lines = [line for line in example.splitlines() if not line.startswith(("parameters", "start = {"))]
+    file = tmp_path / "example.toml"
+    file.write_text("\n".join(lines).replace("VanDerPol.fmu", str(fmu)), encoding="utf-8")
+    assert load(file).stop_time == 20.0
+
+
+EXTENDING = (Path(__file__).parent.parent / "docs" / "extending.md").read_text(encoding="utf-8")
+
+
+def test_what_masters_are_told_to_call_exists() -> None:
+    source = inspect.getsource(Exchange)
+    named = set(re.findall(r"exchange\.(\w+)", EXTENDING)) - {"py"}
+    assert named >= {"make", "history", "values"}
+    assert {name for name in named if not re.search(rf"(self\.|def ){name}\b", source)} == set()
+
+
+def test_the_files_named_for_extensions_exist() -> None:
+    root = Path(__file__).parent.parent
+    rooms = ("models", "fmus", "orchestrator", "interop")
+    paths = [path for path in re.findall(r"`([\w/]+/[\w.]*)`", EXTENDING) if path.split("/")[0] in rooms]
+    assert len(paths) > 10
+    assert [path for path in paths if not (root / path).exists()] == []
