@@ -150,7 +150,7 @@ class FigureData:
         """An axis label with unit."""
         words = words or self.quantities[name].description
         unit = self.shown(name)[1]
-        return words if unit == "1" else f"{words} ({unit})"
+        return words if unit in ("", "1") else f"{words} ({unit})"
 
     def of(self, instance: str) -> FigureData:
         """The same, drawn against the angle of the shaft that drives `instance`: the nearest one upstream."""

@@ -76,5 +76,5 @@ def _panel(ax: Axes, data: FigureData, names: list[str], variable: str) -> None:
         ax.plot(data.x(), factor * data.coupled[name], color=colour, lw=1.1, label=name.split(".")[0])
     more = len(names) - LINES
     ax.set_title(f"and {more} more" if more > 0 else "", loc="left", fontsize=8.5)
-    ax.set_ylabel(data.label(names[0], variable.replace("_", " ").capitalize()))
+    ax.set_ylabel(data.label(names[0], variable))
     ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=LINES, borderaxespad=0.2)

@@ -42,6 +42,8 @@ KINDS = {
     "event": ("event located", ACCENT),
     "discontinuity": ("discontinuity", REFERENCE),
 }
+# Longest over shortest step, up to which a linear scale tells more than a logarithmic one.
+EVEN = 1.5
 # The first macro steps differ, while the polynomials of the signals gather their past.
 BEGINNING = 3
 SMALLEST = 1e-6  # of the allowed error: below, estimates are rounding
@@ -137,9 +139,12 @@ def _bars(ax: Axes, steps: Steps, values: Vector, kinds: Kinds) -> None:
 def _lengths(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
     _bars(ax, steps, steps.length, kinds)
     low, high = float(steps.length.min()), float(steps.length.max())
-    # Limits first: those of a scale that fits itself to one value alone would be a single number.
-    ax.set_ylim(low / 1.6, high * 3.0)  # room for the marks of rejected attempts
-    ax.set_yscale("log")
+    if high > EVEN * low:
+        # Limits first: those of a scale that fits itself to one value alone would be a single number.
+        ax.set_ylim(low / 1.6, high * 3.0)  # room for the marks of rejected attempts
+        ax.set_yscale("log")
+    else:
+        ax.set_ylim(0.0, 1.5 * high)
     ax.set_ylabel("Step length (s)")
     _rejected(ax, steps)
     # Bins of a tenth at least, the first about the shortest: lengths that are equal to rounding are one bar.

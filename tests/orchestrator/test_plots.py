@@ -286,8 +286,10 @@ def test_what_no_other_figure_draws_is_drawn_by_variable(bouncing: FigureData) -
         "velocity": ["wheel.velocity"],
     }
     alone = replace(data, drivers={}, tolerance={})
+    bare = replace(alone, quantities=dict.fromkeys(coupled, Quantity("", "of an FMU that states no unit")))
+    assert [ax.get_ylabel() for ax in solution.figure(bare).axes] == ["position", "velocity", "tyre_force"]
     assert set(solution.panels(alone)) == {"position", "velocity", "tyre_force"}
-    assert [ax.get_ylabel() for ax in solution.figure(data).axes] == ["Position (m)", "Velocity (m)"]
+    assert [ax.get_ylabel() for ax in solution.figure(data).axes] == ["position (m)", "velocity (m)"]
     assert not solution.applies(bouncing)  # at a constant speed
 
 
