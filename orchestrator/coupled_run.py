@@ -14,6 +14,7 @@ from models.system import System
 from . import assembly
 from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import Checkpoints, Identity
+from .contacts import ContactObserver
 from .energy import Ledger, Trimmed, counted, estimated
 from .errors import MistakeError, ParticipantError, RefusedError, RunError, StalledError
 from .exit_guard import guarding
@@ -45,7 +46,7 @@ def run_coupled(
     # An FMU that may end this process at any moment must not take records along.
     exposed = [name for name, table in scenario.components.items() if table.unknown and not table.apart]
     held_for = 0.0 if exposed else FLUSH_SECONDS
-    not_numbers = NotNumbers(every, stop)
+    not_numbers, contacts = NotNumbers(every, stop), ContactObserver(system)
     recorders: list[Observer] = [ResultRecorder(job.folder, quantities, every, held_for, stop), not_numbers]
     ledger = None
     if scenario.energy.ledger:
@@ -54,7 +55,7 @@ def run_coupled(
         recorders = [*(Trimmed(recorder, system) for recorder in recorders), ledger]
     counter = _Counter(job.begun)
     stage = job.reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)
-    told = partial(_tell_of_exit, exposed, job, summary) if exposed else None
+    told = partial(_tell_of_exit, exposed, job, summary, contacts) if exposed else None
     with _refusing(counter), guarding(told), watching(scenario, job.out / SUMMARY, summary) as watchdog:
         units: dict[str, Participant] = {}
 
@@ -72,7 +73,16 @@ def run_coupled(
                     scenario.made_master(),
                     scenario.made_steps(),
                     scenario.stop_time,
-                    [*watchdog.observers, *recorders, counter, *keeper, bar, forecast, interruption],
+                    [
+                        *watchdog.observers,
+                        *recorders,
+                        contacts,
+                        counter,
+                        *keeper,
+                        bar,
+                        forecast,
+                        interruption,
+                    ],
                     resumed=job.resumed[1] if job.resumed else None,
                 )
         finally:
@@ -80,7 +90,7 @@ def run_coupled(
             summary.coupled_time_s = counter.time_s
             summary.energy = ledger.account() if ledger else None
             summary.warnings = _warnings(units)
-            summary.not_numbers = not_numbers.since
+            summary.not_numbers, summary.contacts = not_numbers.since, contacts.courses()
             for participant in participants.values():
                 participant.close()
     summary.do_steps = statistics.do_steps
@@ -102,7 +112,7 @@ def _refusing(counter: _Counter) -> Iterator[None]:
         raise
 
 
-def _tell_of_exit(names: Sequence[str], job: Job, summary: Summary) -> None:
+def _tell_of_exit(names: Sequence[str], job: Job, summary: Summary, contacts: ContactObserver) -> None:
     """One of these FMUs has called `exit`: say so, also in the summary."""
     last = None
     with suppress(RunError, MistakeError):
@@ -115,6 +125,7 @@ def _tell_of_exit(names: Sequence[str], job: Job, summary: Summary) -> None:
         f"set {apart}, which keeps it apart; tribocosim resume {shown(job.out)} makes the result of what was "
         "recorded"
     )
+    summary.contacts = contacts.courses()
     print(f"tribocosim: {summary.message}", file=sys.stderr)
     with suppress(OSError):
         summary.write(job.out / SUMMARY)

@@ -13,7 +13,6 @@ from .report import Reporter
 from .results import ResultFile
 from .scenario import Scenario
 from .summary import NOT_COMPARED, OUTSIDE, WITHIN, Summary
-from .validity import excursions
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
@@ -26,8 +25,6 @@ def judge(
     scenario: Scenario, system: System, result: ResultFile, summary: Summary, reporter: Reporter
 ) -> None:
     """What the finished coupled run comes to."""
-    rows = slice(None, None, compared_every(result))
-    summary.validity = excursions(system, lambda names: result.read("coupled", names, rows))
     if scenario.reference.enabled:
         _compared(scenario, system, result, summary, reporter)
     else:

@@ -8,7 +8,6 @@ import sys
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -22,14 +21,12 @@ from models.quantities import Vector
 
 from .comparison import Errors, VariableError
 from .compilation import COMPILING, noticed
-from .contact_course import lines as contact_lines
+from .contacts import lines as contact_lines
 from .diagnosis import brief
 from .energy.account import lines as energy_lines
-from .overload import lines as overload_lines
 from .stepping import Step
 from .summary import Summary
 from .unfinished import shown
-from .validity import lines
 
 SHOWN_EVERY_S = 0.1
 
@@ -96,7 +93,41 @@ class Reporter:
             self.line("compiling what these components need (once on this machine; up to minutes)")
         self._compiled = True
 
-    def errors(self, errors: Errors) -> None:
+    def end(self, summary: Summary, out: Path, files: Sequence[Path]) -> None:
+        """What the run came to: the engineering result, the verdict with its table, effort and files."""
+        for line in contact_lines(summary.contacts, summary.contacts_from, summary.fixed_steps):
+            self.line(line)
+        for line in energy_lines(summary.energy) if summary.energy else ():
+            self.line(line)
+        if summary.steps:
+            for line in brief(summary.steps, summary.suggestions):
+                self.line(line)
+        for name, given in summary.warnings.items():
+            first = f", the first: {given.first}" if given.first else "; it does not say of what"
+            self.line(f"{name}: the FMU gave {given.count} warning{'s' * (given.count > 1)}{first}")
+        for name, since in summary.not_numbers.items():
+            self.line(
+                f"{name}: not a number (NaN) from t = {since:.6g} s on, or at times; look at its participant"
+            )
+        if summary.complete:
+            self.line(f"{summary.scenario}: {summary.verdict}")
+        if summary.errors:
+            self._compare(summary.errors)
+        self._effort(summary)
+        self.line(f"results in {shown(out)}: {', '.join(str(file.relative_to(out)) for file in files)}")
+
+    def _effort(self, summary: Summary) -> None:
+        if summary.coupled_time_s:
+            speed = summary.macro_steps / summary.coupled_time_s
+            reference = summary.reference_time_s
+            self.line(
+                f"{summary.macro_steps} macro steps, {summary.iterations} iterations in "
+                f"{summary.coupled_time_s:.2f} s ({speed:.0f} steps/s)"
+                + ("" if reference is None else f"; reference {reference:.2f} s")
+                + f"; all {summary.wall_time_s:.1f} s"
+            )
+
+    def _compare(self, errors: Errors) -> None:
         """The comparison as a table; variables with a tolerance first."""
         starred = any(error.below_uncertainty for error in errors.values())
         table = Table(
@@ -123,36 +154,6 @@ class Reporter:
                 _mark(error),
             )
         self.console.print(table)
-
-    def end(self, summary: Summary, out: Path, files: Sequence[Path]) -> None:
-        """Effort, verdict, and where the files are."""
-        if summary.coupled_time_s:
-            speed = summary.macro_steps / summary.coupled_time_s
-            reference = summary.reference_time_s
-            self.line(
-                f"{summary.macro_steps} macro steps, {summary.iterations} iterations in "
-                f"{summary.coupled_time_s:.2f} s ({speed:.0f} steps/s)"
-                + ("" if reference is None else f"; reference {reference:.2f} s")
-                + f"; all {summary.wall_time_s:.1f} s"
-            )
-        said = (contact_lines(summary.contacts), lines(summary.validity), overload_lines(summary.overloads))
-        for line in chain.from_iterable(said):
-            self.line(line)
-        for line in energy_lines(summary.energy) if summary.energy else ():
-            self.line(line)
-        if summary.steps:
-            for line in brief(summary.steps, summary.suggestions):
-                self.line(line)
-        for name, given in summary.warnings.items():
-            first = f", the first: {given.first}" if given.first else "; it does not say of what"
-            self.line(f"{name}: the FMU gave {given.count} warning{'s' * (given.count > 1)}{first}")
-        for name, since in summary.not_numbers.items():
-            self.line(
-                f"{name}: not a number (NaN) from t = {since:.6g} s on, or at times; look at its participant"
-            )
-        if summary.complete:
-            self.line(f"{summary.scenario}: {summary.verdict}")
-        self.line(f"results in {shown(out)}: {', '.join(str(file.relative_to(out)) for file in files)}")
 
 
 def _mark(error: VariableError) -> Text:

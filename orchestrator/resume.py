@@ -79,7 +79,7 @@ def _ended(out: Path, reporter: Reporter) -> Summary:
             f"{shown(out) / SCENARIO} --out {shown(out)} --overwrite"
         )
     reporter.line(f"{shown(out)}: the run is complete; there is nothing to continue")
-    known = ("scenario", "description", "version", "master", "macro_step", "tolerance")
+    known = ("scenario", "description", "version", "master", "macro_step", "fixed_steps", "tolerance")
     told = ("complete", "resumable", "message", "verdict", "exit_status", "macro_steps", "iterations")
     return Summary(**{key: found[key] for key in (*known, *told)})
 

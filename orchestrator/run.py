@@ -14,7 +14,7 @@ from models.system import ModelError
 from . import assembly
 from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import Identity
-from .contact_course import courses
+from .contacts import courses_of_rows, with_angles
 from .coupled_run import run_coupled
 from .csv_file import write_csv, write_units
 from .diagnosis import Facts, diagnosed, steps_of, suggestions
@@ -24,13 +24,12 @@ from .journal import Recorded, journals
 from .judgement import judge
 from .notices import notices
 from .output_folder import CSV, FIGURES, RESULT, SCENARIO, SUMMARY, UNITS, files, prepared
-from .overload import overloads
 from .replacement import NO_ROOM, naming, replace
 from .report import Reporter
 from .results import ResultFile
 from .scenario import Scenario, ScenarioError
 from .scenario_files import written
-from .summary import FAILED, INTERRUPTED, Summary
+from .summary import FAILED, INTERRUPTED, ROWS, Summary
 from .unfinished import clear, shown
 from .workload import announce
 
@@ -110,8 +109,6 @@ def carry_out(job: Job) -> Summary:
         return summary
     if not summary.resumable and (job.out / RESULT).exists():
         clear(job.folder)
-    if summary.errors:
-        job.reporter.errors(summary.errors)
     job.reporter.end(summary, job.out, files(job.out))
     return summary
 
@@ -145,6 +142,7 @@ def begun(scenario: Scenario) -> Summary:
         version=metadata.version("tribocosim"),
         master=scenario.master.model_dump(),
         macro_step=scenario.macro_step,
+        fixed_steps=scenario.step_control is None,
         tolerance=dict(scenario.tolerance),
     )
 
@@ -183,8 +181,9 @@ def written_result(job: Job, summary: Summary) -> Iterator[ResultFile]:
         _diagnosed(job.scenario, result, summary)
         if result.length("coupled") > 1:
             read = partial(result.read, "coupled", rows=slice(None))
-            summary.contacts = courses(job.system, read)
-            summary.overloads = overloads(job.system, read)
+            if not summary.contacts and (found := courses_of_rows(job.system, read)):
+                summary.contacts, summary.contacts_from = found, ROWS
+            summary.contacts = with_angles(job.system, summary.contacts, read)
         yield result
         result.finish(summary.complete, summary.message)
         if job.figures and summary.exit_status != INTERRUPTED and result.length("coupled") > 1:

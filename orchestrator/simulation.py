@@ -6,7 +6,7 @@ import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -39,6 +39,15 @@ class Observer(Protocol):
 
     def end(self, complete: bool, message: str) -> None:
         """After the last values, also when the run failed or was interrupted."""
+        ...
+
+
+@runtime_checkable
+class Watching(Protocol):
+    """An observer that reads what is exchanged and single participants itself."""
+
+    def watch(self, exchange: Exchange) -> None:
+        """Before `begin`."""
         ...
 
 
@@ -114,6 +123,9 @@ def simulate(
         }
 
     message, complete = "", False
+    for observer in observers:
+        if isinstance(observer, Watching):
+            observer.watch(exchange)
     _begin(observers, system.outputs.names, state, resumed)
     try:
         exchange.initialise(start_time, stop_time)

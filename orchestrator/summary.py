@@ -9,15 +9,17 @@ from pathlib import Path
 from typing import Any
 
 from .comparison import Errors
-from .contact_course import Courses
+from .contacts import Courses
 from .diagnosis import Diagnosis
 from .energy.account import Account
-from .overload import Overloads
 from .replacement import replace
-from .validity import Excursions
 
 # Exit statuses of the command line.
 WITHIN, OUTSIDE, MISTAKE, FAILED, NOT_COMPARED, INTERRUPTED = 0, 1, 2, 3, 4, 130
+
+
+# Where extremes of contacts are from.
+MACRO_STEPS, ROWS = "all macro steps", "recorded rows"
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,7 @@ class Summary:
     version: str
     master: dict[str, Any]
     macro_step: float
+    fixed_steps: bool
     tolerance: dict[str, float]
     figures: bool = True  # were to be drawn; `tribocosim resume` keeps to it
     complete: bool = False
@@ -53,9 +56,8 @@ class Summary:
     reference_time_s: float | None = None
     reference_uncertainty: float | None = None
     errors: Errors = field(default_factory=dict)
-    validity: Excursions = field(default_factory=dict)
     contacts: Courses = field(default_factory=dict)
-    overloads: Overloads = field(default_factory=dict)
+    contacts_from: str = MACRO_STEPS
     energy: Account | None = None
     steps: Diagnosis | None = None
     suggestions: list[str] = field(default_factory=list)

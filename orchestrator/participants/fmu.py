@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numba
 import numpy as np
 from fmpy import extract
 
@@ -23,7 +24,7 @@ from ..errors import (
 )
 from .binding import Elements, array_of
 from .bound_calls import Wholes
-from .compiled import SET, STEP
+from .compiled import CALLS, SET, STEP
 from .description import REALS, Variable, described
 from .failures import Failing
 from .fmi2 import Fmi2
@@ -263,6 +264,19 @@ class FmuParticipant(Failing):
         for name, references in (("given", self.given), ("taken", self.taken)):
             record[f"{name}_references"] = references.ctypes.data
             record[f"{name}_count"] = len(references)
+
+    def reading(self, names: Sequence[str], memory: Vector) -> tuple[Any, Any] | None:
+        """A record (see `compiled`) with which `take` puts these outputs into `memory`, and the references that
+        it points to, to be kept; None where compiled code cannot read them."""
+        elements = Elements(self._fmi, self._variables, map(self._variable, names))
+        if not (self.compilable and elements.plain) or numba.config.DISABLE_JIT:
+            return None
+        record = np.zeros(1, dtype=CALLS)
+        for name, address in self._fmi.addresses().items():
+            record[name] = address
+        record["taken"], record["taken_count"] = memory.ctypes.data, len(memory)
+        record["taken_references"] = elements.references.ctypes.data
+        return record, elements.references
 
     def failed(self, call: int, status: int, time: float, step: float) -> None:
         """Raise the error of a call (see `compiled`) that compiled code made; a step may be made, too."""

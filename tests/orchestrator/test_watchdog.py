@@ -35,7 +35,7 @@ STEP, STOP = 1e-2, 1.0
 
 
 def watchdog(folder, limit):
-    summary = Summary("two masses", "", "1", {}, STEP, {})
+    summary = Summary("two masses", "", "1", {}, STEP, True, {})
     return Watchdog(limit, ["first", "second"], folder / "summary.json", summary)
 
 

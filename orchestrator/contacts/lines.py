@@ -1,0 +1,84 @@
+"""What contacts went through, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .course import RESOLVED, Course, Courses
+
+SYMBOLS = {"material": "G", "squeeze": "w_s", "load": "W", "speed": "U"}
+# More contacts are not told one by one: those with the thinnest films are.
+SHOWN = 4
+
+
+def lines(courses: Courses, source: str, fixed_steps: bool) -> list[str]:
+    """Contacts, of many those with the thinnest films, then warnings of all.
+
+    `source` says where the extremes are from. Landings that macro steps do not resolve are warned of with `fixed_steps`: step control resolves them.
+    """
+    names = (
+        sorted(courses, key=lambda name: courses[name].film)[:SHOWN]
+        if len(courses) > SHOWN
+        else list(courses)
+    )
+    told = [f"{name}: {text}" for name in names for text in _texts(courses[name])]
+    if len(courses) > SHOWN:
+        told.append(f"{len(courses) - SHOWN} more contacts with thicker films: see summary.json")
+    if courses:
+        longest = max(course.longest_step for course in courses.values())
+        told.append(f"extremes of contacts are those of {source}, {longest:.3g} s apart at most")
+    for name, course in courses.items():
+        told += [f"{name}: {text}" for text in _warnings(name, course, fixed_steps)]
+    return told
+
+
+def _texts(course: Course) -> Iterator[str]:
+    def at(key: str) -> str:
+        time = f"at t = {course.times()[key]:.6g} s"
+        shaft = "cam" if course.angle_of.endswith("cam_angle") else "crank"
+        return f"{time} ({shaft} {course.angles[key]:.1f} deg)" if key in course.angles else time
+
+    text = f"load {course.least_load:.4g} to {course.largest_load:.4g} N, the largest {at('largest_load')}"
+    text += f"; highest pressure {1e-9 * course.pressure:.3g} GPa {at('pressure')}"
+    text += " (spikes at a reversal grow with the nodes)" if course.solved else ""
+    if course.film > 0.0:
+        text += f"; least film {1e6 * course.film:.3g} µm {at('film')}, "
+        which = "least ratio of the central film to roughness" if course.solved else "least film ratio"
+        text += f"{which} {course.film_ratio:.2g}" if course.film_ratio > 0.0 else "smooth surfaces"
+    yield text if course.separation else f"{text}; contact kept"
+    if s := course.separation:
+        text = (
+            f"no contact in {100.0 * course.lost:.2g} % of the time, {s.count} separation{'s' * (s.count > 1)}, "
+            f"the longest {1e3 * s.longest:.3g} ms from {at('separation').removeprefix('at ')}"
+        )
+        yield text + (f"; largest gap {1e6 * s.gap:.3g} µm {at('gap')}" if s.gap > 0.0 else "")
+    if i := course.impact:
+        speed = f" with {i.speed:.3g} m/s" if i.speed > 0.0 else ""
+        yield f"hardest landing {at('impact')}{speed}: {i.load:.4g} N, impulse {i.impulse:.3g} N s"
+
+
+def _warnings(name: str, course: Course, fixed_steps: bool) -> Iterator[str]:
+    if excursions := course.ranges:
+        yield "film formula outside its ranges (Kushwaha 2000, Table 3) under load: " + ", ".join(
+            f"{SYMBOLS[group]} {_percent(one.share)} % of the time ({one.least:.2g} to {one.most:.2g}, range "
+            f"{one.low:g} to {one.high:g})"
+            for group, one in excursions.items()
+        )
+    if course.pressure > course.elastic_limit:
+        yield (
+            f"the pressure reaches {course.pressure / 1e9:.3g} GPa at t = {course.pressure_time:.6g} s, above the "
+            f"elastic limit of {course.elastic_limit / 1e9:.3g} GPa ({100.0 * course.yielding:.2g} % of the time): "
+            "the bodies yield, which is not computed; lower the load, or set "
+            f"components.{name}.parameters.elastic_limit to the material's"
+        )
+    impact = course.impact
+    if fixed_steps and impact and not impact.resolved and impact.load >= 0.5 * course.largest_load:
+        yield (
+            f"the hardest landing reaches its {impact.load:.4g} N within {impact.steps} macro "
+            f"step{'s' * (impact.steps > 1)}, fewer than {RESOLVED}: this load, the rebound and what follows are "
+            "not resolved; reduce macro_step or use [step_control]"
+        )
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.1f}".removesuffix(".0")

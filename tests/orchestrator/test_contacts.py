@@ -1,0 +1,252 @@
+"""What contacts go through in a run is accumulated at every macro step, whatever is recorded."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.contact.ehl_contact import TABLE_3
+from orchestrator import assembly
+from orchestrator.plain_data import from_text, to_text
+from orchestrator.contacts import courses_of_rows, lines
+from orchestrator.contacts.accumulation import SEEN
+from orchestrator.contacts.course import Accumulator
+from orchestrator.scenario_files import load
+
+from .commands import IN_PROCESS, said, tribocosim
+
+RECORDS = 200
+told = partial(lines, source="all macro steps", fixed_steps=True)
+
+
+def _run(*changes):
+    """The system, and outputs of its contact at random inputs, a quarter of them without load."""
+    system = assembly.system_of(load("valve-train", changes))
+    instance = system.instances["contact"]
+    component = instance.component
+    random = np.random.default_rng(7)
+    p = component.parameters.vector(instance.parameters)
+    columns = {name: np.zeros(RECORDS) for name in system.outputs.names}
+    drivers = {c.target.variable: str(c.source) for c in system.connections if c.target.instance == "contact"}
+    columns["time"] = np.cumsum(random.uniform(1e-6, 1e-4, RECORDS))
+    for i in range(RECORDS):
+        inputs = {
+            "approach": random.uniform(-5e-6, 15e-6),
+            "entraining_velocity": random.uniform(-4.0, 4.0),
+            "radius_of_curvature": random.uniform(0.005, 0.05),
+        }
+        y = np.zeros(component.outputs.size)
+        x = np.array([random.uniform(0.1e-6, 2e-6)])
+        component.flat_output(0.0, x, component.inputs.vector(inputs), p, y)
+        for name, value in inputs.items():
+            columns[drivers[name]][i] = value
+        for name, value in component.outputs.named(y).items():
+            columns[f"contact.{name}"][i] = value
+    return system, columns
+
+
+@pytest.fixture(scope="module")
+def run():
+    return _run()
+
+
+def courses(system, columns):
+    return courses_of_rows(system, lambda names: {name: columns[name] for name in names})
+
+
+def lasting(time, holds):
+    """How long a condition holds, by the trapezoidal rule."""
+    return float(np.sum(0.5 * np.diff(time) * (holds[1:].astype(float) + holds[:-1])))
+
+
+def test_shares_and_extremes_agree_with_the_flags_of_the_contact(run):
+    """Groups are listed exactly if their flag fell under load, with share of time and extremes beyond it."""
+    system, columns = run
+    found = courses(system, columns)["contact"].ranges
+    time, loaded = columns["time"], columns["contact.load"] > 0.0
+    assert 0.0 < np.mean(loaded) < 1.0
+    for group, (low, high) in TABLE_3.items():
+        outside = loaded & (columns[f"contact.{group}_in_range"] == 0.0)
+        assert (group in found) == outside.any()
+        if group in found:
+            share = lasting(time, outside) / lasting(time, loaded)
+            assert found[group].share == pytest.approx(share, rel=1e-12)
+            assert found[group].least < low or found[group].most > high
+    # U = eta |u| / (E R) with E = pi / compliance, for two equal steels pi E1 / (2 (1 - nu^2)).
+    fastest = np.abs(columns["camshaft.entraining_velocity"]) / columns["camshaft.radius_of_curvature"]
+    modulus = np.pi * 207e9 / (2.0 * (1.0 - 0.3**2))
+    assert found["speed"].most == pytest.approx(0.036 * fastest[loaded].max() / modulus, rel=1e-12)
+
+
+def test_extremes_are_those_of_the_columns(run):
+    system, columns = run
+    course = courses(system, columns)["contact"]
+    time, load_ = columns["time"], columns["contact.load"]
+    loaded = load_ > 0.0
+    film = np.where(loaded, columns["contact.minimum_film_thickness"], np.inf)
+    assert (course.least_load, course.largest_load) == (0.0, load_.max())
+    assert course.largest_load_time == time[load_.argmax()]
+    assert course.pressure == columns["contact.maximum_pressure"].max()
+    assert (course.film, course.film_time) == (film.min(), time[film.argmin()])
+    assert course.lost == pytest.approx(1.0 - lasting(time, loaded) / (time[-1] - time[0]), rel=1e-12)
+    assert course.separation.count == np.sum(loaded[:-1] & ~loaded[1:]) + (not loaded[0])
+    assert course.separation.gap == -columns["contact.deflection"][~loaded].min()
+
+
+def test_ranges_are_those_of_one_formula(run):
+    _, columns = run
+    other = assembly.system_of(load("valve-train", ["components.contact.parameters.film_model=dry"]))
+    assert not courses(other, columns)["contact"].ranges
+    assert courses(other, columns)["contact"].film == 0.0
+
+
+def history(time, load_, gap=None):
+    """The course of a contact with these loads, and gaps where there is none; pressure 1 MPa/N."""
+    system = assembly.system_of(load("valve-train"))
+    accumulator = Accumulator(system, ["contact"])
+    for k, t in enumerate(time):
+        row = {"load": load_[k], "maximum_pressure": 1e6 * max(load_[k], 0.0), "minimum_film_thickness": 1e-6,
+               "film_ratio": 2.0, "deflection": -gap[k] if gap is not None else 0.0,
+               "entraining_velocity": 1.0, "radius_of_curvature": 0.02}  # fmt: skip
+        accumulator.seen[0] = [row.get(name, 0.0) for name in SEEN]
+        accumulator.add(t)
+    return accumulator.found()
+
+
+def test_a_separation_is_told_with_its_gap_and_the_landing_after_it():
+    """A body thrown up by v returns after 2 v/g with v, and lands in a half sine of load F and duration T,
+    whose impulse is 2 F T / pi."""
+    v, g, F, T, up = 1.0, 1000.0, 5000.0, 1e-4, 2e-3
+    step = 1e-6
+    time = np.arange(0.0, 4e-3, step)
+    flying, landed = (time >= 1e-3) & (time < 1e-3 + up), (time >= 1e-3 + up) & (time < 1e-3 + up + T)
+    s = time - 1e-3
+    gap = np.where(flying, v * s - 0.5 * g * s**2, 0.0)
+    load_ = np.where(flying, 0.0, 100.0)
+    load_ = np.where(landed, F * np.sin(np.pi * (s - up) / T) + 1e-3, load_)
+    course = history(time, load_, gap)["contact"]
+    assert course.separation.count == 1
+    assert course.separation.longest == pytest.approx(up, abs=1.5 * step)
+    assert course.separation.longest_time == pytest.approx(1e-3, abs=1.5 * step)
+    assert course.separation.gap == pytest.approx(0.5 * v**2 / g, rel=1e-3)
+    assert course.separation.gap_time == pytest.approx(1e-3 + v / g, abs=3 * step)
+    assert course.lost == pytest.approx(up / time[-1], rel=1e-3)
+    impact = course.impact
+    assert impact.load == pytest.approx(F, rel=1e-3)
+    assert impact.speed == pytest.approx(v, rel=1e-2)
+    assert impact.impulse == pytest.approx(2.0 * F * T / np.pi, rel=1e-2)
+    assert impact.steps == pytest.approx(0.5 * T / step, abs=2)
+    assert impact.resolved
+    text = "\n".join(told({"contact": course}))
+    assert "1 separation," in text
+    assert "hardest landing" in text
+    assert "not resolved" not in text
+
+
+def test_a_landing_within_a_few_macro_steps_is_warned_of():
+    course = history([0.0, 1.0, 2.0, 3.0], [10.0, 0.0, 500.0, 20.0])["contact"]
+    assert course.impact.steps == 1
+    assert any("not resolved" in line for line in told({"contact": course}))
+    assert not any("not resolved" in line for line in told({"contact": course}, fixed_steps=False))
+
+
+def test_a_run_that_ends_while_the_contact_is_open_counts_that_separation():
+    course = history([0.0, 1.0, 2.0, 4.0], [10.0, 10.0, 0.0, 0.0])["contact"]
+    assert (course.separation.longest, course.separation.longest_time) == (2.0, 2.0)
+
+
+def test_a_load_of_rounding_is_none():
+    course = history([0.0, 1.0, 2.0], [-2.22e-16, 5.0, 5.0])["contact"]
+    assert course.least_load == 0.0
+    assert course.separation.count == 1
+
+
+def test_a_contact_without_load_is_not_told():
+    assert history([0.0, 1.0], [0.0, 0.0]) == {}
+
+
+def test_a_pressure_beyond_the_elastic_limit_is_warned_of():
+    """Above the limit of 2.004 GPa for one of four seconds."""
+    found = history([0.0, 1.0, 2.0, 3.0, 4.0], [1.0, 1.0, 3000.0, 1.0, 1.0])
+    assert found["contact"].pressure == 3e9
+    assert found["contact"].pressure_time == 2.0
+    assert found["contact"].yielding == 0.25
+    assert any("yield" in line and "3 GPa" in line for line in told(found))
+    below = history([0.0, 1.0], [1.0, 2000.0])
+    assert not any("yield" in line for line in told(below))
+
+
+def test_a_course_that_goes_on_from_a_checkpoint_is_the_same_to_the_last_bit(run):
+    system, columns = run
+    rows = np.column_stack([columns.get(f"contact.{name}", np.ones(RECORDS)) for name in SEEN])
+
+    def add(accumulator, some):
+        for k in some:
+            accumulator.seen[0] = rows[k]
+            accumulator.add(columns["time"][k])
+
+    whole, first, second = (Accumulator(system, ["contact"]) for _ in range(3))
+    add(whole, range(RECORDS))
+    add(first, range(70))
+    second.resume(from_text(to_text(first.state())))
+    add(second, range(70, RECORDS))
+    assert second.found() == whole.found()
+    assert second.found() != first.found()
+
+
+def test_films_and_solved_fields_have_words_of_their_own(run):
+    system, columns = run
+    course = replace(courses(system, columns)["contact"], film=1e-7, film_ratio=0.5, solved=True)
+    assert "central film to roughness 0.5" in told({"contact": course})[0]
+    assert "spikes" in told({"contact": course})[0]
+    assert "smooth surfaces" in told({"contact": replace(course, film_ratio=0.0)})[0]
+
+
+def test_of_many_contacts_the_thinnest_films_are_told_and_warnings_of_all(run):
+    system, columns = run
+    course = replace(courses(system, columns)["contact"], separation=None, impact=None, ranges={})
+    many = {f"contact{n}": replace(course, film=1e-6 / (n + 1)) for n in range(7)}
+    many["contact0"] = replace(many["contact0"], pressure=3e9)
+    text = told(many)
+    assert [line.split(":")[0] for line in text[:4]] == ["contact6", "contact5", "contact4", "contact3"]
+    assert text[4].startswith("3 more contacts")
+    assert text[-1].startswith("contact0: the pressure reaches")
+
+
+LIMIT = "components.contact.parameters.elastic_limit='1 GPa'"
+FAST = [
+    *(f"--set=components.flywheel.parameters.{end}_speed=4000 rpm" for end in ("initial", "final")),
+    "--set=stop_time=16 ms", f"--set={LIMIT}", "--set=reference.enabled=false", "--no-figures", *IN_PROCESS,
+]  # fmt: skip
+
+
+def test_contacts_and_warnings_do_not_depend_on_what_is_recorded(tmp_path: Path):
+    """The follower leaves its cam and lands; from rows of 100 us its largest load was a sixth of it."""
+    found, warned = [], []
+    for every in ("5 us", "20 us", "100 us"):
+        out = tmp_path / every.replace(" ", "")
+        done = tribocosim("run", "valve-train", *FAST, f"--set=output_step={every}", "--out", str(out))
+        summary = json.loads((out / "summary.json").read_text())
+        assert summary["contacts_from"] == "all macro steps"
+        found.append(summary["contacts"]["contact"])
+        warned.append([line for line in done.stdout.splitlines() if line.startswith("contact:")])
+    angles = [course.pop("angles") for course in found]
+    assert found[0] == found[1] == found[2]
+    for one in angles[1:]:
+        assert one == pytest.approx(angles[0], abs=1e-6)
+    assert warned[0] == warned[1] == warned[2]
+    assert any("yield" in line for line in warned[0])
+    assert any("separation" in line and "cam" in line for line in warned[0])
+
+
+def test_the_result_comes_before_the_verdict_and_the_comparison(tmp_path: Path):
+    done = tribocosim(
+        "run", "valve-train", "--set=stop_time=1 ms", "--no-figures", *IN_PROCESS, "--out", str(tmp_path)
+    )
+    places = [done.stdout.index(text) for text in ("contact: load", "valve-train: ", "Coupled run against")]
+    assert places == sorted(places), said(done)
