@@ -53,6 +53,7 @@ def run_coupled(
         system = estimated(counted(system, assembly.counting_instances(scenario, system)))
         ledger = Ledger(system, every, job.folder, stop)
         recorders = [*(Trimmed(recorder, system) for recorder in recorders), ledger]
+    recorders.append(contacts)
     counter = _Counter(job.begun)
     stage = job.reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)
     told = partial(_tell_of_exit, exposed, job, summary, contacts) if exposed else None
@@ -73,16 +74,7 @@ def run_coupled(
                     scenario.made_master(),
                     scenario.made_steps(),
                     scenario.stop_time,
-                    [
-                        *watchdog.observers,
-                        *recorders,
-                        contacts,
-                        counter,
-                        *keeper,
-                        bar,
-                        forecast,
-                        interruption,
-                    ],
+                    [*watchdog.observers, *recorders, counter, *keeper, bar, forecast, interruption],
                     resumed=job.resumed[1] if job.resumed else None,
                 )
         finally:

@@ -51,8 +51,8 @@ class Separation:
 
 @dataclass(frozen=True)
 class Impact:
-    """The landing with the largest load (N): when it began (s), the speed of approach (m/s), the impulse (N s)
-    until the load has fallen to a tenth or rises again, and the macro steps from touch to peak."""
+    """The landing with the largest load (N): when it began (s), the speed of approach (m/s), the impulse
+    (N s) until the load has fallen to a tenth or rises again, and the macro steps from touch to peak."""
 
     time: float
     load: float
@@ -68,7 +68,8 @@ class Impact:
 @dataclass(frozen=True)
 class Course:
     """Extremes, each with its time (s): load (N), pressure (Pa), film (m) under load, film over roughness
-    (0: smooth), which of a film that is `solved` for is that of its central film. A dry contact's films are 0.
+    (0: smooth), which of a film that is `solved` for is that of its central film. A dry contact's films are
+    0.
 
     `lost` is the share of the time without load, `yielding` that above the `elastic_limit` (Pa).
     `longest_step` (s): extremes were looked for at least that often. `angle_of` is the variable that `angles`

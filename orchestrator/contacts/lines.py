@@ -14,7 +14,8 @@ SHOWN = 4
 def lines(courses: Courses, source: str, fixed_steps: bool) -> list[str]:
     """Contacts, of many those with the thinnest films, then warnings of all.
 
-    `source` says where the extremes are from. Landings that macro steps do not resolve are warned of with `fixed_steps`: step control resolves them.
+    `source` says where the extremes are from. With `fixed_steps` landings that macro steps do not resolve are
+    warned of; step control resolves them.
     """
     names = (
         sorted(courses, key=lambda name: courses[name].film)[:SHOWN]
@@ -47,9 +48,10 @@ def _texts(course: Course) -> Iterator[str]:
         text += f"{which} {course.film_ratio:.2g}" if course.film_ratio > 0.0 else "smooth surfaces"
     yield text if course.separation else f"{text}; contact kept"
     if s := course.separation:
+        plural = "s" * (s.count > 1)
         text = (
-            f"no contact in {100.0 * course.lost:.2g} % of the time, {s.count} separation{'s' * (s.count > 1)}, "
-            f"the longest {1e3 * s.longest:.3g} ms from {at('separation').removeprefix('at ')}"
+            f"no contact in {100.0 * course.lost:.2g} % of the time, {s.count} separation{plural}, the "
+            f"longest {1e3 * s.longest:.3g} ms from {at('separation').removeprefix('at ')}"
         )
         yield text + (f"; largest gap {1e6 * s.gap:.3g} µm {at('gap')}" if s.gap > 0.0 else "")
     if i := course.impact:
@@ -65,18 +67,18 @@ def _warnings(name: str, course: Course, fixed_steps: bool) -> Iterator[str]:
             for group, one in excursions.items()
         )
     if course.pressure > course.elastic_limit:
+        pressure, limit = f"{course.pressure / 1e9:.3g} GPa", f"{course.elastic_limit / 1e9:.3g} GPa"
         yield (
-            f"the pressure reaches {course.pressure / 1e9:.3g} GPa at t = {course.pressure_time:.6g} s, above the "
-            f"elastic limit of {course.elastic_limit / 1e9:.3g} GPa ({100.0 * course.yielding:.2g} % of the time): "
-            "the bodies yield, which is not computed; lower the load, or set "
-            f"components.{name}.parameters.elastic_limit to the material's"
+            f"the pressure reaches {pressure} at t = {course.pressure_time:.6g} s, above the elastic limit "
+            f"of {limit} ({100.0 * course.yielding:.2g} % of the time): the bodies yield, which is not computed; "
+            f"lower the load, or set components.{name}.parameters.elastic_limit to the material's"
         )
     impact = course.impact
     if fixed_steps and impact and not impact.resolved and impact.load >= 0.5 * course.largest_load:
+        count = "one macro step" if impact.steps == 1 else f"{impact.steps} macro steps"
         yield (
-            f"the hardest landing reaches its {impact.load:.4g} N within {impact.steps} macro "
-            f"step{'s' * (impact.steps > 1)}, fewer than {RESOLVED}: this load, the rebound and what follows are "
-            "not resolved; reduce macro_step or use [step_control]"
+            f"the hardest landing reaches its {impact.load:.4g} N within {count}, fewer than {RESOLVED}: this "
+            "load, the rebound and what follows are not resolved; reduce macro_step or use [step_control]"
         )
 
 

@@ -12,10 +12,10 @@ import pytest
 
 from models.contact.ehl_contact import TABLE_3
 from orchestrator import assembly
-from orchestrator.plain_data import from_text, to_text
 from orchestrator.contacts import courses_of_rows, lines
 from orchestrator.contacts.accumulation import SEEN
 from orchestrator.contacts.course import Accumulator
+from orchestrator.plain_data import from_text, to_text
 from orchestrator.scenario_files import load
 
 from .commands import IN_PROCESS, said, tribocosim

@@ -71,6 +71,8 @@ def _same(one: Path, two: Path) -> None:
     """Both folders hold the same finished run."""
     assert sorted(path.name for path in one.iterdir()) == sorted(path.name for path in two.iterdir())
     assert (one / "coupled.csv").read_bytes() == (two / "coupled.csv").read_bytes()
+    contacts = [json.loads((out / "summary.json").read_text())["contacts"] for out in (one, two)]
+    assert contacts[0] == contacts[1]
     with open_result(one) as first, open_result(two) as second:
         xarray.testing.assert_identical(first, second)
         assert first.attrs["complete"] == 1
