@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 
 def one_of(names: Iterable[str], given: object = "") -> str:
@@ -94,3 +94,11 @@ class MistakeError(ValueError):
 
 class CheckpointError(MistakeError):
     """What a run has left, from which it cannot go on."""
+
+
+class IncompleteError(RunError):
+    """A run that did not come to its end; `results` are those of what it recorded."""
+
+    def __init__(self, message: str, results: Mapping[str, float]) -> None:
+        super().__init__(message)
+        self.results = results

@@ -70,15 +70,15 @@ def _warnings(name: str, course: Course, fixed_steps: bool) -> Iterator[str]:
         pressure, limit = f"{course.pressure / 1e9:.3g} GPa", f"{course.elastic_limit / 1e9:.3g} GPa"
         yield (
             f"the pressure reaches {pressure} at t = {course.pressure_time:.6g} s, above the elastic limit "
-            f"of {limit} ({100.0 * course.yielding:.2g} % of the time): the bodies yield, which is not computed; "
-            f"lower the load, or set components.{name}.parameters.elastic_limit to the material's"
+            f"of {limit} ({100.0 * course.yielding:.2g} % of the time): the bodies yield, which is not "
+            f"computed; lower the load, or set components.{name}.parameters.elastic_limit to the material's"
         )
     impact = course.impact
     if fixed_steps and impact and not impact.resolved and impact.load >= 0.5 * course.largest_load:
         count = "one macro step" if impact.steps == 1 else f"{impact.steps} macro steps"
         yield (
-            f"the hardest landing reaches its {impact.load:.4g} N within {count}, fewer than {RESOLVED}: this "
-            "load, the rebound and what follows are not resolved; reduce macro_step or use [step_control]"
+            f"the hardest landing reaches its {impact.load:.4g} N within {count}, fewer than {RESOLVED}: "
+            "this load, the rebound and what follows are not resolved; reduce macro_step or use step control"
         )
 
 

@@ -266,8 +266,8 @@ class FmuParticipant(Failing):
             record[f"{name}_count"] = len(references)
 
     def reading(self, names: Sequence[str], memory: Vector) -> tuple[Any, Any] | None:
-        """A record (see `compiled`) with which `take` puts these outputs into `memory`, and the references that
-        it points to, to be kept; None where compiled code cannot read them."""
+        """A record (see `compiled`) with which `take` puts these outputs into `memory`, and the references
+        that it points to, to be kept; None where compiled code cannot read them."""
         elements = Elements(self._fmi, self._variables, map(self._variable, names))
         if not (self.compilable and elements.plain) or numba.config.DISABLE_JIT:
             return None

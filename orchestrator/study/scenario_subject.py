@@ -6,7 +6,7 @@ import copy
 import functools
 import hashlib
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,8 +19,10 @@ from models.quantities import Quantity
 from ..analyses import Result
 from ..assembly import Builder
 from ..comparison import VariableError
-from ..errors import MistakeError, RunError
+from ..contacts import Course
+from ..errors import IncompleteError, MistakeError
 from ..notices import notices
+from ..output_folder import RESULT
 from ..report import Reporter
 from ..results import open_result
 from ..run import run
@@ -36,6 +38,14 @@ ERRORS = {
         "relative RMS uncertainty of the reference",
         lambda error: error.uncertainty.relative_rms,
     ),
+}
+CONTACT = "ehl_contact"
+SEPARATION: dict[str, tuple[str, str, Callable[[Course], float]]] = {
+    "separations": ("1", "how often it opened", lambda c: c.separation.count if c.separation else 0.0),
+    "separated": ("1", "share of the time without load", lambda c: c.lost),
+    "largest_gap": ("m", "largest gap", lambda c: c.separation.gap if c.separation else 0.0),
+    "impact_load": ("N", "load of the hardest landing", lambda c: c.impact.load if c.impact else 0.0),
+    "impact_speed": ("m/s", "speed of the hardest landing", lambda c: c.impact.speed if c.impact else 0.0),
 }
 
 
@@ -75,6 +85,12 @@ class ScenarioSubject:
             f"{name}.{key}": Result("1", f"{name}: {text}")
             for name in self._compared()
             for key, (text, _) in ERRORS.items()
+        }
+        found |= {
+            f"{name}.{key}": Result(unit, f"{name}: {text}")
+            for name, table in self.scenario.components.items()
+            if table.component == CONTACT
+            for key, (unit, text, _) in SEPARATION.items()
         }
         found["macro_steps"] = Result("1", "macro steps")
         found["iterations"] = Result("1", "iterations of the master")
@@ -152,18 +168,35 @@ class ScenarioSubject:
                 yield f"# {name}: SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}\n"
 
     def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
-        """RunError if the run does not come to its end."""
+        """IncompleteError, with what was recorded, if the run does not come to its end."""
         quiet = Reporter(Console(quiet=True))
         # A point that is lost is computed again.
         scenario = self.at(values).model_copy(update={"checkpoint_every": 0.0})
+        found: dict[str, float] = {}
         with tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
             summary = run(scenario, Path(folder), self.build, quiet, figures=False)
-            if not summary.complete:
-                raise RunError(summary.message.removeprefix("incomplete: "))
-            found = _statistics(Path(folder))
+            if (Path(folder) / RESULT).exists():
+                found = _statistics(Path(folder))
+        for name, table in scenario.components.items():
+            if table.component == CONTACT:
+                found |= _contact(name, summary.contacts.get(name))
         found["macro_steps"] = summary.macro_steps
         found["iterations"] = summary.iterations
+        if not summary.complete:
+            raise IncompleteError(summary.message.removeprefix("incomplete: "), found)
         return found | _errors(summary.errors)
+
+
+def _contact(name: str, course: Course | None) -> dict[str, float]:
+    """What was accumulated at every macro step, in place of statistics of recorded rows."""
+    if course is None:
+        return {f"{name}.{key}": 0.0 for key in SEPARATION}
+    return {
+        f"{name}.load.minimum": course.least_load,
+        f"{name}.load.maximum": course.largest_load,
+        f"{name}.maximum_pressure.maximum": course.pressure,
+        **{f"{name}.{key}": value_of(course) for key, (_, _, value_of) in SEPARATION.items()},
+    }
 
 
 def _found(scenario: Scenario, keys: list[str]) -> Value:

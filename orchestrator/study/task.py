@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from models.system import ModelError
 
-from ..errors import MistakeError, RunError
+from ..errors import IncompleteError, MistakeError, RunError
 from ..values import Value
 from .source import difference, fingerprint
 from .subjects import Subject
@@ -31,16 +31,20 @@ def evaluate(subject: Subject, values: Mapping[str, Value], versions: dict[str, 
     if found:
         return f"computes with {found}"
     try:
-        results = subject.evaluate(values)
-        return Outcome(
-            {
-                name: str(results[name]) if result.text else float(results[name])
-                for name, result in subject.results.items()
-                if name in results
-            }
-        )
+        return Outcome(_values(subject, subject.evaluate(values)))
+    except IncompleteError as error:
+        return Outcome(_values(subject, error.results), message_of(error))
     except (Exception, SystemExit) as error:
         return Outcome({}, message_of(error))
+
+
+def _values(subject: Subject, results: Mapping[str, float | str]) -> dict[str, float | str]:
+    """Of the results that there are."""
+    return {
+        name: str(results[name]) if result.text else float(results[name])
+        for name, result in subject.results.items()
+        if name in results
+    }
 
 
 def message_of(error: BaseException) -> str:

@@ -12,6 +12,7 @@ from orchestrator.report import Reporter
 from orchestrator.results import open_result
 from orchestrator.run import run
 from orchestrator.scenario_files import load
+from orchestrator.study.source import fingerprint
 from orchestrator.study.task import evaluate
 
 from .test_study_points import planned
@@ -44,10 +45,17 @@ def test_results_are_those_of_the_run(tmp_path: Path) -> None:
     for name, error in summary.errors.items():
         assert found[f"{name}.error"] == error.relative_rms
         assert found[f"{name}.uncertainty"] == error.uncertainty.relative_rms
+    # Those of a contact are of all macro steps, of which every second one is recorded.
+    course = summary.contacts["contact"]
+    assert found["contact.load.maximum"] == course.largest_load
+    assert found["contact.load.minimum"] == course.least_load
+    assert found["contact.maximum_pressure.maximum"] == course.pressure
+    assert (found["contact.separations"], found["contact.impact_load"]) == (0.0, 0.0)
     with open_result(tmp_path) as tree:
         for name, values in tree["coupled"].data_vars.items():
-            assert found[f"{name}.minimum"] == values.min()
-            assert found[f"{name}.maximum"] == values.max()
+            if name not in ("contact.load", "contact.maximum_pressure"):
+                assert found[f"{name}.minimum"] == values.min()
+                assert found[f"{name}.maximum"] == values.max()
             assert found[f"{name}.mean"] == pytest.approx(np.mean(values.values), rel=1e-15, abs=0.0)
 
 
@@ -55,6 +63,9 @@ def test_a_run_that_fails_is_a_failed_point_with_its_message() -> None:
     of = plan([{"macro_step": "1 ms", LIFT: "9 mm"}, {"macro_step": "10 us", LIFT: "-9 mm"}])
     with pytest.raises(RunError, match="reduce macro_step"):
         of.subject.evaluate(of.points[0] | {"stop_time": 0.05, "reference.enabled": False})
+    kept = evaluate(of.subject, of.points[0] | {"stop_time": 0.05}, fingerprint(of.subject))
+    assert "reduce macro_step" in kept.message
+    assert kept.values["contact.load.maximum"] > 0.0
     with pytest.raises(ValueError, match="lift"):
         of.subject.evaluate(of.points[1])
 
