@@ -57,15 +57,15 @@ def _texts(course: Course) -> Iterator[str]:
     if i := course.impact:
         speed = f" with {i.speed:.3g} m/s" if i.speed > 0.0 else ""
         yield f"hardest landing {at('impact')}{speed}: {i.load:.4g} N, impulse {i.impulse:.3g} N s"
-
-
-def _warnings(name: str, course: Course, fixed_steps: bool) -> Iterator[str]:
     if excursions := course.ranges:
         yield "film formula outside its ranges (Kushwaha 2000, Table 3) under load: " + ", ".join(
             f"{SYMBOLS[group]} {_percent(one.share)} % of the time ({one.least:.2g} to {one.most:.2g}, range "
             f"{one.low:g} to {one.high:g})"
             for group, one in excursions.items()
         )
+
+
+def _warnings(name: str, course: Course, fixed_steps: bool) -> Iterator[str]:
     if course.pressure > course.elastic_limit:
         pressure, limit = f"{course.pressure / 1e9:.3g} GPa", f"{course.elastic_limit / 1e9:.3g} GPa"
         yield (
