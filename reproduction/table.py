@@ -29,14 +29,14 @@ TWO_FORMS = ("Place", "Statement", "As published", "Verdict", "Corrected", "Corr
 
 def tally(statements: Sequence[Statement]) -> str:
     """How many statements have each verdict."""
-    text = f"{len(statements)} statements: {_counted(s.verdict for s in statements)}"
+    text = f"{len(statements)} statements: {_count(s.verdict for s in statements)}"
     second = [s.corrected_verdict for s in statements if s.corrected_verdict]
     if second:
-        text += f"; of the {len(second)} that depend on the form, corrected: {_counted(second)}"
+        text += f"; of the {len(second)} that depend on the form, corrected: {_count(second)}"
     return text
 
 
-def _counted(verdicts: Iterable[Verdict]) -> str:
+def _count(verdicts: Iterable[Verdict]) -> str:
     count = Counter(verdicts)
     return ", ".join(f"{count[verdict]} {verdict}" for verdict in Verdict if count[verdict])
 

@@ -13,7 +13,7 @@ from ..statement import Numbers, Words
 from .cases import CYCLES, FORMS, MATRIX, Case, matrix
 from .forces import UPPER, changes, curve, limits
 from .impacts import energy
-from .kinds import observed
+from .kinds import observe
 from .runs import STARTS, Runs
 
 FAST, AUTOMOTIVE = 0.01, 0.4
@@ -69,7 +69,7 @@ def load(runs: Runs, case: Case) -> Load:
     """Of F's record."""
     impacts = runs.events(case).impacts
     largest, taken = impacts.approach.max(initial=0.0), energy(case.machine, impacts, CYCLES)
-    kind, share = observed(runs, case).kind, runs.sliding_share(case)
+    kind, share = observe(runs, case).kind, runs.sliding_share(case)
     return Load(kind, share, len(impacts.theta), largest, taken)
 
 

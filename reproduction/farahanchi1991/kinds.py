@@ -15,7 +15,7 @@ from models.slider_crank.motions.classification import CHAOTIC, PERIODIC, TRANSI
 from .cases import SUSTAINED, TRANSIENT, Case
 from .runs import NARROW, STARTS_SOUGHT, Runs
 
-__all__ = ["CHAOTIC", "PERIODIC", "TRANSIENT_CHAOS", "Observed", "observed"]
+__all__ = ["CHAOTIC", "PERIODIC", "TRANSIENT_CHAOS", "Observed", "observe"]
 # More than this share of the starts makes a kind.
 MOST = 0.5
 
@@ -32,7 +32,7 @@ class Observed:
     words: str
 
 
-def observed(runs: Runs, case: Case) -> Observed:
+def observe(runs: Runs, case: Case) -> Observed:
     """The kind that most of the random starts show, in words with its evidence."""
     found = runs.settling(case)
     regular = found.settled & (found.periods < SUSTAINED)

@@ -159,13 +159,13 @@ def cam_cycle(train: ValveTrain, speed_rpm: float, step_deg: float, nodes: int =
             CENTRAL: np.interp(at, fine, history.film_thickness),
             MINIMUM: np.interp(at, fine, history.minimum_film_thickness),
         },
-        _judged(p, turn, at, found, steady),
+        _judge_films(p, turn, at, found, steady),
         fine,
         history,
     )
 
 
-def _judged(
+def _judge_films(
     p: ContactParameters,
     turn: Turn,
     at: Vector,

@@ -33,7 +33,7 @@ TICKS = {CENTRAL: (0.7, 1.0, 1.4, 2.0, 5.0, 10.0), MINIMUM: (0.9, 1.0, 1.1, 1.2,
 BAR, FOOT = 0.028, 0.02
 
 
-def cycles(found: Sequence[CamCycle]) -> Figure:
+def plot_cycles(found: Sequence[CamCycle]) -> Figure:
     """A row for each speed: numerical films; films over the transient one, central and minimum."""
     rows = len(found)
     figure, axes = subplots(rows, 3, sharex=True, squeeze=False, figsize=(11.5, 1.4 + 2.2 * rows))

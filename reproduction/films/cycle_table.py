@@ -23,11 +23,11 @@ def by_speed(runs: Runs) -> str:
     for words, film, cell in NUMBERS:
         rows.append([words, film, *(cell(c) for c in runs.cycles)])
     for name, judged in runs.cycles[0].judged.items():
-        rows.append([f"{judged.words} / transient", judged.film, *(compared(c, name) for c in runs.cycles)])
+        rows.append([f"{judged.words} / transient", judged.film, *(compare(c, name) for c in runs.cycles)])
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
-def compared(c: CamCycle, name: str) -> str:
+def compare(c: CamCycle, name: str) -> str:
     """Ratio at the nose; median over the event; at the reversals; share outside the conditions."""
     ratio = c.ratio(name)
     outside = 100.0 * float(np.mean(~c.judged[name].valid))

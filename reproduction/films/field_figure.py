@@ -29,7 +29,7 @@ PRESSURES = (0.0, 0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0
 MAP_DEG = (130.0, 230.0)
 
 
-def field(c: CamCycle) -> Figure:
+def plot_field(c: CamCycle) -> Figure:
     """Profiles at six instants; maps of pressure and film over cam angle and x."""
     figure = Figure(figsize=(11.0, 9.0))
     headed(figure, f"Pressure and film across the contact at {c.speed_rpm:.0f} r/min (transient)")

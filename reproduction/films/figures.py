@@ -14,8 +14,8 @@ from models.quantities import Vector
 from orchestrator.plots.style import COUPLED, MUTED, headed, subplots
 
 from ..pictures import compact
-from .cycle_figure import COLOURS, INK, cycles
-from .field_figure import field
+from .cycle_figure import COLOURS, INK, plot_cycles
+from .field_figure import plot_field
 from .formulas import CENTRAL, FORMULAS, MINIMUM, Formula
 from .numerical import heights
 from .runs import Runs
@@ -36,16 +36,16 @@ DPI = 105.0
 def draw(runs: Runs, folder: Path) -> list[Path]:
     """Every figure, and the numbers of those that have many."""
     return [
-        compact(lambda: cycles(runs.cycles), folder / f"{CYCLE}.png", DPI),
-        compact(lambda: field(runs.shown), folder / f"{FIELD}.png", DPI),
-        compact(lambda: table_3(runs), folder / f"{TABLE_3}.png"),
-        compact(lambda: power_laws(runs), folder / f"{LAWS}.png"),
+        compact(lambda: plot_cycles(runs.cycles), folder / f"{CYCLE}.png", DPI),
+        compact(lambda: plot_field(runs.shown), folder / f"{FIELD}.png", DPI),
+        compact(lambda: plot_table_3(runs), folder / f"{TABLE_3}.png"),
+        compact(lambda: plot_power_laws(runs), folder / f"{LAWS}.png"),
         _write(folder / f"{CYCLE}.csv", _cycle_rows(runs)),
         _write(folder / f"{TABLE_3}.csv", _sample_rows(runs)),
     ]
 
 
-def table_3(runs: Runs) -> Figure:
+def plot_table_3(runs: Runs) -> Figure:
     """Ratio to the numerical central film over M: steady, and with squeeze for Kushwaha's formula."""
     figure, axes = subplots(1, 2, sharey=True, figsize=(8.6, 3.4))
     headed(figure, "Formulas over the numerical central film, contacts of Kushwaha's Table 3")
@@ -72,7 +72,7 @@ def _points(ax: Axes, x: Vector, y: Vector, formula: Formula) -> None:
     ax.plot(x, y, ".", ms=3.2, color=COLOURS[formula.name], label=formula.words)
 
 
-def power_laws(runs: Runs) -> Figure:
+def plot_power_laws(runs: Runs) -> Figure:
     """New laws over numerical films against M, steady."""
     figure, axes = subplots(1, 2, sharey=True, figsize=(8.6, 3.2))
     headed(figure, "New laws over numerical films, contacts that they were not fitted to")

@@ -13,7 +13,7 @@ from ..kushwaha2000.runs import NOSE_DEG
 from ..statement import Numbers, Words
 from .formulas import CENTRAL, FORMULAS, MINIMUM
 from .runs import Runs
-from .statements import CLAIMS, in_the_cycle, power_law
+from .statements import CLAIMS, judge_in_cycle, judge_power_law
 
 # A power law, for whose conditions all stand.
 POWER_LAW = "pan_hamrock_central"
@@ -76,7 +76,7 @@ def _conditions(runs: Runs) -> SimpleNamespace:
     minimum = []
     for formula in FORMULAS:
         if formula.film == MINIMUM:
-            v = in_the_cycle(runs, formula)
+            v = judge_in_cycle(runs, formula)
             low, high = min(v["inside_low"], v.get("outside_low", np.inf)), v.get("outside_high", 0.0)
             minimum.append(f"{formula.words} {low:.2f}-{max(v['inside_high'], high):.2f}")
     return SimpleNamespace(
@@ -89,6 +89,6 @@ def _conditions(runs: Runs) -> SimpleNamespace:
 
 def _errors(runs: Runs, blended: bool) -> SimpleNamespace:
     """Errors of the new laws for central and minimum film."""
-    laws = [power_law(runs, film, blended) for film in (CENTRAL, MINIMUM)]
+    laws = [judge_power_law(runs, film, blended) for film in (CENTRAL, MINIMUM)]
     names = ("rms", "worst", "squeezed_rms", "squeezed_worst")
     return SimpleNamespace(**{n: " and ".join(f"{100.0 * law[n]:.1f}" for law in laws) + " %" for n in names})

@@ -13,7 +13,7 @@ from models.quantities import Vector
 from ..kushwaha2000.runs import Runs as ValveTrain
 from .cam import NODES, CamCycle, Flags, cam_cycle, course
 from .formulas import CENTRAL, MINIMUM
-from .samples import PowerLaw, Sample, fitted, sample
+from .samples import PowerLaw, Sample, fit_law, sample
 
 # Camshaft angles at which the film is solved for: formulas and film turn over some degrees at the reversals.
 STEP_DEG = 1.0
@@ -95,4 +95,4 @@ class Runs:
     def laws(self) -> dict[tuple[str, bool], PowerLaw]:
         """New laws by film, alone and (True) joined with Martin's film."""
         kinds = [(film, blended) for film in (CENTRAL, MINIMUM) for blended in (False, True)]
-        return {kind: fitted(kind[0], self.fit, kind[1]) for kind in kinds}
+        return {kind: fit_law(kind[0], self.fit, kind[1]) for kind in kinds}

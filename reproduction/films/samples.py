@@ -113,7 +113,7 @@ class PowerLaw:
         W, G = s.M * np.sqrt(s.speed_group), s.L * s.speed_group**-0.25
         H = self.constant * U**self.speed * G**self.material * W**self.load / np.sqrt(s.speed_group)
         if self.blend > 0.0:
-            H = _joined(H, s.M, self.blend)
+            H = _join(H, s.M, self.blend)
         return H * np.exp(-k * s.squeeze * U**-0.25) if squeezed else H
 
     @property
@@ -141,7 +141,7 @@ def error_of(law: PowerLaw, s: Sample, squeezed: bool) -> Error:
     return Error(float(np.sqrt(np.mean(np.square(off)))), float(np.max(np.abs(off))))
 
 
-def fitted(film: str, s: Sample, blended: bool) -> PowerLaw:
+def fit_law(film: str, s: Sample, blended: bool) -> PowerLaw:
     """Least squares of ln H on a sample. H = C M^c L^b by construction, alone or joined with Martin's."""
     found = heights(s.steady, f"H_{film}")
     known = np.isfinite(found)
@@ -152,7 +152,7 @@ def fitted(film: str, s: Sample, blended: bool) -> PowerLaw:
     if blended:
 
         def miss(v: Vector) -> Vector:
-            return np.log(_joined(np.exp(columns @ v[:3]), M, v[3]) / H)
+            return np.log(_join(np.exp(columns @ v[:3]), M, v[3]) / H)
 
         *values, blend = least_squares(miss, START).x
     constant, load, material = values
@@ -162,7 +162,7 @@ def fitted(film: str, s: Sample, blended: bool) -> PowerLaw:
     return PowerLaw(film, math.exp(constant) * 2.0**speed, speed, material, load, squeeze, float(blend))
 
 
-def _joined(H: Vector, M: Vector, blend: float) -> Vector:
+def _join(H: Vector, M: Vector, blend: float) -> Vector:
     return np.asarray((H**blend + (MARTIN / M) ** blend) ** (1.0 / blend))
 
 

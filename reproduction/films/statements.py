@@ -23,7 +23,7 @@ NOT_SEEN = 0.02
 Numbers = dict[str, Any]
 
 
-def spread(name: str, values: Vector) -> Numbers:
+def summarize(name: str, values: Vector) -> Numbers:
     """Least, largest and median of some ratios, whether all are right, and words for them."""
     values = values[np.isfinite(values)]
     if not values.size:
@@ -42,18 +42,18 @@ def near_share(ratio: Vector) -> float:
 
 
 @cache
-def in_the_cycle(runs: Runs, formula: Formula) -> Numbers:
+def judge_in_cycle(runs: Runs, formula: Formula) -> Numbers:
     """Against the steady film that it is for, where its conditions hold and where they do not; and against
     the transient film."""
     steady, transient = runs.over_steady(formula.name), runs.ratios(formula.name)
     valid = runs.valid(formula.name)
-    found = spread("inside", steady[valid]) | spread("outside", steady[~valid])
+    found = summarize("inside", steady[valid]) | summarize("outside", steady[~valid])
     found["elsewhere"] = f"; elsewhere {found['outside']}" if "outside_low" in found else ""
     return found | {"share": np.mean(valid), "median": np.median(transient), "near": near_share(transient)}
 
 
 @cache
-def squeezed_in_the_cycle(runs: Runs, formula: Formula) -> Numbers:
+def judge_squeezed(runs: Runs, formula: Formula) -> Numbers:
     """With the squeeze term, against the transient film."""
     name = f"{formula.name} {SQUEEZED}"
     ratio, valid = runs.ratios(name), runs.valid(name)
@@ -61,12 +61,12 @@ def squeezed_in_the_cycle(runs: Runs, formula: Formula) -> Numbers:
     parts = {"all": ratio, "inside": ratio[valid], "outside": ratio[~valid], "at_rest": at_rest}
     found: Numbers = {"share": np.mean(valid)}
     for part, values in parts.items():
-        found |= spread(part, values)
+        found |= summarize(part, values)
     return found
 
 
 @cache
-def steady_for_transient(runs: Runs) -> Numbers:
+def compare_steady(runs: Runs) -> Numbers:
     """Whether the film is the one that load, speed and radius would keep up."""
     shares = {c.speed_rpm: near_share(c.ratio(f"{STEADY} {CENTRAL}")) for c in runs.cycles}
     kept = np.concatenate([c.transient[MINIMUM][c.reversals] for c in runs.cycles])
@@ -77,7 +77,7 @@ def steady_for_transient(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def resolution(runs: Runs) -> Numbers:
+def measure_resolution(runs: Runs) -> Numbers:
     """The transient film's error, by half as many nodes."""
     inside = runs.shown.in_event
     histories = (runs.coarser, runs.shown.history)
@@ -94,7 +94,7 @@ def resolution(runs: Runs) -> Numbers:
 
 
 @cache
-def table_3_in_the_cycle(runs: Runs) -> Numbers:
+def share_of_table_3(runs: Runs) -> Numbers:
     """How much of the cam's event is inside Table 3."""
     shares = {c.speed_rpm: np.mean(c.judged["kushwaha"].valid) for c in runs.cycles}
     each = [f"{100.0 * share:.0f} % at {speed:.0f}" for speed, share in shares.items()]
@@ -102,16 +102,16 @@ def table_3_in_the_cycle(runs: Runs) -> Numbers:
 
 
 @cache
-def over_table_3(runs: Runs, formula: Formula) -> Numbers:
+def judge_over_table_3(runs: Runs, formula: Formula) -> Numbers:
     """Kushwaha's formula where he says it applies."""
     s = runs.fit
-    found = spread("steady", s.over_numerical(formula))
-    found |= spread("squeezed", s.squeezed_over_numerical(formula))
+    found = summarize("steady", s.over_numerical(formula))
+    found |= summarize("squeezed", s.squeezed_over_numerical(formula))
     return found | {"M_low": s.M.min(), "M_high": s.M.max(), "L_low": s.L.min(), "L_high": s.L.max()}
 
 
 @cache
-def power_law(runs: Runs, film: str, blended: bool) -> Numbers:
+def judge_power_law(runs: Runs, film: str, blended: bool) -> Numbers:
     """The new regression, judged by contacts that it was not fitted to."""
     law = runs.laws[film, blended]
     fit, steady, squeezed = (
@@ -129,7 +129,7 @@ OF_TABLE_3 = [formula for formula in FORMULAS if formula.valid is in_table_3]
 CYCLE = [
     Claim[Runs](
         f"cycle-{formula.name}", formula.source, f"{formula.film} film h/R = {formula.text}",
-        partial(in_the_cycle, formula=formula),
+        partial(judge_in_cycle, formula=formula),
         "conditions hold in {share:.0f%} of the event: {inside} times the steady numerical film{elsewhere}; "
         "{median:.2f} times the transient film in the median, within 10 % of it in {near:.0f%} of the event",
         lambda v: v.inside_right,
@@ -141,7 +141,7 @@ SQUEEZED_CYCLE = [
     Claim[Runs](
         f"cycle-{formula.name}-{SQUEEZED}", formula.source,
         f"{formula.film} film h/R = {formula.text} exp(−96.775 w_s)",
-        partial(squeezed_in_the_cycle, formula=formula),
+        partial(judge_squeezed, formula=formula),
         "conditions hold in {share:.0f%} of the event: {inside} times the transient film; elsewhere "
         "{outside}; at the reversals {at_rest}",
         lambda v: v.inside_right, f"conditions: {formula.conditions}, w_s too; met: within 10 % there",
@@ -151,7 +151,7 @@ SQUEEZED_CYCLE = [
 TABLE_3 = [
     Claim[Runs](
         f"table-3-{formula.name}", "Kushwaha et al. 2000, Table 3",
-        f"central film h/R = {formula.text} over its ranges", partial(over_table_3, formula=formula),
+        f"central film h/R = {formula.text} over its ranges", partial(judge_over_table_3, formula=formula),
         "steady {steady} times the numerical film, with squeeze {squeezed}",
         lambda v: v.steady_right and v.squeezed_right,
         "the ranges are M = {M_low:.2f}-{M_high:.1f}, L = {L_low:.0f}-{L_high:.0f}: lightly loaded, much of "
@@ -163,7 +163,7 @@ NEW = [
     Claim[Runs](
         f"new-{film}{'-joined' if blended else ''}", "new regression",
         film + " film h/R = {law}; with squeeze times exp(−{squeeze:.3f} w_s U^−1/4)",
-        partial(power_law, film=film, blended=blended),
+        partial(judge_power_law, film=film, blended=blended),
         "steady rms {rms:.1f%}, at most {worst:.1f%} (where it was fitted rms {fit_rms:.1f%}, at most "
         "{fit_worst:.1f%}); with squeeze rms {squeezed_rms:.1f%}, at most {squeezed_worst:.1f%}",
         lambda v: v.worst <= RIGHT,
@@ -176,19 +176,19 @@ NEW = [
 CLAIMS: tuple[Claim[Runs], ...] = (
     *CYCLE,
     Claim("cycle-steady", "every formula without squeeze",
-        "The film through the cycle is the steady one of each instant", steady_for_transient,
+        "The film through the cycle is the steady one of each instant", compare_steady,
         "central film within 10 % of it in {each} r/min; at the reversals, where the steady film is 0, the "
         "minimum is {kept_low:µ.3f}-{kept_high:µ.3f} µm",
         lambda v: v.least == 1.0, "squeezing keeps the film up where entrainment reverses"),
     Claim("cycle-resolution", "transient numerical film",
-        "The film through the cycle does not depend on the number of nodes (1000 r/min)", resolution,
+        "The film through the cycle does not depend on the number of nodes (1000 r/min)", measure_resolution,
         "from {coarse} to {fine} nodes central films change by up to {central:.1f%}, minimum films by "
         "{minimum:.1f%}; the highest pressure from {pressures[0]:G.2f} to {pressures[1]:G.2f} GPa",
         lambda v: max(v.central, v.minimum) <= NOT_SEEN,
         "met: films within 2 %; of an error of second order a third of this is left"),
     *SQUEEZED_CYCLE,
     Claim("table-3-share", "Kushwaha et al. 2000, Table 3",
-        "The ranges of G, W and U hold through the cycle", table_3_in_the_cycle,
+        "The ranges of G, W and U hold through the cycle", share_of_table_3,
         "in a part of the event only: {each} r/min", lambda v: v.least == 1.0),
     *TABLE_3,
     *NEW,

@@ -73,7 +73,7 @@ def _legend(axes: Axes, columns: int) -> None:
     )
 
 
-def lift(runs: Runs) -> Figure:
+def plot_lift(runs: Runs) -> Figure:
     """Fig 2."""
     figure, axes = _panels(3, f"Fig. 2  Cam lift, follower velocity and acceleration ({_rpm(1000.0)})")
     angle = np.linspace(0.0, 360.0, 1801)
@@ -93,7 +93,7 @@ def lift(runs: Runs) -> Figure:
     return figure
 
 
-def entraining_velocity(runs: Runs) -> Figure:
+def plot_entraining_velocity(runs: Runs) -> Figure:
     """Fig 3."""
     figure, (ax,) = _panels(1, "Fig. 3  Entraining velocity")
     angle = np.linspace(0.0, 360.0, 1801)
@@ -107,7 +107,7 @@ def entraining_velocity(runs: Runs) -> Figure:
     return figure
 
 
-def film(runs: Runs) -> Figure:
+def plot_film(runs: Runs) -> Figure:
     """Fig 4."""
     figure, axes = _panels(2, f"Fig. 4  Film thickness, kinematic ({_rpm(KINEMATIC_SPEED)})")
     for ax, exponent in zip(axes, FILM_WORDS, strict=True):
@@ -127,7 +127,7 @@ def film(runs: Runs) -> Figure:
     return figure
 
 
-def squeeze_velocity(runs: Runs) -> Figure:
+def plot_squeeze_velocity(runs: Runs) -> Figure:
     """Fig 5."""
     figure, axes = _panels(2, f"Fig. 5  Squeeze velocity, kinematic ({_rpm(KINEMATIC_SPEED)}, + separates)")
     for ax, exponent in zip(axes, FILM_WORDS, strict=True):
@@ -141,7 +141,7 @@ def squeeze_velocity(runs: Runs) -> Figure:
     return figure
 
 
-def contact_load(runs: Runs) -> Figure:
+def plot_contact_load(runs: Runs) -> Figure:
     """Fig 6."""
     figure, (ax,) = _panels(1, "Fig. 6  Contact load with spring surge (r/min)")
     massless = runs.kinematic(SPEEDS[-1])
@@ -157,7 +157,7 @@ def contact_load(runs: Runs) -> Figure:
     return figure
 
 
-def films(runs: Runs) -> Figure:
+def plot_films(runs: Runs) -> Figure:
     """Fig 7."""
     figure, axes = _panels(2, "Fig. 7  Film thickness with spring surge")
     for ax, exponent in zip(axes, FILM_WORDS, strict=True):
@@ -172,7 +172,7 @@ def films(runs: Runs) -> Figure:
     return figure
 
 
-def flexible_load(runs: Runs) -> Figure:
+def plot_flexible_load(runs: Runs) -> Figure:
     """Fig 8."""
     figure, axes = _panels(2, "Fig. 8  Contact load at 600 r/min, flexible camshaft", (1.0, 1.25))
     rigid = runs.surge(600.0)
@@ -193,13 +193,13 @@ def _rpm(speed: float) -> str:
 
 
 FIGURES: Mapping[int, Callable[[Runs], Figure]] = {
-    2: lift,
-    3: entraining_velocity,
-    4: film,
-    5: squeeze_velocity,
-    6: contact_load,
-    7: films,
-    8: flexible_load,
+    2: plot_lift,
+    3: plot_entraining_velocity,
+    4: plot_film,
+    5: plot_squeeze_velocity,
+    6: plot_contact_load,
+    7: plot_films,
+    8: plot_flexible_load,
 }
 CAPTIONS: Mapping[int, str] = {
     2: "Lift, velocity and acceleration characteristics of the cycloidal cam",

@@ -21,50 +21,50 @@ EXAMPLE = Case(0.05, 0.01)
 def _patterns(first: int, dampings: tuple[float, ...]) -> list[Picture]:
     """F's 3 x 3 distribution patterns."""
     cases = [Case(damping, gap) for damping, gap in product(dampings, GAPS)]
-    return [Picture(f"4.{first + n}", PATTERN, impacts.profile, case) for n, case in enumerate(cases)]
+    return [Picture(f"4.{first + n}", PATTERN, impacts.plot_profile, case) for n, case in enumerate(cases)]
 
 
 def _spectra(first: int, case: Case) -> list[Picture]:
     """F's three figures of a case."""
     return [
-        Picture(f"4.{first}", MAP, motions.poincare, case),
-        Picture(f"4.{first + 1}", "Impact spectra, upper wall", impacts.upper_spectrum, case),
-        Picture(f"4.{first + 2}", "Impact spectra, lower wall", impacts.lower_spectrum, case),
+        Picture(f"4.{first}", MAP, motions.plot_poincare, case),
+        Picture(f"4.{first + 1}", "Impact spectra, upper wall", impacts.plot_upper_spectrum, case),
+        Picture(f"4.{first + 2}", "Impact spectra, lower wall", impacts.plot_lower_spectrum, case),
     ]
 
 
 PICTURES: tuple[Picture, ...] = (
-    Picture("2.2", "The constraints for ψ", forces.walls),
-    Picture("2.4", FORCE, forces.constraint, Case(0.01, 0.01)),
-    Picture("2.5", FORCE, forces.constraint, Case(0.1, 0.01)),
-    Picture("2.6", FORCE, forces.constraint, Case(0.25, 0.01)),
-    Picture("2.7", FORCE, forces.constraint, Case(0.267, 0.02)),
-    Picture("2.8", "Blow-up of the constraint force", forces.blow_up, Case(0.1, 0.01)),
-    Picture("2.9", FORCE, forces.constraint, Case(0.35, 0.01)),
-    Picture("2.10", "Regions of sliding", forces.regions),
-    Picture("3.1", "Three-dimensional phase space", forces.extended_phase_space),
-    Picture("4.1", TRACE, motions.first_trace, EXAMPLE),
-    Picture("4.2", "Phase portrait", motions.phase, EXAMPLE),
-    Picture("4.3", MAP, motions.poincare, EXAMPLE),
-    Picture("4.4", f"First magnification of the {MAP}", motions.first_magnification, EXAMPLE),
-    Picture("4.5", f"Second magnification of the {MAP}", motions.second_magnification, EXAMPLE),
+    Picture("2.2", "The constraints for ψ", forces.plot_walls),
+    Picture("2.4", FORCE, forces.plot_constraint, Case(0.01, 0.01)),
+    Picture("2.5", FORCE, forces.plot_constraint, Case(0.1, 0.01)),
+    Picture("2.6", FORCE, forces.plot_constraint, Case(0.25, 0.01)),
+    Picture("2.7", FORCE, forces.plot_constraint, Case(0.267, 0.02)),
+    Picture("2.8", "Blow-up of the constraint force", forces.plot_blow_up, Case(0.1, 0.01)),
+    Picture("2.9", FORCE, forces.plot_constraint, Case(0.35, 0.01)),
+    Picture("2.10", "Regions of sliding", forces.plot_regions),
+    Picture("3.1", "Three-dimensional phase space", forces.plot_extended_phase_space),
+    Picture("4.1", TRACE, motions.plot_first_trace, EXAMPLE),
+    Picture("4.2", "Phase portrait", motions.plot_phase, EXAMPLE),
+    Picture("4.3", MAP, motions.plot_poincare, EXAMPLE),
+    Picture("4.4", f"First magnification of the {MAP}", motions.plot_first_magnification, EXAMPLE),
+    Picture("4.5", f"Second magnification of the {MAP}", motions.plot_second_magnification, EXAMPLE),
     *_patterns(6, LOW_DAMPINGS),
     *_spectra(15, Case(0.025, 0.01)),
     *_spectra(18, Case(0.05, 0.015)),
     *_spectra(21, Case(0.075, 0.02)),
     *_patterns(24, HIGH_DAMPINGS),
-    Picture("4.33", MAP, motions.poincare, Case(0.2, 0.015)),
-    Picture("4.34", MAP, motions.poincare, Case(0.25, 0.015)),
-    Picture("4.35", TRACE, motions.trace, Case(0.25, 0.015)),
-    Picture("4.36", MAP, motions.poincare, Case(0.25, 0.01)),
-    Picture("4.37", MAP, motions.poincare, Case(0.25, 0.02)),
-    Picture("4.38", MAP, motions.poincare, Case(0.05, 0.02, 0.7)),
-    Picture("4.39", MAP, motions.poincare, Case(0.05, 0.02, 0.5)),
-    Picture("4.40", PATTERN, impacts.profile_of_two, Case(0.025, 0.02, 0.7)),
-    Picture("4.41", PATTERN, impacts.profile_of_two, Case(0.025, 0.02, 0.5)),
-    Picture("4.42", TRACE, motions.trace, Case(0.05, 0.02)),
-    Picture("4.43", TRACE, motions.trace, Case(0.05, 0.02, 0.7)),
-    Picture("4.44", TRACE, motions.trace, Case(0.05, 0.02, 0.5)),
+    Picture("4.33", MAP, motions.plot_poincare, Case(0.2, 0.015)),
+    Picture("4.34", MAP, motions.plot_poincare, Case(0.25, 0.015)),
+    Picture("4.35", TRACE, motions.plot_trace, Case(0.25, 0.015)),
+    Picture("4.36", MAP, motions.plot_poincare, Case(0.25, 0.01)),
+    Picture("4.37", MAP, motions.plot_poincare, Case(0.25, 0.02)),
+    Picture("4.38", MAP, motions.plot_poincare, Case(0.05, 0.02, 0.7)),
+    Picture("4.39", MAP, motions.plot_poincare, Case(0.05, 0.02, 0.5)),
+    Picture("4.40", PATTERN, impacts.plot_profile_of_two, Case(0.025, 0.02, 0.7)),
+    Picture("4.41", PATTERN, impacts.plot_profile_of_two, Case(0.025, 0.02, 0.5)),
+    Picture("4.42", TRACE, motions.plot_trace, Case(0.05, 0.02)),
+    Picture("4.43", TRACE, motions.plot_trace, Case(0.05, 0.02, 0.7)),
+    Picture("4.44", TRACE, motions.plot_trace, Case(0.05, 0.02, 0.5)),
 )
 
 

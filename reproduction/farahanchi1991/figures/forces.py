@@ -29,7 +29,7 @@ BLOW_UP = 0.2
 LARGEST_GAP, DAMPINGS = 0.02, (0.0, 0.4)
 
 
-def constraint(runs: Runs, picture: Picture) -> Figure:
+def plot_constraint(runs: Runs, picture: Picture) -> Figure:
     """Figs 2.4 to 2.7 and 2.9."""
     figure, axes = picture.frame(7.4, 2.9, [list(FORMS)], sharey=True)
     for form in FORMS:
@@ -46,7 +46,7 @@ def _changes(machine: Machine) -> str:
     return f"{count} changes of sign, upper wall" if count else "upper wall throughout"
 
 
-def blow_up(runs: Runs, picture: Picture) -> Figure:
+def plot_blow_up(runs: Runs, picture: Picture) -> Figure:
     """Fig 2.8: where the forces cross, in windows of equal width."""
     figure, axes = picture.frame(7.4, 4.6, [[f"{form} {n}" for n in range(2)] for form in FORMS])
     for form in FORMS:
@@ -72,7 +72,7 @@ def _plain_ticks(ax: Axes) -> None:
     ax.xaxis.set_major_formatter(ScalarFormatter(useOffset=False))
 
 
-def regions(runs: Runs, picture: Picture) -> Figure:
+def plot_regions(runs: Runs, picture: Picture) -> Figure:
     """Fig 2.10."""
     figure, axes = picture.frame(7.4, 4.8, [[form] for form in FORMS], sharex=True)
     gaps = np.linspace(0.0, LARGEST_GAP, 21)
@@ -84,7 +84,7 @@ def regions(runs: Runs, picture: Picture) -> Figure:
     return figure
 
 
-def walls(runs: Runs, picture: Picture) -> Figure:
+def plot_walls(runs: Runs, picture: Picture) -> Figure:
     """Fig 2.2."""
     figure, ax = subplots(figsize=(5.4, 2.6))
     picture.head(figure)
@@ -100,7 +100,7 @@ def walls(runs: Runs, picture: Picture) -> Figure:
     return figure
 
 
-def extended_phase_space(runs: Runs, picture: Picture) -> Figure:
+def plot_extended_phase_space(runs: Runs, picture: Picture) -> Figure:
     """Fig 3.1."""
     figure = Figure(figsize=(6.2, 4.8))
     picture.head(figure)

@@ -20,7 +20,7 @@ from orchestrator.plots.style import ACCENT, COUPLED
 
 from ..cases import CYCLES, FORMS, PUBLISHED, Case
 from ..runs import Runs
-from .motions import in_words
+from .motions import describe
 from .picture import INK, LABELS, Picture, caption, note
 
 PROFILE_BINS, SPECTRUM_BINS = 100, 120
@@ -28,7 +28,7 @@ PROFILE_BINS, SPECTRUM_BINS = 100, 120
 TEXT_DAMPING = 0.05
 
 
-def profile(runs: Runs, picture: Picture) -> Figure:
+def plot_profile(runs: Runs, picture: Picture) -> Figure:
     """Figs 4.6 to 4.14 and 4.24 to 4.32."""
     figure, axes = picture.frame(7.4, 4.1, [[form] for form in FORMS], sharex=True, sharey=True)
     for form in FORMS:
@@ -43,12 +43,12 @@ def _profile(runs: Runs, ax: Axes, case: Case, words: str) -> None:
     found = impact_profile(impacts, approach_velocities(impacts), THESIS_XI, PROFILE_BINS, CYCLES)
     draw_profile(ax, found.edges, found.upper, found.lower)
     ax.set_ylabel("velocities per cycle")
-    caption(ax, f"{words}: {in_words(runs, case)}")
+    caption(ax, f"{words}: {describe(runs, case)}")
     count = len(impacts.theta) / CYCLES
     note(ax, f"{count:.2f} impacts a cycle" if count else "no impacts: at rest on the upper wall", 0.015)
 
 
-def profile_of_two(runs: Runs, picture: Picture) -> Figure:
+def plot_profile_of_two(runs: Runs, picture: Picture) -> Figure:
     """Figs 4.40 and 4.41: caption and text differ in lambda."""
     words = {"caption": picture.shown, "text": replace(picture.shown, damping=TEXT_DAMPING)}
     mosaic = [[f"{form} {name}" for name in words] for form in FORMS]
@@ -65,7 +65,7 @@ def profile_of_two(runs: Runs, picture: Picture) -> Figure:
     return figure
 
 
-def spectrum(runs: Runs, picture: Picture, side: float) -> Figure:
+def plot_spectrum(runs: Runs, picture: Picture, side: float) -> Figure:
     """Figs 4.16, 4.17, 4.19, 4.20, 4.22, 4.23."""
     figure, axes = picture.frame(7.4, 4.1, [list(FORMS)], subplot_kw={"projection": "polar"})
     for form in FORMS:
@@ -74,9 +74,9 @@ def spectrum(runs: Runs, picture: Picture, side: float) -> Figure:
         found = impact_spectrum(impacts, approach_velocities(impacts), SPECTRUM_BINS, CYCLES)
         values, colour = (found.upper, COUPLED) if side == UPPER else (found.lower, ACCENT)
         draw_spectrum(cast(PolarAxes, axes[form]), found.edges, values, colour)
-        axes[form].set_title(f"{LABELS[form]}: {in_words(runs, case)}", fontsize=9, pad=12.0, color=INK)
+        axes[form].set_title(f"{LABELS[form]}: {describe(runs, case)}", fontsize=9, pad=12.0, color=INK)
     return figure
 
 
-upper_spectrum: Callable[[Runs, Picture], Figure] = partial(spectrum, side=UPPER)
-lower_spectrum: Callable[[Runs, Picture], Figure] = partial(spectrum, side=LOWER)
+plot_upper_spectrum: Callable[[Runs, Picture], Figure] = partial(plot_spectrum, side=UPPER)
+plot_lower_spectrum: Callable[[Runs, Picture], Figure] = partial(plot_spectrum, side=LOWER)

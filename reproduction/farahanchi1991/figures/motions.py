@@ -30,7 +30,7 @@ POINTS = 60_000
 SHORT = 10
 
 
-def trace(runs: Runs, picture: Picture, cycles: int = 3, after: int = TRANSIENT) -> Figure:
+def plot_trace(runs: Runs, picture: Picture, cycles: int = 3, after: int = TRANSIENT) -> Figure:
     """Figs 4.1, 4.35, 4.42 to 4.44."""
     figure, axes = picture.frame(7.4, 3.9, [[form] for form in FORMS], sharex=True, sharey=True)
     for form in FORMS:
@@ -43,10 +43,10 @@ def trace(runs: Runs, picture: Picture, cycles: int = 3, after: int = TRANSIENT)
     return figure
 
 
-first_trace: Callable[[Runs, Picture], Figure] = partial(trace, cycles=2, after=25)
+plot_first_trace: Callable[[Runs, Picture], Figure] = partial(plot_trace, cycles=2, after=25)
 
 
-def phase(runs: Runs, picture: Picture) -> Figure:
+def plot_phase(runs: Runs, picture: Picture) -> Figure:
     """Fig 4.2."""
     figure, axes = picture.frame(7.4, 3.4, [list(FORMS)], sharey=True)
     for form in FORMS:
@@ -58,22 +58,22 @@ def phase(runs: Runs, picture: Picture) -> Figure:
     return figure
 
 
-def points(runs: Runs, case: Case, cycles: int | None = None) -> tuple[Vector, Vector]:
+def find_points(runs: Runs, case: Case, cycles: int | None = None) -> tuple[Vector, Vector]:
     """Crank angle and psi' of the upper impacts."""
     upper = on_wall(runs.events(case, cycles) if cycles else runs.events(case), UPPER)
     return upper.theta[-POINTS:], upper.rate[-POINTS:]
 
 
-def poincare(runs: Runs, picture: Picture) -> Figure:
+def plot_poincare(runs: Runs, picture: Picture) -> Figure:
     """Figs 4.3, 4.15, 4.18, 4.21, 4.33, 4.34, 4.36 to 4.39."""
     figure, axes = picture.frame(7.4, 3.3, [list(FORMS)], sharey=True)
     for form in FORMS:
         case = picture.shown.in_form(form)
-        theta, rate = points(runs, case)
+        theta, rate = find_points(runs, case)
         draw_poincare(axes[form], theta, rate, label=form == PUBLISHED)
         _mark_orbit(axes[form], runs, case)
         axes[form].set_xlabel("crank angle θ (rad)")
-        caption(axes[form], f"{LABELS[form]}: {in_words(runs, case)}")
+        caption(axes[form], f"{LABELS[form]}: {describe(runs, case)}")
         if not len(theta):
             note(axes[form], "no impacts: at rest on the upper wall", 0.03)
     return figure
@@ -90,7 +90,7 @@ def _mark_orbit(ax: Axes, runs: Runs, case: Case) -> None:
     ax.legend(loc="upper right", handletextpad=0.1)
 
 
-def in_words(runs: Runs, case: Case) -> str:
+def describe(runs: Runs, case: Case) -> str:
     """What the motion is, in few words."""
     kind = runs.kind(case)
     if not runs.events(case).theta.size:
@@ -106,9 +106,9 @@ def in_words(runs: Runs, case: Case) -> str:
     return f"{words} after {kind.transient} cycles" if kind.transient > TRANSIENT else words
 
 
-def magnification(runs: Runs, picture: Picture, level: int) -> Figure:
+def plot_magnification(runs: Runs, picture: Picture, level: int) -> Figure:
     """Figs 4.4 and 4.5: the window, and where it lies; as published only, see the table."""
-    theta, rate = points_of_many(runs, picture.shown)
+    theta, rate = find_many_points(runs, picture.shown)
     window = magnified(theta, rate, CENTRE, BY**level)
     whole = magnified(theta, rate, CENTRE, BY ** (level - 1)) if level > 1 else None
     figure, axes = picture.frame(7.4, 3.3, [["whole", "part"]], form=LABELS[PUBLISHED])
@@ -120,11 +120,11 @@ def magnification(runs: Runs, picture: Picture, level: int) -> Figure:
     return figure
 
 
-def points_of_many(runs: Runs, case: Case) -> tuple[Vector, Vector]:
+def find_many_points(runs: Runs, case: Case) -> tuple[Vector, Vector]:
     """Of a record long enough for two magnifications."""
     upper = on_wall(runs.events(case, MAGNIFIED_CYCLES), UPPER)
     return upper.theta, upper.rate
 
 
-first_magnification: Callable[[Runs, Picture], Figure] = partial(magnification, level=1)
-second_magnification: Callable[[Runs, Picture], Figure] = partial(magnification, level=2)
+plot_first_magnification: Callable[[Runs, Picture], Figure] = partial(plot_magnification, level=1)
+plot_second_magnification: Callable[[Runs, Picture], Figure] = partial(plot_magnification, level=2)

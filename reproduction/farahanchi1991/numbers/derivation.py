@@ -40,7 +40,7 @@ TURN = np.linspace(0.0, 2.0 * math.pi, 721)
 Numbers = dict[str, Any]
 
 
-def engine(runs: Runs) -> Numbers:
+def compute_engine(runs: Runs) -> Numbers:
     """F's ratios from F's masses and lengths, and those of rods; gravity beside the crank's acceleration."""
     xi, alpha = CRANK_IN / ROD_IN, ROD_MASS / PISTON_MASS
     beta = ROD_INERTIA / (PISTON_MASS * ROD_IN**2)
@@ -54,7 +54,7 @@ def engine(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def rates(runs: Runs) -> Numbers:
+def compute_rates(runs: Runs) -> Numbers:
     """Rates of the rod by F's own displacements, beside those that F states."""
     phi_rate, quarter = joint_rate(1.0, 0.0, M) - 1.0, 1.0 + M.alpha / 4.0
     return {
@@ -100,7 +100,7 @@ def _speed_fault(speed: float) -> float:
 
 
 @cache
-def equations(runs: Runs) -> Numbers:
+def compare_equations(runs: Runs) -> Numbers:
     """How far printed equations are from Lagrange's of F's energy, and of that with the rod's right rate."""
     small, large = _linear_fault(0.01), _linear_fault(0.02)
     return {
@@ -112,7 +112,7 @@ def equations(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def walls(runs: Runs) -> Numbers:
+def check_walls(runs: Runs) -> Numbers:
     """Exact walls beside the linear ones; the rule of impacts; the lever of the wall's force."""
 
     def off(gap: float) -> float:
@@ -134,14 +134,14 @@ def walls(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def coming_to_rest(runs: Runs) -> Numbers:
+def sum_bounces(runs: Runs) -> Numbers:
     """Bounces under a constant push g from a rebound v take 2v/(g(1 - e)); the share of 400 of them."""
     times = np.cumsum(2.0 * 0.9 ** np.arange(400))
     events = Motion(Machine(0.25, 0.015, 0.9, PUBLISHED)).skip(30).events(1).impacts
     return {"share": times[-1] / (2.0 / (1.0 - 0.9)), "impacts": len(events.theta)}
 
 
-def when_it_slides(runs: Runs) -> Numbers:
+def measure_sliding(runs: Runs) -> Numbers:
     """Shares of the time in which the roller slides."""
     cases = (Case(0.05, 0.01), Case(0.25, 0.01), Case(0.05, 0.01, 0.5))
     plain, damped, soft = (runs.sliding_share(case) for case in cases)

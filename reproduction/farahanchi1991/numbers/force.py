@@ -35,13 +35,13 @@ def _intervals(pairs: Sequence[tuple[float, float]]) -> str:
     return ", ".join(f"{a:.3f}-{b:.3f}" for a, b in pairs) or "nowhere"
 
 
-def restitution(runs: Runs) -> Numbers:
+def compare_restitutions(runs: Runs) -> Numbers:
     """Largest difference of the forces with e = 0, 0.5 and 1."""
     values = [curve(Machine(0.1, 0.01, e, PUBLISHED), UPPER, 361) for e in (0.0, 0.5, 1.0)]
     return {"spread": np.ptp(values, axis=0).max()}
 
 
-def symmetry(runs: Runs, form: str, damping: float, gap: float, half_turn: bool) -> Numbers:
+def check_symmetry(runs: Runs, form: str, damping: float, gap: float, half_turn: bool) -> Numbers:
     """What is missing of f_u = -f_l, or of f_u(theta + pi) = -f_u(theta), over the largest force."""
     machine = Machine(damping, gap, form=form)
     upper = curve(machine, UPPER, 721)[:-1]
@@ -49,12 +49,12 @@ def symmetry(runs: Runs, form: str, damping: float, gap: float, half_turn: bool)
     return {"fault": np.abs(upper + other).max() / np.abs(upper).max()}
 
 
-def four_regions(runs: Runs, form: str) -> Numbers:
+def divide_turn(runs: Runs, form: str) -> Numbers:
     found = shares(Machine(0.1, 0.01, form=form))
     return {"each": [f"{name} {value:.4f}" for name, value in found.items()], "least": min(found.values())}
 
 
-def figure_2_4(runs: Runs, form: str) -> Numbers:
+def find_changes_of_sign(runs: Runs, form: str) -> Numbers:
     """`off`: how far the changes are from pi and 2 pi, infinite where there are not two of them."""
     machine = Machine(0.01, 0.01, form=form)
     up, low = changes(machine, UPPER), changes(machine, LOWER)
@@ -66,7 +66,7 @@ def figure_2_4(runs: Runs, form: str) -> Numbers:
     }  # fmt: skip
 
 
-def longer_upper(runs: Runs, form: str) -> Numbers:
+def compare_dampings(runs: Runs, form: str) -> Numbers:
     machines = [Machine(damping, 0.01, form=form) for damping in (0.01, 0.1, 0.25)]
     found = [shares(machine) for machine in machines]
     grows = bool(np.all(np.diff([curve(machine, UPPER, 361) for machine in machines], axis=0) > 0.0))
@@ -76,12 +76,12 @@ def longer_upper(runs: Runs, form: str) -> Numbers:
     }  # fmt: skip
 
 
-def asymmetry(runs: Runs, form: str) -> Numbers:
+def compare_gaps(runs: Runs, form: str) -> Numbers:
     machines = [Machine(0.1, gap, form=form) for gap in (0.0, 0.01, 0.02)]
     return {"sums": [np.abs(curve(m, UPPER, 361) + curve(m, LOWER, 361)).max() for m in machines]}
 
 
-def figure_2_7(runs: Runs, form: str) -> Numbers:
+def find_holding_intervals(runs: Runs, form: str) -> Numbers:
     """Where the walls can hold the roller; the lower one's first interval."""
     machine = Machine(0.267, 0.02, form=form)
     low, upper_changes = pressed(machine, LOWER), len(changes(machine, UPPER))
@@ -106,7 +106,7 @@ def _mixed_interval() -> tuple[float, float]:
     return float(brentq(pushing, 4.85, 5.05)), float(brentq(pushing, 5.05, 5.25))
 
 
-def near_crossings(runs: Runs, form: str) -> Numbers:
+def measure_crossings(runs: Runs, form: str) -> Numbers:
     """Over pairs (lambda, rho) with crossings: radians in which either wall holds the roller, and neither."""
     pairs = [(d, gap) for d in np.linspace(0.01, 0.25, 9) for gap in (0.005, 0.01, 0.02)]
     machines = [Machine(float(damping), gap, form=form) for damping, gap in pairs]
@@ -121,7 +121,7 @@ def near_crossings(runs: Runs, form: str) -> Numbers:
     }  # fmt: skip
 
 
-def figure_2_8(runs: Runs, form: str) -> Numbers:
+def find_crossings(runs: Runs, form: str) -> Numbers:
     machine = Machine(0.1, 0.01, form=form)
     pairs = list(zip(changes(machine, UPPER), changes(machine, LOWER), strict=True))
     return {
@@ -130,7 +130,7 @@ def figure_2_8(runs: Runs, form: str) -> Numbers:
     }
 
 
-def figure_2_9(runs: Runs, form: str) -> Numbers:
+def count_releases(runs: Runs, form: str) -> Numbers:
     machine = Machine(0.35, 0.01, form=form)
     return {
         "least": curve(machine, UPPER, 721).min(),
@@ -138,7 +138,7 @@ def figure_2_9(runs: Runs, form: str) -> Numbers:
     }
 
 
-def figure_2_10(runs: Runs, form: str) -> Numbers:
+def assign_regions(runs: Runs, form: str) -> Numbers:
     found = {name: region(Machine(d, gap, form=form)) for name, (d, gap, _) in REGIONS.items()}
     return {
         "each": [f"Fig. {name}: {where}" for name, where in found.items()],
@@ -146,14 +146,14 @@ def figure_2_10(runs: Runs, form: str) -> Numbers:
     }
 
 
-def thresholds(runs: Runs, form: str) -> Numbers:
+def find_thresholds(runs: Runs, form: str) -> Numbers:
     """lambda from which the upper wall holds throughout and from which the lower one holds nowhere."""
     first, second = limits(form, 0.02)
     return {"zero": limits(form)[0], "first": first, "second": second,
             "lower": [limits(form, gap)[1] for gap in GAPS]}  # fmt: skip
 
 
-def lower_region(runs: Runs, form: str) -> Numbers:
+def follow_lower_region(runs: Runs, form: str) -> Numbers:
     """Largest interval pressed to the lower wall at rho = 0.01: its size and its distance from theta = 0."""
     rows = []
     for share in (0.2, 0.6, 0.95):

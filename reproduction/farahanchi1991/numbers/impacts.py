@@ -12,7 +12,7 @@ from models.slider_crank.motions.statistics import impact_profile
 
 from ..cases import CYCLES, GAPS, HIGH_DAMPINGS, LOW_DAMPINGS, MATRIX, TRANSIENT, Case, matrix
 from ..impacts import BINS, LOWER, UPPER, location, mean_approach, on_wall, profile, severity, spread
-from ..kinds import CHAOTIC, observed
+from ..kinds import CHAOTIC, observe
 from ..runs import Runs
 from .derivation import Numbers
 
@@ -21,26 +21,26 @@ SLIDING, EXAMPLE = Case(0.25, 0.015), Case(0.05, 0.01)
 SLOW = 0.004
 
 
-def section(runs: Runs, form: str) -> Numbers:
+def count_backward(runs: Runs, form: str) -> Numbers:
     """Upper impacts with psi' <= 0."""
     rates = np.concatenate([on_wall(runs.events(c), UPPER).rate for c in matrix(LOW_DAMPINGS, form)])
     return {"backward": int(np.sum(rates <= 0.0)), "total": rates.size, "least": rates.min()}
 
 
-def stroke(runs: Runs) -> Numbers:
+def locate_stroke(runs: Runs) -> Numbers:
     """Places at crank angles 0, pi/2 and pi, and how far the ends are from 1 +- xi."""
     head, middle, end = location(np.array([0.0, 0.5 * math.pi, math.pi]))
     off = max(abs(head - 1.0 - THESIS_XI), abs(end - 1.0 + THESIS_XI))
     return {"head": head, "middle": middle, "crank_end": end, "off": off}
 
 
-def profile_average(runs: Runs, form: str) -> Numbers:
+def average_profile(runs: Runs, form: str) -> Numbers:
     events = runs.events(EXAMPLE.in_form(form)).impacts
     bars = impact_profile(events, np.abs(events.rate), THESIS_XI, BINS, len(events.rate))
     return {"sum": bars.upper.sum() + bars.lower.sum(), "mean": np.abs(events.rate).mean()}
 
 
-def profile_without_limit(runs: Runs) -> Numbers:
+def sum_velocities(runs: Runs) -> Numbers:
     """Impacts and velocities per cycle, exactly and by F's threshold of sliding."""
     both = [runs.events(case).impacts for case in (SLIDING, SLIDING.by_thesis_rule)]
     return {
@@ -49,7 +49,7 @@ def profile_without_limit(runs: Runs) -> Numbers:
     }
 
 
-def limiting_distribution(runs: Runs, form: str) -> Numbers:
+def compare_records(runs: Runs, form: str) -> Numbers:
     """How far profiles of 3000 and 12000 cycles are from that of a long record."""
     events = runs.motion(Case(0.025, 0.02, form=form)).events(64 * CYCLES)
 
@@ -60,19 +60,19 @@ def limiting_distribution(runs: Runs, form: str) -> Numbers:
     return {"errors": [np.abs(upper(n * CYCLES) - long).sum() / long.sum() for n in (1, 4)]}
 
 
-def directions(runs: Runs, form: str) -> Numbers:
+def split_directions(runs: Runs, form: str) -> Numbers:
     """Shares of the upper impacts on the way from the head and back."""
     out = np.mean(on_wall(runs.events(EXAMPLE.in_form(form)), UPPER).theta < math.pi)
     return {"out": out, "back": 1.0 - out}
 
 
-def uniformity(runs: Runs, form: str) -> Numbers:
+def measure_uniformity(runs: Runs, form: str) -> Numbers:
     """Uniformity of the velocities over the walls, of chaotic motions and of others."""
     found = {case: spread(runs.final(case)) for case in matrix(MATRIX, form)}
     kinds: tuple[list[float], list[float]] = ([], [])
     for case, value in found.items():
         if value == value:
-            kinds[observed(runs, case).kind != CHAOTIC].append(value)
+            kinds[observe(runs, case).kind != CHAOTIC].append(value)
     chaotic, other = kinds
     ranges = [f"{min(values):.2f}-{max(values):.2f}" if values else "none" for values in kinds]
     return {
@@ -81,7 +81,7 @@ def uniformity(runs: Runs, form: str) -> Numbers:
     }  # fmt: skip
 
 
-def background(runs: Runs, form: str) -> Numbers:
+def measure_background(runs: Runs, form: str) -> Numbers:
     """The share of impacts during the transient, after F's 30 cycles, in 1500 cycles and in 3000."""
     case = Case(0.075, 0.01, form=form)
     length = runs.kind(case).transient
@@ -97,7 +97,7 @@ def _by_gap(runs: Runs, dampings: tuple[float, ...], form: str) -> dict[float, l
     return {damping: [Case(damping, gap, form=form) for gap in GAPS] for damping in dampings}
 
 
-def by_gap(runs: Runs, form: str) -> Numbers:
+def compare_gaps(runs: Runs, form: str) -> Numbers:
     """Mean velocities, and radians of crank between impacts, at small friction."""
     rows = {d: [runs.events(c).impacts for c in row] for d, row in _by_gap(runs, LOW_DAMPINGS, form).items()}
     speeds = {d: [mean_approach(events) for events in row] for d, row in rows.items()}
@@ -113,13 +113,13 @@ def _fastest(runs: Runs, case: Case) -> float:
     return float(runs.events(case).impacts.approach.max(initial=0.0))
 
 
-def fastest_by_gap(runs: Runs, form: str) -> Numbers:
+def find_fastest(runs: Runs, form: str) -> Numbers:
     """Largest velocities at large friction."""
     rows = {d: [_fastest(runs, c) for c in row] for d, row in _by_gap(runs, HIGH_DAMPINGS, form).items()}
     return {"each": _rows(rows, ".3f"), "rising": all(np.all(np.diff(row) > 0.0) for row in rows.values())}
 
 
-def walls(runs: Runs, form: str, dampings: tuple[float, ...]) -> Numbers:
+def compare_walls(runs: Runs, form: str, dampings: tuple[float, ...]) -> Numbers:
     """Velocities on the walls by lambda, means over rho: of an impact, and in all of a cycle."""
     up, low, ratios, wrong = [], [], [], []
     for row in _by_gap(runs, dampings, form).values():
@@ -138,7 +138,7 @@ def walls(runs: Runs, form: str, dampings: tuple[float, ...]) -> Numbers:
     }  # fmt: skip
 
 
-def slowest(runs: Runs, form: str) -> Numbers:
+def find_slowest(runs: Runs, form: str) -> Numbers:
     """The slowest impact of each case."""
     least = {case: runs.events(case).impacts.approach.min() for case in matrix(LOW_DAMPINGS, form)}
     without = [str(case) for case, value in least.items() if value > SLOW]
@@ -149,14 +149,14 @@ def slowest(runs: Runs, form: str) -> Numbers:
     }  # fmt: skip
 
 
-def descending(runs: Runs, form: str) -> Numbers:
+def count_descending(runs: Runs, form: str) -> Numbers:
     """Upper impacts that follow another in the same cycle, and the share that is slower than it."""
     events = runs.events(EXAMPLE.in_form(form)).impacts
     pairs = (events.side[:-1] == UPPER) & (events.side[1:] == UPPER) & (events.cycle[:-1] == events.cycle[1:])
     return {"pairs": int(pairs.sum()), "slower": np.mean(events.rate[1:][pairs] < events.rate[:-1][pairs])}
 
 
-def lobes(runs: Runs, form: str) -> Numbers:
+def count_lobes(runs: Runs, form: str) -> Numbers:
     """Separate ranges of crank angle, to half a degree, that hold upper impacts."""
     case = EXAMPLE.in_form(form)
     if runs.kind(case).period:
@@ -167,13 +167,13 @@ def lobes(runs: Runs, form: str) -> Numbers:
     return {"words": f"{count} separate ranges of crank angle hold all upper impacts", "lobes": count}
 
 
-def lower(runs: Runs, form: str) -> Numbers:
+def count_lower(runs: Runs, form: str) -> Numbers:
     """Impacts on the lower wall in 300 cycles at large friction."""
     cases = [Case(damping, gap, form=form) for damping in (0.25, 0.26, 0.28, 0.35) for gap in GAPS]
     return {"count": sum(len(on_wall(runs.events(case, 300), LOWER).theta) for case in cases)}
 
 
-def lower_trend(runs: Runs, form: str) -> Numbers:
+def follow_lower(runs: Runs, form: str) -> Numbers:
     """Where the lower wall is hit (5 and 95 % of the places) and how hard, all gaps together."""
     rows = {}
     for damping, row in _by_gap(runs, (*LOW_DAMPINGS, 0.15, 0.20), form).items():

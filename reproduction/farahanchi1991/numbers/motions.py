@@ -14,7 +14,7 @@ from models.slider_crank.machine import Machine, Motion
 from models.slider_crank.motions.classification import classify
 
 from ..cases import CYCLES, HIGH_DAMPINGS, LOW_DAMPINGS, MATRIX, THRESHOLD, TRANSIENT, Case, matrix
-from ..kinds import CHAOTIC, PERIODIC, TRANSIENT_CHAOS, observed
+from ..kinds import CHAOTIC, PERIODIC, TRANSIENT_CHAOS, observe
 from ..runs import STARTS, Runs
 from .derivation import Numbers
 
@@ -25,19 +25,19 @@ SLIGHT = 0.02
 
 
 def _kinds(runs: Runs, dampings: tuple[float, ...], form: str, restitution: float = 0.9) -> list[str]:
-    return [observed(runs, case).kind for case in matrix(dampings, form, restitution)]
+    return [observe(runs, case).kind for case in matrix(dampings, form, restitution)]
 
 
-def behaviour(runs: Runs, form: str, case: Case) -> Numbers:
+def describe_motion(runs: Runs, form: str, case: Case) -> Numbers:
     """The kind of a case over the starts, and what F's threshold of sliding makes of the published one."""
-    seen, exact, ruled = (observed(runs, c) for c in (case.in_form(form), case, case.by_thesis_rule))
+    seen, exact, ruled = (observe(runs, c) for c in (case.in_form(form), case, case.by_thesis_rule))
     rule = (
         f"as published, with F's sliding threshold 0.005: {ruled.words}" if exact.kind != ruled.kind else ""
     )
     return {"kind": seen.kind, "words": seen.words, "rule": rule, "also": rule and f"; {rule}"}
 
 
-def three_types(runs: Runs, form: str) -> Numbers:
+def count_kinds(runs: Runs, form: str) -> Numbers:
     """How many of the cases are of each kind, at small and at large friction."""
     low, high = (Counter(_kinds(runs, dampings, form)) for dampings in (LOW_DAMPINGS, HIGH_DAMPINGS))
     kinds = (CHAOTIC, TRANSIENT_CHAOS, PERIODIC)
@@ -55,14 +55,14 @@ def three_types(runs: Runs, form: str) -> Numbers:
     }  # fmt: skip
 
 
-def chaos(runs: Runs, form: str) -> Numbers:
+def count_chaotic(runs: Runs, form: str) -> Numbers:
     """How many of 9 cases are chaotic at small friction, at large friction, and with e = 0.5; by lambda."""
     counts = [_kinds(runs, (damping,), form).count(CHAOTIC) for damping in MATRIX]
     soft = _kinds(runs, LOW_DAMPINGS, form, 0.5).count(CHAOTIC)
     return {"fast": sum(counts[:3]), "slow": sum(counts[3:]), "soft": soft, "counts": counts}
 
 
-def either(runs: Runs, form: str) -> Numbers:
+def count_starts(runs: Runs, form: str) -> Numbers:
     """Starts that are periodic for most of F's record, and those that are chaotic throughout."""
     found = runs.settling(Case(0.025, 0.01, form=form))
     return {
@@ -71,7 +71,7 @@ def either(runs: Runs, form: str) -> Numbers:
     }  # fmt: skip
 
 
-def fewer_impacts(runs: Runs, form: str) -> Numbers:
+def correlate_sliding(runs: Runs, form: str) -> Numbers:
     """Correlation of sliding share and impacts per cycle, with F's threshold."""
     cases = [case.by_thesis_rule for e in RESTITUTIONS for case in matrix(MATRIX, form, e)]
     shares = [runs.sliding_share(case) for case in cases]
@@ -82,16 +82,16 @@ def _listed(cases: list[str]) -> str:
     return f": {'; '.join(cases)}" if cases else ""
 
 
-def no_sliding(runs: Runs, form: str) -> Numbers:
+def list_unexpected_sliding(runs: Runs, form: str) -> Numbers:
     """Cases of small friction whose records slide, and others that do so from another start."""
     cases = matrix(LOW_DAMPINGS, form)
     recorded = [str(case) for case in cases if np.any(runs.events(case).kind == ONSET)]
-    other = [str(c) for c in cases if str(c) not in recorded and observed(runs, c).sliding]
+    other = [str(c) for c in cases if str(c) not in recorded and observe(runs, c).sliding]
     return {"count": len(recorded), "cases": len(cases), "recorded": _listed(recorded),
             "other": (other and f"; from other starts{_listed(other)}") or ""}  # fmt: skip
 
 
-def with_sliding(runs: Runs, form: str) -> Numbers:
+def list_sliding(runs: Runs, form: str) -> Numbers:
     """Cases of large friction that slide; as published with F's threshold too."""
     cases = matrix(HIGH_DAMPINGS, form)
     sliding = [str(case) for case in cases if runs.sliding_share(case) > 0.0]
@@ -100,13 +100,13 @@ def with_sliding(runs: Runs, form: str) -> Numbers:
             "ruled": len(ruled), "ruled_cases": "; ".join(ruled)}  # fmt: skip
 
 
-def apart(runs: Runs, form: str) -> Numbers:
+def measure_distance(runs: Runs, form: str) -> Numbers:
     """How far apart successive cycles begin after 25 cycles, over the range of F's print."""
     states = Motion(EXAMPLE.in_form(form).machine).skip(25).strobe(3)[:, :2]
     return {"apart": np.abs(np.diff(states, axis=0) / [2.0 * EXAMPLE.gap, 0.2]).max(axis=1).min()}
 
 
-def exponent(runs: Runs, form: str) -> Numbers:
+def find_exponent(runs: Runs, form: str) -> Numbers:
     kind = runs.kind(EXAMPLE.in_form(form))
     return {
         "kind": kind.kind,
@@ -116,7 +116,7 @@ def exponent(runs: Runs, form: str) -> Numbers:
     }
 
 
-def fractal(runs: Runs, form: str) -> Numbers:
+def compute_dimension(runs: Runs, form: str) -> Numbers:
     """Kaplan-Yorke dimension of the section."""
     found = Motion(EXAMPLE.in_form(form).machine).skip(100).exponents(20_000)
     if found.largest == -math.inf:
@@ -127,24 +127,24 @@ def fractal(runs: Runs, form: str) -> Numbers:
     return {"words": f"{words} of the section", "dimension": dimension}
 
 
-def slight_changes(runs: Runs, form: str) -> Numbers:
+def vary_gap(runs: Runs, form: str) -> Numbers:
     """The kinds at (0.05, 0.015) with slightly other gaps."""
     shares = (-SLIGHT, -0.5 * SLIGHT, 0.0, 0.5 * SLIGHT, SLIGHT)
-    kinds = [observed(runs, Case(0.05, 0.015 * (1.0 + share), form=form)).kind for share in shares]
+    kinds = [observe(runs, Case(0.05, 0.015 * (1.0 + share), form=form)).kind for share in shares]
     return {
         "kinds": kinds,
         "each": [f"{100 * s:+.0f} %: {kind}" for s, kind in zip(shares, kinds, strict=True)],
     }
 
 
-def high_matrix(runs: Runs, form: str) -> Numbers:
+def describe_matrix(runs: Runs, form: str) -> Numbers:
     """The motions of the cases of large friction."""
-    seen = {case: observed(runs, case) for case in matrix(HIGH_DAMPINGS, form)}
+    seen = {case: observe(runs, case) for case in matrix(HIGH_DAMPINGS, form)}
     counts = [_kinds(runs, (damping,), form).count(PERIODIC) for damping in HIGH_DAMPINGS]
     return {"each": "; ".join(f"{case} {one.words}" for case, one in seen.items()), "periodic": counts}
 
 
-def slides(runs: Runs, form: str) -> Numbers:
+def count_slides(runs: Runs, form: str) -> Numbers:
     """How often (0.20, 0.015) slides, exactly and with F's threshold."""
     case = SLIDING.in_form(form)
     approach, share = runs.events(case).impacts.approach, runs.sliding_share(case)
@@ -159,7 +159,7 @@ def slides(runs: Runs, form: str) -> Numbers:
     return {"words": words, "exact": exact, "ruled": ruled}
 
 
-def simple_periodic(runs: Runs, form: str) -> Numbers:
+def find_simple_periodic(runs: Runs, form: str) -> Numbers:
     """lambda from which the motion has period 1 at rho = 0.015, exactly and with F's threshold."""
 
     def first(threshold: float) -> float:
@@ -176,20 +176,20 @@ def simple_periodic(runs: Runs, form: str) -> Numbers:
     return {"exact": exact, "ruled": ruled, "exact_words": words[0], "ruled_words": words[1]}
 
 
-def low_velocity_cycles(runs: Runs, form: str) -> Numbers:
+def count_releases(runs: Runs, form: str) -> Numbers:
     """Beginnings of sliding and releases per cycle at (0.25, 0.015)."""
     kinds = runs.events(Case(0.25, 0.015, form=form)).kind
     return {"onsets": (kinds == ONSET).sum() / CYCLES, "lifts": (kinds == LIFT).sum() / CYCLES}
 
 
-def periods(runs: Runs, form: str) -> Numbers:
+def find_periods(runs: Runs, form: str) -> Numbers:
     """Periods at lambda = 0.25 over the gaps."""
     gaps = np.linspace(0.01, 0.02, 21)
     return {"periods": sorted({classify(Machine(0.25, float(gap), 0.9, form), 2000).period for gap in gaps})}
 
 
 @cache
-def by_restitution(runs: Runs, form: str) -> Numbers:
+def compare_restitutions(runs: Runs, form: str) -> Numbers:
     """By e, over all pairs (lambda, rho): share of sliding, irregular motions; sliding at (0.05, 0.02)."""
     return {
         "shares": [np.mean([runs.sliding_share(c) for c in matrix(MATRIX, form, e)]) for e in RESTITUTIONS],
@@ -198,7 +198,7 @@ def by_restitution(runs: Runs, form: str) -> Numbers:
     }
 
 
-def sliding_at(runs: Runs, form: str, restitution: float) -> Numbers:
+def measure_sliding(runs: Runs, form: str, restitution: float) -> Numbers:
     """Of all pairs (lambda, rho) with this restitution."""
     shares = [runs.sliding_share(case) for case in matrix(MATRIX, form, restitution)]
     kinds = _kinds(runs, MATRIX, form, restitution)

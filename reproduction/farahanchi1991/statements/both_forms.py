@@ -7,7 +7,7 @@ from functools import partial
 
 from ...statement import Claim, Numbers, Statement
 from ..cases import CORRECTED, PUBLISHED, Case
-from ..numbers.motions import behaviour
+from ..numbers.motions import describe_motion
 from ..runs import Runs
 
 
@@ -24,5 +24,5 @@ class BothForms(Claim[Runs]):
 def of_kind(key: str, place: str, text: str, case: Case, kind: str, reason: str = "") -> BothForms:
     """F's word for a case, judged over the starts."""
     reason += "{also}" if reason else "{rule}"
-    quantity = partial(behaviour, case=case)
+    quantity = partial(describe_motion, case=case)
     return BothForms(key, place, text, quantity, "{words}", lambda v: bool(v.kind == kind), reason)

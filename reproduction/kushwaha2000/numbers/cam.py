@@ -24,7 +24,7 @@ def _lifts(runs: Runs, angles: Vector) -> Vector:
 
 
 @cache
-def lift(runs: Runs) -> Numbers:
+def measure_lift(runs: Runs) -> Numbers:
     """The event and its nose, and how continuous the acceleration is."""
     angles, p = np.linspace(0.0, 360.0, 36001), runs.parameters("camshaft")
     s, _, dds = _lifts(runs, angles)
@@ -40,7 +40,7 @@ def lift(runs: Runs) -> Numbers:
 
 
 @cache
-def acceleration(runs: Runs) -> Numbers:
+def measure_acceleration(runs: Runs) -> Numbers:
     """Of the rise: s'' B^2/S, its spike at the nose (m/s^2), its symmetry, and the inertial forces (N)."""
     p, valve = runs.parameters("camshaft"), runs.parameters("valve_spring")
     rise, half = np.linspace(90.0, 180.0, 9001), np.linspace(0.0, 180.0, 1801)
@@ -59,7 +59,7 @@ def acceleration(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def reversals(runs: Runs) -> Numbers:
+def find_reversals(runs: Runs) -> Numbers:
     """Where entrainment reverses, from the nose."""
     found = [angle - NOSE_DEG for angle in runs.reversals_deg]
     return {
@@ -68,13 +68,13 @@ def reversals(runs: Runs) -> Numbers:
     }
 
 
-def steady_film(runs: Runs) -> Numbers:
+def find_steady_film(runs: Runs) -> Numbers:
     """Largest film of (10) without squeeze where entrainment reverses."""
     name = "contact.steady_film_thickness"
     return {"film": max(runs.kinematic().at(name, a) for a in runs.reversals_deg)}
 
 
-def entrainment(runs: Runs) -> Numbers:
+def compute_entrainment(runs: Runs) -> Numbers:
     """At the nose, and by the printed formula at 120 degrees."""
     u, cam = runs.entraining(NOSE_DEG), runs.lift(120.0)
     return {

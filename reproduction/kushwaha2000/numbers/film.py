@@ -26,7 +26,7 @@ def _minima(runs: Runs, cycle: Cycle) -> list[int]:
 
 
 @cache
-def minima(runs: Runs) -> Numbers:
+def find_minima(runs: Runs) -> Numbers:
     """The least films near the reversals of the kinematic cycle."""
     cycle = runs.kinematic()
     found = _minima(runs, cycle)
@@ -44,7 +44,7 @@ def minima(runs: Runs) -> Numbers:
 
 
 @cache
-def sizes(runs: Runs) -> Numbers:
+def measure_films(runs: Runs) -> Numbers:
     """Films of the kinematic cycle by (10) with either exponent, and the speeds that the stated ones need."""
     printed, negative = runs.kinematic(), runs.kinematic(film=NEGATIVE)
     slower = [runs.kinematic(speed) for speed in (LOW_SPEED, *SPEEDS)]
@@ -68,7 +68,7 @@ def sizes(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def squeeze(runs: Runs) -> Numbers:
+def measure_squeeze(runs: Runs) -> Numbers:
     """Squeeze velocity of the kinematic cycle and its part in the film."""
     cycle, other = runs.kinematic(), runs.kinematic(film=NEGATIVE).squeeze
     ends = runs.reversals_deg[0], runs.reversals_deg[-1]
@@ -90,7 +90,7 @@ def squeeze(runs: Runs) -> Numbers:
 
 
 @cache
-def by_speed(runs: Runs) -> Numbers:
+def compare_speeds(runs: Runs) -> Numbers:
     """Films with spring surge: least, on flank and nose over the base circle's, at the reversals."""
     cycles = [runs.surge(speed) for speed in SPEEDS]
     film = "contact.film_thickness"
@@ -108,7 +108,7 @@ def by_speed(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def by_load(runs: Runs) -> Numbers:
+def separate_load(runs: Runs) -> Numbers:
     """Film from 1000 to 3000 r/min on the flank, and the load's share in it."""
 
     def gain(name: str) -> float:

@@ -14,7 +14,7 @@ from models.quantities import Vector
 
 from ..film_iteration import FIRST_INCREASE, ITERATIONS, FilmIteration, iterate
 from ..runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, Runs
-from .parts import Numbers, at_nose
+from .parts import Numbers, find_nose_contact
 
 STEPS = 500  # per turn
 TABLE_3_FLAGS = {"G*": "material", "w_s*": "squeeze", "W*": "load", "U*": "speed"}
@@ -31,7 +31,7 @@ def _film(runs: Runs, name: str, load: float, speed: float, radius: float) -> fl
 
 def _similarity_sum(runs: Runs, name: str) -> float:
     """Scale U, G and W so that M = W U^-1/2 and L = G U^1/4 stay: then h* goes as U^(a - b/4 + c/2)."""
-    load, radius, length, sigma = at_nose(runs)
+    load, radius, length, sigma = find_nose_contact(runs)
     p = runs.parameters("contact")
     one, two = (
         FILMS[name](load * f**0.5, f, radius, length, sigma, p.viscosity, p.pressure_viscosity * f**-0.25)
@@ -40,9 +40,9 @@ def _similarity_sum(runs: Runs, name: str) -> float:
     return math.log(two / one)
 
 
-def exponents(runs: Runs) -> Numbers:
+def compute_exponents(runs: Runs) -> Numbers:
     """Of the load, and a - b/4 + c/2 of the exponents a of U, b of G, c of W."""
-    load, radius, *_ = at_nose(runs)
+    load, radius, *_ = find_nose_contact(runs)
     of_load = {
         name: math.log(_film(runs, name, 2.0 * load, 1.0, radius) / _film(runs, name, load, 1.0, radius))
         / math.log(2.0)
@@ -57,7 +57,7 @@ def exponents(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def size(runs: Runs) -> Numbers:
+def compare_films(runs: Runs) -> Numbers:
     """Films of (10) over another formula's, inside Table 3."""
     cycle = runs.kinematic()
     found: Numbers = {}
@@ -73,7 +73,7 @@ def size(runs: Runs) -> Numbers:
     return found
 
 
-def table_3(runs: Runs) -> Numbers:
+def check_table_3(runs: Runs) -> Numbers:
     """Shares of the cycle inside the ranges, and the squeeze-roll ratio, unbounded as u goes to zero."""
     cycle, p = runs.kinematic(), runs.parameters("contact")
     inside = {name: cycle[f"contact.{flag}_in_range"] for name, flag in TABLE_3_FLAGS.items()}
@@ -102,7 +102,7 @@ def _iteration(runs: Runs, sign: float) -> FilmIteration:
 
 
 @cache
-def iteration(runs: Runs) -> Numbers:
+def run_iteration(runs: Runs) -> Numbers:
     """Where (37) to (39) do not converge, with either sign; and how the start is forgotten."""
     cycle, angles = runs.kinematic(), _angles()
     c, u = runs.parameters("contact").squeeze_constant, cycle["camshaft.entraining_velocity"][0]

@@ -12,7 +12,7 @@ from models.valve_train.camshaft import shaft_element
 
 from ...statement import Words, rms
 from ..runs import FLEXIBLE_SPEED, INTERVALS, NOSE_DEG, SPEEDS, Cycle, Runs, parameters
-from .parts import Numbers, bending_rate
+from .parts import Numbers, compute_bending_rate
 
 # Before and after the nose, far from it and near to it.
 SPANS = {
@@ -24,7 +24,7 @@ SPANS = {
 
 
 @cache
-def by_speed(runs: Runs) -> Numbers:
+def compare_speeds(runs: Runs) -> Numbers:
     """Loads with spring surge: extremes, on the flank, at the reversals; and what surge changes."""
     cycles = [runs.surge(speed) for speed in SPEEDS]
     at_rest = {a: [c.at("contact.load", a) for c in cycles] for a in runs.reversals_deg}
@@ -38,7 +38,7 @@ def by_speed(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def surge(runs: Runs) -> Numbers:
+def measure_surge(runs: Runs) -> Numbers:
     """What surge changes at 3000 r/min where the load is low and where it is high."""
     plain = runs.kinematic(3000.0).load
     change, low = runs.surge(3000.0).load - plain, plain < np.median(plain) * (1.0 + 1e-9)
@@ -48,7 +48,7 @@ def surge(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def crossings(runs: Runs) -> Numbers:
+def find_crossings(runs: Runs) -> Numbers:
     """Cam angles from the nose, more than 5 degrees, at which slowest and fastest load are equal."""
     slow, fast = (runs.kinematic(speed) for speed in (SPEEDS[0], SPEEDS[-1]))
     angle, change = slow.angle_deg, fast.load - slow.load
@@ -61,7 +61,7 @@ def crossings(runs: Runs) -> Numbers:
 def _oscillation(cycle: Cycle, rigid: Cycle) -> Vector:
     """What the flexible shaft changes of the load, less the mean of that over one period of its bending."""
     shaft = parameters(cycle.reference.system, "camshaft")
-    period_deg = 2.0 * math.pi / bending_rate(shaft) * cycle.run.speed_rpm * 6.0
+    period_deg = 2.0 * math.pi / compute_bending_rate(shaft) * cycle.run.speed_rpm * 6.0
     n = max(3, 2 * round(0.5 * period_deg / 360.0 * INTERVALS) + 1)
     change = (cycle.load - rigid.load)[:-1]
     padded = np.concatenate([change[-(n // 2) :], change, change[: n // 2]])
@@ -69,7 +69,7 @@ def _oscillation(cycle: Cycle, rigid: Cycle) -> Vector:
 
 
 @cache
-def flexible(runs: Runs) -> Numbers:
+def compare_shafts(runs: Runs) -> Numbers:
     """What a flexible camshaft changes at 600 r/min."""
     cycle, longer, rigid = runs.flexible(), runs.flexible(shaft_length_mm=200.0), runs.surge(FLEXIBLE_SPEED)
     change, swing, angle = cycle.load - rigid.load, np.abs(_oscillation(cycle, rigid)), cycle.angle_deg

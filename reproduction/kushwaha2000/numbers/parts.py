@@ -37,7 +37,7 @@ LITERAL_DAMPING, LITERAL_FREQUENCY = 0.02, 500.0
 Numbers = dict[str, Any]
 
 
-def counts(runs: Runs) -> Numbers:
+def count_parts(runs: Runs) -> Numbers:
     """Parts, freedoms and equations."""
     each, removed = FIRST_ORDER + MOMENTA, sum(TABLE_2)
     return {
@@ -48,7 +48,7 @@ def counts(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def masses(runs: Runs) -> Numbers:
+def list_masses(runs: Runs) -> Numbers:
     """Masses of the model's parts, and moments of inertia: none exceeds the sum of the other two."""
     camshaft = runs.parameters("camshaft")
     impossible = [
@@ -66,7 +66,7 @@ def masses(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def coil_masses(runs: Runs) -> Numbers:
+def compare_coil_masses(runs: Runs) -> Numbers:
     """Two coil masses beside eight, which hold the continuous spring's mass within 1.5 %."""
     two, eight, none = runs.surge(3000.0), runs.surge(3000.0, coil_masses=8), runs.kinematic(3000.0)
     difference, surge = rms(two.load - eight.load), rms(eight.load - none.load)
@@ -77,7 +77,7 @@ def coil_masses(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def spring(runs: Runs) -> Numbers:
+def compute_spring(runs: Runs) -> Numbers:
     """Lumped mass, rates and frequencies of the valve spring, as printed in (1) and with the square of pi."""
     p, share = runs.parameters("valve_spring"), lumping(2)
     printed = float(2.0 / 3.0 * p.spring_rate / (math.pi * p.surge_frequency**2))
@@ -96,7 +96,7 @@ def spring(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def at_nose(runs: Runs) -> tuple[float, float, float, float]:
+def find_nose_contact(runs: Runs) -> tuple[float, float, float, float]:
     """Load, radius, contact length and compliance at the nose."""
     cycle, p = runs.kinematic(), runs.parameters("contact")
     load, radius = (cycle.at(name, NOSE_DEG) for name in ("contact.load", "camshaft.radius_of_curvature"))
@@ -104,9 +104,9 @@ def at_nose(runs: Runs) -> tuple[float, float, float, float]:
 
 
 @cache
-def hertz(runs: Runs) -> Numbers:
+def compute_hertz(runs: Runs) -> Numbers:
     """The contact at the nose by formulas, and by integrals: of (4) over (8) the one in y is closed."""
-    load, radius, length, sigma = at_nose(runs)
+    load, radius, length, sigma = find_nose_contact(runs)
     b, p0 = half_width(load, radius, length, sigma), maximum_pressure(load, radius, length, sigma)
 
     def strip(x: float) -> float:
@@ -123,7 +123,7 @@ def hertz(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def contact_sizes(runs: Runs) -> Numbers:
+def measure_contact(runs: Runs) -> Numbers:
     """Width and pressure of the contact over the cycle."""
     cycle = runs.kinematic()
     width, pressure = cycle["contact.half_width"], cycle["contact.maximum_pressure"]
@@ -134,13 +134,13 @@ def contact_sizes(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def axis_constraints(runs: Runs) -> Numbers:
+def rank_axis_constraints(runs: Runs) -> Numbers:
     """(18), (19): sin(theta) sin(phi) = sin(theta) cos(phi) = 0, by (psi, theta, phi)."""
     phi = 0.7  # any: the rank is the same
     return {"rank": int(np.linalg.matrix_rank([[0.0, math.sin(phi), 0.0], [0.0, math.cos(phi), 0.0]]))}
 
 
-def bending_rate(p: Any) -> float:
+def compute_bending_rate(p: Any) -> float:
     """First angular frequency of the camshaft in bending (rad/s)."""
     e = shaft_element(p)
     squares = np.linalg.eigvals(
@@ -149,10 +149,10 @@ def bending_rate(p: Any) -> float:
     return float(np.sqrt(np.min(np.real(squares))))
 
 
-def shaft(runs: Runs) -> Numbers:
+def compute_shaft(runs: Runs) -> Numbers:
     """Frequencies of the camshaft, and what (33) and "2 per cent" make of it as printed."""
     p = runs.parameters("camshaft")
-    bending, torsion = bending_rate(p), math.sqrt(shaft_element(p).twist_stiffness / p.polar_inertia)
+    bending, torsion = compute_bending_rate(p), math.sqrt(shaft_element(p).twist_stiffness / p.polar_inertia)
     return {
         "bending_growth": 1.0 / bending, "torsion_growth": 1.0 / torsion,
         "bending_Hz": bending / (2 * math.pi), "torsion_Hz": torsion / (2 * math.pi),
@@ -161,13 +161,13 @@ def shaft(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def cam_at_120(runs: Runs) -> Numbers:
+def place_follower(runs: Runs) -> Numbers:
     """A follower on the cam at 120 degrees: its lift (m) and (27), dy2/dpsi y3."""
     cam = runs.lift(120.0)
     return {"lift": cam.s, "residual": cam.ds * cam.s}
 
 
-def load_factor(runs: Runs) -> Numbers:
+def compute_load_factor(runs: Runs) -> Numbers:
     """K (36) makes the load proportional to ds/dpsi."""
     return {
         "factor": runs.lift(NOSE_DEG).ds,
