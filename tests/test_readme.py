@@ -1,5 +1,5 @@
-"""The README's commands: CI runs exactly the test command on an empty cache, others are understood; linked
-pages exist."""
+"""The README and the index of the documents: CI runs exactly the README's test command on an empty cache, all
+commands are understood, and all linked pages exist."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ from reproduction import SOURCES
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-COMMANDS = list(dict.fromkeys(re.findall(r"\.venv/bin/tribocosim (.+?)[`\n]", README)))
+DOCS = ROOT / "docs"
+INDEX = (DOCS / "README.md").read_text(encoding="utf-8")
+COMMANDS = re.findall(r"\.venv/bin/tribocosim (.+?)\n", README) + re.findall(r"`tribocosim (.+?)`", INDEX)
 
 
 def test_ci_runs_exactly_the_readmes_test_command():
@@ -49,15 +51,22 @@ def test_ci_begins_with_an_empty_cache_and_leaves_nothing(tmp_path: Path) -> Non
     assert list((tmp_path / "temporary").iterdir()) == []
 
 
-def test_every_link_leads_somewhere():
-    links = re.findall(r"\]\(([^)#]+)\)", README)
-    assert links
-    for link in links:
-        assert (ROOT / link).exists(), link
+@pytest.mark.parametrize(
+    "page", [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))], ids=lambda page: page.name
+)
+def test_every_link_leads_somewhere(page: Path) -> None:
+    for link in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
+        assert "://" in link or (page.parent / link).exists(), link
+
+
+def test_the_index_lists_every_page() -> None:
+    linked = {link.partition("#")[0] for link in re.findall(r"\]\(([^)]+)\)", INDEX)}
+    pages = {page.relative_to(DOCS).as_posix() for page in DOCS.rglob("*.md")} - {"README.md"}
+    assert sorted(pages - linked) == []
 
 
 def test_every_published_source_has_its_command() -> None:
-    assert sorted(re.findall(r"python -m reproduction (\w+)`", README)) == sorted(SOURCES)
+    assert sorted(re.findall(r"python -m reproduction (\w+)`", INDEX)) == sorted(SOURCES)
 
 
 @pytest.mark.parametrize("line", COMMANDS)
