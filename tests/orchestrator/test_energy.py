@@ -53,13 +53,15 @@ def test_what_is_given_and_created_is_taken(master):
 
 
 @pytest.mark.parametrize("master", MASTERS, ids=repr)
-def test_the_whole_ledger_closes_to_rounding(master):
+def test_the_whole_ledger_closes_to_rounding(master, record):
     """Stored and dissipated - sources = created over bonds + what came besides them."""
     account = booked(master, 1e-2).account()
     parts = account.components.values()
     spent = sum(part.stored + part.dissipated - part.sourced for part in parts)
     # Energies of 25 J at the start, 200 steps, sums of a dozen numbers.
-    assert spent == pytest.approx(account.created + account.besides, abs=200 * 25 * 2.3e-16)
+    found, source = account.created + account.besides, "stored + dissipated - sourced"
+    rounding = 200 * 25 * 2.3e-16
+    record("Coupling", "energy created by a coupling (J)", found, spent, source, tolerance=rounding)
     for part in parts:
         assert part.besides == pytest.approx(part.jumped + part.unaccounted, abs=1e-12)
         assert part.besides == pytest.approx(
@@ -80,12 +82,15 @@ ORDERS = [(kind(signal), k) for kind in (Jacobi, GaussSeidel, Iterated) for k, s
 
 
 @pytest.mark.parametrize(("master", "order"), ORDERS, ids=repr)
-def test_spurious_energy_falls_with_the_order_of_the_method(master, order):
+def test_spurious_energy_falls_with_the_order_of_the_method(master, order, record):
     coarse, fine = (abs(booked(master, h).account().bonds[BOND].largest_created) for h in (2e-3, 1e-3))
-    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.1)
+    quantity = (
+        f"order of the energy that the coupling creates, {type(master).__name__}, {master.extrapolation}"
+    )
+    record("Coupling", quantity, np.log2(coarse / fine), order, "order of the signals", tolerance=0.1)
 
 
-def test_a_converged_coupling_exchanges_the_energies_of_the_exact_solution():
+def test_a_converged_coupling_exchanges_the_energies_of_the_exact_solution(record):
     """Undamped, what the second mass took is its mechanical energy by the matrix exponential."""
     ledger = booked(Iterated("hermite", 1e-12), 1e-3, **UNDAMPED)
     first = CoupledMassParameters(damping=0.0, coupling_damping=0.0)
@@ -94,8 +99,9 @@ def test_a_converged_coupling_exchanges_the_energies_of_the_exact_solution():
     energy = 0.5 * (second.mass * v**2 + second.stiffness * x**2)
     assert energy > 0.1
     # The Hermite signal's error of order four at H = 1 ms, and 2000 steps of 1e-10.
-    assert ledger[f"taken {BOND}"] == pytest.approx(energy, abs=1e-7)
-    assert ledger[f"given {BOND}"] == pytest.approx(energy, abs=1e-7)
+    for side in ("taken", "given"):
+        found, quantity = ledger[f"{side} {BOND}"], f"energy {side} over a bond of two masses (J)"
+        record("Coupling", quantity, found, energy, "matrix exponential", tolerance=1e-7)
 
 
 def test_nobody_sees_that_energies_are_counted():
@@ -219,10 +225,12 @@ class Impulses:
         self.bound = float(np.abs(impulse).sum() * step * np.abs(self.records["flywheel.acceleration"]).max())
 
 
-def test_impulses_take_their_work_from_the_shaft():
+def test_impulses_take_their_work_from_the_shaft(record):
     found = Impulses(inertia=0.1)
     assert found.destroyed > found.bound > 0.0
-    assert found.ledger["besides flywheel"] == pytest.approx(found.destroyed - found.given, abs=found.bound)
+    quantity, exact = "work of impact impulses on a free flywheel (J)", found.destroyed - found.given
+    besides = found.ledger["besides flywheel"]
+    record("Coupling", quantity, besides, exact, "speeds and impulses", tolerance=found.bound)
 
 
 @pytest.fixture(scope="module")
@@ -237,7 +245,7 @@ def test_what_impulses_take_from_the_shaft_they_give_to_the_mechanism(impulses):
     assert impulses.ledger["besides flywheel"] == pytest.approx(-impulses.given, rel=1e-6)
 
 
-def test_what_impacts_lose_is_dissipated_and_not_stored(impulses):
+def test_what_impacts_lose_is_dissipated_and_not_stored(impulses, record):
     """Without friction at the joint: (1 - e) P v / 2 of every impact, with its impulse P and velocity v."""
     records = impulses.records
     counts = np.diff(records["slider_crank.impact_count"])
@@ -248,7 +256,8 @@ def test_what_impacts_lose_is_dissipated_and_not_stored(impulses):
     velocity = records["slider_crank.last_impact_velocity"][1:]
     losses = 0.5 * (1.0 - 0.9) * float((sum(sides) * velocity).sum())
     # Rounding of some hundred sums.
-    assert impulses.ledger["dissipated slider_crank"] == pytest.approx(losses, rel=1e-12)
+    dissipated = impulses.ledger["dissipated slider_crank"]
+    record("Coupling", "energy lost in impacts (J)", dissipated, losses, "(1 - e) P v / 2", relative=1e-12)
 
 
 def test_scenarios_refuse_a_correction_of_masters_that_interpolate():

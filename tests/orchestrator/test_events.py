@@ -105,15 +105,19 @@ def test_the_error_follows_the_tolerance_and_energy_is_kept_over_many_bounces():
 @pytest.mark.parametrize(
     ("master", "limit"), [(hermite(1e-9), 4e-6), (GaussSeidel("quadratic"), 4e-3)], ids=str
 )
-def test_fixed_steps_end_at_events_and_return_to_the_grid(master, limit):
+def test_fixed_steps_end_at_events_and_return_to_the_grid(master, limit, record):
     """An event ends a step (tolerance 1 ns); the error is of the signals' order: 4 in 1 ms, or 3."""
     step, tolerance = 1e-3, 1e-9
     recorder, truth, instants = bouncing(FixedSteps(step, tolerance), master, 0.5)
     found = located(recorder, "stop.contact_margin")
     error = np.abs(recorder["mass.position"] - truth[:, 0]).max()
     assert len(found) == len(instants) == 4
-    assert np.abs(found - instants).max() < tolerance + error / 1.39  # m/s at touch and release
-    assert error < limit
+    case = f"bouncing mass, {type(master).__name__}, {master.extrapolation} inputs, 1 ms"
+    record(
+        "Coupling", f"{case}: error of the position (m)", error, 0.0, "piecewise solution", tolerance=limit
+    )
+    quantity, allowed = f"{case}: instants of touch and release (s)", tolerance + error / 1.39  # m/s there
+    record("Coupling", quantity, found, instants, "piecewise solution", tolerance=allowed)
     others = np.array([s.end for s in recorder.steps if s.reason != EVENT])
     np.testing.assert_allclose(others / step, np.round(others / step), atol=1e-9)
     assert len(others) == 501
@@ -197,7 +201,7 @@ def test_no_step_leads_past_a_known_time(located_):
 
 @pytest.mark.long
 @pytest.mark.parametrize("flexible", [False, True], ids=["rigid", "flexible"])
-def test_losses_and_landings_of_a_bouncing_follower_are_those_of_the_reference(flexible):
+def test_losses_and_landings_of_a_bouncing_follower_are_those_of_the_reference(flexible, record):
     """3400 r/min: every zero of the deflection, to the error of the deflection over its rate."""
     system, stop, relative = assembly.system_of(load("valve-train-bounce")), 0.0125, 1e-8
     i = dict(system.instances)
@@ -220,4 +224,6 @@ def test_losses_and_landings_of_a_bouncing_follower_are_those_of_the_reference(f
     # What each step may miss of 1 mm, the nominal size of the positions, adds up; bounces on the flexible
     # shaft, of 0.4 mm and not 20 um, spread what was missed before them (fivefold measured).
     assert error < (10.0 if flexible else 1.0) * 1e-3 * relative * len(recorder.steps)
-    assert np.abs(found - zeros).max() < 1e-9 + error / np.abs(spline(zeros, 1)).min()
+    allowed = 1e-9 + error / np.abs(spline(zeros, 1)).min()
+    quantity = f"follower at 3400 r/min, {'flexible' if flexible else 'rigid'} camshaft: contact changes (s)"
+    record("Coupling", quantity, found, zeros, "monolithic solution", tolerance=allowed)

@@ -81,17 +81,20 @@ def radius(matrix):
 
 @pytest.mark.parametrize("kind", [Jacobi, GaussSeidel])
 @pytest.mark.parametrize("signal", ["hold", "linear"])
-def test_the_macro_step_read_out_of_a_master_has_the_spectral_radius_of_the_one_derived_by_hand(kind, signal):
+def test_the_macro_step_read_out_of_a_master_has_the_spectral_radius_of_the_one_derived_by_hand(
+    kind, signal, record
+):
     """Independent method; eigenvalues agree to the differences' 1e-9 times their condition."""
     behaviour = Behaviour(point(two_masses()), kind(signal))
     for h in (1e-2, 5e-2, 0.2):
         by_hand = radius(step_by_hand(h, int(signal == "linear"), kind is GaussSeidel))
-        assert behaviour.at(h).radius == pytest.approx(by_hand, rel=1e-7)
+        quantity, source = "spectral radius of a macro step, two masses", "derived by hand"
+        record("Coupling", f"{quantity}, {h:g} s", behaviour.at(h).radius, by_hand, source, relative=1e-7)
 
 
 @pytest.mark.parametrize("kind", [Jacobi, GaussSeidel])
 @pytest.mark.parametrize("signal", ["hold", "linear"])
-def test_the_largest_stable_step_is_where_the_radius_derived_by_hand_crosses_one(kind, signal):
+def test_the_largest_stable_step_is_where_the_radius_derived_by_hand_crosses_one(kind, signal, record):
     """To the bisection of the scan's interval, 1.03^(1/64) in the step."""
     behaviour = Behaviour(point(two_masses()), kind(signal))
     limit = largest_stable(behaviour, 1e-2, 1.0, [])
@@ -99,7 +102,9 @@ def test_the_largest_stable_step_is_where_the_radius_derived_by_hand_crosses_one
     def excess(h):
         return radius(step_by_hand(h, int(signal == "linear"), kind is GaussSeidel)) - 1.0
 
-    assert limit == pytest.approx(brentq(excess, 0.5 * limit, 2.0 * limit), rel=5e-4)
+    exact = brentq(excess, 0.5 * limit, 2.0 * limit)
+    quantity = "largest stable macro step, two masses (s)"
+    record("Coupling", quantity, limit, exact, "derived by hand", relative=5e-4)
 
 
 @pytest.mark.parametrize(
@@ -161,11 +166,12 @@ def estimate(system, master, step, stop, watched=(), row=0):
 
 @pytest.mark.parametrize("kind", [Jacobi, GaussSeidel, Iterated])
 @pytest.mark.parametrize("signal", SIGNALS)
-def test_estimated_errors_of_the_masses_are_those_of_a_run(kind, signal):
+def test_estimated_errors_of_the_masses_are_those_of_a_run(kind, signal, record):
     """The masses are linear. A quarter is left to the first steps, which a run repeats and an estimate does
     not know, and to rates that are differences of the course."""
     expected, measured = estimate(two_masses(), kind(signal), 2e-2, 4.0)
-    np.testing.assert_allclose(expected, measured, rtol=0.25)
+    quantity = "error estimated before a run, two masses"
+    record("Coupling", quantity, expected, measured, "errors of the run", relative=0.25)
 
 
 @pytest.fixture(scope="module")

@@ -14,28 +14,31 @@ from .names import EVERY
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_fmi2(name: str, native_files: dict[str, Path], tmp_path: Path) -> None:
-    agrees(native_files[name])
+def test_fmi2(name: str, native_files: dict[str, Path], tmp_path: Path, record) -> None:
+    agrees(native_files[name], record, "FMI 2")
     check(name, native_files[name], tmp_path)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", EVERY)
-def test_fmi3(name: str, fmi3_files: dict[str, Path], tmp_path: Path) -> None:
-    agrees(fmi3_files[name])
+def test_fmi3(name: str, fmi3_files: dict[str, Path], tmp_path: Path, record) -> None:
+    agrees(fmi3_files[name], record, "FMI 3")
     check(name, fmi3_files[name], tmp_path)
 
 
-def test_fmi3_with_impacts(fmi3_files: dict[str, Path]) -> None:
-    agrees(fmi3_files["slider_crank"])
+def test_fmi3_with_impacts(fmi3_files: dict[str, Path], record) -> None:
+    agrees(fmi3_files["slider_crank"], record, "FMI 3")
 
 
-def agrees(path: Path) -> None:
+def agrees(path: Path, record, version: str) -> None:
     """Both ways, each within the tolerance that it ships with."""
     found = compare(path)
     assert [comparison.kind for comparison in found] == [CO_SIMULATION, MODEL_EXCHANGE]
     for comparison in found:
         assert comparison.agrees, str(comparison)
+        quantity, worst = f"deviation of native FMUs, {version}, {comparison.kind}", comparison.worst.relative
+        source = "reference results in the FMU"
+        record("FMUs", quantity, worst, 0.0, source, tolerance=comparison.tolerance)
 
 
 def check(name: str, path: Path, out: Path) -> None:
