@@ -62,29 +62,21 @@ def controlled(tolerance):
     return master, ControlledSteps(1e-6, StepControl("predictor_corrector", tolerance, tolerance))
 
 
-def test_a_hundred_thousandth_in_a_fifth_of_the_steps_of_the_explicit_master(record):
+def test_a_hundred_thousandth_in_a_fifth_of_the_steps_of_the_explicit_master():
     """Eight milliseconds at 1000 r/min with the beginning of the lift inside."""
     system = valve_train(1000.0)
     explicit, many = run(system, GaussSeidel("quadratic"), 2e-6, 8e-3)
     error, few = run(system, *controlled(5e-9), 8e-3)
-    assert explicit > 1e-5
-    compare_effort(record, "start of the lift, 1000 r/min", (error, 1e-5), (few / many, 0.2))
-
-
-def compare_effort(record, case, error, share):
-    """Error of the load and its ceiling; share of the explicit master's doStep calls and its ceiling."""
-    case, explicit = f"valve train, step control, Hermite, {case}", "Gauss-Seidel, quadratic, fixed steps"
-    quantity = f"{case}: relative RMS error of the load"
-    record("Coupling", quantity, error[0], 0.0, "monolithic solution", tolerance=error[1])
-    record("Coupling", f"{case}: share of the doStep calls", share[0], 0.0, explicit, tolerance=share[1])
+    assert error <= 1e-5 < explicit
+    assert 5 * few <= many
 
 
 @pytest.mark.long
 @pytest.mark.parametrize(("rpm", "tolerance", "step"), [(1000.0, 2.2e-9, 1.25e-6), (3000.0, 1.5e-11, 2e-7)])
-def test_a_millionth_over_a_whole_turn_in_a_tenth_of_the_steps(rpm, tolerance, step, record):
+def test_a_millionth_over_a_whole_turn_in_a_tenth_of_the_steps(rpm, tolerance, step):
     """The explicit master's step is one with which it does not reach a millionth yet."""
     system, turn = valve_train(rpm), 60.0 / rpm
     explicit, many = run(system, GaussSeidel("quadratic"), step, turn)
     error, few = run(system, *controlled(tolerance), turn)
-    assert explicit > 1e-6
-    compare_effort(record, f"a turn at {rpm:g} r/min", (error, 1e-6), (few / many, 0.1))
+    assert error <= 1e-6 < explicit
+    assert 10 * few <= many
