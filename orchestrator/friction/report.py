@@ -80,7 +80,9 @@ def tables(found: Sequence[Judged]) -> Iterator[Table]:
     """Of some contacts each."""
     for first in range(0, len(found), COLUMNS):
         some = found[first : first + COLUMNS]
-        note = f"wear at {some[0].coefficient:g} m2/N; all revolutions: {some[0].cycles:g}"
+        apart = 1e6 * float(np.diff(some[0].cycle.time).max())
+        note = f"wear at {some[0].coefficient:g} m2/N; all revolutions: {some[0].cycles:g}; "
+        note += f"from recorded rows, {apart:.3g} us apart at most"
         table = Table(
             title="Friction and wear over the last revolution",
             caption=note, title_justify="left", caption_justify="left", box=box.SIMPLE_HEAD, pad_edge=False,
@@ -106,7 +108,9 @@ def remarks(found: Judged) -> Iterator[str]:
     if found.summary.lost > 0.0:
         yield (
             f"{contact}: the follower is off its cam for {100.0 * found.summary.lost:.3g} % of the time. "
-            "Means are over all of it; the wear is that of sliding, without that of landing"
+            "Means are over all of it; the wear is that of sliding, without that of landing. These are rows "
+            f"up to {1e6 * float(np.diff(cycle.time).max()):.3g} us apart: summary.json has the peaks of all "
+            "macro steps"
         )
     lift = float(np.ptp(cycle["cam_lift"]))
     worst = found.cycles * max(found.deepest)

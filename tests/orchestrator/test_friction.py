@@ -121,6 +121,7 @@ def test_a_follower_off_its_cam_is_remarked_and_has_no_film():
     assert found.summary.least_film_ratio >= 1.0
     (line,) = remarks(found)
     assert "off its cam for 25" in line
+    assert "all macro steps" in line
 
 
 def test_wear_that_takes_the_profile_away_is_remarked_with_the_revolutions_that_hold():
