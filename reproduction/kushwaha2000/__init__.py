@@ -40,7 +40,7 @@ of the models, copy `kushwaha2000.md` and `figures` from the folder to `docs`.
 def page(runs: Runs, statements: Sequence[Statement]) -> str:
     """The Markdown page: introduction, figures, table."""
     parts = [INTRODUCTION, "## Figures\n"]
-    for number, caption in figures.CAPTIONS.items():
+    for number, (_, caption) in figures.FIGURES.items():
         parts.append(f"![Fig. {number}: {caption}]({FIGURES}/{figures.PREFIX}{number}.png)\n")
     parts += ["## Statements\n", f"{table.tally(statements)}.\n", table.markdown(statements), ""]
     return "\n".join(parts)
