@@ -11,13 +11,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..masters import name_of
-from ..signals import DEGREES
 from ..stability.findings import Survey, Surveyed
 from ..stability.words import shown_time
-from .style import ACCENT, COUPLED, MUTED, REFERENCE, headed, subplots
+from .style import SIGNALS, headed, subplots
 
 STABLE = "#dfeadf"
-COLOURS = dict(zip(DEGREES, (MUTED, COUPLED, REFERENCE, ACCENT), strict=True))
 
 
 def figure(found: Survey) -> Figure:
@@ -58,7 +56,7 @@ def _entries(found: Survey) -> list[Artist]:
     used = {method.master.extrapolation for method in found.methods}
     step = shown_time(found.scenario.macro_step)
     return [
-        *(Line2D([], [], color=colour, label=f"signals: {n}") for n, colour in COLOURS.items() if n in used),
+        *(Line2D([], [], color=colour, label=f"signals: {n}") for n, colour in SIGNALS.items() if n in used),
         Line2D([], [], color="0.3", marker="o", ms=4.5, ls="", label="limit of stability"),
         Line2D([], [], color="0.3", lw=0.8, ls="--", label="beyond the limit: unstable"),
         Patch(color=STABLE, label="stable: radius up to 1"),
@@ -70,7 +68,7 @@ def _entries(found: Survey) -> list[Artist]:
 def _radius(axes: Axes, method: Surveyed) -> None:
     """Dashed beyond the limit, where only few steps were sampled."""
     signal = method.master.extrapolation
-    colour = COLOURS[signal]
+    colour = SIGNALS[signal]
     seen = [(at.step, at.radius) for at in method.seen if math.isfinite(at.radius)]
     limit = [(method.limit, 1.0)] if math.isfinite(method.limit) else []
     stable = [point for point in seen if point[0] <= method.limit] + limit
@@ -87,7 +85,7 @@ def _error(axes: Axes, found: Survey, method: Surveyed) -> None:
         (step, max(e / allowed[n] for n, e in errors.items())) for step, errors in method.errors.items()
     ]
     points = [(step, excess) for step, excess in points if math.isfinite(excess) and excess > 0.0]
-    colour = COLOURS[method.master.extrapolation]
+    colour = SIGNALS[method.master.extrapolation]
     axes.plot([p[0] for p in points], [p[1] for p in points], ".-", ms=5, color=colour)
     if math.isfinite(method.limit) and points:
         axes.plot([method.limit] * 2, [points[-1][1], 1e3], color=colour, lw=0.8, ls="--")

@@ -16,6 +16,9 @@ from .data import FigureData
 
 COUPLED, REFERENCE, ACCENT, MUTED = "#0b5fa5", "#d1495b", "#2a9d5c", "#8d99a6"
 
+# Input signals of masters.
+SIGNALS = {"hold": MUTED, "linear": ACCENT, "quadratic": COUPLED, "hermite": REFERENCE}
+
 RC = {
     "font.family": "DejaVu Sans",
     "font.size": 9.0,

@@ -10,9 +10,8 @@ from matplotlib.figure import Figure
 
 from ..work_precision.problem import CouplingProblem
 from ..work_precision.run import Row
-from .style import ACCENT, COUPLED, MUTED, REFERENCE, headed, subplots
+from .style import REFERENCE, SIGNALS, headed, subplots
 
-SIGNALS = {"hold": MUTED, "linear": ACCENT, "quadratic": COUPLED, "hermite": REFERENCE}
 MASTERS = {"jacobi": ("o", ":"), "gauss_seidel": ("s", "--"), "iterated": ("^", "-")}
 OTHERS = (("x", "#20242a"), ("+", "#7b5ea7"), ("1", "#c77d0a"), ("2", "#5b4636"))
 # Errors from 1 up are no solution any more; shown up to HOPELESS.

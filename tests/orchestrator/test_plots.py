@@ -72,6 +72,9 @@ def test_each_component_is_drawn_against_its_own_shaft(engine: FigureData) -> No
     assert engine.of("slider_crank").abscissa() == ("flywheel.angle", "Crank angle (°)")
     assert engine.of("upper_wall").abscissa() == ("flywheel.angle", "Crank angle (°)")
     assert engine.of("contact").abscissa() == ("camshaft.cam_angle", "Cam angle (°)")
+    uneven = engine.coupled["flywheel.angle"] + 0.2 * np.sin(engine.coupled["flywheel.angle"])
+    rotating = replace(engine, coupled=engine.coupled | {"flywheel.angle": uneven})
+    assert rotating.of("slider_crank").abscissa() == ("flywheel.angle", "Crank angle (°)")
     still = replace(engine, coupled=engine.coupled | {"flywheel.angle": np.zeros(401)})
     assert still.of("slider_crank").abscissa() == ("", "Time (ms)")
 
