@@ -12,7 +12,8 @@ import numpy as np
 from models.quantities import Vector
 from models.system import Port, System
 
-from .errors import NotFiniteError, RunError
+from .consistency import agree
+from .errors import NotFiniteError
 from .participants import Participant
 from .passes import Pass, settled
 from .signals import History, finite
@@ -142,48 +143,25 @@ class Exchange:
             participant.initialise(start_time, stop_time)
         for i in self.listed:
             self.read(i)
-        self.agree(start_time)
+        agree(self, start_time)
         for participant in self.participants:
             participant.finish_initialisation()
         # Rates that an FMU gives by the standard's call come only now, outputs of some FMUs too.
-        before = self.values.copy()
+        before = self.arrived.copy()
         for i in self.listed:
             self.read(i)
-        if not np.array_equal(before, self.values):
-            self.agree(start_time)
+        if not np.array_equal(before, self.arrived):
+            agree(self, start_time)
         self.history.begin(start_time, self.values, self.rates)
-
-    def agree(self, time: float) -> None:
-        """Make outputs (and rates) consistent with the inputs at the present time; RunError if they do not.
-
-        Values pass along the connections until none changes by more than 1e-12 of its nominal size;
-        without algebraic loops that takes at most one sweep per participant. Rates need as many more, for
-        a rate depends on the rates of the inputs.
-        """
-        for _ in range(10 * len(self.participants) + 50):
-            before = self.values.copy()
-            self._pass_on(self.listed, time)
-            change = np.abs(self.values - before) / (self.nominal + np.abs(self.values))
-            if np.all(change <= 1e-12):
-                break
-        else:
-            worst = self.sources[int(np.argmax(change))]
-            raise RunError(
-                f"{worst}: the values at t = {time:.9g} s do not settle (algebraic loop that does not "
-                "contract); break the loop or change the parameters that close it"
-            )
-        if self.degree == 3:
-            for _ in self.participants:
-                self._pass_on(self.listed, time)
 
     def settle(self, part: Sequence[int], time: float) -> None:
         """Make outputs of `part` with direct feedthrough consistent with the inputs at `time`, the present.
 
         After a step they are those of the inputs that the step assumed.
         """
-        self._pass_on([i for i in self._through if i in part], time)
+        self.propagate([i for i in self._through if i in part], time)
 
-    def _pass_on(self, order: Sequence[int], time: float) -> None:
+    def propagate(self, order: Sequence[int], time: float) -> None:
         """Give the present values, and rates, to each participant in turn and read its answer."""
         self.make(settled, order)(time, 0.0)
 

@@ -10,6 +10,7 @@ from numpy.polynomial import Polynomial
 from models.quantities import Vector
 from models.system import Port, System
 
+from ..consistency import agree
 from ..exchange import Exchange, Saved
 from ..masters import Master
 from ..signals import hermite
@@ -183,7 +184,7 @@ class Locator:
                 exchange.restore(saved)
                 gap *= 2.0
                 master.step(exchange, time, gap)
-        exchange.agree(time + gap)
+        agree(exchange, time + gap)
         exchange.carried = {}
         return gap
 

@@ -124,6 +124,21 @@ MODELS = {
         "$y += h * ($u + h / 2 * ($u1 + h / 3 * ($u2 + h / 4 * $u3)));",
         abilities='canGetAndSetFMUstate="true" canInterpolateInputs="true" ',
     ),
+    # y = gain u + x, dx/dt = push - decay u, exactly for inputs that are cubics.
+    "feedback": Model(
+        (
+            V("y", "output"), V("u", "input"), V("u_der1", "input"), V("u_der2", "input"),
+            V("u_der3", "input"), V("gain", "parameter", 1.0), V("decay", "parameter", 1.0),
+            V("push", "parameter"), V("x", "local", 1.0, initial="exact"), V("der(y)", derivative="y"),
+        ),
+        """
+        $x += h * ($push - $decay * ($u + h / 2 * ($u_der1 + h / 3 * ($u_der2 + h / 4 * $u_der3))));
+        $u += h * ($u_der1 + h / 2 * ($u_der2 + h / 3 * $u_der3));
+        $u_der1 += h * ($u_der2 + h / 2 * $u_der3);
+        """,
+        "$y = $gain * $u + $x; ${der(y)} = $gain * $u_der1 + $push - $decay * $u;",
+        depends={"y": ("u",)},
+    ),
     # A mass on a spring and a damper: m a = f - k x - d v, by Heun's steps of 0.1 ms at most.
     "sprung": Model(
         (

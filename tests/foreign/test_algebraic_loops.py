@@ -1,0 +1,101 @@
+"""Rings of FMUs whose outputs depend on their inputs at the same instant, against the linear solution.
+
+y = gain u + x and dx/dt = push - decay u in every FMU, u being the y of the one before it in the ring. x
+starts with 1, 2, ..., or with zero where it is pushed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from models.quantities import Vector
+from orchestrator.report import Reporter
+from orchestrator.run import run
+from orchestrator.summary import Summary
+
+from .c_fmus import fmu
+from .runs import never, ran, scenario
+
+GAINS = (0.3, 0.6, 0.7, -0.9, 0.9, 1.5, -5.0)
+
+
+def written(
+    gains: Sequence[float], decays: Sequence[float], folder: Path, pushed: float
+) -> tuple[dict[str, dict[str, Any]], list[str]]:
+    """Components and connections of a scenario."""
+    path = fmu("feedback", 2, folder)
+    tables = {
+        f"unit{i}": {
+            "participant": path,
+            "parameters": {"gain": gain, "decay": decay, "push": pushed},
+            "start": {"x": 0.0 if pushed else 1.0 + i},
+        }
+        for i, (gain, decay) in enumerate(zip(gains, decays, strict=True))
+    }
+    names = list(tables)
+    return tables, [f"{names[i - 1]}.y -> {name}.u" for i, name in enumerate(names)]
+
+
+def ring(
+    gains: Sequence[float], decays: Sequence[float], folder: Path, pushed: float = 0.0, **changes: Any
+) -> tuple[Summary, Vector, Vector]:
+    """A run: its summary, the times, and y of the FMUs at these, n x FMUs."""
+    tables, lines = written(gains, decays, folder, pushed)
+    settings = {"stop_time": 0.2, "macro_step": 0.01, "connections": lines} | changes
+    count = len(list(folder.glob("out*")))
+    summary, found = ran(scenario(tables, **settings), folder / f"out{count}")
+    return summary, found["time"], np.array([found[f"{name}.y"] for name in tables]).T
+
+
+def exact(gains: Sequence[float], decays: Sequence[float], pushed: float, times: Vector) -> Vector:
+    n = len(gains)
+    before = np.roll(np.eye(n), 1, axis=0)
+    solved = np.linalg.inv(np.eye(n) - np.diag(gains) @ before)
+    rate = np.zeros((n + 1, n + 1))
+    rate[:n, :n] = -np.diag(decays) @ before @ solved
+    rate[:n, n] = pushed
+    start = np.append((1.0 + np.arange(n)) * (pushed == 0.0), 1.0)
+    return np.array([solved @ (expm(rate * t) @ start)[:n] for t in times])
+
+
+@pytest.mark.parametrize("product", GAINS)
+@pytest.mark.parametrize("size", [2, 3])
+def test_a_ring_of_any_gain_but_one_starts_with_values_that_agree(
+    size: int, product: float, tmp_path: Path
+) -> None:
+    gains = [
+        math.copysign(abs(product) ** (1.0 / size), product),
+        *[abs(product) ** (1.0 / size)] * (size - 1),
+    ]
+    decays = [0.0] * size
+    _, times, y = ring(gains, decays, tmp_path, stop_time=0.01, master={"name": "newton"})
+    # Ten roundings for the condition of a ring with a gain of 0.9.
+    np.testing.assert_allclose(y, exact(gains, decays, 0.0, times), rtol=1e-11)
+
+
+def test_a_ring_with_a_gain_of_one_is_named(tmp_path: Path) -> None:
+    tables, lines = written([2.0, 0.5], [0.0, 0.0], tmp_path, 0.0)
+    one = scenario(tables, connections=lines)
+    summary = run(one, tmp_path / "out", never, Reporter(), figures=False)
+    assert not summary.complete
+    assert "unit" in summary.message
+    assert "gain of 1" in summary.message
+
+
+def test_a_ring_starts_with_rates_that_agree(tmp_path: Path) -> None:
+    """Of fourth order from the first step on, though values agree from the start and only rates do not."""
+    gains, decays = (0.9, 0.8, 0.9), (1.0, 2.0, 1.5)
+    errors = []
+    for step in (0.02, 0.01):
+        master = {"name": "newton", "extrapolation": "hermite", "tolerance": 1e-13}
+        _, times, y = ring(gains, decays, tmp_path, 1.0, macro_step=step, master=master)
+        errors.append(np.abs(y - exact(gains, decays, 1.0, times)).max())
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.1)
+    assert errors[1] < 1e-5
