@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -19,6 +20,8 @@ from .restart import Sweep
 # Contraction below which a single observation is not trusted.
 CAUTION = 0.01
 MARGIN = 2.0
+# Residuals below this share of the tolerance are what participants integrate to: no smaller one is asked for.
+FINEST = 1e-3
 REMEMBERED = 25
 
 
@@ -95,6 +98,46 @@ class Converging:
         return float((last / first) ** (1.0 / max(1, len(self.residuals) - 1)))
 
 
+class LoopConverging(Converging):
+    """Of a part with an algebraic loop, whose gain depends on no step and may be 1 or more.
+
+    What a result is still wrong by is its residual times c / |1 - g|, with the slope g of a sweep along the
+    last change of the guess and its size c. It is that of the last two sweeps of this macro step; before
+    there are two, that of an earlier step with a margin of MARGIN. The first sweep is of another kind.
+    """
+
+    def __init__(self, tolerance: float, carried: Mapping[str, Any], step: float) -> None:
+        super().__init__(tolerance, {}, step)
+        self._share = MARGIN * float(carried.get("share", np.inf))
+        self._last: tuple[Vector, Vector] | None = None
+
+    def add(self, guess: Vector, result: Vector, plain: bool) -> bool:
+        super().add(guess, result, plain)
+        first = len(self.residuals) == 1
+        if not first:
+            self._learn(guess, result)
+        share = max(self._share, CAUTION) if not first else 1.0 / CAUTION
+        return self._largest * min(share, 1.0 / FINEST) <= self.tolerance
+
+    def _learn(self, guess: Vector, result: Vector) -> None:
+        if self._last is not None:
+            change, answer = guess - self._last[0], result - self._last[1]
+            square = float(change @ change)
+            if square > 0.0:
+                slope = float(change @ answer) / square
+                size = float(np.linalg.norm(answer)) / math.sqrt(square)
+                self._share = size / abs(1.0 - slope) if slope != 1.0 else np.inf
+        self._last = guess.copy(), result.copy()
+
+    def carried(self) -> dict[str, Any]:
+        return {"share": self._share} if math.isfinite(self._share) else {}
+
+
+def _has_algebraic_loop(exchange: Exchange, part: Sequence[int]) -> bool:
+    names = {exchange.names[i] for i in part}
+    return any(port.instance in names for port in exchange.system.torn)
+
+
 def converge(
     exchange: Exchange,
     part: Sequence[int],
@@ -118,7 +161,8 @@ def converge(
     key = f"interface {part[0]}"
     carried = exchange.carried.get(key, {})
     acceleration = accelerate(carried.get("acceleration", {}), step)
-    progress = Converging(tolerance, carried.get("convergence", {}), step)
+    kind = LoopConverging if _has_algebraic_loop(exchange, part) else Converging
+    progress = kind(tolerance, carried.get("convergence", {}), step)
     plain = True
     with exchange.rollback(part) as roll_back:
         for iteration in range(1, maximum_iterations + 1):

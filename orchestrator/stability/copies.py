@@ -29,7 +29,7 @@ class Copies:
     def __init__(self, system: System, count: int) -> None:
         self.instances: dict[str, Any] = {}
         self.nominal: list[float] = []
-        self.order = system.order
+        self.order, self.torn = system.order, system.torn
         self.outputs = self
         self._numbers: dict[Port, int] = {}
         for name, instance in system.instances.items():

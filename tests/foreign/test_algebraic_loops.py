@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,9 @@ import pytest
 from scipy.linalg import expm
 
 from models.quantities import Vector
+from orchestrator.assembly import fmu_files, participants_of, system_of
+from orchestrator.exchange import Exchange
+from orchestrator.masters import Iterated, Newton
 from orchestrator.report import Reporter
 from orchestrator.run import run
 from orchestrator.summary import Summary
@@ -99,3 +103,42 @@ def test_a_ring_starts_with_rates_that_agree(tmp_path: Path) -> None:
         errors.append(np.abs(y - exact(gains, decays, 1.0, times)).max())
     assert math.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.1)
     assert errors[1] < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("product", "master"),
+    [
+        (0.45, Iterated(acceleration="none")),
+        (0.45, Iterated(extrapolation="hermite")),
+        (0.9, Iterated()),
+        (0.9, Newton()),
+        (-5.0, Iterated(acceleration="quasi_newton")),
+    ],
+    ids=lambda value: (
+        f"{type(value).__name__}-{value.extrapolation}" if hasattr(value, "step") else str(value)
+    ),
+)
+def test_end_values_are_right_to_the_iterations_tolerance(
+    product: float, master: Iterated | Newton, tmp_path: Path
+) -> None:
+    """Whatever the lengths of the steps: a loop's gain does not depend on them."""
+    tables, lines = written([product, 1.0], [1.0, 2.0], tmp_path, 0.0)
+    one = scenario(tables, connections=lines)
+    system = system_of(one)
+    units = participants_of(one, system, fmu_files(one, never), lambda name, make: make())
+    exchange = Exchange(system, units, master.degree)
+    exchange.initialise(0.0, 1.0)
+    time, errors = 0.0, []
+    exact = replace(master, tolerance=1e-13, maximum_iterations=100)
+    for length in np.tile([1e-2, 1e-2, 1e-3, 3e-4, 1e-3], 20):
+        with exchange.point() as saved:
+            exact.step(exchange, time, length)
+            best = exchange.values.copy()
+            exchange.restore(saved)
+            master.step(exchange, time, length)
+        errors.append(np.max(np.abs(exchange.values - best) / np.maximum(1.0, np.abs(best))))
+        time += length
+        exchange.accept(time)
+    for unit in units.values():
+        unit.close()
+    assert max(errors) <= master.tolerance
