@@ -11,7 +11,6 @@ from pathlib import Path
 from models.bonds import counting
 from models.evaluation import check_start
 from models.fmu_archive import FmuFileError, archive_faults, opened
-from models.integrator import INPUT_COEFFICIENTS
 from models.quantities import Layout, Quantity, Vector
 from models.system import Instance, ModelError, System, suggestion
 
@@ -27,7 +26,6 @@ from .participants import (
     in_own_process,
     in_process,
     missing,
-    signal_degrees,
     substepped,
     transformed,
 )
@@ -269,10 +267,7 @@ def participants_of(
                 make = partial(in_process, name, without_estimates(instance))
             participants[name] = made(name, make)
             if isinstance(instance.component, EstimatedComponent):
-                inputs = instance.component.inputs
-                cubic = dict.fromkeys(inputs.names, INPUT_COEFFICIENTS - 1)
-                degrees = signal_degrees(files[name].path, inputs) if name in files else cubic
-                participants[name] = Estimating(participants[name], instance.component, degrees)
+                participants[name] = Estimating(participants[name], instance.component)
             table = scenario.components[name]
             if table.substeps > 1 or table.retries:
                 participants[name] = substepped(participants[name], table.substeps, table.retries)

@@ -10,12 +10,14 @@ from typing import Any, NoReturn, TypeVar
 import numpy as np
 
 from models.quantities import Vector
-from models.system import Port, System
+from models.system import Connection, Port, System
 
 from .consistency import agree
 from .errors import NotFiniteError
 from .participants import Participant
+from .participants.offers import HIGHEST
 from .passes import Pass, settled
+from .signal_degrees import highest_degrees
 from .signals import History, finite
 
 Bound = TypeVar("Bound")
@@ -39,9 +41,9 @@ class Exchange:
     participant by participant; `rates` their time derivatives, for signals of degree 3 and where `rated`;
     `arrived` both.
     `columns[i]` are the sources that feed participant i, in the order of its bound inputs `inputs[i]`.
-    `signals` have `degree` + 1 coefficients: value and derivatives at the start of the step. `calls` counts
-    the steps asked of each participant, `carried` is what masters remember from step to step (plain arrays
-    and numbers).
+    `signals` have `degree` + 1 coefficients: value and derivatives at the start of the step. No signal has a
+    higher degree than the participants follow that it goes to. `calls` counts the steps asked of each
+    participant, `carried` is what masters remember from step to step (plain arrays and numbers).
     """
 
     def __init__(
@@ -52,7 +54,6 @@ class Exchange:
         watched: Mapping[str, Sequence[str]] | None = None,
     ) -> None:
         self.system = system
-        self.degree = degree
         self.names = tuple(system.instances)
         self.listed = list(range(len(self.names)))
         self.participants = [participants[name] for name in self.names]
@@ -79,10 +80,14 @@ class Exchange:
         self.nominal: Vector = np.array(
             [system.outputs.nominal[system.outputs.index(port)] for port in self.sources]
         )
+        fed = {name: [c for c in system.connections if c.target.instance == name] for name in self.names}
+        followed = self._followed(fed)
+        highest = highest_degrees(system.connections, followed)
+        self.degree = degree = min(degree, max(highest.values(), default=degree))
+        self.through = _with_feedthrough(system, self.sources)
         self.signals: Vector = np.zeros((degree + 1, len(self.sources)))
         self.columns: list[Vector] = []
         self.inputs: list[Vector] = []
-        fed = {name: [c for c in system.connections if c.target.instance == name] for name in self.names}
         # All inputs in one memory, participant by participant.
         self.offsets = np.cumsum([0, *((degree + 1) * len(feeding) for feeding in fed.values())])
         self.all_inputs: Vector = np.zeros(self.offsets[-1])
@@ -100,13 +105,25 @@ class Exchange:
             )
             if degree == 3:
                 self.rated[own_part] = given
+                if any(followed[c.target] == 0 for c in feeding):
+                    # Rates of outputs that follow such an input at once lack its slope.
+                    self.rated[own_part] &= ~self.through[own_part]
         self.history = History(0.0, self.values, self.rates, self.rated)
+        self.history.degrees[:] = [highest.get(port, HIGHEST) for port in self.sources]
         self._bound: dict[tuple[Any, ...], Any] = {}
-        self.through = _with_feedthrough(system, self.sources)
         answering = {self.sources[i].instance for i in self.connected if self.through[i]}
         self._through = [self.names.index(name) for name in system.order if name in answering]
         self.ended = False  # whether a step that compiled code made was the last of its FMU
         self.held: Saved | None = None  # the present point, as long as nobody has moved
+
+    def _followed(self, fed: Mapping[str, Sequence[Connection]]) -> dict[Port, int]:
+        """The degree of the polynomial that its participant follows, for each input that is driven."""
+        followed = {}
+        for participant, feeding in zip(self.participants, fed.values(), strict=True):
+            names = [c.target.variable for c in feeding]
+            own = participant.signal_degrees(names)
+            followed.update({c.target: degree for c, degree in zip(feeding, own, strict=True)})
+        return followed
 
     def read(self, i: int) -> None:
         """Take the values of participant i; NotFiniteError if one is not finite."""

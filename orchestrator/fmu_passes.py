@@ -54,7 +54,7 @@ class FmuPass:
         }
         self._memory = ArrayPointers(
             **memory, signals=e.signals, arrived=e.arrived, calls=e.calls, times=h.times, past=h.values,
-            past_rates=h.rates, rated=h.rated, smooth=h.smooth, end_smooth=h.end_smooth,
+            past_rates=h.rates, rated=h.rated, degrees=h.degrees, smooth=h.smooth, end_smooth=h.end_smooth,
         )  # fmt: skip
         self._references = [(fmu.given, fmu.taken) for fmu in fmus]  # kept, as the memory: addresses do not
         self._turns = np.zeros(len(order), dtype=TURN)
@@ -115,7 +115,7 @@ def in_turn(turns: Any, memory: Any, known: int, time: float, step: float, done:
     m = memory[0]
     calls, signals, arrived = integers(m.calls), table(m.signals), table(m.arrived)
     times, past, past_rates, rated = numbers(m.times), table(m.past), table(m.past_rates), marks(m.rated)
-    smooth, end_smooth = mark_table(m.smooth), marks(m.end_smooth)
+    smooth, end_smooth, degrees = mark_table(m.smooth), marks(m.end_smooth), integers(m.degrees)
     degree, end = signals.shape[0] - 1, time + step
     for i in range(max(0, done - 1), len(turns)):
         turn = turns[i]
@@ -131,8 +131,8 @@ def in_turn(turns: Any, memory: Any, known: int, time: float, step: float, done:
         if not _spread(turn, m):
             return i, NOT_FINITE, 0
         interpolate_part(
-            times, past, past_rates, rated, smooth, end_smooth, known, degree, end, arrived[0], arrived[1],
-            signals, turn.first, turn.last,
+            times, past, past_rates, rated, degrees, smooth, end_smooth, known, degree, end, arrived[0],
+            arrived[1], signals, turn.first, turn.last,
         )  # fmt: skip
     return 0, FINE, 0
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .abilities import unsynchronised
+from .fmu_limits import limit_notices
 from .participants import ForeignComponent
 from .scenario import Scenario, line_of
 from .scenario.foreign_values import bare
@@ -29,6 +30,7 @@ def notices(scenario: Scenario) -> list[str]:
         *_unloaded(scenario),
         *_in_own_units(scenario),
         *unsynchronised(scenario),
+        *limit_notices(scenario),
     ]
 
 

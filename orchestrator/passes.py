@@ -107,12 +107,14 @@ def _arrival(exchange: Exchange, i: int, following: int) -> Callable[[float], bo
     times, past = h.times, h.values
 
     def arrived(end: float) -> bool:
-        return relay(times, past, h.count, degree, end, values, signals, first, last, columns, inputs)
+        return relay(
+            times, past, h.degrees, h.count, degree, end, values, signals, first, last, columns, inputs
+        )
 
     def arrived_with_rates(end: float) -> bool:
         fine: bool = interpolate_part(
-            times, past, h.rates, h.rated, h.smooth, h.end_smooth, h.count, degree, end, values, e.rates,
-            signals, first, last,
+            times, past, h.rates, h.rated, h.degrees, h.smooth, h.end_smooth, h.count, degree, end, values,
+            e.rates, signals, first, last,
         )  # fmt: skip
         gather(signals, columns, inputs)
         return fine

@@ -3,7 +3,8 @@
 A signal of degree k goes through k + 1 known values: the last ones (extrapolation), or the last ones
 and a value at the end of the step (interpolation; degree 0 then holds the end value). The cubic Hermite
 signal goes through two values and their rates; for a source that gives no rate it is the quadratic one.
-With fewer known values than that the degree is lower. Compiled, because this runs several times in every
+With fewer known values than that the degree is lower, and so it is where a participant that the value goes
+to follows a lower one only (`History.degrees`). Compiled, because this runs several times in every
 macro step.
 """
 
@@ -18,7 +19,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from models.array_pointers import ArrayPointers, mark_table, marks, numbers, table
+from models.array_pointers import ArrayPointers, integers, mark_table, marks, numbers, table
 from models.quantities import Vector
 
 from .errors import one_of
@@ -42,7 +43,7 @@ class History:
 
     `count` says how many are known, `rated` which sources give rates. Where a derivative jumps, at an event,
     a rate has no meaning: `smooth` says at which points which sources' rates are used, `end_smooth` of which
-    they are at the end of the step that is being made.
+    they are at the end of the step that is being made. `degrees` are the highest that signals may have.
     """
 
     def __init__(
@@ -54,6 +55,7 @@ class History:
         if rates is not None:
             self.rates[:] = rates
         self.rated = np.zeros(len(values), dtype=np.bool_) if rated is None else rated
+        self.degrees = np.full(len(values), max(DEGREES.values()), dtype=np.int64)
         self.smooth = np.ones((POINTS, len(values)), dtype=np.bool_)
         self.end_smooth = np.ones(len(values), dtype=np.bool_)
         self.count = 1
@@ -62,8 +64,8 @@ class History:
     def memory(self) -> Any:
         """The addresses of its arrays, for compiled code."""
         self._addressed = ArrayPointers(
-            times=self.times, values=self.values, rates=self.rates, rated=self.rated, smooth=self.smooth,
-            end_smooth=self.end_smooth,
+            times=self.times, values=self.values, rates=self.rates, rated=self.rated, degrees=self.degrees,
+            smooth=self.smooth, end_smooth=self.end_smooth,
         )  # fmt: skip
         return self._addressed.record
 
@@ -103,7 +105,7 @@ class History:
         twin = History.__new__(History)
         twin.times, twin.values, twin.rates = self.times.copy(), self.values.copy(), self.rates.copy()
         twin.smooth, twin.end_smooth = self.smooth.copy(), np.ones_like(self.end_smooth)
-        twin.rated, twin.count = self.rated, self.count
+        twin.rated, twin.degrees, twin.count = self.rated, self.degrees, self.count
         return twin
 
     def put(self, other: History) -> None:
@@ -194,38 +196,38 @@ def _store(out: Any, i: int, value: float, slope: float, curvature: float, third
 def _extrapolate(memory: Any, count: int, degree: int, out: Any) -> None:
     m = memory[0]
     times, values, rates, rated = numbers(m.times), table(m.values), table(m.rates), marks(m.rated)
-    smooth = mark_table(m.smooth)
+    smooth, degrees = mark_table(m.smooth), integers(m.degrees)
     t0, t1, t2 = times[0], times[1], times[2]
     for i in range(values.shape[1]):
-        third = 0.0
-        if degree == 3 and rated[i]:
+        third, own = 0.0, min(degree, degrees[i])
+        if own == 3 and rated[i]:
             v, c = values[0, i], 0.0
             d = rates[0, i] if smooth[0, i] else 0.0
             if count > 1:
                 d, c, third = cubic(v, d, smooth[0, i], values[1, i], rates[1, i], smooth[1, i], t1 - t0)
         else:
-            points = min(min(degree, 2) + 1, count)
+            points = min(min(own, 2) + 1, count)
             v, d, c = parabola(t0, values[0, i], t1, values[1, i], t2, values[2, i], points, t0)
         _store(out, i, v, d, c, third)
 
 
 @numba.njit(cache=True)
 def interpolate_part(
-    times: Any, values: Any, rates: Any, rated: Any, smooth: Any, end_smooth: Any, count: int, degree: int,
-    end: float, new: Any, new_rates: Any, out: Any, first: int, last: int,
+    times: Any, values: Any, rates: Any, rated: Any, degrees: Any, smooth: Any, end_smooth: Any, count: int,
+    degree: int, end: float, new: Any, new_rates: Any, out: Any, first: int, last: int,
 ) -> bool:  # fmt: skip
     """Interpolate the sources from `first` up to `last`; True if their new values are finite."""
     finite = True
     at = times[0]
     for i in range(first, last):
         finite &= math.isfinite(new[i])
-        third = 0.0
-        if degree == 3 and rated[i]:
+        third, own = 0.0, min(degree, degrees[i])
+        if own == 3 and rated[i]:
             finite &= math.isfinite(new_rates[i])
             v = values[0, i]
             d, c, third = cubic(v, rates[0, i], smooth[0, i], new[i], new_rates[i], end_smooth[i], end - at)
         else:
-            points = min(min(degree, 2), count) + 1
+            points = min(min(own, 2), count) + 1
             v, d, c = parabola(end, new[i], at, values[0, i], times[1], values[1, i], points, at)
         _store(out, i, v, d, c, third)
     return finite
@@ -233,15 +235,15 @@ def interpolate_part(
 
 @numba.njit(cache=True)
 def relay(
-    times: Any, past: Any, count: int, degree: int, end: float, new: Any, out: Any, first: int, last: int,
-    columns: Any, inputs: Any,
+    times: Any, past: Any, degrees: Any, count: int, degree: int, end: float, new: Any, out: Any, first: int,
+    last: int, columns: Any, inputs: Any,
 ) -> bool:  # fmt: skip
     """`interpolate_part` without rates (degree 2 at most), then `gather` of another participant's inputs."""
     finite = True
     at = times[0]
-    points = min(degree, count) + 1
     for i in range(first, last):
         finite &= math.isfinite(new[i])
+        points = min(min(degree, degrees[i]), count) + 1
         v, d, c = parabola(end, new[i], at, past[0, i], times[1], past[1, i], points, at)
         _store(out, i, v, d, c, 0.0)
     gather(out, columns, inputs)
@@ -259,8 +261,8 @@ def interpolate(
     """As `extrapolate`, through the last points and `values` (`rates`) at the time `end`; True if finite."""
     h = history
     return interpolate_part(  # type: ignore[no-any-return]
-        h.times, h.values, h.rates, h.rated, h.smooth, h.end_smooth, h.count, degree, end, values, rates, out,
-        0, len(values),
+        h.times, h.values, h.rates, h.rated, h.degrees, h.smooth, h.end_smooth, h.count, degree, end, values,
+        rates, out, 0, len(values),
     )  # fmt: skip
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from ..fmu_limits import FmuLimits
 from ..scenario import Scenario, ends
 from .numbers import Diagnosis
 from .steps import Steps
@@ -23,6 +24,11 @@ class Facts:
     def master(self) -> Any:
         """With the tolerance that it ran with."""
         return self.scenario.made_master()
+
+    @cached_property
+    def limits(self) -> FmuLimits:
+        """What the given FMU files can take."""
+        return FmuLimits(self.scenario)
 
     @cached_property
     def targets(self) -> dict[str, list[str]]:

@@ -8,7 +8,7 @@ without. A motion inside the step that the ends do not show, an impact say, is m
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -77,16 +77,11 @@ def without_estimates(instance: Instance) -> Instance:
 
 
 class Estimating(Remembering):
-    """Implements `Participant` by `participant`; after its outputs come those of `component.estimates`.
+    """Implements `Participant` by `participant`; after its outputs come those of `component.estimates`."""
 
-    `degrees`: of the polynomial that it follows, by input; 0, where none is given, for a held one.
-    """
-
-    def __init__(
-        self, participant: Participant, component: EstimatedComponent, degrees: Mapping[str, int]
-    ) -> None:
+    def __init__(self, participant: Participant, component: EstimatedComponent) -> None:
         super().__init__(participant)
-        self._bonds, self._degrees = component.estimates, degrees
+        self._bonds = component.estimates
         self._own = np.zeros(len(self._bonds))  # the energies
         self._fresh = False
 
@@ -103,7 +98,7 @@ class Estimating(Remembering):
         rated = self._participant.connect(input_names, inputs, output_names, self._values, self._slopes)
         self._rated = np.array(rated, dtype=bool)
         orders = np.arange(len(inputs))[:, None]
-        self._followed = orders <= np.array([self._degrees.get(name, 0) for name in input_names])
+        self._followed = orders <= np.array(self.signal_degrees(input_names))
         # Variables are numbered through inputs, then outputs.
         names = [*input_names, *output_names]
         self._efforts = [names.index(bond.effort) for bond in self._bonds]

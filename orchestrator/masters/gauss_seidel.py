@@ -35,9 +35,9 @@ class GaussSeidel:
 
     def step(self, exchange: Exchange, time: float, step: float) -> int:
         order = order_of(exchange, self.order)
-        if exchange.history.lacks(self.degree):
+        if exchange.history.lacks(exchange.degree):
             return repeated(exchange, sweep, order, time, step)
-        extrapolate(exchange.history, self.degree, exchange.signals)
+        extrapolate(exchange.history, exchange.degree, exchange.signals)
         sweep(exchange, order, time, step)
         return 1
 

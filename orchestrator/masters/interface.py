@@ -40,8 +40,8 @@ class Interface:
         self._memory = ArrayPointers(
             sources=self.sources, rate_sources=self.rated, bounds=bounds, scale=scale,
             assumed=exchange.arrived.copy(), arrived=exchange.arrived, signals=exchange.signals,
-            times=h.times, past=h.values, past_rates=h.rates, rated=h.rated, smooth=h.smooth,
-            end_smooth=h.end_smooth,
+            times=h.times, past=h.values, past_rates=h.rates, rated=h.rated,
+            degrees=h.degrees, smooth=h.smooth, end_smooth=h.end_smooth,
         )  # fmt: skip
 
     def measure(self, step: float) -> None:
@@ -106,7 +106,7 @@ def _assume(memory: Any, vector: Any, known: int, end: float) -> None:
     sources, rates, scale = integers(m.sources), integers(m.rate_sources), numbers(m.scale)
     assumed, signals, bounds = table(m.assumed), table(m.signals), integer_table(m.bounds)
     times, past, past_rates, rated = numbers(m.times), table(m.past), table(m.past_rates), marks(m.rated)
-    smooth, end_smooth = mark_table(m.smooth), marks(m.end_smooth)
+    smooth, end_smooth, degrees = mark_table(m.smooth), marks(m.end_smooth), integers(m.degrees)
     n = sources.shape[0]
     for j in range(n):
         assumed[0, sources[j]] = vector[j] * scale[j]
@@ -114,6 +114,6 @@ def _assume(memory: Any, vector: Any, known: int, end: float) -> None:
         assumed[1, rates[j]] = vector[n + j] * scale[n + j]
     for k in range(bounds.shape[0]):
         interpolate_part(
-            times, past, past_rates, rated, smooth, end_smooth, known, signals.shape[0] - 1, end, assumed[0],
-            assumed[1], signals, bounds[k, 0], bounds[k, 1],
+            times, past, past_rates, rated, degrees, smooth, end_smooth, known, signals.shape[0] - 1, end,
+            assumed[0], assumed[1], signals, bounds[k, 0], bounds[k, 1],
         )  # fmt: skip

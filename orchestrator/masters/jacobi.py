@@ -30,9 +30,9 @@ class Jacobi:
         return degree_of(self.extrapolation)
 
     def step(self, exchange: Exchange, time: float, step: float) -> int:
-        if exchange.history.lacks(self.degree):
+        if exchange.history.lacks(exchange.degree):
             return repeated(exchange, parallel, exchange.listed, time, step)
-        extrapolate(exchange.history, self.degree, exchange.signals)
+        extrapolate(exchange.history, exchange.degree, exchange.signals)
         parallel(exchange, exchange.listed, time, step)
         return 1
 

@@ -13,7 +13,7 @@ from .fmu import FmuParticipant, Given
 from .foreign import ForeignComponent, component_of_file
 from .in_own_process import InOwnProcess
 from .in_process import InProcessParticipant as in_process
-from .offers import missing, signal_degrees
+from .offers import missing
 from .protocol import Participant
 from .substeps import Substepped as substepped
 from .transformed import Transformed as transformed
@@ -30,7 +30,6 @@ __all__ = [
     "in_process",
     "made_here",
     "missing",
-    "signal_degrees",
     "substepped",
     "transformed",
 ]

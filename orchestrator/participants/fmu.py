@@ -29,7 +29,7 @@ from .description import REALS, Variable, described
 from .failures import Failing
 from .fmi2 import Fmi2
 from .fmi3 import Fmi3
-from .offers import derivative
+from .offers import derivative, signal_degrees
 from .standard import DISCARD, WARNING, Standard
 
 
@@ -98,6 +98,9 @@ class FmuParticipant(Failing):
                 f"{self.name}: the FMU has no variable {name!r}; {suggestion(name, self._variables)}"
             )
         return self._variables[name]
+
+    def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
+        return signal_degrees(self._description, input_names)
 
     def connect(
         self,

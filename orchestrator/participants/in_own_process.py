@@ -28,6 +28,7 @@ from ..errors import DiscardedStepError, EndedError, LostParticipantError, Parti
 from .description import described
 from .fmu import Given
 from .messages import ADVANCE, CALL, FAILED, READ, TIMES, receive, send
+from .offers import signal_degrees
 
 # How long a process may take to end by itself (s), once it has nothing left to do.
 PATIENCE_S = 5.0
@@ -95,6 +96,9 @@ class InOwnProcess:
             )
         how = _how(self._process.returncode)
         raise LostParticipantError(f"{self.name}: its process ended {how} in the {self._doing}; {remedy}")
+
+    def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
+        return signal_degrees(described(self._path), input_names)
 
     def connect(
         self,

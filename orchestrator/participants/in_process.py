@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from models.integrator import FAILURES, OK
+from models.integrator import FAILURES, INPUT_COEFFICIENTS, OK
 from models.quantities import Vector
 from models.system import Instance
 
@@ -42,6 +42,9 @@ class InProcessParticipant:
         self._scale = component.state.nominal
         self._t = 0.0
         self._stale = True
+
+    def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
+        return [INPUT_COEFFICIENTS - 1] * len(input_names)
 
     def connect(
         self,

@@ -6,9 +6,12 @@ import difflib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from models.quantities import Field, Layout, Quantity
+from models.integrator import INPUT_COEFFICIENTS
+from models.quantities import Field, Quantity
 
-from .description import DescriptionError, described
+from .description import Description, DescriptionError, described
+
+HIGHEST = INPUT_COEFFICIENTS - 1
 
 
 def missing(path: Path, names: Iterable[str]) -> list[str]:
@@ -23,18 +26,20 @@ def missing(path: Path, names: Iterable[str]) -> list[str]:
     return [f"{model} {name!r}{_nearest(name, known)}" for name in absent]
 
 
-def signal_degrees(path: Path, inputs: Layout) -> dict[str, int]:
-    """The degree of the polynomial that the FMU at `path` follows, by input; 0: it holds the value."""
-    about = described(path)
+def signal_degrees(about: Description, names: Iterable[str]) -> list[int]:
+    """The degree of the polynomial in time that the FMU follows, for each of these inputs; 0: it holds it.
+
+    A whole number or truth value has no slope to follow: nothing limits its signal.
+    """
     known = about.variables
 
     def degree(name: str) -> int:
-        if about.interpolates and derivative(name, 1) not in known:
-            return 3
-        absent = (k for k in range(1, 4) if derivative(name, k) not in known)
-        return next(absent, 4) - 1
+        if known[name].discrete or (about.interpolates and derivative(name, 1) not in known):
+            return HIGHEST
+        absent = (k for k in range(1, HIGHEST + 1) if derivative(name, k) not in known)
+        return next(absent, HIGHEST + 1) - 1
 
-    return {name: degree(name) for name in inputs.names}
+    return [degree(name) for name in names]
 
 
 def derivative(name: str, order: int) -> str:

@@ -21,6 +21,10 @@ class Participant(Protocol):
     # Whether `save` and `restore` are possible.
     restorable: bool
 
+    def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
+        """The degree of the polynomial in time that it follows, for each input; 0: it holds the value."""
+        ...
+
     def connect(
         self,
         input_names: Sequence[str],
@@ -32,7 +36,7 @@ class Participant(Protocol):
         """Bind the exchanged variables to memory; for each output, whether its rate will be given.
 
         `inputs[k]` holds the k-th time derivative of each connected input at the time of the next
-        `advance` (row 0 the value); a participant that cannot use derivatives holds the value.
+        `advance` (row 0 the value).
         `rates`, as long as `outputs`, takes their time derivatives; of length 0, none are wanted. They are
         those along the motion with the inputs' slopes in effect: after `write` row 1 of `inputs`, after
         `advance` the slopes at its end. Rates that are not given stay as they are.

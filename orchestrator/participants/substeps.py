@@ -14,6 +14,7 @@ from models.quantities import Vector
 
 from ..errors import DiscardedStepError, RecoverableError
 from ..signals import move_origin
+from .offers import HIGHEST
 from .protocol import Participant
 from .wrapping import Wrapping
 
@@ -31,6 +32,10 @@ class Substepped(Wrapping):
         self._substeps, self._halvings = substeps, halvings
         self._smallest = 0.5**halvings / substeps
         self._advance = self._kept if halvings and self.restorable else participant.advance
+
+    def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
+        # Between its own steps it follows a signal of any degree, if only by values.
+        return super().signal_degrees(input_names) if self._substeps == 1 else [HIGHEST] * len(input_names)
 
     def connect(
         self,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from .protocol import Participant
@@ -21,6 +22,9 @@ class Around:
         self.initialise = participant.initialise
         self.finish_initialisation = participant.finish_initialisation
         self.close = participant.close
+
+    def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
+        return self._participant.signal_degrees(input_names)
 
 
 class Wrapping(Around):

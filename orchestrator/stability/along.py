@@ -100,6 +100,6 @@ class Along(ABC):
         """What is to be said of inputs that are held."""
         if self.held:
             yield (
-                f"{self.name} holds its inputs {', '.join(self.held)} over a step (no _der1): estimated "
-                "errors leave that out."
+                f"{self.name} holds its inputs {', '.join(self.held)} over a step (no _der1): values that go "
+                "there are held with every signal, in these limits and errors too."
             )

@@ -90,6 +90,11 @@ class Behaviour:
         """Their nominal sizes."""
         return self._benches.of(self.point, self.master, 1).nominal
 
+    @property
+    def degrees(self) -> Vector:
+        """Those of the signals through them: no higher than participants follow."""
+        return self._benches.of(self.point, self.master, 1).degrees
+
     def operator(self, step: float) -> MacroStep | None:
         """The macro step; None where the master's iteration does not converge."""
         return self._evaluate(step)[0]

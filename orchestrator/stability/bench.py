@@ -9,10 +9,12 @@ import numpy as np
 
 from models.component import Component
 from models.quantities import Vector
-from models.system import System
+from models.system import Port, System
 
 from ..exchange import Exchange
 from ..masters import Master
+from ..participants.offers import HIGHEST
+from ..signal_degrees import highest_degrees
 from ..signals import NEEDED, POINTS
 from .copies import Copies, LinearParticipant, numbered
 from .linear import Linear
@@ -49,6 +51,7 @@ class Bench:
         self.sources = len(self.exchange.sources) // count
         self.nominal = self.exchange.nominal[::count]
         self.rated, self.rows = degree == HERMITE, NEEDED[degree]
+        self.degrees = np.full(self.sources, degree)  # of the signals through the exchanged values
 
     def about(self, linears: Mapping[str, Linear], master: Master) -> None:
         """To be stepped by `master` with these matrices."""
@@ -56,10 +59,30 @@ class Bench:
             self._linears = linears
             for name, unit in self.units.items():
                 unit.become(linears[name])
+            self._limit(linears)
             self.scales = {name: linears[name].scale[:, None] for name in self.units}
             self.states = sum(len(scale) for scale in self.scales.values())
         if self._master is not master:
             self._master, self.exchange.parts = master, None
+
+    def _limit(self, linears: Mapping[str, Linear]) -> None:
+        """Let no signal have a higher degree than participants follow."""
+        followed = {c.target: self._followed(linears, c.target) for c in self.system.connections}
+        self.degrees[:] = self.degree
+        degrees = highest_degrees(self.system.connections, followed)
+        self.highest = max(degrees.values(), default=HIGHEST)
+        for port, degree in degrees.items():
+            first = Port(port.instance, numbered(port.variable, self.count)[0])
+            source = self.exchange.number[first] // self.count
+            self.degrees[source] = min(self.degree, degree)
+        self.exchange.history.degrees[:] = np.repeat(self.degrees, self.count)
+
+    def _followed(self, linears: Mapping[str, Linear], target: Port) -> int:
+        taken = linears[target.instance].taken
+        if taken is None:
+            return HIGHEST
+        column = self.system.instances[target.instance].component.inputs.index(target.variable)
+        return int(np.argmin(np.append(taken[1 : HIGHEST + 1, column] > 0.0, False)))
 
     @property
     def size(self) -> int:
@@ -111,11 +134,13 @@ class Bench:
         In nominal units, (shapes after shapes of exchanged values, x copies). To be called after `put`.
         """
         e, given = self.exchange, amounts.shape[1]
-        missing, at_end = shapes(step, self.degree), ends(step, self.degree)
         for number in np.flatnonzero(np.any(amounts, axis=1)):
             kind, source = divmod(int(number), self.sources)
+            missing, at_end = shapes(step, self.degrees[source]), ends(step, self.degrees[source])
             port = e.sources[source * self.count]
             variable = port.variable.partition("#")[0]
+            if kind >= len(missing):  # of a signal of lower degree than others
+                continue
             missed = self.nominal[source] * amounts[number]
             unit = self.units[port.instance]
             column = self.system.instances[port.instance].component.outputs.index(variable)

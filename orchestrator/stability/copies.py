@@ -87,6 +87,9 @@ class LinearParticipant:
         for memory in (self.x, self._U, self._u, self._y, self.course, self.course_end):
             memory[:] = 0.0
 
+    def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
+        return [ROWS - 2] * len(input_names)
+
     def connect(
         self,
         input_names: Sequence[str],

@@ -27,11 +27,19 @@ class Sampled:
     values: Vector
     rates: Vector
 
-    def missed(self, count: int, degree: int) -> Vector:
-        """What steps of `count` instants miss, (steps x shapes x sources)."""
+    def missed(self, count: int, degrees: Vector) -> Vector:
+        """What steps of `count` instants miss with signals of these degrees, (steps x shapes x sources)."""
         middles = self.values[count // 2 :: count] if count % 2 == 0 else None
         step = count * self.interval
-        return missed_by(self.values[::count], self.rates[::count], step, degree, middles)
+        found = {
+            int(degree): missed_by(self.values[::count], self.rates[::count], step, int(degree), middles)
+            for degree in np.unique(degrees)
+        }
+        shape = next(iter(found.values())).shape
+        missed = np.zeros((shape[0], max(one.shape[1] for one in found.values()), shape[2]))
+        for degree, one in found.items():
+            missed[:, : one.shape[1], degrees == degree] = one[:, :, degrees == degree]
+        return missed
 
 
 def sampled(course: Course, system: System, sources: list[Port]) -> Sampled:
@@ -48,8 +56,8 @@ def predicted(step: MacroStep, track: Sampled, count: int, nominal: Vector) -> V
     linear about one point, so an estimate. Infinite where they leave all bounds.
     """
     values = track.values[::count]
-    missed = (track.missed(count, step.degree) / nominal).reshape(len(values), -1)
-    driven = missed @ step.defect.T
+    missed = (track.missed(count, step.degrees) / nominal).reshape(len(values), -1)
+    driven = missed @ step.defect[:, : missed.shape[1]].T
     error = np.zeros_like(values)
     sparse = csr_array(step.matrix)
     with np.errstate(over="ignore", invalid="ignore"):

@@ -16,7 +16,7 @@ from models.quantities import Vector
 
 from ..masters import Master
 from .bench import Bench
-from .missed import ends
+from .missed import ends, shapes
 
 
 @dataclass(frozen=True)
@@ -25,11 +25,12 @@ class MacroStep:
 
     The data are the participants' states, then `rows` rows of exchanged values, newest first, and, with
     rates, as many rows of those times H. `missed` is by how much the exchanged values of the true solution
-    miss the signal's own extrapolation over the step, shape after shape (`missed_by`).
+    miss the signal's own extrapolation over the step, shape after shape (`missed_by`); `degrees` are those of
+    the signals.
     """
 
     step: float
-    degree: int
+    degrees: Vector
     states: int
     sources: int
     matrix: Vector
@@ -47,8 +48,7 @@ def macro_step(bench: Bench, master: Master, step: float) -> MacroStep:
     LinAlgError where the end values that agree are not determined.
     """
     size, sources = bench.size, bench.sources
-    at_end = ends(step, bench.degree)
-    kinds = at_end.shape[1]
+    kinds = len(shapes(step, bench.degree))
     columns, defect = np.empty((size, size)), np.empty((size, kinds * sources))
     for part, data in _units(size, bench.count):
         bench.put(data, step)
@@ -58,13 +58,13 @@ def macro_step(bench: Bench, master: Master, step: float) -> MacroStep:
         bench.follow(missed, step)
         defect[:, part] = bench.after(master, step)[:, : missed.shape[1]]
     # The true solution has moved by what was missed; the rest is error.
-    for kind in range(kinds):
-        own = np.arange(sources)
-        defect[bench.states + own, kind * sources + own] -= at_end[0, kind]
-        if bench.rated:
-            rates = bench.states + bench.rows * sources
-            defect[rates + own, kind * sources + own] -= at_end[1, kind] * step
-    return MacroStep(step, bench.degree, bench.states, sources, columns, defect)
+    rates = bench.states + bench.rows * sources
+    for source, degree in enumerate(bench.degrees):
+        for kind, (value, rate) in enumerate(ends(step, int(degree)).T):
+            defect[bench.states + source, kind * sources + source] -= value
+            if bench.rated:
+                defect[rates + source, kind * sources + source] -= rate * step
+    return MacroStep(step, bench.degrees.copy(), bench.states, sources, columns, defect)
 
 
 def _units(size: int, count: int) -> Iterator[tuple[slice, Vector]]:

@@ -12,6 +12,7 @@ import numpy as np
 from models.monolithic.course import Course
 from models.system import Port, System, parse_port
 
+from ..fmu_limits import FmuLimits
 from ..masters import MASTERS, Master
 from ..scenario import Scenario
 from ..signals import DEGREES
@@ -71,7 +72,8 @@ def survey(
         methods.append(surveyor.method(master))
         progress(0.3 + 0.7 * (i + 1) / len(kinds))
     own = methods[0]
-    usable = [m for m in methods if m.recommended > 0.0]
+    restorable = FmuLimits(scenario).restorable
+    usable = [m for m in methods if m.recommended > 0.0 and (restorable or not m.master.implicit)]
     methods.sort(key=lambda m: m.cost)
     return Survey(
         scenario, system, surveyor.partition, surveyor.points, methods, own,
@@ -95,7 +97,7 @@ def _methods(scenario: Scenario, system: System, surveyor: _Surveyor) -> list[Ma
         base: Any = own if isinstance(own, kind) else kind()
         if "iterate" in options and not base.iterate and stiff:
             base = replace(base, iterate=stiff)
-        for signal in DEGREES:
+        for signal in list(DEGREES)[: surveyor.highest + 1]:
             ordered = {"order": order} if "order" in options else {}
             made.append(replace(base, extrapolation=signal, **ordered))
     return list(dict.fromkeys(made))
@@ -110,6 +112,9 @@ class _Surveyor:
         self.partition = Partition(system, points, watched)
         names = {n: [port.variable for port in watched if port.instance == n] for n in system.instances}
         self._benches = Benches(system, names)
+        hermite = MASTERS["jacobi"](extrapolation="hermite")
+        # The highest degree of a signal that participants follow.
+        self.highest = max(self._benches.of(point, hermite, 1).highest for point in points)
         self._first = scenario.macro_step / DOWN
         self._longest = min(UP * scenario.macro_step, scenario.stop_time)
         probe = MASTERS["jacobi"]()
@@ -211,7 +216,8 @@ class _Surveyor:
         if interval < found.limit and self._excess(found.errors.get(step, {})) > 1.0:
             found.errors[interval] = self._errors(behaviour, 1)
         found.errors = dict(sorted(found.errors.items()))
-        order = 4 if found.master.degree == HERMITE else found.master.degree + 1
+        lowest = int(min(behaviour.degrees))
+        order = 4 if lowest == HERMITE else lowest + 1
         excess = {at: self._excess(errors) for at, errors in found.errors.items()}
         found.within = reached(excess, order, 1.0)
         safe = min(reached(excess, order, 1.0 / WITHIN), found.limit / AWAY, self._longest)
@@ -223,8 +229,8 @@ class _Surveyor:
             return
         interval = self._sampled.interval
         factor = max(1, round(found.recommended / interval))
-        missed = self._sampled.missed(factor, found.master.degree)
         behaviour = Behaviour(self.typical, found.master, self._benches)
+        missed = self._sampled.missed(factor, behaviour.degrees)
         amounts = (np.sqrt(np.mean(missed**2, axis=0)) / behaviour.nominal).ravel()
         found.cost = behaviour.effort(found.recommended, amounts) / found.recommended
         if not math.isfinite(found.cost):

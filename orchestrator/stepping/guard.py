@@ -65,12 +65,19 @@ class RunawayGuard:
         worst = _judge(self._memory.record, self._exchange.history.count, time, self.BOUND, share)
         if worst >= 0:
             source = self._exchange.sources[worst]
-            other = "another extrapolation" if self._master.implicit else "the iterated master"
+            remedies = ["reduce macro_step", *self._remedies()]
             raise UnstableCouplingError(
                 f"{source}: unstable coupling at t = {time:.6g} s: its values do not follow their "
                 f"own prediction any more; {name_of(self._master)} cannot couple this system with steps "
-                f"of {step:g} s: reduce macro_step, use [step_control], or {other}"
+                f"of {step:g} s: {' or '.join(remedies)}"
             )
+
+    def _remedies(self) -> list[str]:
+        """Those that the participants can take."""
+        remedies = ["use [step_control]"] * self._exchange.restorable
+        if not self._master.implicit:
+            return remedies + ["use the iterated master"] * self._exchange.restorable
+        return remedies + ["use another extrapolation"] * (self._exchange.degree > 0)
 
     def state(self) -> dict[str, Any]:
         """The sums, as plain arrays."""

@@ -226,6 +226,14 @@ MODELS["called"] = replace(
     abilities='maxOutputDerivativeOrder="1" ',
     rates={"position": "der(position)", "velocity": "der(velocity)"},
 )
+# The mass that takes no slope of its force, and can be taken back.
+MODELS["held_mass"] = replace(MODELS["sprung"], abilities=MODELS["dahlquist"].abilities)
+# Its output is the time derivative of its input.
+MODELS["inertia"] = Model(
+    (V("reaction", "output"), V("speed", "input"), V("speed_der1", "input"), V("inertia", "parameter", 0.5)),
+    output="$reaction = -$inertia * $speed_der1;",
+    depends={"reaction": ("speed", "speed_der1")},
+)
 MODELS["called_vector"] = replace(
     MODELS["vector"],
     variables=tuple(replace(v, derivative="") for v in MODELS["vector"].variables),

@@ -26,7 +26,6 @@ from .two_masses import START, two_masses
 
 BOND = "first.force * second.velocity"
 STOP = 2.0
-FOLLOWED = {"force": 3}
 
 
 class Unrated:
@@ -51,7 +50,7 @@ def booked(master, step, observers=(), rated=True, **parameters):
     unit = in_process("second", without_estimates(second))
     units = {
         "first": in_process("first", system.instances["first"]),
-        "second": Estimating(unit if rated else Unrated(unit), second.component, FOLLOWED),
+        "second": Estimating(unit if rated else Unrated(unit), second.component),
     }
     simulate(system, units, master, step, STOP, [ledger, *(Trimmed(o, system) for o in observers)])
     return ledger
@@ -117,7 +116,7 @@ def test_nobody_sees_the_estimates():
 def test_estimates_go_back_and_through_bytes_to_the_same_bits():
     system = estimated(counted(two_masses(), ["first"]))
     second = system.instances["second"]
-    unit = Estimating(in_process("second", without_estimates(second)), second.component, FOLLOWED)
+    unit = Estimating(in_process("second", without_estimates(second)), second.component)
     inputs, outputs = np.zeros((2, 1)), np.zeros(2)
     unit.connect(["force"], inputs, ["position", "velocity"], outputs, np.zeros(0))
     unit.initialise(0.0, 1.0)

@@ -104,7 +104,7 @@ def test_a_component_that_takes_no_samples_does_not_count_and_is_estimated() -> 
     inner = in_process("layer", without_estimates(system.instances["layer"]))
     units = {
         "plate": in_process("plate", system.instances["plate"]),
-        "layer": Estimating(inner, system.instances["layer"].component, {"velocity": 3}),
+        "layer": Estimating(inner, system.instances["layer"].component),
     }
     simulate(system, units, ITERATED, 2e-5, STOP, [ledger])
     counting_both = counted(dragged(), ["plate", "layer"])

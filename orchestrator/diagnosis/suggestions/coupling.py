@@ -13,11 +13,12 @@ WORTH = 0.05  # of the doStep calls: a saving of less is not worth a change
 def stiff_connection(facts: Facts) -> str | None:
     """One variable's error limits most steps under a master that does not iterate."""
     name, share = facts.limiting
-    if share < MOST or facts.master.implicit:
+    if share < MOST or facts.master.implicit or not facts.limits.restorable:
         return None
+    signal = list(DEGREES)[facts.limits.lowest]
     return (
         f"{name} limits {percent(share)} of the steps: {_coupling(facts, name)}; an explicit master's "
-        'error, not the motion, may set the step: [master] name = "iterated", extrapolation = "hermite"'
+        f'error, not the motion, may set the step: [master] name = "iterated", extrapolation = "{signal}"'
     )
 
 
@@ -45,7 +46,9 @@ def higher_degree(facts: Facts) -> str | None:
     share = facts.diagnosis.share("error")
     if share < MOST or facts.master.degree > 1 or not facts.diagnosis.limits:
         return None
-    better = "hermite" if facts.master.implicit else "quadratic"
+    better = list(DEGREES)[min(facts.limits.lowest, 3 if facts.master.implicit else 2)]
+    if DEGREES[better] <= facts.master.degree:
+        return None
     used = list(DEGREES)[facts.master.degree]
     return (
         f"the error of the coupling limits {percent(share)} of the steps, with {used} signals: [master] "
@@ -57,9 +60,12 @@ def held_inputs(facts: Facts) -> str | None:
     """Steps of one length with held inputs."""
     if facts.scenario.step_control or facts.master.degree > 0:
         return None
+    better = min(facts.limits.lowest, 2)
+    remedies = [f'[master] extrapolation = "{list(DEGREES)[better]}"'] if better else []
+    remedies += ["[step_control]"] if facts.limits.controllable else []
     return (
         "steps of one length with held inputs: their error falls only with the first power of macro_step; "
-        '[master] extrapolation = "quadratic", or [step_control]'
+        f"{', or '.join(remedies) or 'a shorter macro_step'}"
     )
 
 

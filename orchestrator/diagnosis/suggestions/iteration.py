@@ -13,7 +13,8 @@ DENSE = 3.0  # times the mean work
 def uneven_work(facts: Facts) -> str | None:
     """Steps of one length need many times more iterations in some intervals than in others."""
     dense = max(facts.diagnosis.densest, key=lambda interval: interval.density, default=None)
-    if facts.scenario.step_control or dense is None or dense.density < DENSE:
+    controlled = facts.scenario.step_control or not facts.limits.controllable
+    if controlled or dense is None or dense.density < DENSE:
         return None
     return (
         f"{percent(dense.work)} of the iterations fall in {percent(dense.time)} of the time, "

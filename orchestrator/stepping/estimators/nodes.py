@@ -59,7 +59,9 @@ def interpolated(history: History, degree: int, length: float) -> NodePolynomial
 
 
 def effective_degree(exchange: Exchange) -> int:
-    """Degree of the signals that limit the order: quadratic where a Hermite signal lacks rates."""
-    if exchange.degree == 3 and not exchange.rated[exchange.connected].all():
+    """Degree of the signals that limit the order: of those that participants follow the lowest, quadratic
+    where a Hermite signal lacks rates."""
+    lowest = exchange.history.degrees[exchange.connected].min(initial=exchange.degree)
+    if lowest == 3 and not exchange.rated[exchange.connected].all():
         return 2
-    return exchange.degree
+    return int(lowest)
