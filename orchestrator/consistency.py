@@ -27,6 +27,8 @@ RATES_AGREED = 1e-9
 CONTRACTING = 0.5
 # Perturbation of a value, in its size: outputs may bend. They are linear in rates, which are less exact.
 VALUE_PERTURBATION, RATE_PERTURBATION = 1e-6, 1e-2
+# Loops of smaller gain have rates that agree after as many passes as there are participants.
+SMALL_GAIN = 0.05
 CORRECTIONS, HALVINGS = 30, 20
 # Of 1 - dG/dv. Beyond it the loop's gain is 1 as far as differences tell.
 SINGULAR = 1e9
@@ -45,10 +47,21 @@ def agree(exchange: Exchange, time: float) -> None:
         for _ in exchange.participants:
             before = exchange.rates.copy()
             exchange.propagate(exchange.listed, time)
-        if not _close(exchange, before, exchange.rates, RATES_AGREED):
+        if not _close(exchange, before, exchange.rates, RATES_AGREED) and _gain(exchange, time) > SMALL_GAIN:
             exchange.rates[:] = 0.0
             marked = exchange.through & exchange.rated & ~_discrete(exchange)
             _Loop(exchange, exchange.rates, marked, time, RATE_PERTURBATION).solve(RATES_AGREED)
+
+
+def _gain(exchange: Exchange, time: float) -> float:
+    """The largest gain of an algebraic loop; zero without loops. All stays as it is."""
+    kept = exchange.arrived.copy()
+    loop = _Loop(exchange, exchange.values, exchange.through, time, VALUE_PERTURBATION)
+    gain = loop.gain()
+    exchange.arrived[:] = kept
+    exchange.propagate(exchange.listed, time)
+    exchange.arrived[:] = kept
+    return gain
 
 
 def _passed(exchange: Exchange, time: float) -> bool:
@@ -104,12 +117,8 @@ class _Loop:
         return self._values[self._loop].copy()
 
     def _correction(self, guess: Vector, result: Vector, sizes: Vector) -> Vector:
-        """(1 - dG/dv)^-1 (G(v) - v), with dG/dv by differences."""
-        matrix = np.eye(len(guess))
-        for j, size in enumerate(sizes):
-            perturbed = guess.copy()
-            perturbed[j] += self._perturbation * size
-            matrix[:, j] -= (self._passed(perturbed) - result) / sizes / self._perturbation
+        """(1 - dG/dv)^-1 (G(v) - v)."""
+        matrix = np.eye(len(guess)) - self._derivatives(guess, result, sizes)
         _, singular, rows = np.linalg.svd(matrix)
         if not singular[0] < SINGULAR * singular[-1]:
             raise RunError(
@@ -118,6 +127,22 @@ class _Loop:
                 "the parameters that close it"
             )
         return np.asarray(sizes * np.linalg.solve(matrix, (result - guess) / sizes))
+
+    def _derivatives(self, guess: Vector, result: Vector, sizes: Vector) -> Vector:
+        """dG/dv by differences, in sizes."""
+        matrix = np.empty((len(guess), len(guess)))
+        for j, size in enumerate(sizes):
+            perturbed = guess.copy()
+            perturbed[j] += self._perturbation * size
+            matrix[:, j] = (self._passed(perturbed) - result) / sizes / self._perturbation
+        return matrix
+
+    def gain(self) -> float:
+        """The spectral radius of dG/dv."""
+        guess = self._values[self._loop].copy()
+        sizes = _sizes(self._exchange, self._values)[self._loop]
+        matrix = self._derivatives(guess, self._passed(guess), sizes)
+        return float(np.max(np.abs(np.linalg.eigvals(matrix)), initial=0.0))
 
     def _descended(
         self, guess: Vector, result: Vector, correction: Vector, sizes: Vector

@@ -44,7 +44,7 @@ def at_point(system, master, start, length):
         columns = [system.outputs.index(port) for port in exchange.sources]
         exchange.values[:] = reference.outputs[k][columns]
         for _ in range(3):  # values pass at once, rates one participant further each time
-            exchange._pass_on(exchange.listed, times[k])
+            exchange.propagate(exchange.listed, times[k])
         if k == 1:
             exchange.history.restart()
         exchange.accept(times[k])
