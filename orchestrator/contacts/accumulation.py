@@ -119,7 +119,7 @@ def _extremes(c: Any, row: Any, limit: float, load: float, time: float, step: fl
     """Extremes and durations (by the trapezoidal rule)."""
     c.duration += step
     c.longest_step = max(c.longest_step, step)
-    c.loaded_duration += 0.5 * step * ((c.load > 0.0) + (load > 0.0))
+    c.loaded_duration += 0.5 * step * (float(c.load > 0.0) + float(load > 0.0))
     c.least_load = min(c.least_load, load)
     if load > c.largest_load:
         c.largest_load, c.load_time = load, time
