@@ -31,7 +31,7 @@ too, and writes the page anew; `python -m tests --validation spring` does so for
 in their file or name.
 
 Numbers are in SI units unless a unit is named; *rel.* is relative to the reference. A reference of 0 means
-that the quantity is itself an error.
+that the quantity is itself an error; a tolerance of 0, that all numbers are equal to the last bit.
 """
 
 # Rows by subject and test.
@@ -119,12 +119,12 @@ def named_test(node: str) -> str:
 
 
 def recorded_blocks(records: Iterable[Record]) -> Blocks:
-    """The rows of new records; the cases of a parametrised test share a row."""
+    """The rows of new records, in the order of cases; what is recorded repeatedly has one row, the worst."""
     cases = defaultdict(list)
-    for node, place, subject, share, cells in sorted(records):
-        cases[subject, named_test(node), place, cells[0]].append((share, cells))
+    for node, _, subject, share, cells in sorted(records):
+        cases[subject, named_test(node), cells[0]].append((share, cells))
     blocks: Blocks = defaultdict(list)
-    for (subject, test, _, quantity), found in sorted(cases.items()):
+    for (subject, test, quantity), found in cases.items():
         cells = max(found, key=lambda case: case[0])[1]
         more = f" (worst of {len(found)} cases)" if len(found) > 1 else ""
         file, _, name = test.partition("::")
