@@ -119,7 +119,8 @@ def _extremes(c: Any, row: Any, limit: float, load: float, time: float, step: fl
     """Extremes and durations (by the trapezoidal rule)."""
     c.duration += step
     c.longest_step = max(c.longest_step, step)
-    c.loaded_duration += 0.5 * step * (float(c.load > 0.0) + float(load > 0.0))
+    ends = (1.0 if c.load > 0.0 else 0.0) + (1.0 if load > 0.0 else 0.0)
+    c.loaded_duration += 0.5 * step * ends
     c.least_load = min(c.least_load, load)
     if load > c.largest_load:
         c.largest_load, c.load_time = load, time
