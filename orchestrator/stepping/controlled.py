@@ -28,6 +28,7 @@ from .protocol import (
     TIME_EVENT,
     Step,
 )
+from .unseen import judged
 
 # After an attempt that failed.
 FAILED = 0.25
@@ -97,7 +98,7 @@ class ControlledSteps:
                 event, error = -1, 0.0
                 exchange.history.end_smooth[:] = ~self._locator.bent(end)
                 try:
-                    attempt = self._estimator.attempt(exchange, self._master, time, length)
+                    attempt = self._attempted(saved, time, length)
                     error, source = self._norm(saved.values, attempt.error)
                     # Over an event the estimate sees what jumps or bends there: it tells before it. (Of an
                     # explicit step of such an error nothing may be right.)
@@ -177,13 +178,22 @@ class ControlledSteps:
 
     def _norm(self, before: Vector, error: Vector) -> tuple[float, int]:
         """Root mean square of the errors over what is allowed, and the source with the largest."""
-        e, control = self._exchange, self._control
-        sizes = np.maximum(np.abs(before), np.abs(e.values))
-        parts = np.abs(error) / (control.absolute * e.nominal + control.relative * sizes)
-        parts = parts[e.connected]
+        e = self._exchange
+        parts = (np.abs(error) / self._allowed(before))[e.connected]
         if not parts.size:
             return 0.0, -1
         return float(np.sqrt(np.mean(parts**2))), int(e.connected[np.argmax(parts)])
+
+    def _attempted(self, saved: Saved, time: float, length: float) -> Attempt:
+        attempt = self._estimator.attempt(self._exchange, self._master, time, length)
+        if self._master.implicit:
+            return attempt
+        return judged(self._exchange, saved, time, length, attempt, self._allowed(saved.values))
+
+    def _allowed(self, before: Vector) -> Vector:
+        e, control = self._exchange, self._control
+        sizes = np.maximum(np.abs(before), np.abs(e.values))
+        return np.asarray(control.absolute * e.nominal + control.relative * sizes)
 
     def _accepted(
         self, time: float, end: float, length: float, smooth: Any, attempt: Attempt, error: float,

@@ -228,6 +228,21 @@ MODELS["called"] = replace(
 )
 # The mass that takes no slope of its force, and can be taken back.
 MODELS["held_mass"] = replace(MODELS["sprung"], abilities=MODELS["dahlquist"].abilities)
+# A mass of 1 kg that falls, exactly for held forces, and a spring without mass that it may touch at 0.
+MODELS["falling"] = Model(
+    (
+        V("position", "output", 0.1, initial="exact"),
+        V("velocity", "output", initial="exact"),
+        V("force", "input"),
+    ),
+    "double a = $force - 9.81; $position += h * ($velocity + h / 2 * a); $velocity += h * a;",
+    depends={"position": (), "velocity": ()},
+)
+MODELS["stop"] = Model(
+    (V("force", "output"), V("position", "input"), V("stiffness", "parameter", 1e6)),
+    output="$force = $position < 0 ? -$stiffness * $position : 0;",
+    depends={"force": ("position",)},
+)
 # Its output is the time derivative of its input.
 MODELS["inertia"] = Model(
     (V("reaction", "output"), V("speed", "input"), V("speed_der1", "input"), V("inertia", "parameter", 0.5)),

@@ -1,0 +1,65 @@
+"""What the error estimate of an explicit step can't see: a change of inputs that no participant was given.
+
+An estimator compares ways through the step that extrapolate the same past. Where a value leaves its past in
+the step, a contact force say that was zero all the time, all of these ways carry the same wrong input and
+agree. So the outputs are asked for at the end of the step, with the inputs there; where one of them has left
+the parabola through its past, the step is made once more with signals that go to these values.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from models.quantities import Vector
+
+from ..exchange import Exchange, Saved
+from ..masters.jacobi import parallel
+from ..signals import History, interpolate
+from .estimators import Attempt
+
+# A value has left its past where it misses the parabola by this share of how far it has moved.
+LEFT = 0.5
+# Next to a bend a step's error falls with the square of its length.
+BENT = 2.0
+
+
+def judged(
+    exchange: Exchange, saved: Saved, time: float, length: float, attempt: Attempt, allowed: Vector
+) -> Attempt:
+    """The attempt, with the error that its estimator can't see; the exchange is then at its end, as before.
+
+    `allowed` is what every source may be wrong by, `saved` the start of the step.
+    """
+    end = exchange.save()
+    try:
+        exchange.settle(exchange.listed, time + length)
+        values, rates = exchange.values.copy(), exchange.rates.copy()
+        missed = np.abs(values - predicted(saved.history, time + length))
+        moved = np.maximum(np.abs(values - saved.values), np.ptp(saved.history.values, axis=0))
+        left = (missed > LEFT * moved) & (missed > allowed)
+        if left[exchange.connected].any():
+            exchange.restore(saved)
+            interpolate(exchange.history, exchange.degree, time + length, values, rates, exchange.signals)
+            parallel(exchange, exchange.listed, time, length)
+            unseen = np.abs(exchange.values - values)
+            if np.any(unseen > np.abs(attempt.error)):
+                attempt = replace(attempt, error=np.maximum(unseen, np.abs(attempt.error)), exponent=BENT)
+        exchange.restore(end)
+    finally:
+        exchange.release(end)
+    return attempt
+
+
+def predicted(history: History, time: float) -> Vector:
+    """The values at `time` by the parabola through the known points, or what fewer of them give."""
+    t, v = history.times, history.values
+    if history.count == 1:
+        return v[0].copy()
+    slope = (v[0] - v[1]) / (t[0] - t[1])
+    found = v[0] + (time - t[0]) * slope
+    if history.count > 2:
+        bend = (slope - (v[1] - v[2]) / (t[1] - t[2])) / (t[0] - t[2])
+        found = found + (time - t[0]) * (time - t[1]) * bend
+    return np.asarray(found)
