@@ -11,11 +11,11 @@ import numpy as np
 from rich.console import Console
 
 from fmus.build import build
-from orchestrator import coupled_run
-from orchestrator.checkpoint import Checkpoints
-from orchestrator.report import Reporter
-from orchestrator.run import run
-from orchestrator.scenario_files import load
+from orchestrator.run import execute as coupled_run
+from orchestrator.run.checkpoint import Checkpoints
+from orchestrator.run.pipeline import run
+from orchestrator.run.report import Reporter
+from orchestrator.scenario.files import load
 
 EVERY = 10.0  # s
 LENGTH = 0.04  # s, of 1e-7 s steps

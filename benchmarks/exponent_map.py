@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 
-from models.parallel import cores
+from models.compile.parallel import cores
 from models.slider_crank.machine import Machine
 from models.slider_crank.motions.maps import exponent_map
 

@@ -5,8 +5,14 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from models.kernel import kernel
-from models.slider_crank.equations import Mechanism, flight_acceleration, rebound, wall_angle, wall_rate
+from models.compile.kernel import kernel
+from models.slider_crank.equations import (
+    Mechanism,
+    flight_acceleration,
+    rebound,
+    wall_angle,
+    wall_rate,
+)
 
 STEP = 0.005
 # Halvings of the step that ends at a wall: to 1e-10 rad.

@@ -19,14 +19,15 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 from fmus.build import build
-from models.quantities import Vector
-from models.system import System
-from orchestrator import assembly
+from models.core.quantities import Vector
+from models.core.system import System
+from orchestrator.engine.observer import Observer
+from orchestrator.engine.step import Step
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import fmu
-from orchestrator.scenario_files import load
-from orchestrator.simulation import Observer, simulate
-from orchestrator.stepping import Step
+from orchestrator.run.pipeline import assembly
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
 
 from .measure import medians
 

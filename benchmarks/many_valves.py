@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from models.core.system import Instance, System
 from models.monolithic import solve
-from models.system import Instance, System
-from orchestrator import assembly
+from orchestrator.run.pipeline import assembly
 from orchestrator.scenario import Scenario, scenario_of
-from orchestrator.scenario_files import SHIPPED, load
-from orchestrator.values import component_of
+from orchestrator.scenario.files import SHIPPED, load
+from orchestrator.scenario.values import component_of
 
 FIRING_ORDER = (1, 3, 4, 2)
 # Crank angles from a cylinder's firing dead centre to the noses of its cams (deg), chosen here.

@@ -6,8 +6,8 @@ import statistics
 import time
 from collections.abc import Callable, Mapping, Sequence
 
-from models.quantities import Vector
-from orchestrator.stepping import Step
+from models.core.quantities import Vector
+from orchestrator.engine.step import Step
 
 
 def medians(candidates: Mapping[str, Callable[[], float]], rounds: int = 5) -> dict[str, float]:

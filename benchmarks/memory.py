@@ -29,10 +29,10 @@ import sys
 from pathlib import Path
 from fmus.build import build
 from orchestrator import assembly
-from orchestrator.exchange import Exchange
+from orchestrator.engine.exchange import Exchange
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import fmu
-from orchestrator.scenario_files import load
+from orchestrator.scenario.files import load
 STEPS, STEP = int(sys.argv[1]), 1e-6
 scenario = load("quarter-car")
 system = assembly.at_start(scenario, assembly.system_of(scenario))

@@ -10,12 +10,12 @@ from pathlib import Path
 from fmus.build import build
 from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
-from models.system import System
-from orchestrator import assembly
+from models.core.system import System
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Master, Newton
 from orchestrator.participants import fmu
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.run.pipeline import assembly
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
 from orchestrator.stepping import FixedSteps, Stepper
 
 from .measure import Clock, medians

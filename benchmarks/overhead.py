@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 
 from fmus.build import build
-from models.system import System
-from orchestrator import assembly
+from models.core.system import System
 from orchestrator.masters import GaussSeidel, Jacobi
 from orchestrator.participants import fmu
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.run.pipeline import assembly
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
 
 from .macro_steps import STEP, Unit, units
 from .measure import Clock, medians

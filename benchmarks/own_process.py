@@ -8,13 +8,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 
-from models.quantities import Vector
-from orchestrator.assembly import fmu_files, participants_of, system_of
+from models.core.quantities import Vector
 from orchestrator.command_line.fmu import built
+from orchestrator.engine.step import Step
 from orchestrator.masters import Jacobi
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
-from orchestrator.stepping import Step
+from orchestrator.run.assembly import fmu_files, participants_of, system_of
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
 
 from .measure import medians
 

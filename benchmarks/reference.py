@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from models.monolithic import solve
-from orchestrator import assembly
-from orchestrator.scenario_files import load
+from orchestrator.run.pipeline import assembly
+from orchestrator.scenario.files import load
 
 
 def rows() -> list[tuple[str, str]]:

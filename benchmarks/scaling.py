@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fmus.build import build
-from models.system import System
+from models.core.system import System
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import fmu, in_process
-from orchestrator.simulation import simulate
+from orchestrator.run.simulation import simulate
 
 from .many_valves import valve_trains
 from .measure import Clock

@@ -29,7 +29,7 @@ def rows() -> list[tuple[str, str]]:
     found = [
         ("bare interpreter", seconds("pass")),
         ("import of all component models", seconds("import models.catalogue")),
-        ("import of the master", seconds("import orchestrator.simulation")),
+        ("import of the master", seconds("import orchestrator.run.simulation")),
         (
             "tribocosim --help",
             seconds(

@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 import fmpy
 from fmpy.model_description import ModelDescription
 
-from .libraries import ELF, MACH_O, PE, Library, LibraryError, libraries
+from .fmi.libraries import ELF, MACH_O, PE, Library, LibraryError, libraries
 
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 SUFFIXES = (".so", ".dll", ".dylib")

@@ -20,15 +20,15 @@ from pathlib import Path
 
 import pythonfmu
 
+from fmus.fmi.archive import digest_of, seal
 from models.catalogue import CATALOGUE
-from models.component import Component
-from models.fmu_archive import digest_of, seal
+from models.core.component import Component
 
 from .cross_check.inside import TOLD, references
-from .description import GUID_PLACE, PYTHON, Experiment, Origin, model_description
 from .documentation import page
-from .kept import cached, recall, there, tidy
-from .needed import with_needed
+from .fmi.description import GUID_PLACE, PYTHON, Experiment, Origin, model_description
+from .fmu_cache import cached, recall, there, tidy
+from .patch_elf import with_needed
 from .sources import shipped
 
 HERE = Path(__file__).parent
@@ -62,7 +62,7 @@ except ImportError:
     raise
 
 from {package}.{module} import {factory} as make_component
-from {package}.models.integrator import FAILURES
+from {package}.models.core.integrator import FAILURES
 from {package}.slave import slave_class
 
 # The C layer of pythonfmu runs this file anew for every instance, and each time gives back a reference

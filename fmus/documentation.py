@@ -7,9 +7,9 @@ from typing import Any
 
 from markdown_it import MarkdownIt
 
-from .description import display_unit_of, unit_of
-from .memory import Memory, Variable
-from .units import display_factor
+from .fmi.description import display_unit_of, unit_of
+from .fmi.units import display_factor
+from .variable_layout import Memory, Variable
 
 # Where a README has a line that begins with this (a link to the tables), the page has the variables.
 MARKER = "[All variables]"

@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 
 from .host import Host, kept_threads
-from .memory import COEFFICIENTS, Memory, of_start
+from .variable_layout import COEFFICIENTS, Memory, of_start
 
 try:  # inside an FMU: the copy that belongs to its binary
     from .pythonfmu.enums import Fmi2Status

@@ -12,12 +12,12 @@ from typing import Any
 import pythonfmu
 
 import models
-from models.fmu_archive import digest_of
+from fmus.fmi.archive import digest_of
 
 # What the shipped code may import besides itself and the standard library.
 RUN_TIME = {"numpy", "numba", "llvmlite"}
 
-_SLAVE = ("host.py", "libpython.py", "memory.py", "slave.py")
+_SLAVE = ("host.py", "libpython.py", "variable_layout.py", "slave.py")
 
 
 def shipped(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]:

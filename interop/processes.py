@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from models.cache_folder import user_cache_directory
+from models.compile.cache_folder import user_cache_directory
 
 from . import tools
 from .case import FOLDER, Case

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from .component import Component
 from .contact.ehl_contact import ehl_contact
+from .core.component import Component
 from .flywheel import flywheel
 from .oscillators.bouncing_mass import falling_mass, spring_stop
 from .oscillators.quarter_car import quarter_car_chassis, quarter_car_wheel

@@ -6,12 +6,12 @@ import math
 from dataclasses import dataclass
 from typing import Annotated
 
-from .bonds import counts_energies
-from .component import NO_EVENT, Component, PowerBond, check_sizes
-from .integrator import TOLERANCE
-from .kernel import kernel
+from .compile.kernel import kernel
+from .core.bonds import counts_energies
+from .core.component import NO_EVENT, Component, PowerBond, check_sizes
+from .core.integrator import TOLERANCE
+from .core.quantities import Layout, Quantity, Vector, per_element
 from .plausible import ANGLE, RAMP, SPEED
-from .quantities import Layout, Quantity, Vector, per_element
 
 FREE, PRESCRIBED = 0.0, 1.0
 LINEAR, SMOOTH = 0.0, 1.0

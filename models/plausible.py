@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from .quantities import Plausible
+from .core.quantities import Plausible
 
 _MASS = (("g", 1e-3),)
 _LENGTH = (("mm", 1e-3), ("um", 1e-6))

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from models.quantities import Vector
-from models.system import Port
+from models.core.quantities import Vector
+from models.core.system import Port
 
 from .errors import NotFiniteError, RunError
 
 if TYPE_CHECKING:
-    from .exchange import Exchange
+    from .engine.exchange import Exchange
 
 # Values agree when they are right to this share of their size (or nominal size, if that is larger).
 AGREED = 1e-12

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from models.system import suggestion
+from models.core.system import suggestion
 from orchestrator.command_line.reported import reported
 from orchestrator.errors import MistakeError
 

@@ -18,13 +18,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.evaluation import Evaluation
+from models.core.evaluation import Evaluation
+from models.core.quantities import Vector
+from models.core.system import ModelError, Port, System
 from models.monolithic.energy import QUADRATURES, Energies
 from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import Event, check_ode
 from models.monolithic.reference import Reference, checked_times, observe, solve_twice, uncertainties
-from models.quantities import Vector
-from models.system import ModelError, Port, System
 from models.valve_train.valve_spring import lumping
 
 # Two loads (N) between which the relative acceleration is known to be affine.

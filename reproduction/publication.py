@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic
 
-from orchestrator.output_folder import OutputFolderError
-from orchestrator.report import Reporter
+from orchestrator.run.output_folder import OutputFolderError
+from orchestrator.run.report import Reporter
 
 from . import table
 from .statement import Claim, Runs, Statement

@@ -10,7 +10,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 Runs = TypeVar("Runs")
 

@@ -19,7 +19,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 RECORD = Path(__file__).with_name("same_bits.json")
-SCENARIOS = ROOT / "orchestrator" / "scenarios"
+SCENARIOS = ROOT / "orchestrator" / "scenario" / "shipped"
 LIMIT = 400.0  # s of wall time of one case
 
 MASTERS = ["jacobi", "gauss_seidel", "iterated", "newton"]

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from fmus.build import build
-from orchestrator.exchange import Exchange
+from orchestrator.engine.exchange import Exchange
 from orchestrator.masters.acceleration import ACCELERATIONS
-from orchestrator.scenario_files import load
-from orchestrator.schema import schema
+from orchestrator.scenario.files import load
+from orchestrator.scenario.schema import schema
 from orchestrator.stepping.estimators import ESTIMATORS
 
 PAGE = (Path(__file__).parent.parent / "docs" / "scenarios.md").read_text(encoding="utf-8")

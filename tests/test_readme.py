@@ -14,7 +14,7 @@ import pytest
 import typer
 
 from orchestrator.command_line import app
-from orchestrator.scenario_files import load
+from orchestrator.scenario.files import load
 from reproduction import SOURCES
 
 ROOT = Path(__file__).parent.parent

@@ -1,7 +1,7 @@
 """FMU of the camshaft."""
 
-from ..description import Experiment
-from ..terminals import Terminal
+from ..fmi.description import Experiment
+from ..fmi.terminals import Terminal
 
 # Two turns of the cam at 1000 rpm of the crank.
 EXPERIMENT = Experiment(stop_time=0.24, step_size=1e-5)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import sys
 
 from ..build import NAMES
-from .course import course_of
 from .inside import folder_of
 from .reference import results
+from .stimulus import course_of
 
 
 def main(names: list[str]) -> None:
@@ -15,7 +15,7 @@ def main(names: list[str]) -> None:
     for name in names or NAMES:
         course = course_of(name)
         if course is None:
-            print(f"{name}: has no course.py: nothing to compute")
+            print(f"{name}: has no stimulus.py: nothing to compute")
             continue
         found = results(name, course)
         for path, text in found.files.items():

@@ -16,7 +16,7 @@ import numpy as np
 from fmpy.model_description import ModelDescription, read_model_description
 from numpy.typing import NDArray
 
-from models.fmu_archive import DESCRIPTION, FmuFileError, archive_faults, one_line, opened
+from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, one_line, opened
 from models.monolithic.reference import SHARPEST
 
 from .exchange import integrated

@@ -17,11 +17,11 @@ from fmpy.model_description import ModelDescription
 from fmpy.simulation import Recorder, instantiate_fmu
 from numpy.typing import NDArray
 
+from models.core.quantities import Vector
 from models.monolithic.cvode import Cvode
 from models.monolithic.march import march
 from models.monolithic.problem import Event
 from models.monolithic.reference import stiffness
-from models.quantities import Vector
 
 from .files import CrossCheckError, Options, Table
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 REQUIRED = ("StartTime", "StopTime", "StepSize", "RelTol")
 

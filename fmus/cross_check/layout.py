@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
-from ..validate import info
+from ..fmi.validate import info
 from .files import CrossCheckError
 from .inside import folder_of
 
@@ -29,7 +29,7 @@ def lay_out(name: str, fmu: Path, tool: str, out: Path) -> Iterator[Path]:
     reference, found = folder_of(name), info(fmu)
     if not reference.is_dir():
         raise CrossCheckError(
-            f"{name}: has no reference results; fmus/{name}/course.py says what they are to be of"
+            f"{name}: has no reference results; fmus/{name}/stimulus.py says what they are to be of"
         )
     old = found.fmi_version == "2.0"
     platforms = [platform for platform in found.platforms if not old or platform in _KNOWN]

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.catalogue import CATALOGUE
-from models.component import Component
+from models.core.component import Component
+from models.core.quantities import Vector
 from models.monolithic.driven import Driven, Piece, solve_driven
-from models.quantities import Vector
 
 from ..build import default_structure
-from .course import Course, slope_of
 from .files import Options, Table, csv_text, read_csv
+from .stimulus import Course, slope_of
 
 # Of both solvers together; an integrator's own is a hundredth of it.
 TOLERANCE = 1e-10

@@ -1,7 +1,7 @@
 """FMU of the lubricated line contact."""
 
-from ..description import Experiment
-from ..terminals import Terminal
+from ..fmi.description import Experiment
+from ..fmi.terminals import Terminal
 
 # With a pressure field, so that the film may be solved for. Formulas do not touch it.
 STRUCTURE = {"nodes": 301}

@@ -1,7 +1,7 @@
 """FMU of the flywheel."""
 
-from ..description import Experiment
-from ..terminals import Terminal
+from ..fmi.description import Experiment
+from ..fmi.terminals import Terminal
 
 EXPERIMENT = Experiment(stop_time=1.0, step_size=1e-3)
 

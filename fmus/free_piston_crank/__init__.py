@@ -1,7 +1,7 @@
 """FMU of the slider-crank with a tilting piston on a free crank."""
 
-from ..description import Experiment
-from ..terminals import Terminal
+from ..fmi.description import Experiment
+from ..fmi.terminals import Terminal
 
 # Some turns at 1000 rpm.
 EXPERIMENT = Experiment(stop_time=0.2, step_size=1e-5)

@@ -12,9 +12,9 @@ from typing import Any
 import numba
 from numba import carray
 
-from models.kernel import record_of
-from models.quantities import Layout
-from models.requirements import PLACES
+from models.compile.kernel import record_of
+from models.core.quantities import Layout
+from models.core.requirements import PLACES
 
 # The names of entries for requirements, each followed by its number.
 REQUIREMENT, START_REQUIREMENT = "requirement", "start_requirement"

@@ -8,21 +8,28 @@ from functools import cache
 from importlib import import_module, metadata
 from pathlib import Path
 
+from fmus.fmi.archive import digest_of
 from models.catalogue import CATALOGUE
-from models.component import Component
-from models.fmu_archive import digest_of
+from models.core.component import Component
 
 from .. import build as python_build
-from .. import description3
 from ..cross_check.inside import references
-from ..description import EXCHANGE, GUID_PLACE, NATIVE, model_description
-from ..kept import cached, recall, there, tidy
-from ..memory import Memory
+from ..fmi import description3
+from ..fmi.description import EXCHANGE, GUID_PLACE, NATIVE, model_description
+from ..fmi.terminals import FOLDER, terminals_and_icons
+from ..fmu_cache import cached, recall, there, tidy
 from ..sources import shipped
-from ..terminals import FOLDER, terminals_and_icons
+from ..variable_layout import Memory
 from .differentiate import differentiated
 from .entries import smooth
-from .machine_code import FMI_HEADERS, PLATFORMS, SHELL, NativeBuildError, shared_library, this_platform
+from .machine_code import (
+    FMI_HEADERS,
+    PLATFORMS,
+    SHELL,
+    NativeBuildError,
+    shared_library,
+    this_platform,
+)
 from .tables import tables
 from .translate import TranslationError, translated
 

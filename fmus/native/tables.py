@@ -7,12 +7,12 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from models.component import NO_EVENT
-from models.integrator import FAILURES
-from models.requirements import PLACES, Requirement
+from models.core.component import NO_EVENT
+from models.core.integrator import FAILURES
+from models.core.requirements import PLACES, Requirement
 
-from ..arrays import shaped
-from ..memory import Memory, Variable, of_start
+from ..fmi.arrays import shaped
+from ..variable_layout import Memory, Variable, of_start
 from .entries import REQUIREMENT, START_REQUIREMENT
 
 _KINDS = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "Enumeration": "ENUMERATION"}

@@ -14,8 +14,8 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from models.cache_folder import private_folder
-from models.fmu_archive import digest_of
+from fmus.fmi.archive import digest_of
+from models.compile.cache_folder import private_folder
 
 # Of the C library; LLVM's intrinsics become calls of the same.
 _FUNCTIONS = """

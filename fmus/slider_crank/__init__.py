@@ -1,7 +1,7 @@
 """FMU of the slider-crank with clearance."""
 
-from ..description import Experiment
-from ..terminals import Terminal
+from ..fmi.description import Experiment
+from ..fmi.terminals import Terminal
 
 # Ten turns at 1000 rpm.
 EXPERIMENT = Experiment(stop_time=0.6, step_size=1e-5)

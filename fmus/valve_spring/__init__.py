@@ -1,7 +1,7 @@
 """FMU of the valve on its spring."""
 
-from ..description import Experiment
-from ..terminals import Terminal
+from ..fmi.description import Experiment
+from ..fmi.terminals import Terminal
 
 # Fifty periods of the default spring's surge.
 EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)

@@ -28,8 +28,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ..kernel import kernel
-from ..quantities import Vector
+from ..compile.kernel import kernel
+from ..core.quantities import Vector
 
 _ROOT_TWO_PI = math.sqrt(2.0 * math.pi)
 # exp(-u^2/2) is 5e-27 here.

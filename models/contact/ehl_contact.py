@@ -14,21 +14,14 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..bonds import counts_energies
-from ..component import Component, PowerBond
-from ..kernel import kernel
-from ..quantities import Layout, Vector
-from ..requirements import Requirement
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond
+from ..core.quantities import Layout, Vector
+from ..core.requirements import Requirement
 from .films import FILMS, film_by_number
 from .films.groups import groups
-from .hertz import (
-    compliance_of,
-    deflection,
-    elastic_energy,
-    half_width,
-    load_of,
-    maximum_pressure,
-)
+from .hertz import compliance_of, deflection, elastic_energy, half_width, load_of, maximum_pressure
 from .line.field import with_field
 from .mixed_lubrication import film_ratio, mixed_lubrication
 from .records import ContactInputs, ContactOutputs, ContactParameters, ContactState

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..kernel import kernel
+from ..compile.kernel import kernel
 
 
 @kernel

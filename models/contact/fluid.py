@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from ..kernel import kernel
+from ..compile.kernel import kernel
 
 # The order is the number of the law in FMUs: append only.
 VISCOSITY_LAWS = ("roelands", "barus", "constant")

@@ -16,10 +16,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..kernel import kernel
-from .asperities import THICK, Asperities, pressure_scale, pressure_under, real_area_share, separation_of
+from ..compile.kernel import kernel
+from .asperities import (
+    THICK,
+    Asperities,
+    pressure_scale,
+    pressure_under,
+    real_area_share,
+    separation_of,
+)
 from .fluid import Lubricant, viscosity_at
-from .sharing import Sharing
+from .load_sharing import Sharing
 
 # Gauss-Legendre points for the angle in x = b sin(angle), where a Hertzian contact's integrand is smooth.
 _POINTS = 12

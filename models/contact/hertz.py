@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..kernel import kernel
+from ..compile.kernel import kernel
 
 # First yield of a line contact is at a largest pressure of 1.67 times the yield stress in tension, by Tresca
 # (Johnson, Contact Mechanics, 1985, section 4.2), here of hardened bearing steel, some 1.2 GPa.

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from ..kernel import kernel
+from ..compile.kernel import kernel
 from .asperities import Asperities
 from .fluid import lubricant_of
 from .friction import Traction, hertzian_friction
-from .sharing import FilmFormula, shared
+from .load_sharing import FilmFormula, shared
 
 
 class MixedLubrication(NamedTuple):

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
+from ..core.quantities import Quantity
 from ..plausible import (
     CURVATURE,
     FILM,
@@ -17,7 +18,6 @@ from ..plausible import (
     YIELD_PRESSURE,
     YOUNGS_MODULUS,
 )
-from ..quantities import Quantity
 from .films import FILMS
 from .fluid import DENSITY_LAWS, VISCOSITY_LAWS
 from .hertz import ELASTIC_LIMIT

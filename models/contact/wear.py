@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..quantities import Vector
+from ..core.quantities import Vector
 
 # So many numbers at once.
 _BLOCK = 1_000_000

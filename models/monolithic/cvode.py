@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from sksundae.cvode import CVODE
 
-from ..quantities import Vector
-from ..system import ModelError
+from ..core.quantities import Vector
+from ..core.system import ModelError
 from .problem import Problem
 
 EVENT_FOUND = 2

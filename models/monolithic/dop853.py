@@ -13,8 +13,8 @@ from scipy.integrate import DOP853
 from scipy.integrate._ivp import dop853_coefficients as table
 from scipy.integrate._ivp.rk import MAX_FACTOR, MIN_FACTOR, SAFETY, Dop853DenseOutput
 
-from ..kernel import kernel
-from ..quantities import Vector
+from ..compile.kernel import kernel
+from ..core.quantities import Vector
 from .problem import CompiledProblem
 
 # Rows of the table: the first stage, the stages of a step with the rate at its end, those of the interpolant.

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..component import Component
-from ..integrator import taylor
-from ..quantities import Vector
-from ..system import ModelError
+from ..core.component import Component
+from ..core.integrator import taylor
+from ..core.quantities import Vector
+from ..core.system import ModelError
 from .cvode import Cvode
 from .march import Method, march
 from .problem import Event

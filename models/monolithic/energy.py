@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ..array_pointers import ArrayPointers, integer_table, integers, numbers
-from ..component import DISSIPATED_POWER, IMPACT_LOSS, IMPACT_WORK, SOURCE_POWER, STORED
-from ..composition import Composition
-from ..kernel import kernel
-from ..quantities import Vector
-from ..system import Port, System, alike, bounds
+from ..compile.array_pointers import ArrayPointers, integer_table, integers, numbers
+from ..compile.kernel import kernel
+from ..core.component import DISSIPATED_POWER, IMPACT_LOSS, IMPACT_WORK, SOURCE_POWER, STORED
+from ..core.composition import Composition
+from ..core.quantities import Vector
+from ..core.system import Port, System, alike, bounds
 
 # Quadratures per instance, in the order of the integrated state.
 DISSIPATED, SOURCED, RECEIVED = 0, 1, 2

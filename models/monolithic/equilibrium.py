@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import least_squares, root
 
-from ..evaluation import Evaluation
-from ..quantities import Vector
-from ..system import ModelError, System
+from ..core.evaluation import Evaluation
+from ..core.quantities import Vector
+from ..core.system import ModelError, System
 
 # The Newton step that remains, in nominal sizes, at which an equilibrium counts as found.
 CLOSE = 1e-9

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..component import Component
-from ..evaluation import Evaluation
-from ..implicit import ImplicitSteps
-from ..integrator import FAILURES, OK
-from ..quantities import Vector
-from ..system import System
+from ..core.component import Component
+from ..core.evaluation import Evaluation
+from ..core.implicit import ImplicitSteps
+from ..core.integrator import FAILURES, OK
+from ..core.quantities import Vector
+from ..core.system import System
 from .energy import QUADRATURES, Energies
 from .problem import check_solvable, is_ode
 

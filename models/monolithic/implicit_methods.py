@@ -13,8 +13,8 @@ from typing import Protocol
 
 import numpy as np
 
-from ..quantities import Vector
-from ..system import ModelError
+from ..core.quantities import Vector
+from ..core.system import ModelError
 from .implicit import GUESS_POINTS, ImplicitProblem, NotSolvedError
 
 # L-stable, order 4, all stages with the same interval (Hairer and Wanner, Solving ODEs II, table 6.5). The

@@ -7,8 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
-from ..quantities import Vector
-from ..system import ModelError
+from ..core.quantities import Vector
+from ..core.system import ModelError
 from .problem import Event, Problem
 
 # Events at one instant, or so close together that time stands still, after which a problem is given up.

@@ -8,12 +8,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..array_pointers import numbers
-from ..component import Component
-from ..evaluation import Evaluation
-from ..kernel import kernel
-from ..quantities import Vector
-from ..system import ModelError, System
+from ..compile.array_pointers import numbers
+from ..compile.kernel import kernel
+from ..core.component import Component
+from ..core.evaluation import Evaluation
+from ..core.quantities import Vector
+from ..core.system import ModelError, System
 from .energy import QUADRATURES, Energies
 
 

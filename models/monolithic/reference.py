@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..evaluation import check_start
-from ..quantities import Vector
-from ..system import ModelError, System
+from ..core.evaluation import check_start
+from ..core.quantities import Vector
+from ..core.system import ModelError, System
 from .cvode import Cvode
 from .difference import Difference, difference, time_weights
 from .energy import EnergyBalance

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.integrate import DOP853, Radau
 from scipy.optimize import brentq, minimize_scalar
 
-from ..quantities import Vector
-from ..system import ModelError
+from ..core.quantities import Vector
+from ..core.system import ModelError
 from .dop853 import CompiledDop853
 from .problem import Problem, SystemProblem
 

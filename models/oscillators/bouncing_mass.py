@@ -14,10 +14,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from ..bonds import counts_energies
-from ..component import Component, PowerBond
-from ..kernel import kernel
-from ..quantities import Layout, Quantity, Vector
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond
+from ..core.quantities import Layout, Quantity, Vector
 
 Position = Annotated[float, Quantity("m", "height of the mass", nominal=0.1)]
 Velocity = Annotated[float, Quantity("m/s", "upward velocity of the mass")]

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from ..quantities import Vector
+from ..core.quantities import Vector
 from .bouncing_mass import FallingMassParameters, SpringStopParameters
 from .quarter_car import QuarterCarChassisParameters, QuarterCarWheelParameters
 from .two_masses import CoupledMassParameters, SprungMassParameters

@@ -15,10 +15,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from ..bonds import counts_energies
-from ..component import Component, PowerBond
-from ..kernel import kernel
-from ..quantities import Layout, Quantity, Vector
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond
+from ..core.quantities import Layout, Quantity, Vector
 
 Stiffness = Annotated[float, Quantity("N/m", "stiffness k_c of the suspension", nominal=1e4, minimum=0.0)]
 Damping = Annotated[float, Quantity("N.s/m", "damping d_c of the suspension", nominal=1e3, minimum=0.0)]

@@ -12,10 +12,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from ..bonds import counts_energies
-from ..component import Component, PowerBond
-from ..kernel import kernel
-from ..quantities import Layout, Quantity, Vector
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond
+from ..core.quantities import Layout, Quantity, Vector
 
 Mass = Annotated[float, Quantity("kg", "mass", positive=True)]
 Stiffness = Annotated[float, Quantity("N/m", "spring to the ground", nominal=10.0, minimum=0.0)]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..kernel import kernel
-from ..quantities import Vector
+from ..compile.kernel import kernel
+from ..core.quantities import Vector
 
 
 @kernel

@@ -15,7 +15,7 @@ O(2). F's error is a term of B (its phi' + psi'), so `as_published` balances wit
 
 from __future__ import annotations
 
-from ..kernel import kernel
+from ..compile.kernel import kernel
 from .equations import (
     Mechanism,
     cosine_of_sum,

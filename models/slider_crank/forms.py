@@ -6,7 +6,7 @@ moments over M l^2, forces over M l, distances over l.
 
 from __future__ import annotations
 
-from ..kernel import kernel
+from ..compile.kernel import kernel
 from . import energetics, equations, nonlinear
 from .equations import Mechanism, inertia
 

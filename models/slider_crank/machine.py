@@ -14,15 +14,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..kernel import kernel
-from ..quantities import Vector
-from .equations import (
-    THESIS_ALPHA,
-    THESIS_BETA,
-    THESIS_XI,
-    Mechanism,
-    inertia,
-)
+from ..compile.kernel import kernel
+from ..core.quantities import Vector
+from .equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI, Mechanism, inertia
 from .flight import histories as h
 from .flight import pendulum as pendulum_flight
 from .flight.bouncing import POSITION_SIZE, RATE_OF_Y, SCRATCH_ROWS, Walls, Y

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 
-from ..kernel import kernel
+from ..compile.kernel import kernel
 from .equations import Mechanism, coupling, inertia, joint_rate, rod_cosine, rod_curvature, rod_slope
 
 

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Annotated
 
-from ..kernel import kernel
+from ..compile.kernel import kernel
+from ..core.quantities import Quantity
 from ..plausible import PART_LENGTH, PART_MASS, PLAY
-from ..quantities import Quantity
 from .equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI, Mechanism
 from .forms import AS_PUBLISHED, CORRECTED
 

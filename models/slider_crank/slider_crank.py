@@ -9,14 +9,21 @@ from __future__ import annotations
 
 import math
 
-from ..bonds import counts_energies
-from ..component import Component, Events, PowerBond
-from ..kernel import kernel
-from ..quantities import Layout, Vector
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import Component, Events, PowerBond
+from ..core.quantities import Layout, Vector
 from .checks import REQUIREMENTS, START_REQUIREMENTS
 from .equations import inertia, joint_rate, rebound
 from .flight.bouncing import FREE, LOWER, UPPER
-from .forms import crank_impulse, crank_torque, flight_acceleration, kinetic_energy, offset, offset_slope
+from .forms import (
+    crank_impulse,
+    crank_torque,
+    flight_acceleration,
+    kinetic_energy,
+    offset,
+    offset_slope,
+)
 from .nonlinear import rod_angle, rod_rate
 from .records import (
     WALL_FILMS,

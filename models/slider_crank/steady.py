@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from ..hybrid import MOST_EVENTS, hybrid_work_size, make_hybrid_advance
-from ..integrator import OK, TOO_MANY_EVENTS, copy, taylor
-from ..kernel import kernel, record_of, shaped
+from ..compile.kernel import kernel, record_of, shaped
+from ..core.hybrid import MOST_EVENTS, hybrid_work_size, make_hybrid_advance
+from ..core.integrator import OK, TOO_MANY_EVENTS, copy, taylor
 from .equations import Mechanism
 from .flight import either
 from .flight.bouncing import (
@@ -35,12 +35,12 @@ from .flight.either import EitherFlow
 from .flight.flow import COLUMNS, FEWEST_CELLS, UNRESOLVED, Flow, tabulate
 from .flight.samples import sample_flow, sample_pressing
 from .flight.series import TERMS
-from .follow import NODES, PANEL, WEIGHTS, make_follow, make_leave
 from .forms import NONLINEAR, offset, offset_slope, wall_rate
 from .records import WALL_FILMS, mechanism
+from .sample_flight import NODES, PANEL, WEIGHTS, make_follow, make_leave
 
 if TYPE_CHECKING:
-    from ..component import Component
+    from ..core.component import Component
 
 # With so many cells r = 0.4 l is resolved (`flow.tabulated` doubles them; here the room is fixed).
 CELLS = FEWEST_CELLS

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..kernel import kernel
+from ..compile.kernel import kernel
 from .flight.bouncing import CHATTER_LEFT, UPPER
 from .forms import holding_force, moving_wall_acceleration, moving_wall_rate, wall_angle
 from .records import SliderCrankInputs, SliderCrankParameters, SliderCrankState, mechanism

@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from ..kernel import kernel
-from ..quantities import Vector
-from ..requirements import Requirement
+from ..compile.kernel import kernel
+from ..core.quantities import Vector
+from ..core.requirements import Requirement
 
 # Nearer to a break of the profile than this (rad) a cam has reached it: s'' changes there by 4e-9 of its
 # largest value, and what that adds up to is below the 1e-10 of any integrator here.

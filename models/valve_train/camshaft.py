@@ -12,12 +12,12 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
-from ..bonds import counts_energies
-from ..component import NO_EVENT, Component, PowerBond
-from ..integrator import FINE_TOLERANCE
-from ..kernel import kernel
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import NO_EVENT, Component, PowerBond
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector
 from ..plausible import ANGLE, CAM_LIFT, CAM_RADIUS, PART_LENGTH, PART_MASS, YOUNGS_MODULUS
-from ..quantities import Layout, Quantity, Vector
 from .cam_profile import (
     PROFILE_REQUIREMENTS,
     Lift,

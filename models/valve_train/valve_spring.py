@@ -12,13 +12,13 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..bonds import counts_energies
-from ..component import Component, PowerBond, check_sizes
-from ..integrator import FINE_TOLERANCE
-from ..kernel import kernel
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond, check_sizes
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector, per_element
+from ..core.requirements import Requirement
 from ..plausible import CAM_LIFT, LASH, SEAT_STIFFNESS, SPRING_RATE, SURGE_FREQUENCY, VALVE_MASS
-from ..quantities import Layout, Quantity, Vector, per_element
-from ..requirements import Requirement
 
 
 @dataclass

@@ -6,7 +6,7 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
-from models.system import suggestion
+from models.core.system import suggestion
 
 from ..errors import MistakeError
 from .protocol import Analysis, Parameter, Result
@@ -25,7 +25,7 @@ def load(name: str) -> Analysis:
     if ":" in name:
         return _foreign(name)
     if name not in names():
-        from ..scenario_files import shipped
+        from ..scenario.files import shipped
 
         close = suggestion(name, names())
         if not close.startswith("did you mean") and "did you mean" in (other := suggestion(name, shipped())):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from models.slider_crank.flight.gpu import NoDeviceError
 from models.slider_crank.motions.maps import VARIABLES
 

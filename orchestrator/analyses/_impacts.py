@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from models.slider_crank.flight import histories as h
 from models.slider_crank.machine import Events
 from models.slider_crank.motions.statistics import Distribution, approach_velocities

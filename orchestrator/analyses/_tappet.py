@@ -19,7 +19,7 @@ from models.contact.finite_line.profiles import (
 from models.contact.fluid import Lubricant
 from models.contact.hertz import ELASTIC_LIMIT, elastic_compliance
 from models.contact.records import ContactParameters
-from models.quantities import Layout
+from models.core.quantities import Layout
 from models.valve_train.camshaft import CamshaftParameters, static_slope
 from models.valve_train.rigid import contact_conditions
 from models.valve_train.valve_spring import ValveSpringParameters

@@ -13,8 +13,8 @@ from models.contact.finite_line.dry import dry
 from models.contact.finite_line.solution import Solution
 from models.contact.finite_line.steady import steady, vanishes
 from models.contact.hertz import maximum_pressure
-from models.quantities import Vector
-from models.system import ModelError
+from models.core.quantities import Vector
+from models.core.system import ModelError
 
 from ..errors import MistakeError
 from ._table import column

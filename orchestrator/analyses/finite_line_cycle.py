@@ -14,8 +14,8 @@ from models.contact.finite_line.cycle import Passage, passage
 from models.contact.hertz import maximum_pressure
 from models.contact.line.line_contact import LineContact
 from models.contact.line.steady import LineContactError, solve_steady
-from models.quantities import Vector
-from models.system import ModelError
+from models.core.quantities import Vector
+from models.core.system import ModelError
 
 from ..errors import MistakeError
 from ._progress import progress

@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from models.quantities import Quantity
-from models.system import suggestion
+from models.core.quantities import Quantity
+from models.core.system import suggestion
 
 from ..errors import MistakeError
-from ..values import Value, meaning, number
+from ..scenario.values import Value, meaning, number
 
 if TYPE_CHECKING:
     import xarray

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from models.slider_crank.machine import Events
 from models.slider_crank.motions.statistics import Distribution, impact_spectrum
 

@@ -9,7 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray
 
-from models.slider_crank.motions.transients import ORDINARY_TRANSIENT, escape_time, random_starts, transients
+from models.slider_crank.motions.transients import (
+    ORDINARY_TRANSIENT,
+    escape_time,
+    random_starts,
+    transients,
+)
 
 from ._machine import MACHINE, machine_of
 from ._progress import progress

@@ -50,10 +50,10 @@ def run_analysis(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
 ) -> None:
     """Analyse one motion or machine, or a scenario's coupling: results, table (netCDF, CSV) and figure."""
-    from ..analyse import analyse, listed, parameters
+    from ..analyses._evaluate import analyse, listed, parameters
     from ..errors import MistakeError
-    from ..report import Reporter
-    from ..stability.command import analyse_scenario, is_scenario
+    from ..run.report import Reporter
+    from ..stability.analyse import analyse_scenario, is_scenario
 
     reporter = Reporter()
     if name is None:

@@ -22,6 +22,6 @@ def benchmark_coupling(
 ) -> None:
     """Error against doStep calls and wall time: all masters, and other tools that are installed, on the same
     FMUs."""
-    from ..work_precision.benchmark import benchmark
+    from ..study.work_precision.benchmark import benchmark
 
     benchmark(problem, built, out or Path("results") / f"benchmark-{problem}", duration, overwrite)

@@ -14,6 +14,6 @@ def components(
     names: Annotated[list[str] | None, typer.Argument(help="Components.", show_default="all")] = None,
 ) -> None:
     """Print the components' parameters, start values, inputs and outputs, as Markdown."""
-    from ..components import page
+    from ..scenario.components import page
 
     print(page(names or ()), end="")

@@ -16,7 +16,7 @@ def diagnose_run(
     figure: Annotated[Path | None, typer.Option(help="Draw the steps into this file (.png).")] = None,
 ) -> None:
     """Say what limited the steps of a run, finished or killed, and what would help."""
-    from ..diagnosis.command import diagnose
-    from ..report import Reporter
+    from ..assessment.diagnosis.command import diagnose
+    from ..run.report import Reporter
 
     diagnose(folder, figure, Reporter().line)

@@ -18,7 +18,7 @@ def built(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
     """The packaged component, run by Python or `native`, built if it isn't in the cache; where that cannot be
     written, in a folder that is there as long as this process."""
     from fmus.build import build
-    from models.cache_folder import user_cache_directory
+    from models.compile.cache_folder import user_cache_directory
 
     from ..errors import MistakeError, RunError
 
@@ -115,10 +115,10 @@ def _checked(
 ) -> Sequence[str]:
     """The components to build, after the options were looked at."""
     from fmus.build import NAMES
-    from models.system import suggestion
+    from models.core.system import suggestion
 
     from ..errors import MistakeError
-    from ..values import component_of
+    from ..scenario.values import component_of
 
     sizes = dict(map(_size, structure)) if structure else None
     if sizes and len(names or NAMES) > 1:
@@ -172,7 +172,7 @@ def _native(
     from fmus.native.fmu import build
     from fmus.native.machine_code import PLATFORMS, NativeBuildError
     from fmus.native.translate import TranslationError
-    from models.system import suggestion
+    from models.core.system import suggestion
 
     from ..errors import MistakeError
 
@@ -238,7 +238,7 @@ def _size(text: str) -> tuple[str, int]:
 @reported
 def fmu_validate(files: Annotated[list[Path], typer.Argument(help="The .fmu files.")]) -> int:
     """Check FMU files; exit status 1 if something is found."""
-    from fmus.validate import validate
+    from fmus.fmi.validate import validate
 
     found = 0
     for file in files:
@@ -319,7 +319,7 @@ def fmu_compare(
 @reported
 def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")]) -> None:
     """Show what an FMU is and its variables."""
-    from fmus.validate import FmuFileError, info
+    from fmus.fmi.validate import FmuFileError, info
 
     from ..errors import MistakeError
 

@@ -29,7 +29,7 @@ def friction_of_run(
     ] = None,
 ) -> None:
     """Report friction and wear of a valve train's contacts over the last cam revolution of a run."""
-    from ..friction.command import friction
-    from ..report import Reporter
+    from ..assessment.friction.command import friction
+    from ..run.report import Reporter
 
     friction(folder, contact, wear_coefficient, cycles, table, figure, Reporter())

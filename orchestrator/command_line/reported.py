@@ -10,7 +10,7 @@ from typing import Any
 
 import typer
 
-from ..interruption import Noticed
+from ..run.interruption import Noticed
 
 # The last as shells say of a program that SIGPIPE ended: 128 + 13.
 MISTAKE, FAILED, INTERRUPTED, NO_READER = 2, 3, 130, 141
@@ -54,10 +54,10 @@ def _discard_output() -> None:
 
 def _judged(error: Exception) -> tuple[str, int]:
     """The message for the user, and the exit status."""
-    from models.system import ModelError
+    from models.core.system import ModelError
 
     from ..errors import MistakeError, RunError
-    from ..replacement import NO_ROOM
+    from ..store.atomic_write import NO_ROOM
 
     if isinstance(error, (MistakeError, ModelError)):
         return str(error), MISTAKE

@@ -11,7 +11,7 @@ from .fmu import built, check_native
 from .reported import INTERRUPTED, reported, say
 
 if TYPE_CHECKING:
-    from ..summary import Summary
+    from ..assessment.summary import Summary
 
 
 @reported
@@ -41,10 +41,10 @@ def run_scenario(
     1: outside the tolerance, 2: a mistake in the scenario or the command, 3: the run failed,
     4: not compared (reference.enabled=false), 130: interrupted.
     """
-    from ..output_folder import spare
-    from ..report import Reporter
-    from ..run import run
-    from ..scenario_files import find, load
+    from ..run.output_folder import spare
+    from ..run.pipeline import run
+    from ..run.report import Reporter
+    from ..scenario.files import find, load
 
     overrides = [f"master.name={master}"] if master else []
     overrides += set_ or []
@@ -77,8 +77,8 @@ def resume_run(
     Exit status as of `run`; 2 also if the run cannot go on (another FMU, version or scenario, or a damaged
     checkpoint).
     """
-    from ..report import Reporter
-    from ..resume import resume
+    from ..run.report import Reporter
+    from ..run.resume import resume
 
     summary = resume(folder, built, Reporter(), figures=not no_figures)
     return _ended(summary, folder)

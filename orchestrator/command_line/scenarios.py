@@ -17,13 +17,13 @@ def scenarios(
 ) -> None:
     """List the shipped scenarios."""
     if schema:
-        from ..schema import text
+        from ..scenario.schema import text
 
         print(text(), end="")
         return
     import tomllib
 
-    from ..scenario_files import shipped
+    from ..scenario.files import shipped
 
     for name, path in shipped().items():
         print(f"{name:24} {tomllib.loads(path.read_text('utf-8')).get('description', '')}")

@@ -23,7 +23,7 @@ def ssp_export(
 ) -> None:
     """Write a scenario as an SSP package with its FMUs, for other tools."""
     from ..errors import MistakeError
-    from ..scenario_files import load
+    from ..scenario.files import load
     from ..ssp import export
 
     loaded = load(scenario, set_ or [])
@@ -49,7 +49,7 @@ def ssp_import(
     """Write an SSP package as a scenario file with its FMUs, to be changed; `run` takes packages too."""
     from ..errors import MistakeError
     from ..scenario import scenario_of
-    from ..scenario_files import find, load, stated
+    from ..scenario.files import find, load, stated
     from ..ssp import unpacked
 
     source = find(file)

@@ -27,7 +27,7 @@ def built_apart(
 @functools.cache
 def own_folder(reason: str) -> Path:
     """A folder that is deleted with the end of this process; it is said once why it is needed."""
-    from models.cache_folder import user_cache_directory
+    from models.compile.cache_folder import user_cache_directory
 
     say(
         f"{user_cache_directory()}: cannot be used ({reason}), so FMUs are built for this command only; "

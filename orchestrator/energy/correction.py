@@ -15,8 +15,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from models.component import Component
-from models.quantities import Vector
+from models.core.component import Component
+from models.core.quantities import Vector
 
 from ..participants import Participant
 from ..participants.remembering import Remembering

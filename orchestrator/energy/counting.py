@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from models.bonds import CountingComponent, counting
-from models.quantities import Vector
-from models.system import System
+from models.core.bonds import CountingComponent, counting
+from models.core.quantities import Vector
+from models.core.system import System
 
-from ..simulation import Observer
-from ..stepping import Step
+from ..engine.observer import Observer
+from ..engine.step import Step
 from .estimate import EstimatedComponent
 
 

@@ -14,14 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from models.bonds import CountingComponent, energy_through
-from models.component import Component, PowerBond
-from models.quantities import Quantity, Vector
-from models.system import Instance, System
+from models.core.bonds import CountingComponent, energy_through
+from models.core.component import Component, PowerBond
+from models.core.quantities import Quantity, Vector
+from models.core.system import Instance, System
 
-from ..bonds import exchanged_bonds
 from ..participants import Participant
 from ..participants.remembering import Remembering
+from .bonds import exchanged_bonds
 
 
 def _rule() -> tuple[Vector, Vector, Vector]:

@@ -10,13 +10,19 @@ from typing import Any
 
 import numpy as np
 
-from models.bonds import DISSIPATED_ENERGY, GAINED_ENERGY, SOURCED_ENERGY, STORED_ENERGY, CountingComponent
-from models.quantities import Quantity, Vector
-from models.system import System
+from models.core.bonds import (
+    DISSIPATED_ENERGY,
+    GAINED_ENERGY,
+    SOURCED_ENERGY,
+    STORED_ENERGY,
+    CountingComponent,
+)
+from models.core.quantities import Quantity, Vector
+from models.core.system import System
 
-from ..journal import SUFFIX, Journal
-from ..recording import recorded
-from ..stepping import Step
+from ..engine.step import Step
+from ..run.recording import recorded
+from ..store.journal import SUFFIX, Journal
 from .account import Account, BondAccount, ComponentAccount
 from .sides import received_by, sides_of
 

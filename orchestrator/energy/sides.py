@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from models.bonds import CountingComponent, energy_through
-from models.system import System
+from models.core.bonds import CountingComponent, energy_through
+from models.core.system import System
 
-from ..bonds import Bond, bonds_of
+from .bonds import Bond, bonds_of
 from .estimate import EstimatedComponent
 
 

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 Carried = dict[str, Any]
 

@@ -8,11 +8,19 @@ from typing import Any
 import numba
 import numpy as np
 
-from models.array_pointers import ArrayPointers, integer_table, integers, mark_table, marks, numbers, table
-from models.quantities import Vector
+from models.compile.array_pointers import (
+    ArrayPointers,
+    integer_table,
+    integers,
+    mark_table,
+    marks,
+    numbers,
+    table,
+)
+from models.core.quantities import Vector
 
-from ..exchange import Exchange
-from ..signals import evaluate, interpolate_part
+from ..engine.exchange import Exchange
+from ..engine.signals import evaluate, interpolate_part
 
 # A wrong end rate bends a cubic signal by 4/27 of it times the step at most.
 BEND = 4.0 / 27.0

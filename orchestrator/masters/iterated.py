@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
+from ..engine.exchange import Exchange
+from ..engine.signals import degree_of
 from ..errors import one_of
-from ..exchange import Exchange
-from ..signals import degree_of
 from .acceleration import ACCELERATIONS
 from .gauss_seidel import sweep
 from .iteration import check_limits, converge

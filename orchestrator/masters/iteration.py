@@ -9,10 +9,10 @@ from typing import Any
 import numba
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
+from ..engine.exchange import Exchange
 from ..errors import NonConvergenceError
-from ..exchange import Exchange
 from .acceleration import Acceleration
 from .interface import Interface, interface_of
 from .restart import Sweep

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from ..exchange import Exchange
-from ..passes import together
-from ..signals import degree_of, extrapolate
+from ..engine.exchange import Exchange
+from ..engine.signals import degree_of, extrapolate
+from ..engine.sweeps import together
 from .restart import repeated
 
 

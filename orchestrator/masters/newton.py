@@ -9,10 +9,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
-from ..exchange import Exchange
-from ..signals import degree_of
+from ..engine.exchange import Exchange
+from ..engine.signals import degree_of
 from .acceleration import Carried
 from .interface import interface_of
 from .iteration import check_limits, converge

@@ -8,8 +8,8 @@ from graphlib import TopologicalSorter
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
-from ..exchange import Exchange
-from ..signals import extrapolate
+from ..engine.exchange import Exchange
+from ..engine.signals import extrapolate
 from .gauss_seidel import order_of, sweep
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar, Protocol
 
-from ..exchange import Exchange
+from ..engine.exchange import Exchange
 
 
 class Master(Protocol):

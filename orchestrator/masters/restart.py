@@ -12,8 +12,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ..exchange import Exchange
-from ..signals import extrapolate, interpolate
+from ..engine.exchange import Exchange
+from ..engine.signals import extrapolate, interpolate
 
 # Each sweep makes one more order right, and passes rates one participant further.
 SWEEPS = 8

@@ -6,16 +6,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from models.system import Instance
+from models.core.system import Instance
 
 from .description import made_here
 from .fmu import FmuParticipant, Given
-from .foreign import ForeignComponent, component_of_file
 from .in_own_process import InOwnProcess
 from .in_process import InProcessParticipant as in_process
 from .offers import missing
 from .protocol import Participant
 from .substeps import Substepped as substepped
+from .third_party import ForeignComponent, component_of_file
 from .transformed import Transformed as transformed
 
 __all__ = [

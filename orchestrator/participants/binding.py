@@ -10,10 +10,10 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from .description import REALS, Variable
-from .standard import Standard
+from .fmi_instance import Standard
 
 Fail = Callable[[int], None]
 

@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from .description import Variable
-from .standard import WARNING
+from .fmi_instance import WARNING
 
 
 class Wholes:

@@ -14,7 +14,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from .standard import DISCARD, WARNING
+from .fmi_instance import DISCARD, WARNING
 
 # Addresses of the functions, of the component, and of the references and numbers that are given to it and
 # taken from it; how many these are. Where the FMU is in Python, the interpreter is not let go for its calls.

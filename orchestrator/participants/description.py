@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 
 from fmpy import read_model_description
 
-from models.fmu_archive import sealed
+from fmus.fmi.archive import sealed
 
 VERSIONS = ("2.0", "3.0")
 OWN_TOOL = "tribocosim "

@@ -14,7 +14,7 @@ from ..errors import (
     RecoverableError,
     instead_of_discarded,
 )
-from .standard import DISCARD, FATAL, PENDING, WARNING, Standard, status_name
+from .fmi_instance import DISCARD, FATAL, PENDING, WARNING, Standard, status_name
 
 REMEDY = "look at its inputs and parameters, reduce macro_step or use the iterated master"
 

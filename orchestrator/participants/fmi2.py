@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from .bound_calls import BoundCalls
 from .description import TRUTHS, Description, Variable
-from .standard import DISCARD, WARNING
+from .fmi_instance import DISCARD, WARNING
 
 try:
     from fmpy.logging import addLoggerProxy as formatting

@@ -14,12 +14,12 @@ import numpy as np
 from fmpy import fmi3
 from fmpy.fmi3 import FMU3Slave
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ..errors import ParticipantError
 from .bound_calls import BoundCalls, Wholes
 from .description import REALS, TRUTHS, Description, Variable
-from .standard import DISCARD, WARNING
+from .fmi_instance import DISCARD, WARNING
 
 # As fmi3Int64 is called by what holds it.
 HELD = {"Enumeration": "Int64"}

@@ -14,14 +14,10 @@ import numba
 import numpy as np
 from fmpy import extract
 
-from models.quantities import Vector
-from models.system import suggestion
+from models.core.quantities import Vector
+from models.core.system import suggestion
 
-from ..errors import (
-    CannotSerializeError,
-    ParticipantError,
-    RefusedError,
-)
+from ..errors import CannotSerializeError, ParticipantError, RefusedError
 from .binding import Elements, array_of
 from .bound_calls import Wholes
 from .compiled import CALLS, SET, STEP
@@ -29,8 +25,8 @@ from .description import REALS, Variable, described
 from .failures import Failing
 from .fmi2 import Fmi2
 from .fmi3 import Fmi3
+from .fmi_instance import DISCARD, WARNING, Standard
 from .offers import derivative, signal_degrees
-from .standard import DISCARD, WARNING, Standard
 
 
 @dataclass(frozen=True)

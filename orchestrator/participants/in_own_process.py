@@ -21,7 +21,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from .. import errors
 from ..errors import DiscardedStepError, EndedError, LostParticipantError, ParticipantError

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from models.integrator import FAILURES, INPUT_COEFFICIENTS, OK
-from models.quantities import Vector
-from models.system import Instance
+from models.core.integrator import FAILURES, INPUT_COEFFICIENTS, OK
+from models.core.quantities import Vector
+from models.core.system import Instance
 
 from ..errors import DiscardedStepError, ParticipantError, instead_of_discarded
-from ..plain_data import from_text, to_text
+from ..store.json_codec import from_text, to_text
 
 # Time, states, inputs in effect, their slopes, outputs, whether these are yet to be computed.
 Saved = tuple[float, Vector, Vector, Vector, Vector, bool]

@@ -6,8 +6,8 @@ import difflib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from models.integrator import INPUT_COEFFICIENTS
-from models.quantities import Field, Quantity
+from models.core.integrator import INPUT_COEFFICIENTS
+from models.core.quantities import Field, Quantity
 
 from .description import Description, DescriptionError, described
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ..errors import RunError
 from .fmu import FmuParticipant, Given

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Protocol
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 
 class Participant(Protocol):

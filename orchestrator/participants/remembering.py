@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from .wrapping import Around
 

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
+from ..engine.signals import move_origin
 from ..errors import DiscardedStepError, RecoverableError
-from ..signals import move_origin
 from .offers import HIGHEST
 from .protocol import Participant
 from .wrapping import Wrapping

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from .protocol import Participant
 from .wrapping import Wrapping

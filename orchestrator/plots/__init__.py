@@ -11,8 +11,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..results import ResultFile
 from ..scenario import Scenario
+from ..store.result_file import ResultFile
 from .data import FigureData
 
 KINDS = (

@@ -8,13 +8,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from models.quantities import Quantity, Vector
+from models.core.quantities import Quantity, Vector
 
-from ..diagnosis.steps import NONE, Steps, steps_of
-from ..results import ResultFile
+from ..assessment.diagnosis.steps import NONE, Steps, steps_of
 from ..scenario import Scenario, ends
-from ..units import time_unit, to_unit
-from ..values import numbers
+from ..scenario.units import time_unit, to_unit
+from ..scenario.values import numbers
+from ..store.result_file import ResultFile
 
 # More points than these cannot be told apart in a figure, but would take memory.
 POINTS = 20_000

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from models.core.quantities import Vector
 from models.monolithic.difference import CONSTANT, time_weights
-from models.quantities import Vector
 
 from .data import FigureData
 from .style import ACCENT, COUPLED, headed, over_time, subplots

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..units import time_unit
+from ..scenario.units import time_unit
 from .data import SYMBOLS, FigureData
 from .style import ACCENT, COUPLED, MUTED, headed, subplots
 

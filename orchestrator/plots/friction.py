@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from ..friction.cycle import TURN, Cycle, Wear
+from ..assessment.friction.cycle import TURN, Cycle, Wear
 from .solved_film import FULL
 from .style import ACCENT, COUPLED, MUTED, REFERENCE, headed, subplots
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from .data import FigureData
 from .style import COUPLED, MUTED, headed, subplots

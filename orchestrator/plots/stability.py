@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from ..masters import name_of
 from ..stability.findings import Survey, Surveyed
-from ..stability.words import shown_time
+from ..stability.report import shown_time
 from .style import SIGNALS, headed, subplots
 
 STABLE = "#dfeadf"

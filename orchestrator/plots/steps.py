@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
-from ..diagnosis.steps import Steps
-from ..diagnosis.text import percent
-from ..stepping import REASONS
-from ..units import time_unit
+from ..assessment.diagnosis.steps import Steps
+from ..assessment.diagnosis.text import percent
+from ..engine.step import REASONS
+from ..scenario.units import time_unit
 from .data import SYMBOLS, FigureData
 from .style import ACCENT, MUTED, REFERENCE, headed, subplots
 

@@ -10,9 +10,9 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
-from ..units import to_unit
+from ..scenario.units import to_unit
 from .data import SYMBOLS
 from .style import headed, subplots
 

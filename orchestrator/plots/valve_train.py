@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from .data import FigureData
 from .style import COUPLED, MUTED, REFERENCE, both, headed, over_time, shade, subplots

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..work_precision.problem import CouplingProblem
-from ..work_precision.run import Row
+from ..study.work_precision.problem import CouplingProblem
+from ..study.work_precision.run import Row
 from .style import REFERENCE, SIGNALS, headed, subplots
 
 MASTERS = {"jacobi": ("o", ":"), "gauss_seidel": ("s", "--"), "iterated": ("^", "-")}

@@ -7,13 +7,13 @@ from typing import Any, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from models.component import Component
+from models.core.component import Component
 
 from ..errors import one_of
 from ..participants import ForeignComponent, component_of_file, made_here
-from ..values import Faults, Value, component_of, meanings
 from .fields import Table, Written
-from .foreign_values import enumerated, texts
+from .third_party_values import enumerated, texts
+from .values import Faults, Value, component_of, meanings
 
 BUILT = ("fmu", "native")
 KINDS = (*BUILT, "in-process")

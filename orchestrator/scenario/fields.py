@@ -15,8 +15,8 @@ from pydantic import (
     WrapValidator,
 )
 
-from ..units import to_unit
-from ..values import Faults, Value, WithUnit
+from .units import to_unit
+from .values import Faults, Value, WithUnit
 
 
 def _time(value: Any) -> float:

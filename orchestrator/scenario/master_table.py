@@ -7,11 +7,11 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, field_validator
 
-from models.system import suggestion
+from models.core.system import suggestion
 
 from ..errors import one_of
 from ..masters import MASTERS
-from ..values import Faults
+from .values import Faults
 
 
 class MasterTable(BaseModel):

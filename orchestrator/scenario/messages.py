@@ -8,10 +8,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from models.system import suggestion
+from models.core.system import suggestion
 
 from ..errors import one_of
-from ..values import Faults
+from .values import Faults
 
 Location = tuple[int | str, ...]
 

@@ -7,8 +7,8 @@ from typing import Any
 
 from models.flywheel import PRESCRIBED
 
-from ..units import UnitError, is_bare, to_unit
-from ..values import Faults, component_of, meanings, numbers
+from .units import UnitError, is_bare, to_unit
+from .values import Faults, component_of, meanings, numbers
 
 DRIVE = "flywheel"
 DURATIONS = ("stop_time", "macro_step", "output_step")

@@ -12,7 +12,6 @@ from ..errors import MistakeError
 from ..masters import MASTERS
 from ..stepping import ControlledSteps, FixedSteps
 from ..stepping.estimators import ESTIMATORS
-from ..values import Faults
 from .component_table import ComponentTable
 from .connection import line_of
 from .fields import Seconds, SecondsOr0, Table, Tolerance
@@ -20,6 +19,7 @@ from .master_table import MasterTable
 from .messages import REMEDIES, Location, messages
 from .revolutions import in_seconds
 from .step_control_table import CONVERGED, EVENT_TOLERANCE, StepControlTable
+from .values import Faults
 
 # The comparison sees this many intervals of a run at least. An RMS error estimated from n values has a
 # standard error of 1 / sqrt(2 n), here 7 %, if they are normally distributed, and nothing that lasts longer

@@ -16,14 +16,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from models.quantities import Quantity
-from models.system import Instance, System
+from models.core.quantities import Quantity
+from models.core.system import Instance, System
 
-from .. import assembly
 from ..participants import given
 from ..participants.description import REALS, TEXT, TRUTHS, Description, Variable, described
-from ..replacement import replace
+from ..run import assembly
 from ..scenario import ComponentTable, Scenario, line_of
+from ..store.atomic_write import replace
 from .names import FMU_TYPE, OMSIMULATOR, OSP, OURS, RESOURCES, STRUCTURE, VALUES_TYPE, document, make
 
 # So that the same scenario gives the same bytes.

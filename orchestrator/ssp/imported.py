@@ -11,16 +11,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from models.cache_folder import private_folder, user_cache_directory
-from models.component import Component
-from models.fmu_archive import DESCRIPTION, FmuFileError, archive_faults, opened
-from models.system import suggestion
+from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, opened
+from models.compile.cache_folder import private_folder, user_cache_directory
+from models.core.component import Component
+from models.core.system import suggestion
 
-from ..conversion import linear_between
 from ..participants import ForeignComponent, component_of_file
 from ..participants.description import Description, DescriptionError, described
 from ..scenario import Line, ScenarioError
-from ..values import WithUnit, component_of
+from ..scenario.conversion import linear_between
+from ..scenario.values import WithUnit, component_of
 from .exported import START
 from .names import NAMESPACES, OURS, STRUCTURE
 from .schema import schema_fault

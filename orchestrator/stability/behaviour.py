@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.quantities import Vector
-from models.system import Port, System
+from models.core.quantities import Vector
+from models.core.system import Port, System
 
 from ..errors import NonConvergenceError
 from ..masters import Master
-from .bench import Bench
 from .converged import Converged
+from .linear_participants import Bench
 from .operator import MacroStep, macro_step
 from .points import Point
 from .spectra import runs_away, spectral_radius

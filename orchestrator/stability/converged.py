@@ -7,14 +7,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
-from ..exchange import Exchange
+from ..engine.exchange import Exchange
 from ..masters import Master
 from ..masters.gauss_seidel import order_of, sweep
 from ..masters.interface import interface_of
 from ..masters.parts import parts_of, step_in_parts
-from .bench import Bench
+from .linear_participants import Bench
 
 
 class Converged:

@@ -6,14 +6,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from models.monolithic.course import Course, course
-from models.quantities import Vector
-from models.system import System
+from models.core.quantities import Vector
+from models.core.system import System
+from models.monolithic.trajectory import Course, course
 
+from ..engine.step import Step
 from ..masters import MASTERS
 from ..participants import in_process
-from ..simulation import simulate
-from ..stepping import FixedSteps, Step
+from ..run.simulation import simulate
+from ..stepping import FixedSteps
 
 # To what a tight coupling converges: ten times what the components integrate to.
 CONVERGED = 1e-9

@@ -6,13 +6,13 @@ from collections.abc import Collection
 
 import numpy as np
 
-from models.monolithic.course import Course
-from models.system import ModelError, System
+from models.core.system import ModelError, System
+from models.monolithic.trajectory import Course
 
 from ..errors import ParticipantError
 from ..participants import FmuParticipant
-from .along import Along
 from .linear import ROWS, Linear
+from .trajectory import Along
 
 
 class Directional(Along):

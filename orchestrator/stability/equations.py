@@ -6,8 +6,8 @@ from collections.abc import Callable, Collection
 
 import numpy as np
 
-from models.quantities import Layout, Vector
-from models.system import Instance
+from models.core.quantities import Layout, Vector
+from models.core.system import Instance
 
 from .linear import Linear
 

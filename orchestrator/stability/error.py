@@ -9,12 +9,12 @@ import numba
 import numpy as np
 from scipy.sparse import csr_array
 
-from models.monolithic.course import Course
+from models.core.quantities import Vector
+from models.core.system import Port, System
 from models.monolithic.difference import difference
-from models.quantities import Vector
-from models.system import Port, System
+from models.monolithic.trajectory import Course
 
-from .missed import missed_by
+from .extrapolation_error import missed_by
 from .operator import MacroStep
 from .slopes import rates_along
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..masters import name_of
-from ..scenario_files import written
+from ..scenario.files import written
 from .findings import Survey, Surveyed
-from .words import sentences
+from .report import sentences
 
 if TYPE_CHECKING:
     import xarray

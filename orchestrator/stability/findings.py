@@ -6,14 +6,14 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from models.system import Port, System
+from models.core.system import Port, System
 
 from ..masters import Master, name_of
 from ..scenario import Scenario
-from .along import Along
 from .behaviour import At
 from .partition import Partition
 from .points import Point
+from .trajectory import Along
 
 
 @dataclass

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.linalg import expm
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 # Coefficients of the inputs' polynomials: one more than a signal has (four), for its first error.
 ROWS = 5

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Protocol
 
-from models.monolithic.course import Course
-from models.system import ModelError, System
+from models.core.system import ModelError, System
+from models.monolithic.trajectory import Course
 
 from .equations import linearised
 from .linear import Linear

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ..masters import Master
-from .bench import Bench
-from .missed import ends, shapes
+from .extrapolation_error import ends, shapes
+from .linear_participants import Bench
 
 
 @dataclass(frozen=True)

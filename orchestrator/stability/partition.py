@@ -13,8 +13,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
-from models.quantities import Vector
-from models.system import Connection, Port, System
+from models.core.quantities import Vector
+from models.core.system import Connection, Port, System
 
 from .linear import Linear
 from .points import Point

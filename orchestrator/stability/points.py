@@ -8,14 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
-from models.monolithic.course import Course
-from models.quantities import Vector
-from models.system import Port, System
+from models.core.quantities import Vector
+from models.core.system import Port, System
+from models.monolithic.trajectory import Course
 
-from .along import NotLinearError
 from .linear import Linear
 from .linearisation import Equations, Linearisation
 from .spectra import eigenvalues
+from .trajectory import NotLinearError
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import logm, schur
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from .linear import Linear
 

@@ -7,15 +7,15 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
-from models.monolithic.course import Course
-from models.quantities import Vector
-from models.system import ModelError, System
+from models.core.quantities import Vector
+from models.core.system import ModelError, System
+from models.monolithic.trajectory import Course
 
 from ..errors import RecoverableError
 from ..participants import Participant
-from .along import Along, NotLinearError
 from .linear import ROWS, Linear
 from .realisation import Realised, realised
+from .trajectory import Along, NotLinearError
 
 # Samples of a response.
 SAMPLES = 60

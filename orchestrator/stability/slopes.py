@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.monolithic.course import Course
-from models.quantities import Vector
-from models.system import System
+from models.core.quantities import Vector
+from models.core.system import System
+from models.monolithic.trajectory import Course
 
 # Twelve times the derivatives at the first two of five points.
 ENDS = np.array([[-25.0, 48.0, -36.0, 16.0, -3.0], [-3.0, -10.0, 18.0, -6.0, 1.0]])

@@ -7,15 +7,15 @@ from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from models.system import System
+from models.core.system import System
 
-from ..assembly import Builder, check_analysable
 from ..participants import FmuParticipant, Participant, fmu, in_process
+from ..run.assembly import Builder, check_analysable
 from ..scenario import Scenario, ScenarioError
-from .along import Along, fed, shown
 from .directional import Directional
 from .linearisation import Equations, Linearisation
 from .responses import Responses
+from .trajectory import Along, fed, shown
 
 
 @contextmanager

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.linalg import eig
 from scipy.sparse.csgraph import connected_components
 
-from models.quantities import Vector
-from models.system import Port
+from models.core.quantities import Vector
+from models.core.system import Port
 
 from .operator import MacroStep
 

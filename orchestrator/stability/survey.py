@@ -9,19 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from models.monolithic.course import Course
-from models.system import Port, System, parse_port
+from models.core.system import Port, System, parse_port
+from models.monolithic.trajectory import Course
 
-from ..fmu_limits import FmuLimits
+from ..engine.signals import DEGREES
 from ..masters import MASTERS, Master
 from ..scenario import Scenario
-from ..signals import DEGREES
+from ..scenario.fmu_limits import FmuLimits
 from .behaviour import Behaviour, Benches, hardest, largest_stable
 from .course import course_of
 from .error import Sampled, predicted, sampled
+from .extrapolation_error import HERMITE
 from .findings import Survey, Surveyed
 from .linearisation import Linearisation
-from .missed import HERMITE
 from .partition import Partition
 from .points import Point, points_at
 from .sources import as_participants

@@ -1,8 +1,9 @@
 """Ways to choose macro steps: fixed, or controlled by an error estimate; both can locate events."""
 
+from ..engine.step import REASONS, STOP, Step
 from .controlled import ControlledSteps, StepControl
 from .fixed import FixedSteps
 from .locator import watched
-from .protocol import REASONS, STOP, Step, Stepper
+from .protocol import Stepper
 
 __all__ = ["REASONS", "STOP", "ControlledSteps", "FixedSteps", "Step", "StepControl", "Stepper", "watched"]

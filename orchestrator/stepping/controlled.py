@@ -8,15 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
-from ..errors import EndedError, NonConvergenceError, RecoverableError, RunError, one_of
-from ..exchange import Exchange, Saved
-from ..masters import Master
-from .controller import GROW, PI
-from .estimators import ESTIMATORS, Attempt
-from .locator import Locator
-from .protocol import (
+from ..engine.exchange import Exchange, Saved
+from ..engine.step import (
     CONVERGENCE,
     DISCARD,
     ERROR,
@@ -28,6 +23,11 @@ from .protocol import (
     TIME_EVENT,
     Step,
 )
+from ..errors import EndedError, NonConvergenceError, RecoverableError, RunError, one_of
+from ..masters import Master
+from .controller import GROW, PI
+from .estimators import ESTIMATORS, Attempt
+from .locator import Locator
 from .unseen import judged
 
 # After an attempt that failed.

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ..engine.exchange import Exchange
+from ..engine.step import EVENT, FIXED, STOP, TIME_EVENT, Step
 from ..errors import EndedError
-from ..exchange import Exchange
 from ..masters import Master
 from .guard import RunawayGuard
 from .locator import Locator
-from .protocol import EVENT, FIXED, STOP, TIME_EVENT, Step
 
 
 class FixedSteps:

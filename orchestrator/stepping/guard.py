@@ -8,12 +8,12 @@ from typing import Any
 import numba
 import numpy as np
 
-from models.array_pointers import ArrayPointers, numbers, table
+from models.compile.array_pointers import ArrayPointers, numbers, table
 
+from ..engine.exchange import Exchange
+from ..engine.signals import parabola
 from ..errors import UnstableCouplingError
-from ..exchange import Exchange
 from ..masters import Master, name_of
-from ..signals import parabola
 
 # Steps over which sums fade, and over which swings are the consequence of a landing.
 WINDOW = 50

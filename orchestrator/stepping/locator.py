@@ -7,13 +7,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from models.quantities import Vector
-from models.system import Port, System
+from models.core.quantities import Vector
+from models.core.system import Port, System
 
 from ..consistency import agree
-from ..exchange import Exchange, Saved
+from ..engine.exchange import Exchange, Saved
+from ..engine.signals import hermite
 from ..masters import Master
-from ..signals import hermite
 
 # Attempts to close in on one event. Secant steps need three to eight, bisection forty.
 ATTEMPTS = 60

@@ -12,11 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
-from ..exchange import Exchange, Saved
+from ..engine.exchange import Exchange, Saved
+from ..engine.signals import History, interpolate
 from ..masters.jacobi import parallel
-from ..signals import History, interpolate
 from .estimators import Attempt
 
 # A value has left its past where it misses the parabola by this share of how far it has moved.

@@ -14,7 +14,7 @@ from dask.system import CPU_COUNT
 from distributed import Client, LocalCluster, Security
 from distributed.comm.core import FatalCommClosedError
 
-from models.cache_folder import private_folder
+from models.compile.cache_folder import private_folder
 
 from ..errors import MistakeError
 

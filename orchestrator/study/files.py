@@ -11,17 +11,17 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
-from models.system import suggestion
+from models.core.system import suggestion
 
-from ..assembly import Builder
 from ..errors import MistakeError
+from ..run.assembly import Builder
 from ..scenario import Written, messages
-from ..scenario_files import contents, find, put
-from ..values import Value
+from ..scenario.files import contents, find, put
+from ..scenario.values import Value
 from .points import POINT, Grid, Points, Rows, Sobol, Table, expanded, keys_of, kind_of
 from .subjects import AnalysisSubject, Subject, analysis_of
 
-SHIPPED = Path(__file__).parents[1] / "studies"
+SHIPPED = Path(__file__).parent / "shipped"
 # Variables of every store.
 STATUS, MESSAGE = "status", "message"
 

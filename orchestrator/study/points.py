@@ -10,12 +10,12 @@ from typing import Annotated, Any, Literal, TypeVar
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
-from models.quantities import Vector
-from models.system import suggestion
+from models.core.quantities import Vector
+from models.core.system import suggestion
 
 from ..errors import MistakeError
 from ..scenario import Written, messages
-from ..values import Faults, Value, WithUnit
+from ..scenario.values import Faults, Value, WithUnit
 
 # Values of all points are held in memory, several numbers a point.
 MOST_POINTS = 10_000_000

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from models.system import ModelError
+from models.core.system import ModelError
 
 from ..errors import MistakeError
-from ..report import Reporter
+from ..run.report import Reporter
 from .cluster import connected
 from .execution import Execution
 from .files import Plan

@@ -14,21 +14,21 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from models.quantities import Quantity
+from models.core.quantities import Quantity
 
 from ..analyses import Result
-from ..assembly import Builder
-from ..comparison import VariableError
-from ..contacts import Course
+from ..assessment.comparison import VariableError
+from ..assessment.contacts import Course
 from ..errors import IncompleteError, MistakeError
-from ..notices import notices
-from ..output_folder import RESULT
-from ..report import Reporter
-from ..results import open_result
-from ..run import run
+from ..run.assembly import Builder
+from ..run.output_folder import RESULT
+from ..run.pipeline import run
+from ..run.report import Reporter
 from ..scenario import DURATIONS, Scenario, ends, scenario_of
-from ..scenario_files import keys_of, put, written
-from ..values import Value, meaning
+from ..scenario.files import keys_of, put, written
+from ..scenario.values import Value, meaning
+from ..scenario.warnings import notices
+from ..store.result_file import open_result
 from .subjects import MOST_DRAWN
 
 STATISTICS = {"minimum": np.min, "maximum": np.max, "mean": np.mean}

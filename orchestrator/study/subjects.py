@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from ..analyses import Analysis, Parameter, Result, load
-from ..values import Value
+from ..scenario.values import Value
 
 # Panels of a figure.
 MOST_DRAWN = 4

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray
 
-from ..replacement import replace
+from ..store.atomic_write import replace
 from .files import MESSAGE, STATUS
 
 

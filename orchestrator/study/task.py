@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from models.system import ModelError
+from models.core.system import ModelError
 
 from ..errors import IncompleteError, MistakeError, RunError
-from ..values import Value
+from ..scenario.values import Value
 from .source import difference, fingerprint
 from .subjects import Subject
 

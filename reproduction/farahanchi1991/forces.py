@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from models.slider_crank.flight.bouncing import LOWER, UPPER
 from models.slider_crank.machine import Machine
 from models.slider_crank.motions.regions import (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from models.slider_crank.equations import THESIS_XI
 from models.slider_crank.flight.bouncing import LOWER, UPPER
 from models.slider_crank.machine import Events, Machine

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import find_peaks
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from .cam import CamCycle, Flags
 from .in_short import bullets

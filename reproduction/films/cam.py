@@ -14,7 +14,7 @@ from models.contact.hertz import compliance_of, maximum_pressure
 from models.contact.line.history import FilmHistory, film_history, formula_history
 from models.contact.line.line_contact import LineContact
 from models.contact.records import ContactParameters
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ..kushwaha2000.runs import NOSE_DEG
 from ..kushwaha2000.runs import Cycle as Turn

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, MultipleLocator, NullFormatter
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, headed, subplots
 
 from .cam import EVENT_DEG, SQUEEZED, STEADY, CamCycle, Flags

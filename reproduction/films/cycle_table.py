@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ..kushwaha2000.runs import NOSE_DEG
 from .cam import CamCycle

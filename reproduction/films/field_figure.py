@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from orchestrator.plots.style import COUPLED, REFERENCE, headed
 
 from .cam import CamCycle

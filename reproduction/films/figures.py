@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, NullFormatter
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from orchestrator.plots.style import COUPLED, MUTED, headed, subplots
 
 from ..pictures import compact

@@ -11,7 +11,7 @@ import numpy as np
 
 from models.contact.line.line_contact import LineContact
 from models.contact.line.steady import LineContactError, SteadyFilm, solve_steady
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 # Relative error of the films: far below what formulas are off.
 TOLERANCE = 2e-3

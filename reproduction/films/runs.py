@@ -8,7 +8,7 @@ from functools import cache, cached_property, partial
 import numpy as np
 
 from models.contact.line.history import FilmHistory, film_history
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ..kushwaha2000.runs import Runs as ValveTrain
 from .cam import NODES, CamCycle, Flags, cam_cycle, course

@@ -15,7 +15,7 @@ from models.contact.fluid import Lubricant
 from models.contact.hertz import elastic_compliance
 from models.contact.line.line_contact import LineContact
 from models.contact.line.steady import SteadyFilm
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from .formulas import Formula
 from .numerical import films, heights

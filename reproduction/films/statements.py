@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ..statement import Claim
 from .cam import SQUEEZED, STEADY

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from scipy.special import wrightomega
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 # More iterations find a few more of the slowly converging steps; those counted here oscillate or diverge.
 ITERATIONS = 100

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
+from models.core.quantities import Vector
+from models.core.system import System
 from models.monolithic import Reference
-from models.quantities import Vector
-from models.system import System
 from models.valve_train.cam_profile import Lift, cycloidal_lift, entraining_velocity
-from orchestrator.assembly import system_of
-from orchestrator.scenario_files import load
+from orchestrator.run.assembly import system_of
+from orchestrator.scenario.files import load
 
 from ..adherence import solve_adherence
 

@@ -8,14 +8,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 from fmus.build import _binaries, origin
-from fmus.description import GUID_PLACE, PYTHON, Experiment, model_description
-from models.component import Component
+from fmus.fmi.description import GUID_PLACE, PYTHON, Experiment, model_description
+from models.core.component import Component
 
 _SCRIPT = """
 import ctypes
 from {module} import {factory} as make_component
 from fmus.slave import slave_class
-from models.integrator import FAILURES
+from models.core.integrator import FAILURES
 
 # The C layer runs this file anew for every instance and gives back a reference that it was only lent.
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))

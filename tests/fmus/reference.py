@@ -10,7 +10,7 @@ import numpy as np
 
 from fmus.build import default_structure
 from models.catalogue import CATALOGUE
-from models.component import Component
+from models.core.component import Component
 
 COEFFICIENTS = 4
 

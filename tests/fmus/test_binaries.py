@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 from fmus.binaries import functions, library_fault, platform
-from fmus.libraries import LibraryError, libraries
-from fmus.validate import validate
+from fmus.fmi.libraries import LibraryError, libraries
+from fmus.fmi.validate import validate
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,8 @@ from fmpy.validation import validate_fmu
 
 from fmus.build import NAMES, default_structure
 from fmus.documentation import MARKER, page
-from fmus.memory import Memory
-from fmus.units import base, display_factor, factors, per_second
+from fmus.fmi.units import base, display_factor, factors, per_second
+from fmus.variable_layout import Memory
 from models.catalogue import CATALOGUE
 
 

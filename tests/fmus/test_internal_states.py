@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from fmus.documentation import variables_table
-from fmus.memory import Memory
-from fmus.validate import info, validate
-from models.integrator import OK
+from fmus.fmi.validate import info, validate
+from fmus.variable_layout import Memory
+from models.core.integrator import OK
 from tests.fmus.instance import Instance
 from tests.fmus.packed import packed
 from tests.models.fluid_layer import fluid_layer

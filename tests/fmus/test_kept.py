@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from fmus.build import build
-from models.kept_files import KEPT_DAYS
+from models.compile.cache_eviction import KEPT_DAYS
 
 from ..aged import aged
 
@@ -51,6 +51,6 @@ def test_a_known_fmu_is_found_by_its_note_until_a_source_changes(
     monkeypatch.setattr("fmus.build.content_of", content_of)
     assert build("coupled_mass") == file
     assert not packed
-    monkeypatch.setattr("fmus.kept._sources", lambda: "edited")
+    monkeypatch.setattr("fmus.fmu_cache._sources", lambda: "edited")
     assert build("coupled_mass") != file
     assert packed == ["coupled_mass"]

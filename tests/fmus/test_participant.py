@@ -12,9 +12,9 @@ import pytest
 
 from fmus.build import NAMES, default_structure
 from models.catalogue import CATALOGUE
-from models.component import Component
-from models.quantities import Vector
-from models.system import Instance
+from models.core.component import Component
+from models.core.quantities import Vector
+from models.core.system import Instance
 from orchestrator.participants import Participant, fmu, in_process
 
 from .reference import joined, wave

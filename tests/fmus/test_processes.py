@@ -12,7 +12,7 @@ import pytest
 
 import models
 from fmus.build import build, content_of, default_structure, packed
-from fmus.validate import info
+from fmus.fmi.validate import info
 
 from .conftest import Isolated, clean_environment
 from .reference import Reference

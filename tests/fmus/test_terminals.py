@@ -10,12 +10,12 @@ import pytest
 
 import orchestrator
 from fmus.build import NAMES, default_structure
-from fmus.memory import Memory
-from fmus.terminals import Terminal, terminals_and_icons, terminals_of
-from fmus.validate import terminal_faults
+from fmus.fmi.terminals import Terminal, terminals_and_icons, terminals_of
+from fmus.fmi.validate import terminal_faults
+from fmus.variable_layout import Memory
 from models.catalogue import CATALOGUE
 
-SCENARIOS = Path(orchestrator.__file__).parent / "scenarios"
+SCENARIOS = Path(orchestrator.__file__).parent / "scenario" / "shipped"
 
 
 def variables_of(name: str, **structure: int) -> set[str]:

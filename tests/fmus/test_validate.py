@@ -11,8 +11,8 @@ import pytest
 from fmus.build import NAMES
 from fmus.cross_check.compare import compare
 from fmus.cross_check.files import CrossCheckError
-from fmus.validate import FmuFileError, info, validate
-from models.fmu_archive import sealed
+from fmus.fmi.archive import sealed
+from fmus.fmi.validate import FmuFileError, info, validate
 
 XML = "modelDescription.xml"
 

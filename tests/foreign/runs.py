@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.report import Reporter
-from orchestrator.run import run
+from orchestrator.assessment.summary import Summary
+from orchestrator.run.pipeline import run
+from orchestrator.run.report import Reporter
 from orchestrator.scenario import Scenario, scenario_of
-from orchestrator.summary import Summary
 
 
 def scenario(components: Mapping[str, Mapping[str, Any]], **changes: Any) -> Scenario:

@@ -16,13 +16,13 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from models.quantities import Vector
-from orchestrator.assembly import fmu_files, participants_of, system_of
-from orchestrator.exchange import Exchange
+from models.core.quantities import Vector
+from orchestrator.assessment.summary import Summary
+from orchestrator.engine.exchange import Exchange
 from orchestrator.masters import Iterated, Newton
-from orchestrator.report import Reporter
-from orchestrator.run import run
-from orchestrator.summary import Summary
+from orchestrator.run.assembly import fmu_files, participants_of, system_of
+from orchestrator.run.pipeline import run
+from orchestrator.run.report import Reporter
 
 from .c_fmus import fmu
 from .runs import never, ran, scenario

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestrator.assembly import system_of
-from orchestrator.diagnosis.facts import Facts
-from orchestrator.diagnosis.suggestions import coupling
-from orchestrator.fmu_limits import FmuLimits
+from orchestrator.assessment.diagnosis.facts import Facts
+from orchestrator.assessment.diagnosis.suggestions import coupling
 from orchestrator.masters import MASTERS
-from orchestrator.notices import notices
-from orchestrator.report import Reporter
-from orchestrator.run import run
+from orchestrator.run.assembly import system_of
+from orchestrator.run.pipeline import run
+from orchestrator.run.report import Reporter
 from orchestrator.scenario import Scenario
+from orchestrator.scenario.fmu_limits import FmuLimits
+from orchestrator.scenario.warnings import notices
 from orchestrator.stability.sources import linearisations
 from orchestrator.stability.survey import survey
 

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator import coupled_run
+from orchestrator.assessment.summary import Summary
 from orchestrator.errors import MistakeError
-from orchestrator.report import Reporter
-from orchestrator.run import run
+from orchestrator.run.pipeline import execute as coupled_run
+from orchestrator.run.pipeline import run
+from orchestrator.run.report import Reporter
 from orchestrator.scenario import Scenario
-from orchestrator.summary import Summary
-from orchestrator.unfinished import unfinished
+from orchestrator.store.run_state import unfinished
 
 from .c_fmus import TOKEN, fmu
 from .runs import changed, never, scenario, unloadable

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 
-from orchestrator.exchange import Exchange
-from orchestrator.fmu_passes import FmuPass
+from orchestrator.engine.compiled_sweeps import FmuPass
+from orchestrator.engine.exchange import Exchange
 from orchestrator.participants import component_of_file
 from orchestrator.participants.fmu import FmuParticipant, Given
 from orchestrator.participants.in_own_process import InOwnProcess
-from orchestrator.results import open_result
+from orchestrator.store.result_file import open_result
 
 from .c_fmus import fmu
 from .runs import ran, recorded, scenario

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmus.validate import validate
-from orchestrator.assembly import system_of
+from fmus.fmi.validate import validate
+from orchestrator.run.assembly import system_of
 from orchestrator.scenario import ScenarioError, scenario_of
-from orchestrator.scenario_files import contents, shipped
+from orchestrator.scenario.files import contents, shipped
 from orchestrator.stability.sources import linearisations
 
 from .c_fmus import fmu

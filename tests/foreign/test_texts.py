@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from orchestrator.scenario import ScenarioError
-from orchestrator.scenario_files import load
+from orchestrator.scenario.files import load
 from orchestrator.ssp.exported import export
 from orchestrator.ssp.imported import contents
 

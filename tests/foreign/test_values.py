@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.validate import info
-from orchestrator.notices import notices
+from fmus.fmi.validate import info
 from orchestrator.scenario import ScenarioError
-from orchestrator.scenario_files import load
+from orchestrator.scenario.files import load
+from orchestrator.scenario.warnings import notices
 
 from .c_fmus import fmu
 from .models import MODELS, Model, V

@@ -19,10 +19,10 @@ from fmus.build import build
 from orchestrator.errors import MistakeError
 from orchestrator.participants.fmu import Given
 from orchestrator.participants.in_own_process import InOwnProcess
-from orchestrator.report import Reporter
-from orchestrator.results import open_result
-from orchestrator.run import run
-from orchestrator.scenario_files import stated
+from orchestrator.run.pipeline import run
+from orchestrator.run.report import Reporter
+from orchestrator.scenario.files import stated
+from orchestrator.store.result_file import open_result
 
 from .c_fmus import TOKEN, fmu
 from .runs import changed, never, ran, recorded, scenario

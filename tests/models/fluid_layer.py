@@ -14,11 +14,11 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from models.bonds import counts_energies
-from models.component import Component, PowerBond
-from models.integrator import INPUT_COEFFICIENTS, NOT_CONVERGED, OK, taylor, work_size
-from models.kernel import kernel, record_of
-from models.quantities import Layout, Quantity, Vector, per_element
+from models.compile.kernel import kernel, record_of
+from models.core.bonds import counts_energies
+from models.core.component import Component, PowerBond
+from models.core.integrator import INPUT_COEFFICIENTS, NOT_CONVERGED, OK, taylor, work_size
+from models.core.quantities import Layout, Quantity, Vector, per_element
 
 # Newton's last change over the velocities' nominal size: ten thousand roundings; the next is its square.
 CONVERGED = 1e-12

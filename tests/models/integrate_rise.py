@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 import models
-from models.evaluation import Evaluation
+from models.core.evaluation import Evaluation
 
 from .independent_train import OUTPUTS, STATES, runge_kutta
 from .systems import valve_train

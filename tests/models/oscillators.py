@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from models.slider_crank.flight.bouncing import POSITION_SIZE, SCRATCH_ROWS, Walls
 from models.slider_crank.flight.flow import (
     COLUMNS,

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from models.component import Component
-from models.integrator import OK
-from models.quantities import Vector
+from models.core.component import Component
+from models.core.integrator import OK
+from models.core.quantities import Vector
 from models.slider_crank.piston.free_piston_crank import free_piston_crank
 from models.slider_crank.piston.piston_crank import piston_crank
 

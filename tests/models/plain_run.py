@@ -7,8 +7,8 @@ import json
 import numpy as np
 
 from models.catalogue import CATALOGUE
-from models.evaluation import Evaluation
-from models.kernel import COMPILED
+from models.compile.kernel import COMPILED
+from models.core.evaluation import Evaluation
 
 from .systems import valve_train
 

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from models.catalogue import CATALOGUE
-from models.component import Component
+from models.core.component import Component
+from models.core.quantities import Vector
+from models.core.system import Instance, System
 from models.monolithic.cvode import Cvode
 from models.monolithic.march import march
 from models.monolithic.reference import observe, stiffness
-from models.quantities import Vector
-from models.system import Instance, System
 
 VALVE_TRAIN = (
     ("flywheel.angle", "camshaft.drive_angle"),

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
+from models.core.system import Instance, System
 from models.monolithic import solve
 from models.oscillators import exact
 from models.oscillators.bouncing_mass import FallingMassParameters, SpringStopParameters
 from models.oscillators.quarter_car import QuarterCarChassisParameters, QuarterCarWheelParameters
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
-from models.system import Instance, System
 
 from .systems import outputs_of
 

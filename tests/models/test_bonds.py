@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from models.bonds import counting, energy_through
 from models.catalogue import CATALOGUE
 from models.contact.hertz import elastic_compliance, elastic_energy, load_of
-from models.integrator import OK
+from models.core.bonds import counting, energy_through
+from models.core.integrator import OK
 
 COMPONENTS = sorted(CATALOGUE)
 # Long to compile, or built as another one (coupled_mass, quarter_car_chassis).

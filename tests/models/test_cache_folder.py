@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 from fmus.build import build
-from models import cache_folder
-from models.cache_folder import SAID, UntrustedFolderError, private_folder
-from models.kernel import COMPILED
-from orchestrator import units
+from models.compile import cache_folder
+from models.compile.cache_folder import SAID, UntrustedFolderError, private_folder
+from models.compile.kernel import COMPILED
 from orchestrator.command_line.fmu import built
 from orchestrator.command_line.without_cache import own_folder
+from orchestrator.scenario import units
 
 from .forked import Forked
 
@@ -98,7 +98,7 @@ def test_a_link_is_judged_by_where_it_leads(cache: Path, tmp_path: Path) -> None
 
 
 KERNEL = """
-from models.kernel import kernel
+from models.compile.kernel import kernel
 
 @kernel
 def twice(x):

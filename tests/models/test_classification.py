@@ -7,7 +7,13 @@ import math
 import pytest
 
 from models.slider_crank.machine import Machine, Motion
-from models.slider_crank.motions.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS, UNDECIDED, classify
+from models.slider_crank.motions.classification import (
+    CHAOTIC,
+    PERIODIC,
+    TRANSIENT_CHAOS,
+    UNDECIDED,
+    classify,
+)
 
 THESIS = "as_published"
 

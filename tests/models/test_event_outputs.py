@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.component import NO_EVENT
+from models.core.component import NO_EVENT
 from models.monolithic import equilibrium, solve
 from models.slider_crank.flight.histories import LIFT
 from models.slider_crank.machine import Machine, Motion

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.component import Component
 from models.contact.films import FILMS
-from models.integrator import OK
+from models.core.component import Component
+from models.core.integrator import OK
 
 SOLVED = {"film_model": float(list(FILMS).index("line_transient")), "load_is_given": 1.0}
 LOAD = 300.0

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
+from models.core.system import Instance, System
 from models.monolithic import solve
-from models.system import Instance, System
 
 RAMP = {"initial_speed": 50.0, "final_speed": 250.0, "ramp_start": 0.2, "ramp_duration": 0.5}
 

@@ -22,7 +22,7 @@ from models.contact.friction import (
     viscous_friction,
 )
 from models.contact.hertz import elastic_compliance, half_width, maximum_pressure
-from models.contact.sharing import FilmFormula, formula_film, shared
+from models.contact.load_sharing import FilmFormula, formula_film, shared
 
 from .systems import outputs_of
 

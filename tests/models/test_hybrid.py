@@ -10,10 +10,10 @@ from typing import Annotated
 import numpy as np
 import pytest
 
-from models.component import Component, Events
-from models.integrator import NOT_FINITE, OK, TOO_MANY_EVENTS, TOO_MANY_STEPS
-from models.kernel import kernel
-from models.quantities import Layout, Quantity, Vector
+from models.compile.kernel import kernel
+from models.core.component import Component, Events
+from models.core.integrator import NOT_FINITE, OK, TOO_MANY_EVENTS, TOO_MANY_STEPS
+from models.core.quantities import Layout, Quantity, Vector
 
 EXACT = 1e-9
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.integrator import NOT_FINITE, OK, TOLERANCE, TOO_MANY_STEPS
+from models.core.integrator import NOT_FINITE, OK, TOLERANCE, TOO_MANY_STEPS
+from models.core.quantities import Vector
+from models.core.system import Instance, System
 from models.monolithic import solve
-from models.quantities import Vector
-from models.system import Instance, System
 
 SPRING = CATALOGUE["valve_spring"]()
 STIFF_SEAT = {"seat_stiffness": 2e7, "seat_damping": 300.0}

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.kept_files import KEPT_DAYS
-from models.kernel import COMPILED
+from models.compile.cache_eviction import KEPT_DAYS
+from models.compile.kernel import COMPILED
 
 from ..aged import aged
 from .forked import Forked
@@ -21,7 +21,7 @@ ROOT = Path(__file__).parent.parent.parent
 pytestmark = pytest.mark.skipif(not COMPILED, reason="there is nothing to keep without numba")
 
 FACTORY = """
-from models.kernel import kernel
+from models.compile.kernel import kernel
 
 def made(factor):
     @kernel
@@ -42,7 +42,7 @@ def symbols(*functions):
 # A kernel that calls another through a module, which has a constant, both on the way to a named tuple.
 LAW = """
 from typing import NamedTuple
-from .kernel import kernel
+from .compile.kernel import kernel
 
 FACTOR = 2.0
 
@@ -57,7 +57,7 @@ def law(x):
 USE = """
 import numpy as np
 from . import law
-from .kernel import kernel
+from .compile.kernel import kernel
 
 POINT = np.dtype([("x", float), ("y", float)])
 TURNED = np.dtype([("y", float), ("x", float)])
@@ -99,9 +99,7 @@ def stored(folder: Path) -> dict[str, int]:
 def copied(folder: Path, name: str) -> Path:
     """The machinery of kernels, and two modules of kernels, as a package of that name."""
     package = folder.joinpath(*name.split("."))
-    package.mkdir(parents=True)
-    for module in ("kernel", "kernel_cache", "kernel_content", "kept_files", "cache_folder"):
-        shutil.copy(ROOT / "models" / f"{module}.py", package)
+    shutil.copytree(ROOT / "models" / "compile", package / "compile")
     (package / "__init__.py").write_text("")
     (package / "law.py").write_text(LAW)
     (package / "use.py").write_text(USE)
@@ -257,7 +255,7 @@ def test_what_was_not_used_of_late_goes_when_another_is_added(tmp_path: Path) ->
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_every_kernel_of_a_component_can_be_kept(name: str) -> None:
     """All that its step, outputs and energies refer to has a description that is equal in every process."""
-    from models.kernel_content import content_of
+    from models.compile.kernel_content import content_of
 
     component = CATALOGUE[name]()
     for made in (component.step, component.flat_output, component.flat_energy):
@@ -267,7 +265,7 @@ def test_every_kernel_of_a_component_can_be_kept(name: str) -> None:
 
 def test_every_kernel_of_a_whole_system_can_be_kept() -> None:
     """The reference's rates, too, are compiled once a machine."""
-    from models.kernel_content import content_of
+    from models.compile.kernel_content import content_of
     from models.monolithic.problem import SystemProblem
 
     from .systems import valve_train

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from models.parallel import cores, each
+from models.compile.parallel import cores, each
 from models.slider_crank.flight.bouncing import Walls
 from models.slider_crank.flight.flow import Flow
 from models.slider_crank.machine import Machine, Motion

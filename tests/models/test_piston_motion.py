@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from models.catalogue import CATALOGUE
+from models.core.quantities import Vector
+from models.core.system import Instance, System
 from models.monolithic import solve
-from models.quantities import Vector
 from models.slider_crank.piston.records import FLORES
-from models.system import Instance, System
 
 from .pistons import DRIVEN, FREE, ROLLER, advance, turn
 from .test_slider_crank import OUTPUTS, STATE, thesis_parameters

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from models.kernel import COMPILED
+from models.compile.kernel import COMPILED
 
 from .plain_run import evaluated
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.component import Component
 from models.contact.hertz import deflection, load_of
-from models.integrator import OK
-from models.quantities import Vector
+from models.core.component import Component
+from models.core.integrator import OK
+from models.core.quantities import Vector
 
 from .systems import DRY, outputs_of
 

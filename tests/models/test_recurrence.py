@@ -7,7 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.slider_crank.motions.recurrence import REPEATS, SETTLED, TOLERANCE, recurrence, until_recurrent
+from models.slider_crank.motions.recurrence import (
+    REPEATS,
+    SETTLED,
+    TOLERANCE,
+    recurrence,
+    until_recurrent,
+)
 
 
 def states(psi, side=0.0):

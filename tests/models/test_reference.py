@@ -9,12 +9,12 @@ from typing import Annotated
 import numpy as np
 import pytest
 
-from models.component import Component, Events
-from models.kernel import kernel
+from models.compile.kernel import kernel
+from models.core.component import Component, Events
+from models.core.quantities import Layout, Quantity
+from models.core.system import Instance, ModelError, System
 from models.monolithic import difference, equilibrium, solve, time_weights
 from models.monolithic.reference import SystemProblem, stiffness
-from models.quantities import Layout, Quantity
-from models.system import Instance, ModelError, System
 
 from .systems import run, turn, valve_train
 

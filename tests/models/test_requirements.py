@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from models.bonds import counting
 from models.catalogue import CATALOGUE
-from models.requirements import Requirement
+from models.core.bonds import counting
+from models.core.requirements import Requirement
 
 
 def broken(a: float, told: Any) -> bool:

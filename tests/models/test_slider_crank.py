@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.integrator import OK
-from models.quantities import Vector
+from models.core.integrator import OK
+from models.core.quantities import Vector
 from models.slider_crank.records import WALL_FILMS, mechanism
 from models.slider_crank.slider_crank import slider_crank
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from models.slider_crank import forms
 from models.slider_crank.flight.bouncing import CHATTER_LEFT
 from models.slider_crank.records import mechanism

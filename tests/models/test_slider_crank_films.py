@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.catalogue import CATALOGUE
-from models.integrator import OK
+from models.core.integrator import OK
+from models.core.quantities import Vector
+from models.core.system import Instance, System
 from models.monolithic import equilibrium, solve
-from models.quantities import Vector
 from models.slider_crank import forms
 from models.slider_crank.equations import thesis_mechanism
-from models.system import Instance, System
 
 from .test_slider_crank import CRANK, FILMS, INPUTS, LAG, OUTPUTS, SCALE, STATE, thesis_parameters
 

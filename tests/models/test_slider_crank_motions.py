@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from models.slider_crank.machine import Machine, Motion
 
 from .test_slider_crank import CRANK, INPUTS, OUTPUTS, SCALE, STATE, TURN, thesis_parameters

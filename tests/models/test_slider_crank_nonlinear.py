@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from models.integrator import OK
-from models.quantities import Vector
+from models.core.integrator import OK
+from models.core.quantities import Vector
 from models.slider_crank import forms
 from models.slider_crank.equations import coupling, inertia, thesis_mechanism
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from models.slider_crank.flight.histories import LIFT
 from models.slider_crank.flight.series import TERMS
 from models.slider_crank.machine import FORMS, Machine, Motion

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.evaluation import check_start
+from models.core.evaluation import check_start
+from models.core.system import Instance, ModelError, System
 from models.monolithic import solve
 from models.slider_crank import forms
-from models.system import Instance, ModelError, System
 
 from .test_slider_crank import CRANK, INPUTS, STATE, thesis_parameters
 

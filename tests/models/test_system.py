@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.evaluation import Evaluation, Interpreted
-from models.system import Instance, ModelError, Port, System
+from models.core.evaluation import Evaluation, Interpreted
+from models.core.system import Instance, ModelError, Port, System
 from models.valve_train.cam_profile import cycloidal_lift
 
 from .systems import VALVE_TRAIN, valve_train

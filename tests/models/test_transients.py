@@ -8,12 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.slider_crank.machine import Machine
-from models.slider_crank.motions.transients import (
-    Transients,
-    escape_time,
-    random_starts,
-    transients,
-)
+from models.slider_crank.motions.transients import Transients, escape_time, random_starts, transients
 
 
 def drawn(mean: float, seed: int, count: int, cycles: int) -> Transients:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
+from models.core.system import Instance, System
 from models.monolithic import equilibrium, solve
-from models.system import Instance, System
 
 from .systems import DRY, outputs_of, turn, valve_train
 

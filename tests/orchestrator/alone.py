@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from models.system import Instance
+from models.core.system import Instance
 from orchestrator.participants import Participant, fmu, in_process
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestrator.exchange import Exchange
+from orchestrator.engine.exchange import Exchange
 from orchestrator.participants import in_process
-from orchestrator.simulation import simulate
+from orchestrator.run.simulation import simulate
 
 from .recorder import Recorder
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from models.core.system import Instance, System
 from models.oscillators.two_masses import sprung_mass
-from models.system import Instance, System
 from tests.models.fluid_layer import fluid_layer
 
 PLATE = sprung_mass()

@@ -7,7 +7,7 @@ import time as clock
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from orchestrator.errors import DiscardedStepError, LostParticipantError, RecoverableError
 
 # Says of the n-th call of `advance`, with its time and step, whether the fault comes.

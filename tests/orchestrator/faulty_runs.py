@@ -6,12 +6,10 @@ import functools
 
 import numpy as np
 
-from orchestrator.errors import (
-    RunError,
-)
+from orchestrator.errors import RunError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.simulation import simulate
+from orchestrator.run.simulation import simulate
 from orchestrator.stepping import ControlledSteps, StepControl
 
 from .faulty import Faulty

@@ -19,13 +19,15 @@ from typing import Any
 
 from rich.console import Console
 
-from orchestrator import checkpoint, csv_file, journal, replacement, results
 from orchestrator.command_line.fmu import built
-from orchestrator.report import Reporter
-from orchestrator.resume import resume
-from orchestrator.run import run
-from orchestrator.scenario_files import load
-from orchestrator.unfinished import unfinished
+from orchestrator.run.pipeline import checkpoint, run
+from orchestrator.run.report import Reporter
+from orchestrator.run.resume import resume
+from orchestrator.scenario.files import load
+from orchestrator.store import atomic_write as replacement
+from orchestrator.store import csv_file, journal
+from orchestrator.store import result_file as results
+from orchestrator.store.run_state import unfinished
 
 STEPPING, STARTING = 0.2, 2.0  # s
 EVERY = "checkpoint_every=1e-9"

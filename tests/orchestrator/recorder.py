@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from models.quantities import Vector
-from orchestrator.stepping import Step
+from models.core.quantities import Vector
+from orchestrator.engine.step import Step
 
 
 class Recorder:

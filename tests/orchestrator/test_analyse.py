@@ -13,8 +13,8 @@ import xarray
 from typer.testing import CliRunner
 
 from models.slider_crank.machine import FORMS
-from orchestrator.analyse import analyse, setting
 from orchestrator.analyses import load, names
+from orchestrator.analyses._evaluate import analyse, setting
 from orchestrator.command_line import app
 from orchestrator.errors import MistakeError
 

@@ -12,13 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from orchestrator.checkpoint import Checkpoints, Identity, read, write
 from orchestrator.errors import CannotSerializeError, CheckpointError, MistakeError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
 from orchestrator.participants import in_process, substepped
-from orchestrator.plain_data import from_text, to_text
-from orchestrator.simulation import simulate
+from orchestrator.run.checkpoint import Checkpoints, Identity, read, write
+from orchestrator.run.simulation import simulate
 from orchestrator.stepping import ControlledSteps, FixedSteps, StepControl
+from orchestrator.store.json_codec import from_text, to_text
 
 from .recorder import Recorder
 from .two_masses import two_masses

@@ -15,12 +15,12 @@ import numpy as np
 import pytest
 import typer
 
-from orchestrator.assembly import system_of
 from orchestrator.command_line import app
 from orchestrator.command_line.reported import reported
-from orchestrator.results import open_result
+from orchestrator.run.assembly import system_of
 from orchestrator.scenario import scenario_of
-from orchestrator.scenario_files import load, shipped
+from orchestrator.scenario.files import load, shipped
+from orchestrator.store.result_file import open_result
 
 from .commands import IN_PROCESS, ROOT, SHORT, called, said, tribocosim
 

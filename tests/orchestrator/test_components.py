@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from models.catalogue import CATALOGUE
-from orchestrator.components import page
 from orchestrator.errors import MistakeError
+from orchestrator.scenario.components import page
 
 ROOT = Path(__file__).parents[2]
 

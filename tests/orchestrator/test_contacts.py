@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from models.contact.ehl_contact import TABLE_3
-from orchestrator import assembly
-from orchestrator.contacts import courses_of_rows, lines
-from orchestrator.contacts.accumulation import SEEN
-from orchestrator.contacts.course import Accumulator
-from orchestrator.plain_data import from_text, to_text
-from orchestrator.scenario_files import load
+from orchestrator.assessment.contacts import courses_of_rows, lines
+from orchestrator.assessment.contacts.accumulation import SEEN
+from orchestrator.assessment.contacts.course import Accumulator
+from orchestrator.run.pipeline import assembly
+from orchestrator.scenario.files import load
+from orchestrator.store.json_codec import from_text, to_text
 
 from .commands import IN_PROCESS, said, tribocosim
 

@@ -10,19 +10,28 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.diagnosis import RULES, Facts, Steps, brief, diagnosed, full, recorded, suggestions
-from orchestrator.diagnosis.command import diagnose
+from orchestrator.assessment.diagnosis import (
+    RULES,
+    Facts,
+    Steps,
+    brief,
+    diagnosed,
+    full,
+    recorded,
+    suggestions,
+)
+from orchestrator.assessment.diagnosis.command import diagnose
 from orchestrator.energy import Trimmed, counted
+from orchestrator.engine.step import REASONS, Step
 from orchestrator.errors import MistakeError
-from orchestrator.output_folder import RESULT, SCENARIO
 from orchestrator.plots import steps as figure
 from orchestrator.plots.style import saved
-from orchestrator.recording import ResultRecorder
-from orchestrator.report import Reporter
-from orchestrator.run import run
-from orchestrator.scenario_files import load, written
-from orchestrator.stepping import REASONS, Step
-from orchestrator.unfinished import unfinished
+from orchestrator.run.output_folder import RESULT, SCENARIO
+from orchestrator.run.pipeline import run
+from orchestrator.run.recording import ResultRecorder
+from orchestrator.run.report import Reporter
+from orchestrator.scenario.files import load, written
+from orchestrator.store.run_state import unfinished
 
 from .recorder import Recorder
 from .two_masses import two_masses
@@ -324,7 +333,7 @@ def test_sources_are_the_same_outputs_where_energies_are_counted() -> None:
 
 
 def load_quantity():  # type: ignore[no-untyped-def]
-    from models.quantities import Quantity
+    from models.core.quantities import Quantity
 
     return Quantity("N", "a load")
 

@@ -10,15 +10,15 @@ from typer.testing import CliRunner
 
 from fmus.native.fmu import build
 from fmus.native.machine_code import this_platform
-from models.system import Instance
+from models.core.system import Instance
 from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import component_of_file, fmu
-from orchestrator.stability.along import fed, shown
 from orchestrator.stability.behaviour import Behaviour, largest_stable
 from orchestrator.stability.directional import Directional
 from orchestrator.stability.linearisation import Equations
 from orchestrator.stability.points import point_at
+from orchestrator.stability.trajectory import fed, shown
 
 from ..foreign.c_fmus import fmu as c_fmu
 from .coupled import grown

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from fmus.build import build
+from models.core.system import System
 from models.monolithic import difference, solve
-from models.system import System
-from orchestrator import assembly
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import fmu
-from orchestrator.plain_data import from_text
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.run.pipeline import assembly
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
+from orchestrator.store.json_codec import from_text
 
 from .coupled import in_processes, recorded
 from .recorder import Recorder

@@ -11,13 +11,13 @@ import pytest
 
 from fmus.build import build
 from models.contact.ehl_contact import FILM_IS_SOLVED, ehl_contact
-from models.system import ModelError, System
-from orchestrator import assembly
+from models.core.system import ModelError, System
 from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel
+from orchestrator.run.pipeline import assembly
+from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.scenario.files import load
 from orchestrator.stability.sources import linearisations
 
 from .alone import Alone, two_alike

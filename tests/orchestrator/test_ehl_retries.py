@@ -6,7 +6,7 @@ import pytest
 
 from models.contact.ehl_contact import ehl_contact
 from models.contact.films import FILMS
-from models.system import Instance
+from models.core.system import Instance
 from orchestrator.errors import DiscardedStepError
 from orchestrator.participants import in_process, substepped
 

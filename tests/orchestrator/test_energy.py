@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from models.core.system import System
 from models.oscillators import exact as solutions
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
-from models.system import System
-from orchestrator import assembly
 from orchestrator.energy import Ledger, Trimmed, counted, lines
 from orchestrator.energy.correction import Compensated, bond_inputs
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
+from orchestrator.run.pipeline import assembly
+from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.scenario.files import load
 
 from .recorder import Recorder
 from .two_masses import START, two_masses

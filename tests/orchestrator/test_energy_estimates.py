@@ -15,10 +15,10 @@ from orchestrator.energy import Ledger, Trimmed, counted, estimated, lines
 from orchestrator.energy.estimate import Estimating, without_estimates
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.report import Reporter
-from orchestrator.run import run
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.run.pipeline import run
+from orchestrator.run.report import Reporter
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
 
 from .recorder import Recorder
 from .small_fmus import small_fmu

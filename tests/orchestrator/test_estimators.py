@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from models.monolithic import solve
-from orchestrator import assembly
-from orchestrator.bonds import bonds_of
-from orchestrator.exchange import Exchange
+from orchestrator.energy.bonds import bonds_of
+from orchestrator.engine.exchange import Exchange
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.scenario_files import load
+from orchestrator.run.pipeline import assembly
+from orchestrator.scenario.files import load
 from orchestrator.stepping.estimators import ESTIMATORS
 
 from .two_masses import two_masses

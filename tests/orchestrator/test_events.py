@@ -8,18 +8,19 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from models.core.system import Instance, System
 from models.flywheel import flywheel
 from models.monolithic import equilibrium, solve
 from models.oscillators import exact
 from models.oscillators.bouncing_mass import FallingMassParameters, SpringStopParameters
 from models.slider_crank.slider_crank import slider_crank
-from models.system import Instance, System
-from orchestrator import assembly
+from orchestrator.engine.step import REASONS
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import in_process
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
-from orchestrator.stepping import REASONS, ControlledSteps, FixedSteps, StepControl
+from orchestrator.run.pipeline import assembly
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
+from orchestrator.stepping import ControlledSteps, FixedSteps, StepControl
 
 from .recorder import Recorder
 

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from models.core.system import Instance, System
 from models.oscillators import exact as solutions
 from models.oscillators.bouncing_mass import falling_mass, spring_stop
 from models.oscillators.two_masses import CoupledMassParameters
-from models.system import Instance, System
+from orchestrator.engine.step import DISCARD, EVENT, SHORTEST
 from orchestrator.errors import (
     DiscardedStepError,
     LostParticipantError,
@@ -23,9 +24,8 @@ from orchestrator.errors import (
 )
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.simulation import simulate
+from orchestrator.run.simulation import simulate
 from orchestrator.stepping import ControlledSteps, StepControl
-from orchestrator.stepping.protocol import DISCARD, EVENT, SHORTEST
 
 from .faulty import Faulty, after, at_random, every, longer_than
 from .faulty_runs import CONTROLLED, STOP, TOLERANCE, controlled, faulty, missed, simulated, sound

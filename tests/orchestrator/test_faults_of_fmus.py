@@ -11,8 +11,7 @@ from fmpy.fmi2 import FMU2Slave
 
 from fmus.build import build
 from models.catalogue import CATALOGUE
-from models.system import Instance, System
-from orchestrator.assembly import FmuFile, participants_of, system_of
+from models.core.system import Instance, System
 from orchestrator.errors import (
     DiscardedStepError,
     LostParticipantError,
@@ -21,8 +20,9 @@ from orchestrator.errors import (
 )
 from orchestrator.masters import GaussSeidel, Jacobi
 from orchestrator.participants import fmu
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.run.assembly import FmuFile, participants_of, system_of
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
 
 from .commands import SHORT, tribocosim
 from .faulty import Faulty

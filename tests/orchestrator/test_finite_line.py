@@ -10,8 +10,8 @@ import pytest
 import xarray
 
 from models.contact.hertz import ELASTIC_LIMIT
-from orchestrator.analyse import analyse
 from orchestrator.analyses import load
+from orchestrator.analyses._evaluate import analyse
 from orchestrator.errors import MistakeError
 
 ROUGH = {"nodes_per_half_width": 12.0, "end_cell": 0.3}

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from fmus.native import fmu as native
-from orchestrator.results import open_result
+from orchestrator.store.result_file import open_result
 
 from .commands import SHORT, called, said, tribocosim
 

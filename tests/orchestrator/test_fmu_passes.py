@@ -13,13 +13,13 @@ import pytest
 from fmus.build import build
 from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
-from orchestrator import fmu_passes
+from orchestrator.engine import compiled_sweeps as fmu_passes
+from orchestrator.engine.signals import DEGREES
 from orchestrator.errors import RunError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import fmu
 from orchestrator.participants.fmi2 import Fmi2
-from orchestrator.signals import DEGREES
-from orchestrator.simulation import simulate
+from orchestrator.run.simulation import simulate
 
 from .recorder import Recorder
 from .small_fmus import small_fmu

@@ -14,16 +14,23 @@ import pytest
 import xarray
 from rich.console import Console
 
+from orchestrator.assessment.friction.command import cams_of, contact_file, friction
+from orchestrator.assessment.friction.cycle import (
+    OF_CAM,
+    OF_CONTACT,
+    Cycle,
+    last_revolution,
+    summary,
+    wear,
+)
+from orchestrator.assessment.friction.report import WORN, Judged, remarks, tables
+from orchestrator.assessment.friction.table import write
 from orchestrator.errors import MistakeError
-from orchestrator.friction.command import cams_of, contact_file, friction
-from orchestrator.friction.cycle import OF_CAM, OF_CONTACT, Cycle, last_revolution, summary, wear
-from orchestrator.friction.report import WORN, Judged, remarks, tables
-from orchestrator.friction.table import write
 from orchestrator.plots.friction import drawn
 from orchestrator.plots.style import saved
-from orchestrator.report import Reporter
-from orchestrator.run import run
-from orchestrator.scenario_files import load
+from orchestrator.run.pipeline import run
+from orchestrator.run.report import Reporter
+from orchestrator.scenario.files import load
 
 SPEED, RADIUS, LENGTH = 100.0, 0.02, 12e-3
 

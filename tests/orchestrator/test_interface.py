@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import CubicHermiteSpline
 
-from orchestrator.exchange import Exchange
+from orchestrator.engine.exchange import Exchange
+from orchestrator.engine.signals import DEGREES
 from orchestrator.masters.interface import BEND, interface_of
 from orchestrator.participants import in_process
-from orchestrator.signals import DEGREES
 from orchestrator.stepping.locator import Locator
 
 from .two_masses import two_masses

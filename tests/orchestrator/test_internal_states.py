@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from models.catalogue import CATALOGUE
-from orchestrator.assembly import at_start, system_of, variables_used
+from orchestrator.run.assembly import at_start, system_of, variables_used
 from orchestrator.scenario import Scenario, ScenarioError, scenario_of
-from orchestrator.schema import _of
+from orchestrator.scenario.schema import _of
 from tests.models.fluid_layer import fluid_layer
 
 

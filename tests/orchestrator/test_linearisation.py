@@ -8,21 +8,21 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from models.monolithic.course import course
+from models.core.system import Instance, System
+from models.monolithic.trajectory import course
 from models.oscillators.quarter_car import quarter_car_chassis, quarter_car_wheel
-from models.system import Instance, System
-from orchestrator import assembly
 from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import fmu, in_process
-from orchestrator.scenario_files import load
-from orchestrator.stability.along import NotLinearError
+from orchestrator.run.pipeline import assembly
+from orchestrator.scenario.files import load
 from orchestrator.stability.behaviour import Behaviour, largest_stable
 from orchestrator.stability.linear import Linear
 from orchestrator.stability.linearisation import Equations
 from orchestrator.stability.points import point_at, points_at
 from orchestrator.stability.realisation import continuous, realised
 from orchestrator.stability.responses import Responses
+from orchestrator.stability.trajectory import NotLinearError
 
 from .coupled import grown
 from .small_fmus import small_fmu

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from benchmarks.many_valves import ENGINE, FILE, FIRING_ORDER, content, engine, phases
-from models.system import System
-from orchestrator import assembly
+from models.core.system import System
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import in_process
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.run.pipeline import assembly
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
 
 from .recorder import Recorder
 

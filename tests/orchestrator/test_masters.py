@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from orchestrator.engine.signals import History, extrapolate, interpolate
 from orchestrator.errors import NonConvergenceError, ParticipantError, RunError, UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.masters.acceleration import ACCELERATIONS
 from orchestrator.participants import in_process
-from orchestrator.signals import History, extrapolate, interpolate
-from orchestrator.simulation import simulate
+from orchestrator.run.simulation import simulate
 
 from .recorder import Recorder
 from .two_masses import exact, two_masses

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.component import Component
-from models.system import ModelError
-from orchestrator.assembly import Builder, system_of
-from orchestrator.report import Reporter
-from orchestrator.run import run
+from models.core.component import Component
+from models.core.system import ModelError
+from orchestrator.run.assembly import Builder, system_of
+from orchestrator.run.pipeline import run
+from orchestrator.run.report import Reporter
 from orchestrator.scenario import Scenario, scenario_of
 from orchestrator.stability.course import course_of
 from orchestrator.stability.linearisation import Equations

@@ -11,9 +11,9 @@ import pytest
 
 from fmus.build import build
 from fmus.native import fmu as native
-from orchestrator import replacement
 from orchestrator.command_line.fmu import built
 from orchestrator.command_line.without_cache import own_folder
+from orchestrator.store import atomic_write as replacement
 
 from .commands import called, said
 

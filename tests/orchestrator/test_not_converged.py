@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.engine.step import DISCARD
 from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import substepped
-from orchestrator.simulation import simulate
+from orchestrator.run.simulation import simulate
 from orchestrator.stepping import ControlledSteps, StepControl
-from orchestrator.stepping.protocol import DISCARD
 from tests.fmus.packed import packed
 from tests.models.fluid_layer import fluid_layer
 

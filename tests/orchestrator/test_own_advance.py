@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from models.bonds import counting
+from models.core.bonds import counting
+from models.core.system import ModelError, System
 from models.monolithic import solve
-from models.system import ModelError, System
 from orchestrator.energy import Ledger, counted, estimated
 from orchestrator.energy.estimate import Estimating, without_estimates
 from orchestrator.masters import GaussSeidel, Iterated, Newton
 from orchestrator.participants import Participant, fmu, in_process
-from orchestrator.plain_data import from_text
-from orchestrator.simulation import simulate
+from orchestrator.run.simulation import simulate
+from orchestrator.store.json_codec import from_text
 from tests.fmus.packed import packed
 from tests.models.fluid_layer import fluid_layer
 

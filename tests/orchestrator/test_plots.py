@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from models.contact.ehl_contact import FILM_IS_SOLVED
-from models.quantities import Quantity
-from orchestrator.diagnosis import Steps
+from models.core.quantities import Quantity
+from orchestrator.assessment.diagnosis import Steps
 from orchestrator.plots import (
     difference,
     film_and_load,
@@ -27,7 +27,7 @@ from orchestrator.plots import (
 from orchestrator.plots.data import FigureData, parameters_of
 from orchestrator.plots.style import saved
 from orchestrator.scenario import ends
-from orchestrator.scenario_files import load
+from orchestrator.scenario.files import load
 
 METRE, RADIAN, FORCE, NUMBER = (Quantity(unit, unit) for unit in ("m", "rad", "N", "1"))
 

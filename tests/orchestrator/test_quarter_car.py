@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from models.oscillators.exact import quarter_car
-from orchestrator import assembly
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
 from orchestrator.participants import in_process
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.run.pipeline import assembly
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
 from orchestrator.stepping import ControlledSteps, StepControl
 
 from .recorder import Recorder

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from orchestrator.assessment.summary import OUTSIDE, Summary
 from orchestrator.command_line.fmu import built
-from orchestrator.notices import notices
-from orchestrator.report import Reporter
-from orchestrator.results import open_result
-from orchestrator.run import run
-from orchestrator.scenario_files import load
+from orchestrator.run.pipeline import run
+from orchestrator.run.report import Reporter
+from orchestrator.scenario.files import load
+from orchestrator.scenario.warnings import notices
 from orchestrator.stepping import FixedSteps
-from orchestrator.summary import OUTSIDE, Summary
+from orchestrator.store.result_file import open_result
 
 from .commands import IN_PROCESS
 

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from models.quantities import Quantity
-from orchestrator.csv_file import ROWS, write_csv, write_units
-from orchestrator.journal import HELD, Journal, JournalError, Recorded, journals
-from orchestrator.recording import ResultRecorder
-from orchestrator.results import CHUNK, ResultFile, open_result
-from orchestrator.stepping import Step
+from models.core.quantities import Quantity
+from orchestrator.engine.step import Step
+from orchestrator.run.recording import ResultRecorder
+from orchestrator.store.csv_file import ROWS, write_csv, write_units
+from orchestrator.store.journal import HELD, Journal, JournalError, Recorded, journals
+from orchestrator.store.result_file import CHUNK, ResultFile, open_result
 
 QUANTITIES = {
     "contact.load": Quantity("N", "contact load W", display_unit="kN"),
@@ -131,8 +131,8 @@ def test_what_was_flushed_survives_a_killed_process(tmp_path: Path) -> None:
         import os
         import numpy as np
         from pathlib import Path
-        from orchestrator.journal import HELD
-        from orchestrator.recording import ResultRecorder
+        from orchestrator.store.journal import HELD
+        from orchestrator.run.recording import ResultRecorder
         from orchestrator.stepping import Step
         from tests.orchestrator.test_results import QUANTITIES
         recorder = ResultRecorder(Path({str(tmp_path)!r}), QUANTITIES, 1)
@@ -159,7 +159,7 @@ def test_of_a_journal_without_room_all_whole_rows_are_kept_and_its_name_is_told(
         import resource, signal
         import numpy as np
         from pathlib import Path
-        from orchestrator.journal import Journal
+        from orchestrator.store.journal import Journal
         from tests.orchestrator.test_results import QUANTITIES
         path = Path({str(tmp_path / "coupled.journal")!r})
         journal = Journal(path, QUANTITIES)
@@ -248,11 +248,11 @@ def test_memory_does_not_grow_with_the_steps(tmp_path: Path, steps: int) -> None
     done = _in_a_process(f"""
         import numpy as np
         from pathlib import Path
-        from models.quantities import Quantity
-        from orchestrator.recording import ResultRecorder
+        from models.core.quantities import Quantity
+        from orchestrator.run.recording import ResultRecorder
         from orchestrator.stepping import Step
-        from orchestrator.journal import Recorded
-        from orchestrator.results import ResultFile
+        from orchestrator.store.journal import Recorded
+        from orchestrator.store.result_file import ResultFile
         names = [f"a.v{{i}}" for i in range(45)]
         folder = Path({str(tmp_path)!r})
         recorder = ResultRecorder(folder, {{name: Quantity("m", "x") for name in names}}, 1)

@@ -19,17 +19,16 @@ import pytest
 import xarray
 from rich.console import Console
 
-from models.system import ModelError
-from orchestrator import checkpoint
+from models.core.system import ModelError
 from orchestrator.command_line.fmu import built
 from orchestrator.errors import CheckpointError, MistakeError
-from orchestrator.journal import Journal, Recorded
-from orchestrator.output_folder import OutputFolderError
-from orchestrator.report import Reporter
-from orchestrator.results import open_result
-from orchestrator.resume import resume
-from orchestrator.run import run
-from orchestrator.scenario_files import load
+from orchestrator.run.output_folder import OutputFolderError
+from orchestrator.run.pipeline import checkpoint, run
+from orchestrator.run.report import Reporter
+from orchestrator.run.resume import resume
+from orchestrator.scenario.files import load
+from orchestrator.store.journal import Journal, Recorded
+from orchestrator.store.result_file import open_result
 
 from .killed import EVERY
 
@@ -231,7 +230,7 @@ def test_a_run_in_a_folder_with_an_unfinished_one_says_how_to_go_on(killed: Path
 
 def test_two_processes_do_not_work_on_one_run(killed: Path) -> None:
     code = (
-        "import sys; from pathlib import Path; from orchestrator.unfinished import locked\n"
+        "import sys; from pathlib import Path; from orchestrator.store.run_state import locked\n"
         "with locked(Path(sys.argv[1])): print('held', flush=True); sys.stdin.read()"
     )
     other = subprocess.Popen(

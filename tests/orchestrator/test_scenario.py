@@ -6,15 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from models.system import ModelError
-from orchestrator import schema
-from orchestrator.assembly import at_start, system_of
+from models.core.system import ModelError
 from orchestrator.errors import ParticipantError
-from orchestrator.notices import notices
 from orchestrator.participants import in_process
-from orchestrator.scenario import Scenario, ScenarioError, scenario_of
-from orchestrator.scenario_files import load, shipped, written
-from orchestrator.simulation import simulate
+from orchestrator.run.assembly import at_start, system_of
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario import Scenario, ScenarioError, scenario_of, schema
+from orchestrator.scenario.files import load, shipped, written
+from orchestrator.scenario.warnings import notices
 
 
 @pytest.mark.parametrize("name", sorted(shipped()))

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from orchestrator import assembly
 from orchestrator.participants import in_process
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.run.pipeline import assembly
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
 
 from .recorder import Recorder
 

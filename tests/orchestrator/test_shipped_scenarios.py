@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.scenario_files import shipped
+from orchestrator.scenario.files import shipped
 
 from .commands import called
 

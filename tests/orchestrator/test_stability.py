@@ -8,23 +8,23 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from models.evaluation import Evaluation
-from models.monolithic.course import course
+from models.core.evaluation import Evaluation
+from models.core.system import Instance, Port
 from models.monolithic.difference import difference
+from models.monolithic.trajectory import course
 from models.oscillators.two_masses import CoupledMassParameters
-from models.system import Instance, Port
 from models.valve_train.valve_spring import valve_spring
-from orchestrator import assembly
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.scenario_files import load
+from orchestrator.run.pipeline import assembly
+from orchestrator.scenario.files import load
+from orchestrator.stability.batched import LinearParticipant
 from orchestrator.stability.behaviour import Behaviour, Benches, hardest, largest_stable
-from orchestrator.stability.copies import LinearParticipant
 from orchestrator.stability.equations import linearised
 from orchestrator.stability.error import predicted, sampled
+from orchestrator.stability.extrapolation_error import ends, missed_by, shapes
 from orchestrator.stability.linear import ROWS
-from orchestrator.stability.missed import ends, missed_by, shapes
 from orchestrator.stability.partition import Partition
 from orchestrator.stability.points import Point, point_at
 from orchestrator.stability.spectra import spectral_radius

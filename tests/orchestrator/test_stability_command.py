@@ -9,16 +9,16 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-from models.monolithic.course import course
 from models.monolithic.difference import difference
-from orchestrator import assembly
+from models.monolithic.trajectory import course
 from orchestrator.command_line import app
+from orchestrator.engine.signals import DEGREES
 from orchestrator.masters import MASTERS
 from orchestrator.plots.stability import figure
+from orchestrator.run.pipeline import assembly
 from orchestrator.scenario import MasterTable
-from orchestrator.scenario_files import load
-from orchestrator.signals import DEGREES
-from orchestrator.stability.command import analyse_scenario
+from orchestrator.scenario.files import load
+from orchestrator.stability.analyse import analyse_scenario
 from orchestrator.stability.steps import rounded_down
 
 from .coupled import recorded

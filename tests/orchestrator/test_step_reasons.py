@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from orchestrator.stepping import REASONS, ControlledSteps, StepControl
+from orchestrator.engine.step import REASONS
+from orchestrator.stepping import ControlledSteps, StepControl
 
 from .faulty_runs import CONTROLLED, TOLERANCE, faulty, simulated
 from .test_events import bouncing, controlled, hermite

@@ -8,10 +8,10 @@ import pytest
 from rich.console import Console
 
 from orchestrator.errors import RunError
-from orchestrator.report import Reporter
-from orchestrator.results import open_result
-from orchestrator.run import run
-from orchestrator.scenario_files import load
+from orchestrator.run.pipeline import run
+from orchestrator.run.report import Reporter
+from orchestrator.scenario.files import load
+from orchestrator.store.result_file import open_result
 from orchestrator.study.source import fingerprint
 from orchestrator.study.task import evaluate
 

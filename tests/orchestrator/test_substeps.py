@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from orchestrator.engine.signals import move_origin
 from orchestrator.errors import DiscardedStepError, RecoverableError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import fmu, in_process, substepped
-from orchestrator.signals import move_origin
-from orchestrator.simulation import simulate
+from orchestrator.run.simulation import simulate
 
 from .faulty import Faulty, after, at_random, every, longer_than
 from .recorder import Recorder

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from orchestrator.units import UnitError, to_unit
+from orchestrator.scenario.units import UnitError, to_unit
 
 
 @pytest.mark.parametrize(

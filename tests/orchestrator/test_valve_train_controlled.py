@@ -14,11 +14,11 @@ import pytest
 
 from models.monolithic import difference, equilibrium, solve
 from models.monolithic.difference import time_weights
-from orchestrator import assembly
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import in_process
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.run.pipeline import assembly
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
 from orchestrator.stepping import ControlledSteps, StepControl
 
 from .recorder import Recorder

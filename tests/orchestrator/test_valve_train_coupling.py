@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from models.monolithic import difference, equilibrium, solve
-from orchestrator import assembly
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.run.pipeline import assembly
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
 
 from .recorder import Recorder
 

@@ -16,13 +16,13 @@ import numpy as np
 import pytest
 
 from fmus.build import build
+from orchestrator.assessment.summary import Summary
 from orchestrator.errors import MistakeError, StalledError
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import fmu, in_process
-from orchestrator.simulation import simulate
-from orchestrator.summary import Summary
-from orchestrator.watchdog import GRACE_SECONDS, Watchdog
-from orchestrator.watchdog_process import CALLS
+from orchestrator.run.simulation import simulate
+from orchestrator.run.watchdog import GRACE_SECONDS, Watchdog
+from orchestrator.run.watchdog_process import CALLS
 
 from .commands import ROOT, SHORT, tribocosim
 from .faulty import Faulty, once_after

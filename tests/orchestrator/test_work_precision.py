@@ -16,13 +16,13 @@ from rich.console import Console
 from fmus.build import build
 from orchestrator.command_line import app
 from orchestrator.errors import MistakeError
-from orchestrator.report import Reporter
-from orchestrator.work_precision import methods, peers
-from orchestrator.work_precision.benchmark import benchmark
-from orchestrator.work_precision.methods import Method, measured
-from orchestrator.work_precision.problem import PROBLEMS, problem_named
-from orchestrator.work_precision.run import Row, errors_of, fmu_files
-from orchestrator.work_precision.table import cheapest, digest, failures
+from orchestrator.run.report import Reporter
+from orchestrator.study.work_precision import methods, peers
+from orchestrator.study.work_precision.benchmark import benchmark
+from orchestrator.study.work_precision.methods import Method, measured
+from orchestrator.study.work_precision.problem import PROBLEMS, problem_named
+from orchestrator.study.work_precision.run import Row, errors_of, fmu_files
+from orchestrator.study.work_precision.table import cheapest, digest, failures
 
 ROOT = Path(__file__).parents[2]
 DURATION = 0.128  # of the quarter car: the wheel's first swing
@@ -219,7 +219,8 @@ def test_the_digest_is_not_cut_in_a_narrow_window(tmp_path, monkeypatch):
         wall_time_s=0.111,
         error=3.2e-6,
     )
-    monkeypatch.setattr("orchestrator.work_precision.benchmark.measure", lambda *_: iter([(1.0, [row])]))
+    measure = "orchestrator.study.work_precision.benchmark.measure"
+    monkeypatch.setattr(measure, lambda *_: iter([(1.0, [row])]))
     said = io.StringIO()
     benchmark("quarter-car", None, tmp_path, 0.032, reporter=Reporter(Console(file=said, width=40)))
     assert said.getvalue().count("123456 (111 ms)") == 4

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator import workload
-from orchestrator.scenario_files import load
-from orchestrator.stepping import Step
-from orchestrator.workload import Forecast, Workload, announce
+from orchestrator.engine.step import Step
+from orchestrator.run.pipeline import workload
+from orchestrator.run.workload import Forecast, Workload, announce
+from orchestrator.scenario.files import load
 
 from .commands import SHORT, called
 

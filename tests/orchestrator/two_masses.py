@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from models.core.quantities import Vector
+from models.core.system import Instance, System
 from models.oscillators import exact as solutions
 from models.oscillators.two_masses import (
     CoupledMassParameters,
@@ -14,8 +16,6 @@ from models.oscillators.two_masses import (
     coupled_mass,
     sprung_mass,
 )
-from models.quantities import Vector
-from models.system import Instance, System
 
 FIRST, SECOND = coupled_mass(), sprung_mass()
 START = np.array([1.0, 0.0, 0.0, 0.0])

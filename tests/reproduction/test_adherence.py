@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from models.core.system import ModelError
 from models.monolithic import difference, equilibrium
 from models.monolithic.problem import SystemProblem
-from models.system import ModelError
 from reproduction.adherence import AdherenceProblem, solve_adherence
 from tests.models import independent_train
 from tests.models.systems import DRY, column, run, turn, valve_train

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.scenario_files import load
+from orchestrator.scenario.files import load
 from tests.foreign.c_fmus import fmu
 from tests.foreign.runs import ran
 from tests.orchestrator.commands import tribocosim

@@ -11,12 +11,12 @@ import pytest
 from interop.processes import explain_missing
 from models.oscillators.exact import two_masses
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
-from orchestrator.assembly import fmu_files, participants_of, system_of
 from orchestrator.command_line.fmu import built
 from orchestrator.masters import Jacobi
+from orchestrator.run.assembly import fmu_files, participants_of, system_of
+from orchestrator.run.simulation import simulate
 from orchestrator.scenario import Scenario
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.scenario.files import load
 from orchestrator.ssp import export
 from tests.fmus.conftest import Isolated, isolated
 from tests.orchestrator.recorder import Recorder

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from orchestrator.command_line.fmu import built
 from orchestrator.scenario import Scenario, scenario_of
-from orchestrator.scenario_files import contents, load, override, shipped
+from orchestrator.scenario.files import contents, load, override, shipped
 from orchestrator.ssp import export
 from tests.foreign.c_fmus import fmu
 from tests.foreign.runs import ran

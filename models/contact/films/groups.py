@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 
 
 class Groups(NamedTuple):

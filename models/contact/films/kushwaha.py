@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 from .groups import groups
 
 

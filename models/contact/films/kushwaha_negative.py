@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 from .groups import groups
 
 

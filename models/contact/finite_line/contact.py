@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...quantities import Vector
+from ...core.quantities import Vector
 from ..fluid import Lubricant
 from .faults import finite, not_negative, positive, within
 from .profiles import Profile, Straight

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...quantities import Vector
+from ...core.quantities import Vector
 from ..hertz import half_width
 from .contact import FiniteLine, Running
 from .faults import within

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ...system import ModelError
+from ...core.system import ModelError
 
 
 def within(name: str, value: float, unit: str, bound: str, remedy: str) -> ModelError:

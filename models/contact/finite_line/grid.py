@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ...quantities import Vector
+from ...core.quantities import Vector
 from .faults import positive, within
 
 # Which nodes.

@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from ...kernel import kernel
-from ...quantities import Vector
+from ...compile.kernel import kernel
+from ...core.quantities import Vector
 from .faults import within
 from .grid import COARSER, Grid
 

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ...kernel import kernel
-from ...quantities import Vector
+from ...compile.kernel import kernel
+from ...core.quantities import Vector
 
 
 @kernel

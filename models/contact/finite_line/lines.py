@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from ...kernel import kernel
-from ...quantities import Vector
+from ...compile.kernel import kernel
+from ...core.quantities import Vector
 from ..elimination import invert
 from .grid import Mask
 from .reynolds import DOWNSTREAM, HERE, LEFT, RIGHT, UPSTREAM, UPSTREAM_2

@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ...quantities import Vector
+from ...core.quantities import Vector
 from ..hertz import half_width
 from .faults import not_negative, positive, within
 

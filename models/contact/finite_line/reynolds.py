@@ -25,8 +25,8 @@ from typing import Any
 
 import numpy as np
 
-from ...kernel import kernel
-from ...quantities import Vector
+from ...compile.kernel import kernel
+from ...core.quantities import Vector
 from ..fluid import Lubricant, density_ratio, density_slope, log_viscosity
 from .grid import Grid
 

@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
-from ...quantities import Vector
-from ...system import ModelError
+from ...core.quantities import Vector
+from ...core.system import ModelError
 from ..films.moes_venner import film as moes_venner
 from ..hertz import deflection
 from ..inlet import inlet_width

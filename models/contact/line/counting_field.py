@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ...bonds import STORED_ENERGY, CountingComponent, counting, make_powers
-from ...integrator import OK, taylor
-from ...quantities import Vector
+from ...core.bonds import STORED_ENERGY, CountingComponent, counting, make_powers
+from ...core.integrator import OK, taylor
+from ...core.quantities import Vector
 from .field import LINE_TRANSIENT, FieldContact, make_field_start
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 
 # Four give rates of third order, which a method of second order does not spoil.
 INSTANTS = 4

@@ -34,9 +34,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...component import DISSIPATED_POWER, SOURCE_POWER, STORED
-from ...kernel import kernel
-from ...quantities import Vector
+from ...compile.kernel import kernel
+from ...core.component import DISSIPATED_POWER, SOURCE_POWER, STORED
+from ...core.quantities import Vector
 from ..asperities import below, pressure_under
 from ..fluid import Lubricant, density_ratio, enthalpy, lubricant_of
 from .field_state import bodies_of

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 from ..elimination import add_rows, invert, product
 from .hierarchical import Hierarchy, Jacobian, factorise, jacobian_row, solve_below
 

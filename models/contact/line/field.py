@@ -17,12 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from ...component import Component
-from ...implicit import ImplicitSteps
-from ...integrator import NOT_CONVERGED, OK, copy, taylor
-from ...kernel import kernel, record_of
-from ...quantities import Vector
-from ...rates import make_rates
+from ...compile.kernel import kernel, record_of
+from ...core.component import Component
+from ...core.implicit import ImplicitSteps
+from ...core.integrator import NOT_CONVERGED, OK, copy, taylor
+from ...core.quantities import Vector
+from ...core.rates import make_rates
 from ..films import FILMS
 from ..fluid import lubricant_of
 from ..mixed_lubrication import film_ratio

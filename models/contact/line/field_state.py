@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from ...kernel import kernel
-from ...quantities import Layout, Quantity, per_element
+from ...compile.kernel import kernel
+from ...core.quantities import Layout, Quantity, per_element
 from ..asperities import dry_separation, pressure_scale
 from ..fluid import lubricant_of
 from ..friction import profile_friction

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...quantities import Vector
+from ...core.quantities import Vector
 from ..fluid import Lubricant
 from ..hertz import deflection
 from .grid import REACH, fill_kernel_matrix, place_nodes

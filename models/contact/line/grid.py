@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 
 REACH = 10.0
 # Fewer nodes do not resolve a contact, whatever its conditions.

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ...component import Component
-from ...integrator import FAILURES, OK
-from ...quantities import Vector
-from ...system import ModelError
+from ...core.component import Component
+from ...core.integrator import FAILURES, OK
+from ...core.quantities import Vector
+from ...core.system import ModelError
 from ..ehl_contact import ehl_contact
 from ..films import FILMS
 from .field import FieldContact

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...implicit import ImplicitSteps
-from ...integrator import NOT_CONVERGED, OK, copy
-from ...kernel import kernel, record_of
-from ...quantities import Vector
+from ...compile.kernel import kernel, record_of
+from ...core.implicit import ImplicitSteps
+from ...core.integrator import NOT_CONVERGED, OK, copy
+from ...core.quantities import Vector
 from ..fluid import lubricant_of
 from .field import LINE_TRANSIENT
 from .field_state import begin, bodies_of, drives_of, observe

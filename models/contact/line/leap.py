@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ...integrator import copy
-from ...kernel import kernel
+from ...compile.kernel import kernel
+from ...core.integrator import copy
 from ..fluid import Lubricant
 from .mixed import Bodies
 from .newton import Task, forget_factors

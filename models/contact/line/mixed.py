@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 from ..asperities import APART, below, gap_at, mean_gap, pressure_under, separation_of
 
 # A cavitated node whose asperities press less than this share of the highest pressure counts as open: a

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 from ..elimination import add_rows
 from ..fluid import Lubricant
 from .exchange import factorise_anew, serve, solve_exchanged

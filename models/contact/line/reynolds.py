@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 from ..fluid import Lubricant, density_ratio, density_slope, log_viscosity, thinning
 
 # Relative to which the difference of logarithms of fluidity is small: its mean is then a series.

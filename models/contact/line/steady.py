@@ -16,7 +16,7 @@ from numbers import Integral
 
 import numpy as np
 
-from ...quantities import Vector
+from ...core.quantities import Vector
 from ..asperities import pressure_scale
 from ..films.moes_venner import moes_film
 from ..inlet import inlet_width

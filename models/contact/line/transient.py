@@ -15,8 +15,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from ...integrator import copy
-from ...kernel import kernel
+from ...compile.kernel import kernel
+from ...core.integrator import copy
 from ..asperities import pressure_under
 from ..fluid import Lubricant
 from ..hertz import deflection, half_width, load_of, maximum_pressure

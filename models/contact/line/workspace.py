@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 from .exchange import SIDES, Exchange, exchange_in, exchange_size
 from .grid import fill_kernel_matrix, place_nodes
 from .hierarchical import BAND, Hierarchy, hierarchy_in, hierarchy_size

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 from ..equations import Mechanism
 from ..forms import NONLINEAR
 from . import linear, pendulum

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...kernel import kernel
-from ...quantities import Vector
+from ...compile.kernel import kernel
+from ...core.quantities import Vector
 from .series import DEGREE, TERMS, value_and_slope
 
 # Columns of samples: r, q, d, and the accelerations towards the walls of a slider that rests on them.

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...quantities import Vector
+from ...core.quantities import Vector
 from ..machine import BLOCKS, Exponents, Machine, exponents_of
 from .bouncing import POSITION_SIZE, SCRATCH_ROWS
 from .series import TERMS

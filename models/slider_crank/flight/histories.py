@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 from . import linear as linear_flight
 from . import pendulum as pendulum_flight
 from .bouncing import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 from .bouncing import CELL, FLIGHT, FRACTION, RATE_OF_Y, Walls, Y, pressing_now
 from .flow import OFFSET, PARTICULAR, RATE, Flow
 from .series import TERMS, move_origin, value_and_slope

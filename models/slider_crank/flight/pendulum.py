@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 from ..equations import Mechanism, coupling, inertia, rod_curvature, rod_slope
 from ..nonlinear import free_moment
 from .bouncing import CELL, FLIGHT, FRACTION, OWN, RATE_OF_Y, Walls, Y, phase

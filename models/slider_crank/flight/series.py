@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 
 # With cells shorter than a twentieth of the radius of convergence the rest is below 1e-17.
 DEGREE = 13

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 
 
 @kernel

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...parallel import each, no_progress
-from ...quantities import Vector
+from ...compile.parallel import each, no_progress
+from ...core.quantities import Vector
 from ..forms import wall_angle
 from ..machine import FORMS, Machine, Motion
 from .maps import varied

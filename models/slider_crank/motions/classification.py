@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...quantities import Vector
+from ...core.quantities import Vector
 from ..machine import Exponents, Machine, Motion
 from .recurrence import SETTLED, TOLERANCE, Recurrence, until_recurrent
 from .transients import ORDINARY_TRANSIENT

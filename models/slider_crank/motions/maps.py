@@ -9,8 +9,8 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from ...parallel import each, no_progress
-from ...quantities import Vector
+from ...compile.parallel import each, no_progress
+from ...core.quantities import Vector
 from ..flight import gpu
 from ..machine import Machine, Motion
 from .recurrence import until_recurrent

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...quantities import Vector
+from ...core.quantities import Vector
 from ..equations import rebound
 from ..flight import histories as h
 from ..forms import wall_angle, wall_rate

@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ...quantities import Vector
+from ...core.quantities import Vector
 
 # Of the largest psi and psi'. On stable orbits rounding makes differences of up to 2e-13, far below. Chaos of
 # correlation dimension D comes so near to a given state by chance once in 1e9^D cycles, and does not stay for

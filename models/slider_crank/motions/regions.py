@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from ...kernel import kernel
-from ...quantities import Vector
+from ...compile.kernel import kernel
+from ...core.quantities import Vector
 from ..equations import Mechanism
 from ..flight.bouncing import LOWER, PAST_ZERO, UPPER
 from ..flight.series import bounds_of_bend, first_fall, move_origin

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...kernel import kernel
-from ...quantities import Vector
+from ...compile.kernel import kernel
+from ...core.quantities import Vector
 from ..equations import Mechanism, inertia
 from ..flight import histories as h
 from ..flight.bouncing import LOWER, UPPER

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ...kernel import kernel
-from ...quantities import Vector
-from ...requirements import Requirement
+from ...compile.kernel import kernel
+from ...core.quantities import Vector
+from ...core.requirements import Requirement
 from .contact import CORNERS, exists, gap
 from .motion import machine
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 from .mechanics import (
     Coordinates,
     Machine,

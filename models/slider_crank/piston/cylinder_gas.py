@@ -16,12 +16,12 @@ import math
 from dataclasses import dataclass
 from typing import Annotated
 
-from ...bonds import counts_energies
-from ...component import Component
-from ...kernel import kernel
+from ...compile.kernel import kernel
+from ...core.bonds import counts_energies
+from ...core.component import Component
+from ...core.quantities import Layout, Quantity, Vector
+from ...core.requirements import Requirement
 from ...plausible import ANGLE, GAS_PRESSURE, PART_LENGTH
-from ...quantities import Layout, Quantity, Vector
-from ...requirements import Requirement
 from ..crank import crank_turns
 
 TURN = 2.0 * math.pi

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...component import Events
-from ...kernel import kernel
-from ...quantities import Vector
+from ...compile.kernel import kernel
+from ...core.component import Events
+from ...core.quantities import Vector
 from .contact import (
     CORNERS,
     Motion,

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 
 
 class Machine(NamedTuple):

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from ...kernel import kernel
+from ...compile.kernel import kernel
 from .contact import (
     CORNERS,
     Motion,

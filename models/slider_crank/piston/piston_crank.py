@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ...bonds import counts_energies
-from ...component import Component, PowerBond
-from ...kernel import kernel
-from ...quantities import Layout, Vector
+from ...compile.kernel import kernel
+from ...core.bonds import counts_energies
+from ...core.component import Component, PowerBond
+from ...core.quantities import Layout, Vector
 from .checks import REQUIREMENTS, START_REQUIREMENTS
 from .contact import CORNERS, Motion
 from .events import contact_events

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
+from ...core.quantities import Quantity, Vector, per_element
 from ...plausible import OFFSET, PART_LENGTH, PART_MASS, PLAY
-from ...quantities import Quantity, Vector, per_element
 
 # Flores, Leine and Glocker (2010), table 1; the gravity acts across the cylinder.
 FLORES: Mapping[str, float] = {

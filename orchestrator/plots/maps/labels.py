@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 LABELS = {
     "damping": "friction of the crank pin λ",

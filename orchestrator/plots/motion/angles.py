@@ -7,7 +7,7 @@ import math
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 
 def turns(axes: Axes, low: float = 0.0, high: float = 2.0 * math.pi) -> None:

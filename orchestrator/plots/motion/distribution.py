@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ..style import ACCENT, COUPLED, MUTED
 from .angles import in_pi

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from matplotlib.axes import Axes
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ..style import ACCENT, COUPLED, MUTED
 from .angles import turns

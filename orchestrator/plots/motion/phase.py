@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ..style import ACCENT, COUPLED, MUTED
 from .trace import MILLI

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ..style import COUPLED, REFERENCE
 from .angles import turns

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter, ScalarFormatter
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ..style import ACCENT, COUPLED, MUTED
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...bonds import exchanged_bonds
-from ...exchange import Exchange
+from ...energy.bonds import exchanged_bonds
+from ...engine.exchange import Exchange
+from ...engine.signals import evaluate
 from ...masters import Master
-from ...signals import evaluate
 from .jacobi_only import refuse_interpolation
 from .nodes import effective_degree, extrapolated
 from .protocol import Attempt

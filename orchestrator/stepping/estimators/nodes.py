@@ -11,8 +11,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...exchange import Exchange
-from ...signals import History
+from ...engine.exchange import Exchange
+from ...engine.signals import History
 
 # Gauss's quadrature with three points is exact up to degree five; node polynomials have four at most.
 _GAUSS = ((-math.sqrt(0.6), 5.0 / 9.0), (0.0, 8.0 / 9.0), (math.sqrt(0.6), 5.0 / 9.0))

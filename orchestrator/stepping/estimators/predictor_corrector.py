@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...exchange import Exchange
+from ...engine.exchange import Exchange
 from ...masters import Master
 from .nodes import effective_degree, extrapolated, interpolated
 from .protocol import Attempt

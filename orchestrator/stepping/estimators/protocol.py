@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
-from ...exchange import Exchange
+from ...engine.exchange import Exchange
 from ...masters import Master
 
 

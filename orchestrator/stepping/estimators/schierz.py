@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ...exchange import Exchange
+from ...engine.exchange import Exchange
+from ...engine.signals import move_origin
 from ...masters import Master
 from ...masters.jacobi import parallel
-from ...signals import move_origin
 from .jacobi_only import refuse_interpolation
 from .nodes import effective_degree
 from .protocol import Attempt

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
-from ...exchange import Exchange
+from ...engine.exchange import Exchange
 from ...masters import Master
 from .nodes import effective_degree, extrapolated
 from .protocol import Attempt

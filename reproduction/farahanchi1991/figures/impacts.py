@@ -13,7 +13,11 @@ from matplotlib.projections.polar import PolarAxes
 
 from models.slider_crank.equations import THESIS_XI
 from models.slider_crank.flight.bouncing import LOWER, UPPER
-from models.slider_crank.motions.statistics import approach_velocities, impact_profile, impact_spectrum
+from models.slider_crank.motions.statistics import (
+    approach_velocities,
+    impact_profile,
+    impact_spectrum,
+)
 from orchestrator.plots.motion.distribution import draw_profile, draw_spectrum
 from orchestrator.plots.motion.titles import legend
 from orchestrator.plots.style import ACCENT, COUPLED

@@ -8,7 +8,7 @@ from functools import partial
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from models.slider_crank.motions.portrait import portrait
 from orchestrator.plots.motion.phase import draw_phase
 from orchestrator.plots.motion.poincare import draw_poincare, magnified

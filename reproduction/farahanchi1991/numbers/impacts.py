@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from models.slider_crank.equations import THESIS_XI
 from models.slider_crank.motions.statistics import impact_profile
 

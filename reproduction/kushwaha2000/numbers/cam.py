@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ..runs import KINEMATIC_SPEED, NOSE_DEG, SPEEDS, Runs
 from .parts import Numbers

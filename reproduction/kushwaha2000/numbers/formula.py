@@ -10,7 +10,7 @@ import numpy as np
 from models.contact.films import FILMS
 from models.contact.films.groups import groups
 from models.contact.hertz import compliance_of
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ..film_iteration import FIRST_INCREASE, ITERATIONS, FilmIteration, iterate
 from ..runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, Runs

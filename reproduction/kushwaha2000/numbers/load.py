@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from models.quantities import Vector
+from models.core.quantities import Vector
 from models.valve_train.camshaft import shaft_element
 
 from ...statement import Words, rms

@@ -11,10 +11,18 @@ import numpy as np
 import pytest
 
 from fmus.build import NAMES
-from fmus.cross_check.course import Course, course_of
 from fmus.cross_check.files import Table, csv_text, read_csv, read_options
 from fmus.cross_check.inside import folder_of
-from fmus.cross_check.reference import LEAST, MARGIN, component_of, largest, pieces_of, results, stepped
+from fmus.cross_check.reference import (
+    LEAST,
+    MARGIN,
+    component_of,
+    largest,
+    pieces_of,
+    results,
+    stepped,
+)
+from fmus.cross_check.stimulus import Course, course_of
 
 # What the files are written with (5e-10), and what two solvers of 1e-12 a step leave (3e-9 at most, in the
 # slider-crank, by other compilers and libraries perhaps twice that), over an output's largest value.

@@ -18,7 +18,14 @@ from fmpy.model_description import ModelDescription, ScalarVariable
 from fmus.build import chosen
 from fmus.native.differentiate import differentiated
 from fmus.native.entries import smooth
-from fmus.native.machine_code import FMI_HEADERS, PLATFORMS, SHELL, object_code, shell_sources, this_platform
+from fmus.native.machine_code import (
+    FMI_HEADERS,
+    PLATFORMS,
+    SHELL,
+    object_code,
+    shell_sources,
+    this_platform,
+)
 from fmus.native.tables import tables
 from fmus.native.translate import translated
 

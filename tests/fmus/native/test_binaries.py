@@ -9,10 +9,10 @@ import pytest
 
 from fmus.binaries import functions, platform
 from fmus.build import NAMES
-from fmus.libraries import libraries
+from fmus.fmi.libraries import libraries
+from fmus.fmi.validate import validate
 from fmus.native.fmu import build
 from fmus.native.machine_code import PLATFORMS
-from fmus.validate import validate
 
 # zig's linker exports where a library of macOS begins, under two names. Libraries there are searched one by
 # one, so that names in several do no harm.

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fmus.build import default_structure
-from fmus.validate import validate
+from fmus.fmi.validate import validate
 
 from ..instance import Instance
 from ..reference import Reference

@@ -15,8 +15,8 @@ import pytest
 from fmpy.model_description import ModelDescription, ScalarVariable
 
 from fmus.build import default_structure
+from fmus.fmi.validate import validate
 from fmus.native.machine_code import this_platform
-from fmus.validate import validate
 
 from ..conftest import Isolated
 from ..instance import Instance, Instance3

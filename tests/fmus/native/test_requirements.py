@@ -14,10 +14,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fmus.build import NAMES, build, default_structure
-from fmus.memory import of_start
+from fmus.variable_layout import of_start
 from models.catalogue import CATALOGUE
-from models.component import Component
-from models.quantities import Field, Layout
+from models.core.component import Component
+from models.core.quantities import Field, Layout
 
 from ..instance import Instance, Instance3
 from .names import ALWAYS

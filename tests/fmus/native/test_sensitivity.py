@@ -16,9 +16,9 @@ from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
 from fmus.build import default_structure
-from fmus.memory import ENERGIES
 from fmus.native.differentiate import DifferentiationError, differentiated
-from models.component import Component
+from fmus.variable_layout import ENERGIES
+from models.core.component import Component
 
 from ..instance import Instance
 from ..reference import Reference, joined, wave
@@ -33,7 +33,7 @@ GIVEN: dict[str, dict[str, float]] = {"valve_spring": {"seat_stiffness": 1e7, "s
 # What the best of these differences leaves of terms of higher order.
 RELATIVE = 1e-7
 # Rounding of what is calculated, relative: cancellation may cost five digits of sixteen, and of rates five
-# more (models/rates.py).
+# more (models/core/rates.py).
 ROUNDING, ROUNDING_OF_RATES = 1e-11, 1e-10
 
 
@@ -293,7 +293,7 @@ def test_energies_and_rates_have_the_derivatives_of_their_formulas(
         "coupling_stiffness": v - slope - c_c * (x - x_2),
         "mass": c_c * force,
     }.items():
-        # Those of rates are as exact as rates (models/rates.py): 1e-12 of the largest term in a unit of time.
+        # As exact as rates (models/core/rates.py): 1e-12 of the largest term in a unit of time.
         assert derivative("der(force)", known) == pytest.approx(expected, rel=1e-10, abs=1e-9), known
     slave.free()
 

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from fmus.build import build
-from models.quantities import Vector
-from models.system import System
-from orchestrator import assembly
+from models.core.quantities import Vector
+from models.core.system import System
 from orchestrator.masters import GaussSeidel, Jacobi, Master
 from orchestrator.participants import Participant, fmu, in_process
-from orchestrator.scenario_files import load
-from orchestrator.simulation import simulate
+from orchestrator.run.pipeline import assembly
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
 from tests.orchestrator.recorder import Recorder
 
 STEP = 5e-6

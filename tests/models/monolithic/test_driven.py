@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from models.component import Component
 from models.contact.ehl_contact import ehl_contact
+from models.core.component import Component
+from models.core.system import Instance, ModelError, System
 from models.monolithic import solve
 from models.monolithic.driven import Piece, solve_driven
 from models.oscillators.bouncing_mass import falling_mass
 from models.oscillators.two_masses import sprung_mass
 from models.slider_crank.slider_crank import slider_crank
-from models.system import Instance, ModelError, System
 
 # Integrators are asked for 1e-12 a step; some hundred steps add up, and times 10.
 CLOSE = 1e-9

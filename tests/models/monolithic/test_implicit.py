@@ -11,11 +11,11 @@ import pytest
 
 from models.catalogue import CATALOGUE
 from models.contact.films import FILMS
+from models.core.system import Instance, ModelError, System
 from models.monolithic import check_ode, check_solvable, difference, equilibrium, solve
 from models.monolithic.implicit import ImplicitProblem
 from models.monolithic.implicit_methods import Bdf3, Course, Sdirk4, march_implicit, step_lengths
 from models.oscillators import exact
-from models.system import Instance, ModelError, System
 from tests.models.systems import column, valve_train
 from tests.models.test_benchmark_oscillators import quarter_car
 

@@ -10,8 +10,8 @@ import pytest
 from models.contact.finite_line.contact import Running
 from models.contact.finite_line.cycle import passage
 from models.contact.finite_line.grid import Resolution
-from models.quantities import Layout
-from models.system import ModelError
+from models.core.quantities import Layout
+from models.core.system import ModelError
 from models.valve_train.camshaft import CamshaftParameters, static_slope
 
 from .cases import STRAIGHT, dry_of, film_of

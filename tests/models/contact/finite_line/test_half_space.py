@@ -9,7 +9,14 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from models.contact.finite_line.grid import Edges, Grid, Resolution, axial_faces, even_nodes, graded_nodes
+from models.contact.finite_line.grid import (
+    Edges,
+    Grid,
+    Resolution,
+    axial_faces,
+    even_nodes,
+    graded_nodes,
+)
 from models.contact.finite_line.half_space import HalfSpace, _fill_near, corner
 
 GRID = Grid(even_nodes(-1.0, 1.2, 0.2), axial_faces(6.0, 1.0, (2.0,), Resolution(5, 0.3, 0.4, 6)))

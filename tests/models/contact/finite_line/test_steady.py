@@ -15,7 +15,7 @@ from models.contact.finite_line.steady import steady, steady_at
 from models.contact.fluid import Lubricant
 from models.contact.line.line_contact import LineContact
 from models.contact.line.steady import LineContactWarning, solve_steady
-from models.system import ModelError
+from models.core.system import ModelError
 
 from .cases import AT, COARSE, LENGTH, OIL, STEEL, STRAIGHT, dry_of, film_of
 

@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.line_contact import Turn
 from models.contact.line.grid import REACH, fill_kernel_matrix, place_nodes
 from models.contact.line.history import FilmHistory, film_history
-from models.quantities import Vector
+from models.core.quantities import Vector
 from models.valve_train.camshaft import CamshaftParameters
 from models.valve_train.rigid import contact_conditions
 from models.valve_train.valve_spring import ValveSpringParameters

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from models.component import Component
 from models.contact.ehl_contact import ehl_contact
 from models.contact.films import FILMS
-from models.integrator import OK
-from models.quantities import Vector
+from models.core.component import Component
+from models.core.integrator import OK
+from models.core.quantities import Vector
 
 NODES = 101
 SOLVED = float(list(FILMS).index("line_transient"))

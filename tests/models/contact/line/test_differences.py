@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from models.contact.line.differences import INSTANTS, follow, rate_of, restart, second_derivative_of
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 
 def followed(function: Callable[[float], float], instants: Vector) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from models.contact.fluid import Lubricant, density_ratio, density_slope, enthal
 from models.contact.hertz import elastic_compliance, elastic_energy
 from models.contact.line.energies import asperities_at, oil_energy
 from models.contact.line.mixed import Bodies
-from models.quantities import Vector
+from models.core.quantities import Vector
 
 from ...test_bonds import Unit
 from .stepped import SOLVED

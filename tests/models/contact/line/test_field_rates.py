@@ -11,8 +11,8 @@ import pytest
 
 from models.contact.ehl_contact import ehl_contact
 from models.contact.films import FILMS
-from models.integrator import OK
-from models.quantities import Vector
+from models.core.integrator import OK
+from models.core.quantities import Vector
 
 NODES = 101
 CONTACT = ehl_contact(nodes=NODES)

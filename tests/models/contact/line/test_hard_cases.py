@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.integrator import NOT_CONVERGED, OK
+from models.core.integrator import NOT_CONVERGED, OK
 
 from .stepped import NODES, Contact
 

@@ -37,9 +37,9 @@ from models.contact.line.mixed import (
 from models.contact.line.newton import deflection_factors
 from models.contact.line.reynolds import Flow, balance, properties
 from models.contact.line.steady import SteadyFilm, solve_steady
-from models.contact.sharing import FilmFormula, formula_film, shared
-from models.integrator import OK
-from models.quantities import Vector
+from models.contact.load_sharing import FilmFormula, formula_film, shared
+from models.core.integrator import OK
+from models.core.quantities import Vector
 
 from .cam_cycle import motion
 from .stepped import NODES, Contact

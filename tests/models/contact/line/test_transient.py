@@ -10,7 +10,7 @@ import pytest
 from models.contact.ehl_contact import ehl_contact
 from models.contact.line.grid import REACH
 from models.contact.line.history import film_history
-from models.integrator import NOT_CONVERGED, OK
+from models.core.integrator import NOT_CONVERGED, OK
 
 from .cam_cycle import cycle, least_films, motion
 from .stepped import NODES, SOLVED, Contact

@@ -1,0 +1,14 @@
+"""The falling mass's reference run."""
+
+from ..cross_check.stimulus import Course
+
+COURSE = Course(
+    says=(
+        "Free fall for 0.1 s, then a force that grows to 30 N and throws the mass up again, then free flight."
+    ),
+    corners=[0.0, 0.1, 0.3, 0.3, 0.5],
+    inputs={"force": [0.0, 0.0, 30.0, 0.0, 0.0]},
+    step_size=1e-4,
+    interval=4e-3,
+    outputs=("position", "velocity"),
+)

@@ -1,0 +1,42 @@
+"""Which variables of a component are elements of one array in FMI 3.0.
+
+Vectors among parameters, start values, states and their derivatives are arrays. Inputs and outputs are
+scalars, element by element: each may be connected to another participant, and of the tools of FMI 3.0 that
+read all outputs some stop at arrays.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import groupby
+
+from ..variable_layout import Variable
+
+
+@dataclass(frozen=True)
+class Shaped:
+    """A variable of FMI 3.0: a scalar, or an array of one dimension with its elements; alike but for their
+    names, references and start values."""
+
+    name: str
+    elements: tuple[Variable, ...]
+    array: bool
+
+    @property
+    def first(self) -> Variable:
+        """The scalar, or the element whose reference is that of the array."""
+        return self.elements[0]
+
+
+def shaped(variables: Iterable[Variable]) -> list[Shaped]:
+    """The variables of FMI 3.0, in the same order."""
+    return [Shaped(name, tuple(elements), array) for (name, array), elements in groupby(variables, _array_of)]
+
+
+def _array_of(variable: Variable) -> tuple[str, bool]:
+    """The name of the array and whether it is one."""
+    if not variable.size or variable.causality in ("input", "output"):
+        return variable.name, False
+    return re.sub(r"\[\d+\]", "", variable.name), True

@@ -1,0 +1,240 @@
+"""Checks of a packaged FMU, ours or foreign, without unpacking or running it.
+
+`validate` lists what is wrong, in one line each; an empty list means nothing was found. `info` says what
+an FMU is.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import zipfile
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from xml.etree import ElementTree
+
+import fmpy
+from fmpy.model_description import ModelDescription, read_model_description
+from fmpy.validation import validate_fmu
+from lxml import etree
+
+from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, one_line, opened
+
+from ..binaries import binary_faults, is_library
+
+TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
+
+
+@dataclass(frozen=True)
+class VariableInfo:
+    """One line of the table of variables."""
+
+    name: str
+    kind: str
+    causality: str
+    variability: str
+    unit: str
+    start: str
+    range: str
+    description: str
+
+
+@dataclass(frozen=True)
+class FmuInfo:
+    """What an FMU says about itself, and its SHA-256."""
+
+    path: Path
+    name: str
+    fmi_version: str
+    kinds: tuple[str, ...]
+    version: str
+    guid: str
+    author: str
+    license: str
+    tool: str
+    description: str
+    platforms: tuple[str, ...]
+    digest: str
+    variables: tuple[VariableInfo, ...]
+
+    def __str__(self) -> str:
+        """For reading: what it is, then a table of the variables."""
+        head = {
+            "file": self.path,
+            "model": " ".join(filter(None, (self.name, self.version)))
+            + (f": {self.description}" if self.description else ""),
+            "kind": f"FMI {self.fmi_version} for {', '.join(self.kinds)}",
+            "platforms": ", ".join(self.platforms),
+            "by": ", ".join(
+                word + text
+                for word, text in (("", self.author), ("licence ", self.license), ("made with ", self.tool))
+                if text
+            ),
+            "GUID": self.guid,
+            "SHA-256": self.digest,
+        }
+        rows = [("variable", "type", "causality", "variability", "unit", "start", "range", "description")]
+        rows += [
+            (v.name, v.kind, v.causality, v.variability, v.unit, v.start, v.range, v.description)
+            for v in self.variables
+        ]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        table = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+        return "\n".join([*(f"{key:10} {value}" for key, value in head.items() if value), "", *table])
+
+
+def validate(path: Path | str) -> list[str]:
+    """What is wrong with the FMU at `path`: the archive first, then its content (fmpy's checks and ours)."""
+    path = Path(path)
+    try:
+        with opened(path) as archive:
+            faults = archive_faults(archive)
+            if faults:
+                return faults
+            version = _fmi_version(archive)
+            names = set(archive.namelist())
+            terminals = archive.read(TERMINALS) if TERMINALS in names else b""
+    except FmuFileError as error:
+        return [str(error)]
+    faults = [one_line(problem) for problem in validate_fmu(str(path))]
+    if version != "1.0" and not faults:
+        described = read_model_description(str(path), validate=False)
+        faults += _content_faults(described, names)
+        with opened(path) as archive:
+            faults += binary_faults(archive, described)
+        if terminals:
+            faults += terminal_faults(terminals, {v.name for v in described.modelVariables})
+    return faults
+
+
+def terminal_faults(xml: bytes, variables: Collection[str]) -> list[str]:
+    """What is wrong with terminalsAndIcons.xml of an FMU with these variables: the schema's word first."""
+    folder = Path(fmpy.__file__).parent / "schema" / "fmi3"
+    schema = etree.XMLSchema(file=str(folder / "fmi3TerminalsAndIcons.xsd"))
+    try:
+        root = etree.fromstring(xml)
+    except etree.XMLSyntaxError as error:
+        return [f"{TERMINALS}: not XML: {one_line(error)}"]
+    if not schema.validate(root):
+        return [f"{TERMINALS}: line {e.line}: {one_line(e.message)}" for e in schema.error_log]
+    faults = []
+    for terminal in root.iter("Terminal"):
+        name, members = terminal.get("name"), terminal.findall("TerminalMemberVariable")
+        for member in members:
+            variable = member.get("variableName")
+            if variable not in variables:
+                faults.append(f"{TERMINALS}: terminal {name}: there is no variable {variable}")
+        called = [member.get("memberName") for member in members]
+        if terminal.get("matchingRule") in ("plug", "bus") and len({*called, None}) <= len(called):
+            faults.append(f"{TERMINALS}: terminal {name}: members need names of their own")
+    return faults
+
+
+def info(path: Path | str) -> FmuInfo:
+    """What the FMU at `path` is. FmuFileError with one line if it cannot be read."""
+    path = Path(path)
+    with opened(path) as archive:
+        if faults := archive_faults(archive):
+            raise FmuFileError(f"{path}: {faults[0]}")
+        _fmi_version(archive)
+        parts = (PurePosixPath(name).parts for name in archive.namelist())
+        platforms = tuple(sorted({p[1] for p in parts if len(p) > 2 and p[0] == "binaries"}))
+    try:
+        described = read_model_description(str(path), validate=False)
+    except Exception as error:  # fmpy lets through whatever its XML libraries raise
+        raise FmuFileError(f"{path}: {DESCRIPTION} cannot be read: {one_line(error)}") from None
+    kinds = {"co-simulation": described.coSimulation, "model exchange": described.modelExchange}
+    return FmuInfo(
+        path=path,
+        name=described.modelName,
+        fmi_version=described.fmiVersion,
+        kinds=tuple(name for name, kind in kinds.items() if kind is not None),
+        version=described.version or "",
+        guid=described.guid or "",
+        author=described.author or "",
+        license=described.license or "",
+        tool=described.generationTool or "",
+        description=described.description or "",
+        platforms=platforms,
+        digest=checksum(path),
+        variables=tuple(
+            VariableInfo(
+                v.name,
+                v.type,
+                v.causality,
+                v.variability or "",
+                v.unit or getattr(v.declaredType, "unit", None) or "",
+                "" if v.start is None else str(v.start),
+                _range(v),
+                _meaning(v),
+            )
+            for v in described.modelVariables
+        ),
+    )
+
+
+def _range(variable) -> str:
+    """From the least to the largest value, each where it is stated."""
+    least, most = (
+        getattr(variable, key) or getattr(variable.declaredType, key, None) or "" for key in ("min", "max")
+    )
+    return f"{least}..{most}" if least or most else ""
+
+
+def _meaning(variable) -> str:
+    """The description; of an enumeration its items, too."""
+    items = getattr(variable.declaredType, "items", None) if variable.type == "Enumeration" else None
+    named = ", ".join(f"{item.name} = {item.value}" for item in items or ())
+    return " ".join(filter(None, (variable.description, f"({named})" if named else "")))
+
+
+def checksum(path: Path | str) -> str:
+    """SHA-256 of the file, as scenarios and results name an FMU."""
+    with Path(path).open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _fmi_version(archive: zipfile.ZipFile) -> str:
+    try:
+        root = ElementTree.fromstring(archive.read(DESCRIPTION))
+    except ElementTree.ParseError as error:
+        raise FmuFileError(f"{DESCRIPTION}: not XML: {one_line(error)}") from None
+    version = root.get("fmiVersion", "")
+    if root.tag != "fmiModelDescription" or not version:
+        raise FmuFileError(f"{DESCRIPTION}: is not a model description (root element {root.tag!r})")
+    if version not in ("1.0", "2.0") and not version.startswith("3."):
+        raise FmuFileError(f"{DESCRIPTION}: fmiVersion = {version!r}: must be 1.0, 2.0 or 3.x")
+    return version
+
+
+def _content_faults(described: ModelDescription, names: set[str]) -> list[str]:
+    """What the standard asks for and the schema cannot say."""
+    faults = []
+    slave = described.coSimulation or described.modelExchange or described.scheduledExecution
+    if slave is None:
+        return [f"{DESCRIPTION}: neither co-simulation nor model exchange"]
+    stems: dict[str, set[str]] = {}
+    for path in filter(is_library, map(PurePosixPath, names)):
+        stems.setdefault(path.parts[1], set()).add(path.stem)
+    sources = any(name.startswith("sources/") for name in names)
+    if not sources and not stems:
+        faults.append(f"binaries: none is called {slave.modelIdentifier}, the model identifier")
+    for folder, found in sorted(stems.items()):
+        if slave.modelIdentifier not in found:
+            faults.append(
+                f"binaries/{folder}: none is called {slave.modelIdentifier}, the model identifier, but "
+                f"{', '.join(sorted(found))}"
+            )
+    for variable in described.modelVariables:
+        if variable.type in ("Real", "Float64") and variable.start is not None and not variable.dimensions:
+            faults += _range_faults(variable)
+    return faults
+
+
+def _range_faults(variable) -> list[str]:
+    start = float(variable.start)
+    low = -float("inf") if variable.min is None else float(variable.min)
+    high = float("inf") if variable.max is None else float(variable.max)
+    if low <= start <= high:
+        return []
+    return [f"{variable.name}: start = {start:g} is outside [{low:g}, {high:g}]"]

@@ -1,0 +1,20 @@
+"""The spring stop's reference run."""
+
+import numpy as np
+
+from ..cross_check.stimulus import Course
+
+TIMES = np.arange(51) * 1e-2
+PHASE = np.pi * TIMES / 0.5
+
+COURSE = Course(
+    says="What strikes the stop presses it by 20 mm and leaves it again: contact made and lost.",
+    corners=TIMES,
+    inputs={
+        "position": 0.05 - 0.07 * np.sin(PHASE),
+        "velocity": -0.07 * np.pi / 0.5 * np.cos(PHASE),
+    },
+    step_size=1e-3,
+    interval=5e-3,
+    outputs=("force", "compression", "contact_margin", "impulse"),
+)

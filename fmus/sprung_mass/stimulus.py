@@ -1,0 +1,12 @@
+"""The sprung mass's reference run."""
+
+from ..cross_check.stimulus import Course
+
+COURSE = Course(
+    says="A force that jumps to 10 N at 1 s, stays, and falls to -5 N from 4 to 6 s.",
+    corners=[0.0, 1.0, 1.0, 4.0, 6.0, 10.0],
+    inputs={"force": [0.0, 0.0, 10.0, 10.0, -5.0, -5.0]},
+    step_size=1e-3,
+    interval=0.08,
+    outputs=("position", "velocity"),
+)

@@ -1,0 +1,1 @@
+"""Components, systems of components and their integrators."""

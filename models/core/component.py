@@ -1,0 +1,294 @@
+"""A component: the types and kernels of one subsystem, and everything its adapters need.
+
+One definition serves in-process runs, FMUs, the monolithic reference and studies: they all call the
+flat kernels made here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..compile.kernel import kernel, record_of
+from .hybrid import hybrid_work_size, make_hybrid_advance
+from .implicit import ImplicitSteps
+from .integrator import INPUT_COEFFICIENTS, TOLERANCE, make_advance, taylor, work_size
+from .quantities import Layout, Vector
+from .rates import input_rates, make_rates, rates_work_size
+from .requirements import Requirement
+
+# Indices of what an energy kernel writes, in J, W and W.
+STORED, DISSIPATED_POWER, SOURCE_POWER = 0, 1, 2
+
+# States of components with impacts: energy (J) that impacts have lost, and that their impulses have given.
+IMPACT_LOSS, IMPACT_WORK = "impact_loss", "impact_work"
+
+# The value of an output `next_event` (s) where no event is known.
+NO_EVENT = 1e30
+
+
+# Of a structural size: with so many coil masses the description of an FMU, in which every force may depend on
+# every displacement, has 15 MB and takes seconds to make; ten times as many would take minutes.
+MOST_ELEMENTS = 500
+
+
+def check_sizes(**sizes: int) -> None:
+    """ValueError for numbers of elements that a component cannot have."""
+    for name, size in sizes.items():
+        if not 1 <= size <= MOST_ELEMENTS:
+            raise ValueError(
+                f"{name} = {size}: must be from 1 to {MOST_ELEMENTS} (variables and their dependencies grow "
+                "with its square)"
+            )
+
+
+@dataclass(frozen=True)
+class PowerBond:
+    """Power into the component is sign * (variable `effort`) * (variable `flow`).
+
+    Each variable is an input or an output of the component.
+    """
+
+    effort: str
+    flow: str
+    sign: int
+
+
+@dataclass(frozen=True)
+class Events:
+    """What a component with impacts or changes of mode adds to its derivative.
+
+    guards(t, x, u, p, g): an event happens where an element of g falls from >= 0 to below zero.
+    transition(k, t, x, u, p): changes the record x when guard k has fallen (impact map, change of mode);
+    afterwards guard k must not be negative.
+    """
+
+    count: int
+    guards: Any
+    transition: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Component:
+    """One subsystem.
+
+    Kernels take records: derivative(t, x, u, p, dx), output(t, x, u, p, y), energy(t, x, u, p, e) with
+    e = [stored energy (J), dissipated power (W), power of internal sources (W)].
+    `feedthrough` lists, for each output, the inputs it depends on at the same instant.
+    `requirements` are those of parameters that must fit together, `start_requirements` those of start states
+    that must fit parameters and inputs; the latter's texts begin with the state's name.
+    `advance_maker`, if given, replaces the standard integrator (with events: the hybrid one):
+    (component) -> advance kernel, with `extra_work` elements of scratch after those of the integrator. Over
+    no time (h = 0) it must leave the state as it is. `samples` is false where it does not call `sample`, by
+    which energies are counted along the motion (see `quadrature`). `ode` is false where the motion is not
+    that of dx/dt = derivative (a pressure field that only `advance` finds): the derivative then serves rates
+    of outputs (it may tell those of what steps have observed) and equilibria alone, and solvers of ODEs
+    refuse the component; where `implicit` is there, the monolithic reference can have it.
+    `runs_on`: it moves while the mechanisms it drives are at rest, so that an equilibrium does not ask it to
+    stand still, but for the states in `settles`.
+
+    For masters, names of outputs: `event_indicators` are continuous and change their sign where the mode
+    changes (contact made or lost); `event_counter` counts the events that happened inside the component
+    (impacts, landings, releases) and `event_time`, where it is known, is the time (s) of the last one;
+    `next_event` is the time (s) of the next known event ahead at which an input or a profile loses
+    smoothness, extrapolated from what is in effect, or NO_EVENT; one that has just been reached is not told
+    again. ValueError if one is no output.
+    """
+
+    name: str
+    description: str
+    parameters: Layout
+    state: Layout
+    inputs: Layout
+    outputs: Layout
+    derivative: Any
+    output: Any
+    energy: Any
+    feedthrough: Mapping[str, Sequence[str]]
+    bonds: Sequence[PowerBond] = ()
+    events: Events | None = None
+    requirements: Sequence[Requirement] = ()
+    start_requirements: Sequence[Requirement] = ()
+    advance_maker: Callable[[Component], Any] | None = None
+    extra_work: int = 0
+    samples: bool = True
+    ode: bool = True
+    sample: Any = None
+    structure: Mapping[str, int] = field(default_factory=dict)
+    runs_on: bool = False
+    settles: Sequence[str] = ()
+    tolerance: float = TOLERANCE
+    event_indicators: Sequence[str] = ()
+    event_counter: str = ""
+    event_time: str = ""
+    next_event: str = ""
+
+    def __post_init__(self) -> None:
+        for layout in (self.parameters, self.inputs, self.outputs):
+            if len(layout.variables) < layout.size:
+                name = next(name for name in layout.names if name not in layout.variables)
+                raise ValueError(f"{self.name}: {name} must not be internal: only states may be")
+        told = (*self.event_indicators, self.event_counter, self.event_time, self.next_event)
+        for name in told:
+            if name and name not in self.outputs:
+                raise ValueError(
+                    f"{self.name}: event output {name!r} must be one of {', '.join(self.outputs.names)}"
+                )
+
+    @cached_property
+    def flat_derivative(self) -> Any:
+        """(t, x, u, p, dx) on float vectors."""
+        return _flatten(self.derivative, self.state, self.inputs, self.parameters, self.state)
+
+    @cached_property
+    def flat_output(self) -> Any:
+        """(t, x, u, p, y) on float vectors."""
+        return _flatten(self.output, self.state, self.inputs, self.parameters, self.outputs)
+
+    @cached_property
+    def flat_rates(self) -> Any:
+        """(t, x, u, du, p, work, yd) on float vectors: time derivatives of the outputs; see `rates`.
+
+        du: time derivatives of the inputs; work has `rates_work_size` elements.
+        """
+        return make_rates(self.flat_derivative, self.flat_output, self.state, self.inputs, self.outputs)
+
+    @property
+    def input_rates(self) -> Any:
+        """(U, s, du): slopes of the inputs' polynomials at s after the start."""
+        return input_rates
+
+    @cached_property
+    def flat_energy(self) -> Any:
+        """(t, x, u, p, e) on float vectors; e has three elements."""
+        function = self.energy
+        X, U, P = self.state.dtype, self.inputs.dtype, self.parameters.dtype
+
+        @kernel
+        def flat_energy(t: float, x: Any, u: Any, p: Any, e: Any) -> None:
+            function(t, record_of(x, X), record_of(u, U), record_of(p, P), e)
+
+        return flat_energy
+
+    @cached_property
+    def flat_guards(self) -> Any:
+        """(t, x, u, p, g) on float vectors; None without events."""
+        if self.events is None:
+            return None
+        function = self.events.guards
+        X, U, P = self.state.dtype, self.inputs.dtype, self.parameters.dtype
+
+        @kernel
+        def flat_guards(t: float, x: Any, u: Any, p: Any, g: Any) -> None:
+            function(t, record_of(x, X), record_of(u, U), record_of(p, P), g)
+
+        return flat_guards
+
+    @cached_property
+    def flat_transition(self) -> Any:
+        """(k, t, x, u, p) on float vectors; changes x. None without events."""
+        if self.events is None:
+            return None
+        function = self.events.transition
+        X, U, P = self.state.dtype, self.inputs.dtype, self.parameters.dtype
+
+        @kernel
+        def flat_transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
+            function(k, t, record_of(x, X), record_of(u, U), record_of(p, P))
+
+        return flat_transition
+
+    @cached_property
+    def advance(self) -> Any:
+        """advance(t, h, x, U, p, scale, work) -> status: moves x in place over [t, t + h] with the inputs'
+        polynomials U; unchanged if the status is not OK."""
+        if maker := self.advance_maker or (make_hybrid_advance if self.events else None):
+            return maker(self)
+        return make_advance(self.flat_derivative, self.state, self.inputs, self.sample, self.tolerance)
+
+    @cached_property
+    def implicit(self) -> ImplicitSteps | None:
+        """How the motion of what is no ODE is solved together with that of others; None if it cannot be."""
+        return None
+
+    @property
+    def counting_class(self) -> Any:
+        """The class that counts energies of components of this kind; None: `bonds.CountingComponent`."""
+        return None
+
+    @cached_property
+    def step(self) -> Any:
+        """step(t, h, x, U, p, scale, work, u, y) -> status.
+
+        Advances x in place over [t, t + h] with the inputs' polynomials U, then leaves the inputs and
+        outputs at the end in u and y. x is unchanged if the status is not OK.
+        """
+        advance, output = self.advance, self.flat_output
+
+        @kernel
+        def step(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any, u: Any, y: Any) -> int:
+            status = advance(t, h, x, U, p, scale, work)
+            taylor(U, h, u)
+            output(t + h, x, u, p, y)
+            return status
+
+        return step
+
+    @property
+    def work_size(self) -> int:
+        """Length of the scratch vector for `step`."""
+        standard = hybrid_work_size(self) if self.events else work_size(self.state, self.inputs)
+        return standard + self.extra_work
+
+    @property
+    def rates_work_size(self) -> int:
+        """Length of the scratch vector for `flat_rates`."""
+        return rates_work_size(self.state, self.inputs, self.outputs)
+
+    def parameter_faults(self, p: Vector) -> list[str]:
+        """Messages for parameters outside their ranges, alone or together."""
+        return self.parameters.faults(p) or _unmet(self.requirements, self.parameters.view(p))
+
+    @property
+    def kernel_state(self) -> Layout:
+        """The states that the record kernels are written for; `state` may have others after them."""
+        return self.state
+
+    def start_faults(self, p: Vector, x: Vector, u: Vector) -> list[str]:
+        """Messages for start states outside their ranges, or that do not fit parameters and inputs."""
+        own = self.kernel_state.view(x[: self.kernel_state.size])
+        records = own, self.inputs.view(u), self.parameters.view(p)
+        return self.state.faults(x) or _unmet(self.start_requirements, *records)
+
+    def input_faults(self, U: Vector, h: float) -> list[str]:
+        """Messages for inputs outside their ranges at the start or the end of a step."""
+        u = np.zeros(self.inputs.size)
+        found: dict[str, None] = {}
+        for s in (0.0, h):
+            taylor(U, s, u)
+            found |= dict.fromkeys(self.inputs.faults(u))
+        return list(found)
+
+    def input_polynomial(self) -> Vector:
+        """Taylor coefficients for `step`: row 0 the start values, the rest zero."""
+        U = np.zeros((INPUT_COEFFICIENTS, self.inputs.size))
+        U[0] = self.inputs.start
+        return U
+
+
+def _unmet(requirements: Sequence[Requirement], *records: Any) -> list[str]:
+    return [fault for requirement in requirements if (fault := requirement.fault(*records))]
+
+
+def _flatten(function: Any, state: Layout, inputs: Layout, parameters: Layout, result: Layout) -> Any:
+    X, U, P, R = state.dtype, inputs.dtype, parameters.dtype, result.dtype
+
+    @kernel
+    def flat(t: float, x: Any, u: Any, p: Any, out: Any) -> None:
+        function(t, record_of(x, X), record_of(u, U), record_of(p, P), record_of(out, R))
+
+    return flat

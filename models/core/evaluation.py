@@ -1,0 +1,198 @@
+"""Outputs, inputs and derivatives of a whole system at an instant."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..compile.array_pointers import ArrayPointers, integer_table, integers, numbers
+from ..compile.kernel import kernel
+from .composition import Composition
+from .quantities import Vector
+from .system import ModelError, System, alike, bounds
+
+# Newton's method on algebraic loops ends at this share of nominal + |value|. The loops here are linear in the
+# torn outputs, so that one iteration does it.
+LOOP_TOLERANCE = 1e-12
+LOOP_ITERATIONS = 20
+
+
+class Interpreted:
+    """Evaluates instance after instance: for few instants, where compiling the whole would take longer.
+
+    After `outputs(t, x)` or `derivative(t, x)`, `u` and `y` hold all inputs and outputs. ModelError where
+    Newton's method finds no values for the torn outputs of algebraic loops.
+    """
+
+    def __init__(self, system: System) -> None:
+        self.system = s = system
+        self.u = s.u0.copy()
+        self.y = np.zeros(s.outputs.size)
+        self.dx = np.zeros(s.state.size)
+        self._torn = np.array([s.outputs.index(port) for port in s.torn], dtype=np.int64)
+        self._nominal: Vector = s.outputs.nominal[self._torn]
+        self._guess: Vector = np.zeros(self._torn.size)
+
+    def outputs(self, t: float, x: Vector) -> Vector:
+        """All outputs at (t, x); shared memory, overwritten by the next call."""
+        self._guess[:] = self.y[self._torn]
+        if not self._is_closed(self._residual(t, x, self._guess)):
+            self.close_loops(t, x)
+        self.u[self.system.target_index] = self.y[self.system.source_index]
+        return self.y
+
+    def derivative(self, t: float, x: Vector) -> Vector:
+        """dx/dt at (t, x); shared memory, overwritten by the next call."""
+        self.outputs(t, x)
+        s = self.system
+        for name, instance in s.instances.items():
+            own = x[s.state.of(name)], self.u[s.inputs.of(name)], s.p[s.parameters.of(name)]
+            instance.component.flat_derivative(t, *own, self.dx[s.state.of(name)])
+        return self.dx
+
+    def close_loops(self, t: float, x: Vector) -> None:
+        """Newton's method on the torn outputs; `y` is that of the guess."""
+        residual = self.y[self._torn] - self._guess
+        for _ in range(LOOP_ITERATIONS):
+            columns = []
+            for i, size in enumerate(self._nominal):
+                moved = self._guess.copy()
+                moved[i] += size
+                columns.append((self._residual(t, x, moved) - residual) / size)
+            self._guess -= np.linalg.solve(np.column_stack(columns), residual)
+            residual = self._residual(t, x, self._guess)
+            if self._is_closed(residual):
+                return
+        raise ModelError(f"algebraic loop through {self.system.loops()}: no solution at t = {t:g} s")
+
+    def _is_closed(self, residual: Vector) -> bool:
+        """Also where it is not finite: an integrator rejects such a state."""
+        small = np.abs(residual) <= LOOP_TOLERANCE * (self._nominal + np.abs(self._guess))
+        return bool(np.all(small) or not np.all(np.isfinite(residual)))
+
+    def _residual(self, t: float, x: Vector, assumed: Vector) -> Vector:
+        self.y[self._torn] = assumed
+        self._evaluate(t, x)
+        return np.asarray(self.y[self._torn] - assumed)
+
+    def _evaluate(self, t: float, x: Vector) -> None:
+        s = self.system
+        for name in s.order:
+            self.u[s.target_index] = self.y[s.source_index]
+            own = x[s.state.of(name)], self.u[s.inputs.of(name)], s.p[s.parameters.of(name)]
+            s.instances[name].component.flat_output(t, *own, self.y[s.outputs.of(name)])
+
+
+class Evaluation(Interpreted):
+    """Evaluates all instances in one call of compiled code.
+
+    `flat_outputs(t, x, memory.record)` is False where algebraic loops are left to `close_loops`;
+    `flat_derivative(t, x, memory.record)` follows closed outputs.
+    """
+
+    def __init__(self, system: System) -> None:
+        super().__init__(system)
+        s = system
+        names = alike(s.instances)
+        outputs = Composition(
+            [s.instances[name].component.flat_output for name in s.order],
+            [bounds(name, s.state, s.inputs, s.parameters, s.outputs) for name in s.order],
+            s.source_index,
+            s.target_index,
+        )
+        derivatives = Composition(
+            [s.instances[name].component.flat_derivative for name in names],
+            [bounds(name, s.state, s.inputs, s.parameters, s.state) for name in names],
+        )
+        self._composition = outputs
+        self.memory = ArrayPointers(
+            u=self.u, y=self.y, dx=self.dx, p=s.p,
+            torn=self._torn, nominal=self._nominal, guess=self._guess,
+            source=outputs.source, target=outputs.target, none=derivatives.source,
+            output_bounds=outputs.bounds, output_ends=outputs.ends,
+            derivative_bounds=derivatives.bounds, derivative_ends=derivatives.ends,
+        )  # fmt: skip
+        self.flat_outputs = make_outputs(outputs.run)
+        self.flat_derivative = make_derivative(derivatives.run)
+
+    def outputs(self, t: float, x: Vector) -> Vector:
+        x = np.ascontiguousarray(x)
+        if not self.flat_outputs(t, x, self.memory.record):
+            self.close_loops(t, x)
+        return self.y
+
+    def derivative(self, t: float, x: Vector) -> Vector:
+        x = np.ascontiguousarray(x)
+        self.outputs(t, x)
+        self.flat_derivative(t, x, self.memory.record)
+        return self.dx
+
+    def close_loops(self, t: float, x: Vector) -> None:
+        super().close_loops(t, x)
+        self.u[self.system.target_index] = self.y[self.system.source_index]
+
+    def _evaluate(self, t: float, x: Vector) -> None:
+        self._composition(t, x, self.u, self.system.p, self.y)
+
+
+def make_outputs(run: Any) -> Any:
+    """outputs(t, x, memory) -> whether all algebraic loops are closed: u and y are then those at (t, x)."""
+
+    @kernel
+    def outputs(t: float, x: Any, memory: Any) -> bool:
+        m = memory[0]
+        u, y, source, target = numbers(m.u), numbers(m.y), integers(m.source), integers(m.target)
+        torn, nominal, guess = integers(m.torn), numbers(m.nominal), numbers(m.guess)
+        for i in range(torn.shape[0]):
+            guess[i] = y[torn[i]]
+        run(
+            t,
+            x,
+            u,
+            numbers(m.p),
+            y,
+            source,
+            target,
+            integer_table(m.output_bounds),
+            integers(m.output_ends),
+            0,
+        )
+        closed, finite = True, True
+        for i in range(torn.shape[0]):
+            residual = y[torn[i]] - guess[i]
+            finite = finite and residual - residual == 0.0
+            closed = closed and abs(residual) <= LOOP_TOLERANCE * (nominal[i] + abs(guess[i]))
+        for k in range(source.shape[0]):
+            u[target[k]] = y[source[k]]
+        return closed or not finite
+
+    return outputs
+
+
+def make_derivative(run: Any) -> Any:
+    """derivative(t, x, memory): dx, with the inputs of the last `outputs`."""
+
+    @kernel
+    def derivative(t: float, x: Any, memory: Any) -> None:
+        m = memory[0]
+        none, table, ends = integers(m.none), integer_table(m.derivative_bounds), integers(m.derivative_ends)
+        run(t, x, numbers(m.u), numbers(m.p), numbers(m.dx), none, none, table, ends, 0)
+
+    return derivative
+
+
+def check_start(system: System, t: float, x: Vector) -> None:
+    """ModelError if an instance's part of the state x does not fit the inputs that it has at `t`."""
+    judging = {n: i.component for n, i in system.instances.items() if i.component.start_requirements}
+    if not judging:
+        return
+    evaluation = Interpreted(system)
+    evaluation.outputs(t, x)
+    faults: list[str] = []
+    for name, component in judging.items():
+        parts = system.p[system.parameters.of(name)], x[system.state.of(name)]
+        found = component.start_faults(*parts, evaluation.u[system.inputs.of(name)])
+        faults += [f"{name}.{fault}" for fault in found]
+    if faults:
+        raise ModelError("; ".join(faults))

@@ -1,0 +1,81 @@
+"""Along an exact motion at constant crank speed: the state at a position, and samples between two events."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..compile.kernel import kernel, record_of
+from ..core.integrator import copy, taylor
+from .flight.bouncing import CELL, FRACTION, FREE, RATE_OF_Y, Walls, Y
+from .forms import offset_slope, wall_angle, wall_rate
+from .records import mechanism
+
+if TYPE_CHECKING:
+    from ..core.component import Component
+
+# Panels of Gauss's rule: 8 points of 0.4 rad leave 1e-16 of a sliding force's integral.
+PANEL = 0.4
+NODES, WEIGHTS = (tuple(float(v) for v in values) for values in np.polynomial.legendre.leggauss(8))
+
+
+def make_leave(component: Component) -> Any:
+    """leave(position, x, u, p): put psi and its rate at the position into x."""
+    P = component.parameters.dtype
+    psi_at, rate_at = (component.state.index(name) for name in ("psi", "psi_rate"))
+    angle_at, speed_at = component.inputs.index("crank_angle"), component.inputs.index("crank_speed")
+
+    @kernel
+    def leave(position: Any, x: Any, u: Any, p: Any) -> None:
+        parameters = record_of(p, P)
+        theta, speed, m = u[angle_at], u[speed_at], mechanism(parameters)
+        psi = wall_angle(parameters.form, theta, position[Y], m)
+        slope = offset_slope(parameters.form, theta, psi, m)
+        x[psi_at] = psi
+        x[rate_at] = wall_rate(parameters.form, theta, speed, psi, m) + position[RATE_OF_Y] * speed / slope
+
+    return leave
+
+
+@kernel
+def _nothing(
+    t: float, start: float, end: float, x: Any, U: Any, p: Any, flow: Any, walls: Walls, position: Any,
+    scratch: Any, xd: Any, u: Any, work: Any,
+) -> None:  # fmt: skip
+    return
+
+
+def make_follow(component: Component, next_event: Any, cells: int) -> Any:
+    """follow(t, start, end, x, U, p, flow, walls, position, scratch, xd, u, work): samples from start to end
+    of a step, between two events, for a component that asks for them (see `models.core.quadrature`).
+
+    x is the state with the mode in between; `position` is that at the start and lost, xd room for a state.
+    """
+    if component.sample is None:
+        return _nothing
+    sample, leave = component.sample, make_leave(component)
+    mode_at, speed_at = component.state.index("mode"), component.inputs.index("crank_speed")
+
+    @kernel
+    def follow(
+        t: float, start: float, end: float, x: Any, U: Any, p: Any, flow: Any, walls: Walls, position: Any,
+        scratch: Any, xd: Any, u: Any, work: Any,
+    ) -> None:  # fmt: skip
+        speed = U[0, speed_at]
+        place = position[CELL] + position[FRACTION]
+        panels = int((end - start) * speed / PANEL) + 1
+        half = 0.5 * (end - start) / panels
+        copy(xd, x)
+        for panel in range(panels):
+            for node in range(len(NODES)):
+                s = start + half * (2.0 * panel + 1.0 + NODES[node])
+                if x[mode_at] == FREE:
+                    at = place + (s - start) * speed * cells / (2.0 * math.pi)
+                    next_event(flow, walls, position, int(at), at - int(at), scratch)
+                    taylor(U, s, u)
+                    leave(position, xd, u, p)
+                sample(half * WEIGHTS[node], t, s, xd, U, u, p, work)
+
+    return follow

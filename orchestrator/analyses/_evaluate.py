@@ -1,0 +1,169 @@
+"""One analysis: its results on the screen, its table and its figure in a folder."""
+
+from __future__ import annotations
+
+import errno
+import os
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from ..errors import MistakeError
+from ..run.output_folder import OutputFolderError
+from ..run.report import Reporter
+from ..scenario.values import Value
+from . import Analysis, load, names
+
+if TYPE_CHECKING:
+    import xarray
+
+ENDINGS = ("nc", "csv", "png")
+
+
+def analyse(
+    name: str,
+    settings: Sequence[str] = (),
+    out: Path | None = None,
+    overwrite: bool = False,
+    reporter: Reporter | None = None,
+) -> dict[str, float | str]:
+    """Compute, print and write into `out` (default: results/NAME), which changes when all is computed."""
+    reporter = reporter or Reporter()
+    analysis = load(name)
+    values = analysis.complete(dict(setting(text) for text in settings))
+    folder = out or Path("results") / analysis.name
+    held = results_in(folder, analysis.name, overwrite)
+    with made(folder):
+        with reporter.stage(analysis.description):
+            table = computed(analysis, values)
+        results = {result: table[result].item() for result in analysis.results}
+        reporter.console.print(shown(analysis, results))
+        for file in held:
+            file.unlink()
+        files = write(analysis, values, table, folder)
+    reporter.line(f"results in {folder}: {', '.join(file.name for file in files)}")
+    return results
+
+
+def setting(text: str) -> tuple[str, Any]:
+    """Parameter and value of "parameter=value"."""
+    name, equals, written = (part.strip() for part in text.partition("="))
+    if not (name and equals and written):
+        raise MistakeError(f"--set {text}: must be parameter=value, e.g. damping=0.05")
+    try:
+        return name, tomllib.loads(f"value = {written}")["value"]
+    except tomllib.TOMLDecodeError:
+        return name, written
+
+
+def computed(analysis: Analysis, values: Mapping[str, Value]) -> xarray.Dataset:
+    """The table with results, parameters and versions; an analysis without a table has its results alone."""
+    import xarray
+
+    table = analysis.table(values) if analysis.table else xarray.Dataset(dict(analysis.evaluate(values)))
+    for name, result in analysis.results.items():
+        table[name].attrs.update(units=result.unit, long_name=result.description)
+    versions = ", ".join(f"{name} {metadata.version(name)}" for name in ("tribocosim", "numpy", "numba"))
+    settings = {name: int(value) if isinstance(value, bool) else value for name, value in values.items()}
+    about = {"title": analysis.description, "analysis": analysis.name, "versions": versions}
+    return table.assign_attrs({**settings, **about, "Conventions": "CF-1.10"})
+
+
+def results_in(folder: Path, name: str, overwrite: bool) -> list[Path]:
+    """Files of this analysis in the folder; OutputFolderError if there are some, unless `overwrite`."""
+    if folder.exists() and not folder.is_dir():
+        raise OutputFolderError(f"{folder}: is a file; choose a folder with --out")
+    held = [path for path in (folder / f"{name}.{ending}" for ending in ENDINGS) if path.exists()]
+    if held and not overwrite:
+        raise OutputFolderError(
+            f"{folder}: already holds a result ({held[0].name}); choose another folder with --out, "
+            "or replace it with --overwrite"
+        )
+    return held
+
+
+@contextmanager
+def made(folder: Path) -> Iterator[None]:
+    """A folder that can be written, made where it is missing, and taken away again, empty, after an error."""
+    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    except OSError as error:
+        raise OutputFolderError(
+            f"{folder}: cannot be written ({error.strerror}); choose another --out"
+        ) from None
+    try:
+        yield
+    except BaseException:
+        with suppress(OSError):
+            for path in missing:
+                path.rmdir()
+        raise
+
+
+def write(analysis: Analysis, values: Mapping[str, Value], table: xarray.Dataset, folder: Path) -> list[Path]:
+    """NAME.nc, NAME.csv where it is one table, NAME.png where there is something to draw."""
+    files = [folder / f"{analysis.name}.nc"]
+    table.to_netcdf(files[0], engine="h5netcdf")
+    columns = {name: variable for name, variable in table.data_vars.items() if variable.ndim}
+    if len({variable.dims for variable in columns.values()}) == 1:
+        files.append(folder / f"{analysis.name}.csv")
+        frame = table[list(columns)].to_dataframe()
+        frame = frame[list(columns)].reset_index()
+        frame.columns = [f"{name} [{table[name].attrs.get('units', '1')}]" for name in frame.columns]
+        frame.to_csv(files[-1], index=False)
+    if analysis.draw:
+        from ..plots.style import saved
+
+        draw = analysis.draw
+        files.append(saved(lambda: draw(table, values), folder / f"{analysis.name}.png"))
+    return files
+
+
+def shown(analysis: Analysis, results: Mapping[str, float | str]) -> Table:
+    """The results with their units."""
+    rows = (
+        (name, _text(results[name]), _unit(result.unit), result.description)
+        for name, result in analysis.results.items()
+    )
+    return _plain(("result", "value", "unit", "meaning"), rows)
+
+
+def parameters(name: str) -> Table:
+    """What can be set: defaults, units, ranges."""
+    rows = (
+        (key, _text(value.default), _unit(value.unit), value.allowed, value.description)
+        for key, value in load(name).parameters.items()
+    )
+    return _plain(("parameter", "default", "unit", "allowed", "meaning"), rows)
+
+
+def listed() -> Table:
+    """All analyses."""
+    return _plain(("analysis", "what it says"), ((name, load(name).description) for name in names()))
+
+
+def _plain(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for name in columns:
+        table.add_column(name, no_wrap=name not in ("value", "meaning", "what it says"), justify="left")
+    for row in rows:
+        table.add_row(*map(Text, row))
+    return table
+
+
+def _text(value: Value) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else unit

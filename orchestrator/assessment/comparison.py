@@ -1,0 +1,90 @@
+"""The coupled run against the monolithic reference, variable by variable."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from models.core.quantities import Vector
+from models.monolithic.difference import Difference, difference, time_weights
+
+
+@dataclass(frozen=True)
+class VariableError:
+    """The coupled run's error in one variable.
+
+    `relative_rms` is the RMS error over the reference's spread (its size, where it is constant).
+    `uncertainty` is the reference's own, as known from its two methods. `tolerance` is what the scenario
+    allows for `relative_rms`, if anything.
+    """
+
+    max_abs: float
+    rms: float
+    relative_rms: float
+    uncertainty: Difference
+    tolerance: float | None = None
+
+    @property
+    def below_uncertainty(self) -> bool:
+        """The reference is not accurate enough to measure this error."""
+        return self.rms < self.uncertainty.rms
+
+    @property
+    def within(self) -> bool:
+        """True without a tolerance. With one, error and reference's uncertainty must both be within it."""
+        if self.tolerance is None:
+            return True
+        return self.relative_rms <= self.tolerance and self.uncertainty.relative_rms <= self.tolerance
+
+
+Errors = dict[str, VariableError]
+
+
+def compare(
+    times: Vector,
+    coupled: Mapping[str, Vector],
+    reference: Mapping[str, Vector],
+    uncertainty: Mapping[str, Difference],
+    nominal: Mapping[str, float],
+    tolerance: Mapping[str, float],
+) -> Errors:
+    """The error of every variable in `coupled`, whose values are, like the reference's, at `times`.
+
+    Records count by the time that they stand for.
+    """
+    weights = time_weights(times)
+    errors: Errors = {}
+    for name, values in coupled.items():
+        found = difference(values, reference[name], nominal[name], weights)
+        errors[name] = VariableError(
+            max_abs=found.max_abs,
+            rms=found.rms,
+            relative_rms=found.relative_rms,
+            uncertainty=uncertainty[name],
+            tolerance=tolerance.get(name),
+        )
+    return errors
+
+
+def verdict(errors: Errors) -> tuple[bool, str]:
+    """Whether all tolerances are kept, and a sentence that names what is not."""
+    failed = []
+    for name, error in errors.items():
+        own = error.uncertainty.relative_rms
+        if error.within:
+            continue
+        if own <= error.tolerance:
+            failed.append(f"{name}: relative RMS error {error.relative_rms:.2g} > {error.tolerance:g}")
+        else:
+            failed.append(
+                f"{name}: the reference's own uncertainty {own:.2g} is above the tolerance "
+                f"{error.tolerance:g} (lower reference.tolerance, or with a pressure field reference.step)"
+            )
+    if failed:
+        return False, "outside the tolerance: " + "; ".join(failed)
+    return True, "within the tolerance"
+
+
+def largest_uncertainty(errors: Errors) -> float:
+    """The reference's largest relative RMS uncertainty among variables with a tolerance."""
+    return max((e.uncertainty.relative_rms for e in errors.values() if e.tolerance is not None), default=0.0)

@@ -1,0 +1,275 @@
+"""What a contact went through, as a run's summary has it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from models.compile.array_pointers import ArrayPointers
+from models.contact.ehl_contact import FILM_IS_DRY, FILM_IS_SOLVED, TABLE_3
+from models.contact.films import FILMS
+from models.contact.films.groups import groups
+from models.contact.hertz import elastic_compliance
+from models.core.quantities import Vector
+from models.core.system import System
+
+from .accumulation import (
+    DURATION,
+    INPUTS,
+    LEAST,
+    MOST,
+    OUTPUTS,
+    SEEN,
+    accumulate,
+    begun,
+    finish,
+    replay,
+)
+
+# Columns of the coupled run, by "instance.variable", and "time".
+Read = Callable[[Sequence[str]], Mapping[str, Vector]]
+
+# A landing whose load has its peak within fewer macro steps than this is not resolved.
+RESOLVED = 5
+
+
+@dataclass(frozen=True)
+class Excursion:
+    """A group outside its range [`low`, `high`]: for which share of the time under load, and its extremes."""
+
+    share: float
+    least: float
+    most: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Separation:
+    """How often and how long (s) a contact was open: altogether, the longest time and when it began; the
+    largest gap (m, beyond the film) and when."""
+
+    count: int
+    duration: float
+    longest: float
+    longest_time: float
+    gap: float
+    gap_time: float
+
+
+@dataclass(frozen=True)
+class Impact:
+    """The landing with the largest load (N): when it began (s), the speed of approach (m/s), the impulse
+    (N s) until the load has fallen to a tenth or rises again, and the macro steps from touch to peak."""
+
+    time: float
+    load: float
+    speed: float
+    impulse: float
+    steps: int
+
+    @property
+    def resolved(self) -> bool:
+        return self.steps >= RESOLVED
+
+
+@dataclass(frozen=True)
+class Course:
+    """Extremes, each with its time (s): load (N), pressure (Pa), film (m) under load, film over roughness
+    (0: smooth), which of a film that is `solved` for is that of its central film. A dry contact's films are
+    0.
+
+    `lost` is the share of the time without load, `yielding` that above the `elastic_limit` (Pa).
+    `longest_step` (s): extremes were looked for at least that often. `angle_of` is the variable that `angles`
+    (deg) of the times are of, "" where none is known.
+    """
+
+    least_load: float
+    largest_load: float
+    largest_load_time: float
+    lost: float
+    pressure: float
+    pressure_time: float
+    elastic_limit: float
+    yielding: float
+    film: float
+    film_time: float
+    film_ratio: float
+    longest_step: float
+    separation: Separation | None = None
+    impact: Impact | None = None
+    ranges: dict[str, Excursion] = field(default_factory=dict)
+    solved: bool = False
+    angle_of: str = ""
+    angles: dict[str, float] = field(default_factory=dict)
+
+    def times(self) -> dict[str, float]:
+        """When what it tells happened (s), by name."""
+        times = {
+            "largest_load": self.largest_load_time,
+            "pressure": self.pressure_time,
+            "film": self.film_time,
+        }
+        if self.separation:
+            times |= {"separation": self.separation.longest_time, "gap": self.separation.gap_time}
+        if self.impact:
+            times["impact"] = self.impact.time
+        return times
+
+
+Courses = dict[str, Course]
+
+
+def contacts(system: System) -> dict[str, dict[str, float]]:
+    """The parameters of all lubricated contacts."""
+    return {
+        name: instance.component.parameters.named(instance.component.parameters.vector(instance.parameters))
+        for name, instance in system.instances.items()
+        if instance.component.name == "ehl_contact"
+    }
+
+
+class Accumulator:
+    """The courses of a system's contacts while a run goes on.
+
+    `seen` (contacts x SEEN) is to be filled before each step is added; inputs with an origin in `values` are
+    taken from there.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        names: Sequence[str],
+        values: Vector | None = None,
+        origins: Mapping[str, int] | None = None,
+    ) -> None:
+        all_of_them = contacts(system)
+        self._parameters = {name: all_of_them[name] for name in names}
+        count = len(self._parameters)
+        self.seen: Vector = np.zeros((count, len(SEEN)))
+        places = np.full(2 * count, -1, dtype=np.int64)
+        for i, name in enumerate(self._parameters):
+            layout = system.instances[name].component.inputs
+            constant = layout.named(layout.vector(system.instances[name].inputs))
+            for j, variable in enumerate(INPUTS):
+                self.seen[i, len(OUTPUTS) + j] = constant[variable]
+                places[2 * i + j] = (origins or {}).get(f"{name}.{variable}", -1)
+        self.courses, self.ranges = begun(count)
+        self.memory = ArrayPointers(
+            seen=self.seen,
+            values=np.zeros(1) if values is None else values,
+            origins=places,
+            scales=np.array([_scales(p) for p in self._parameters.values()]).reshape(count, 4),
+            bounds=np.array(list(TABLE_3.values())),
+            ranges=self.ranges,
+        )
+
+    def add(self, time: float) -> None:
+        """The step that ends at `time`."""
+        accumulate(self.memory.record, self.courses, time)
+
+    def state(self) -> dict[str, Vector]:
+        return {"courses": self.courses.view(np.float64).copy(), "ranges": self.ranges.copy()}
+
+    def resume(self, state: Mapping[str, Vector]) -> None:
+        self.courses.view(np.float64)[:] = state["courses"]
+        self.ranges[:] = state["ranges"]
+
+    def found(self) -> Courses:
+        """The courses so far of all contacts that were ever loaded."""
+        courses = {}
+        for i, (name, parameters) in enumerate(self._parameters.items()):
+            c = self.courses[i : i + 1].copy()[0]
+            if c.largest_load > 0.0:
+                courses[name] = _course(c, self.ranges[i].reshape(4, 4), parameters)
+        return courses
+
+
+def _scales(p: Mapping[str, float]) -> list[float]:
+    """The elastic limit (Pa), and the groups G, W R and U R at 1 N, 1 m/s."""
+    compliance = elastic_compliance(
+        p["youngs_modulus_1"], p["poissons_ratio_1"], p["youngs_modulus_2"], p["poissons_ratio_2"]
+    )
+    plain = getattr(groups, "py_func", groups)  # not compiled for this one call
+    unit = plain(np.pi / compliance, 1.0, 1.0, 1.0, p["length"], p["viscosity"], p["pressure_viscosity"])
+    return [p["elastic_limit"], unit.material, unit.load, unit.speed]
+
+
+def _course(c: Any, ranges: Vector, parameters: Mapping[str, float]) -> Course:
+    if not np.isnan(c.since) and c.time - c.since > c.longest_separation:
+        c.longest_separation, c.separation_time = c.time - c.since, c.since
+    finish(c)
+    film_model = int(parameters["film_model"])
+    dry = parameters["film_model"] == FILM_IS_DRY
+    separation = impact = None
+    if c.separations:
+        open_for = c.duration - c.loaded_duration
+        separation = Separation(
+            int(c.separations),
+            float(open_for),
+            float(c.longest_separation),
+            float(c.separation_time),
+            float(c.gap),
+            float(c.gap_time),
+        )
+    if c.landings:
+        impact = Impact(
+            float(c.impact_time),
+            float(c.impact_load),
+            float(c.impact_speed),
+            float(c.impulse),
+            int(c.impact_steps),
+        )
+    excursions = {}
+    if tuple(FILMS)[film_model].startswith("kushwaha") and c.loaded_duration:
+        excursions = {
+            group: Excursion(
+                float(r[DURATION] / c.loaded_duration), *_known(r[LEAST], r[MOST]), *TABLE_3[group]
+            )
+            for group, r in zip(TABLE_3, ranges, strict=True)
+            if r[DURATION] > 0.0
+        }
+    return Course(
+        least_load=float(c.least_load),
+        largest_load=float(c.largest_load),
+        largest_load_time=float(c.load_time),
+        lost=float(1.0 - c.loaded_duration / c.duration) if separation and c.duration else 0.0,
+        pressure=float(c.pressure),
+        pressure_time=float(c.pressure_time),
+        elastic_limit=parameters["elastic_limit"],
+        yielding=float(c.yield_duration / c.duration) if c.duration else 0.0,
+        film=0.0 if dry else float(c.film),
+        film_time=float(c.film_time),
+        film_ratio=0.0 if dry else float(c.film_ratio),
+        longest_step=float(c.longest_step),
+        separation=separation,
+        impact=impact,
+        ranges=excursions,
+        solved=parameters["film_model"] == FILM_IS_SOLVED,
+    )
+
+
+def _known(least: float, most: float) -> tuple[float, float]:
+    return (float(least), float(most)) if least <= most else (np.nan, np.nan)
+
+
+def courses_of_rows(system: System, read: Read) -> Courses:
+    """The courses as recorded rows have them, where nothing else is left of a run."""
+    drivers = {str(c.target): str(c.source) for c in system.connections if c.target.variable in INPUTS}
+    found: Courses = {}
+    for name in contacts(system):
+        # One contact at a time: there may be millions of records.
+        accumulator = Accumulator(system, [name])
+        own = [f"{name}.{variable}" for variable in SEEN]
+        driven = {one: drivers.get(one, one) for one in own}
+        columns = read(["time", *(one for one in driven.values() if one in system.outputs.names)])
+        rows = np.tile(accumulator.seen[0], (len(columns["time"]), 1))
+        for j, one in enumerate(own):
+            if driven[one] in columns:
+                rows[:, j] = columns[driven[one]]
+        replay(accumulator.memory.record, accumulator.courses, columns["time"], rows)
+        found |= accumulator.found()
+    return found

@@ -1,0 +1,120 @@
+"""The observer that follows contacts through every macro step of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from models.core.quantities import Vector
+from models.core.system import System
+
+from ...engine.exchange import Exchange
+from ...engine.step import Step
+from ...participants import FmuParticipant, Participant
+from ...participants.compiled import CALLS, FINE
+from ...store.json_codec import Plain
+from .accumulation import INPUTS, OUTPUTS, observe
+from .course import Accumulator, Courses, contacts
+
+
+class ContactObserver:
+    """Accumulates the courses of all contacts, whatever is recorded.
+
+    Compiled code reads contacts that are FMUs of this process; others give all their outputs.
+    """
+
+    def __init__(self, system: System) -> None:
+        self._system = system
+        self._names = list(contacts(system))
+        self._accumulator = Accumulator(system, self._names)
+
+    def watch(self, exchange: Exchange) -> None:
+        """Before `begin`: the exchange that the run goes through."""
+        origins = {
+            str(c.target): exchange.number[c.source]
+            for c in self._system.connections
+            if c.target.variable in INPUTS
+        }
+        self._accumulator = Accumulator(self._system, self._names, exchange.values, origins)
+        units = dict(zip(exchange.names, exchange.participants, strict=True))
+        self._fmus: list[FmuParticipant] = []
+        self._others: list[tuple[Participant, Vector, Vector, Vector]] = []
+        records, self._references = [], []
+        for i, name in enumerate(self._names):
+            unit, row = units[name], self._accumulator.seen[i]
+            if (
+                isinstance(unit, FmuParticipant)
+                and (reading := unit.reading(OUTPUTS, row[: len(OUTPUTS)])) is not None
+            ):
+                self._fmus.append(unit)
+                records.append(reading[0])
+                self._references.append(reading[1])
+            else:
+                outputs = exchange.system.instances[name].component.outputs
+                index = np.array([outputs.index(variable) for variable in OUTPUTS])
+                self._others.append((unit, np.zeros(outputs.size), index, row[: len(OUTPUTS)]))
+        self._records = np.concatenate([np.zeros(0, dtype=CALLS), *records])
+
+    def begin(self, names: Sequence[str]) -> None:
+        pass
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        if not self._names:
+            return
+        for unit, values, index, row in self._others:
+            unit.read_all(values)
+            np.take(values, index, out=row)
+        a = self._accumulator
+        failed, call, status = observe(self._records, a.memory.record, a.courses, time)
+        if call != FINE:
+            self._fmus[failed].failed(call, status, time, step.length)
+
+    def courses(self) -> Courses:
+        """What is known so far."""
+        return self._accumulator.found()
+
+    def state(self) -> dict[str, Plain]:
+        return self._accumulator.state()
+
+    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
+        self._accumulator.resume(state)
+
+    def end(self, complete: bool, message: str) -> None:
+        pass
+
+
+def with_angles(
+    system: System, courses: Courses, read: Callable[[Sequence[str]], Mapping[str, Vector]]
+) -> Courses:
+    """The courses with the angles (deg) of their cams or cranks at the times of what they tell.
+
+    Angles are read between recorded rows, through which shafts turn evenly.
+    """
+    found = {}
+    for name, course in courses.items():
+        variable = angle_of(system, name)
+        if not variable:
+            found[name] = course
+            continue
+        columns = read(["time", variable])
+        turned = np.degrees(columns[variable])
+
+        def at(time: float, columns: Mapping[str, Vector] = columns, turned: Vector = turned) -> float:
+            return float(np.interp(time, columns["time"], turned) % 360.0)
+
+        found[name] = replace(
+            course, angle_of=variable, angles={key: at(time) for key, time in course.times().items()}
+        )
+    return found
+
+
+def angle_of(system: System, contact: str) -> str:
+    """The output with the angle of the cam, or else the crank, that moves the contact; "" if none is."""
+    drivers = [c.source.instance for c in system.connections if c.target.instance == contact]
+    for variable in ("cam_angle", "crank_angle"):
+        for driver in drivers:
+            if variable in system.instances[driver].component.outputs:
+                return f"{driver}.{variable}"
+    return ""

@@ -1,0 +1,124 @@
+"""The macro steps of a run, from its result or from the journals of one that was killed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from models.core.quantities import Vector
+
+from ...errors import MistakeError
+from ...run.output_folder import meant
+from ...store.journal import Recorded, journals
+from ...store.result_file import ResultFile
+from ...store.run_state import unfinished
+
+# Columns of /steps, and what a value of each needs: there may be many millions of steps.
+COLUMNS = {
+    "time": np.float64,
+    "macro_step": np.float64,
+    "iterations": np.int32,
+    "rejected": np.int32,
+    "error": np.float32,
+    "source": np.int32,
+    "reason": np.int8,
+}
+BLOCK = 65_536  # rows of a journal read at once
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Macro steps in order, an entry for each (see `stepping.Step`); `outputs` are what `source` numbers.
+
+    `end` and `length` in s.
+    """
+
+    end: Vector
+    length: Vector
+    iterations: Any
+    rejected: Any
+    error: Any
+    source: Any
+    reason: Any
+    outputs: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, columns: Mapping[str, Any], outputs: tuple[str, ...]) -> Steps:
+        """Of the columns of /steps."""
+        return cls(*(np.asarray(columns[name], kind) for name, kind in COLUMNS.items()), outputs)
+
+    def __len__(self) -> int:
+        return len(self.end)
+
+    @property
+    def start(self) -> Vector:
+        """When each step began (s)."""
+        return self.end - self.length
+
+    @property
+    def work(self) -> Vector:
+        """Sweeps that each step took. Of rejected attempts the number is known: each counts as the last."""
+        return np.asarray(self.iterations * (1.0 + self.rejected))
+
+    def name(self, source: int) -> str:
+        """The output of that number."""
+        return self.outputs[source] if 0 <= source < len(self.outputs) else f"output {source}"
+
+
+NONE = Steps.of({name: [] for name in COLUMNS}, ())
+
+
+def steps_of(result: ResultFile) -> Steps:
+    """The steps of a result being written."""
+    if not result.has("steps"):
+        return NONE
+    columns = _columns(lambda name: result.read("steps", [name], slice(None))[name])
+    return Steps.of(columns, result.quantities("steps")["source"].choices)
+
+
+def recorded(out: Path) -> tuple[Steps, str]:
+    """The steps of the run in an output folder, and how it ended. MistakeError if there are none."""
+    if (out / "result.nc").is_file():
+        return _of_file(out / "result.nc")
+    found = journals(unfinished(out)) if unfinished(out).is_dir() else {}
+    if "steps" not in found:
+        remedy = f"did you mean {folder}?" if (folder := meant(out)) else "give a run's output folder"
+        raise MistakeError(f"{out}: holds no result and no unfinished run; {remedy}")
+    return _of_journal(found["steps"]), "incomplete: the run goes on, or was killed"
+
+
+def _of_file(path: Path) -> tuple[Steps, str]:
+    import h5netcdf
+
+    try:
+        with h5netcdf.File(path, "r") as file:
+            message = str(file.attrs.get("message", ""))
+            if "steps" not in file.groups:
+                return NONE, message
+            group = file["steps"]
+            outputs = str(group["source"].attrs.get("flag_meanings", "")).split()
+            return Steps.of(_columns(lambda name: group[name][:]), tuple(outputs)), message
+    except (OSError, KeyError) as error:
+        raise MistakeError(f"{path}: is no result of this version ({error}); run it again") from None
+
+
+def _of_journal(path: Path) -> Steps:
+    journal = Recorded(path)
+    places = {name: i for i, name in enumerate(journal.columns)}
+    if missing := [name for name in COLUMNS if name not in places]:
+        raise MistakeError(f"{path}: lacks {', '.join(missing)}: is of another version; run it again")
+    parts: dict[str, list[Any]] = {name: [np.zeros(0, kind)] for name, kind in COLUMNS.items()}
+    for block in journal.blocks(BLOCK):
+        for name, kind in COLUMNS.items():
+            parts[name].append(block[:, places[name]].astype(kind))
+    columns = {name: np.concatenate(part) for name, part in parts.items()}
+    return Steps.of(columns, journal.columns["source"].choices)
+
+
+def _columns(read: Callable[[str], Any]) -> dict[str, Any]:
+    """One column after the other, each as small as it can be."""
+    return {name: np.asarray(read(name)).astype(kind) for name, kind in COLUMNS.items()}

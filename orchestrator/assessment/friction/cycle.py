@@ -1,0 +1,155 @@
+"""A contact over the last whole revolution of its cam: friction, its torque and power, and wear."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.contact.wear import trapezoidal, worn_depth
+from models.core.quantities import Vector
+
+from ...errors import MistakeError
+
+TURN = 2.0 * math.pi
+# Of a revolution: a run that lacks no more than this is one; what is missing is some of the base circle.
+OPEN = 0.01
+# Bins of the wear: half a degree of the cam, and as fine along the follower.
+BINS = 720
+
+OF_CONTACT = (
+    "load",
+    "asperity_load",
+    "friction_force",
+    "viscous_friction",
+    "boundary_friction",
+    "half_width",
+    "film_ratio",
+)
+OF_CAM = ("cam_angle", "cam_speed", "sliding_velocity", "radius_of_curvature", "contact_offset", "cam_lift")
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """Records of one revolution, in SI units: the variables of OF_CONTACT and OF_CAM, and the time."""
+
+    contact: str
+    time: Vector
+    values: Mapping[str, Vector]
+
+    def __getitem__(self, name: str) -> Vector:
+        return self.values[name]
+
+    def mean(self, value: Vector) -> float:
+        """Over the time."""
+        return float(trapezoidal(self.time) @ value / (self.time[-1] - self.time[0]))
+
+    @property
+    def turned(self) -> float:
+        """Angle of the cam from the first record to the last (rad)."""
+        angle = self["cam_angle"]
+        return float(angle[-1] - angle[0])
+
+    @property
+    def power(self) -> Vector:
+        """Friction power F u_s (W)."""
+        return np.asarray(self["friction_force"] * self["sliding_velocity"])
+
+    @property
+    def torque(self) -> Vector:
+        """Friction torque on the camshaft (N m): F (R0 + s), with R0 + s = u_s/omega."""
+        return np.asarray(self.power / self["cam_speed"])
+
+
+def last_revolution(contact: str, time: Vector, values: Mapping[str, Vector]) -> Cycle:
+    """The last whole revolution; MistakeError if the cam does not turn one, or turns back."""
+    angle = values["cam_angle"]
+    turned = angle[-1] - angle[0]
+    forwards = np.diff(angle) > 0.0
+    if abs(turned) < TURN * (1.0 - OPEN):
+        needed = (time[-1] - time[0]) * TURN / abs(turned) if turned else math.inf
+        raise MistakeError(
+            f"{contact}: its cam turns {math.degrees(abs(turned)):.4g} deg in the run: must be a revolution; "
+            + (f"a stop_time of {needed:.4g} s would do" if needed < math.inf else "the cam stands still")
+        )
+    if turned < 0.0 or not forwards.all():
+        raise MistakeError(f"{contact}: its cam does not turn forwards all the time; there is no cycle")
+    begin = max(angle[0], angle[-1] - TURN)
+    first = int(np.searchsorted(angle, begin, side="right"))
+
+    def whole(column: Vector) -> Vector:
+        return np.concatenate([[np.interp(begin, angle, column)], column[first:]])
+
+    return Cycle(contact, whole(time), {name: whole(column) for name, column in values.items()})
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Of one revolution. `coefficient` is work over load times sliding distance; `lost` is the share of the
+    time without load. `least_film_ratio` is that under load."""
+
+    mean_torque: float
+    largest_torque: float
+    mean_power: float
+    work: float
+    coefficient: float
+    boundary_share: float
+    asperity_share: float
+    least_film_ratio: float
+    lost: float
+
+
+def summary(cycle: Cycle) -> Summary:
+    """Means over a revolution: of the torque over the angle, of the power over the time."""
+    time = trapezoidal(cycle.time)
+    work = float(time @ cycle.power)
+    distance = np.abs(cycle["sliding_velocity"])
+    loaded = float(time @ (cycle["load"] * distance))
+    boundary = float(time @ (cycle["boundary_friction"] * cycle["sliding_velocity"]))
+    load, lost = cycle.mean(cycle["load"]), cycle["load"] <= 0.0
+    return Summary(
+        mean_torque=work / cycle.turned,
+        largest_torque=float(np.abs(cycle.torque).max()),
+        mean_power=work / float(cycle.time[-1] - cycle.time[0]),
+        work=work,
+        coefficient=work / loaded if loaded else 0.0,
+        boundary_share=boundary / work if work else 0.0,
+        asperity_share=cycle.mean(cycle["asperity_load"]) / load if load else 0.0,
+        least_film_ratio=float(np.min(cycle["film_ratio"], where=~lost, initial=np.inf)),
+        lost=cycle.mean(lost.astype(float)),
+    )
+
+
+@dataclass(frozen=True)
+class Wear:
+    """Depth (m) of one revolution over the cam's angle (rad, from 0) and the place on the follower (m).
+
+    The volumes (m3) are those that Archard's law gives directly: k times load times sliding distance.
+    """
+
+    cam_angle: Vector
+    cam_depth: Vector
+    follower_place: Vector
+    follower_depth: Vector
+    volume: float
+
+
+def wear(cycle: Cycle, load: str, coefficient: float, length: float) -> Wear:
+    """Wear of each body under the variable `load`, if it has the wear coefficient (m2/N) to itself."""
+    rubbed = cycle[load] * np.abs(cycle["sliding_velocity"]) * trapezoidal(cycle.time)
+    dose, radius, width = rubbed / length, cycle["radius_of_curvature"], cycle["half_width"]
+    edges = np.linspace(0.0, TURN, BINS + 1)
+    cam = worn_depth(edges, np.mod(cycle["cam_angle"], TURN), width / radius, dose / radius, TURN)
+    offset = cycle["contact_offset"]
+    reach = float(width.max()) or 1e-6
+    along = np.linspace(offset.min() - reach, offset.max() + reach, BINS + 1)
+    follower = worn_depth(along, offset, width, dose)
+    return Wear(
+        cam_angle=0.5 * (edges[:-1] + edges[1:]),
+        cam_depth=coefficient * cam,
+        follower_place=0.5 * (along[:-1] + along[1:]),
+        follower_depth=coefficient * follower,
+        volume=coefficient * float(rubbed.sum()),
+    )

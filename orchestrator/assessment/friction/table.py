@@ -1,0 +1,90 @@
+"""The table of a revolution as netCDF, JSON or CSV."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import xarray
+
+from models.core.quantities import Vector
+
+from .cycle import Cycle, Wear, summary
+
+UNITS = {
+    "load": "N",
+    "asperity_load": "N",
+    "friction_force": "N",
+    "viscous_friction": "N",
+    "boundary_friction": "N",
+    "half_width": "m",
+    "film_ratio": "1",
+    "cam_speed": "rad/s",
+    "sliding_velocity": "m/s",
+    "radius_of_curvature": "m",
+    "contact_offset": "m",
+    "cam_lift": "m",
+}
+MEANS = {
+    "mean_torque": "N.m",
+    "largest_torque": "N.m",
+    "mean_power": "W",
+    "work": "J",
+    "coefficient": "1",
+    "boundary_share": "1",
+    "asperity_share": "1",
+    "least_film_ratio": "1",
+    "lost": "1",
+}
+# Ends of the names of the CSV files with wear, by dimension.
+WEAR_TABLES = {"cam_place": "cam-wear", "follower_place": "follower-wear"}
+
+
+def of(cycle: Cycle, worn: Wear, coefficient: float) -> xarray.Dataset:
+    """Friction over the records of a revolution, wear over the cam's angle and along the follower."""
+
+    def along(dimension: str, values: Vector, unit: str) -> xarray.Variable:
+        return xarray.Variable(dimension, values, {"units": unit})
+
+    found = xarray.Dataset(
+        {name: along("cam_angle", cycle[name], unit) for name, unit in UNITS.items()},
+        coords={
+            "cam_angle": along("cam_angle", cycle["cam_angle"], "rad"),
+            "cam_place": along("cam_place", worn.cam_angle, "rad"),
+            "follower_place": along("follower_place", worn.follower_place, "m"),
+        },
+    )
+    found["friction_torque"] = along("cam_angle", cycle.torque, "N.m")
+    found["friction_power"] = along("cam_angle", cycle.power, "W")
+    found["cam_wear"] = along("cam_place", worn.cam_depth, "m")
+    found["follower_wear"] = along("follower_place", worn.follower_depth, "m")
+    means = summary(cycle)
+    for name, unit in MEANS.items():
+        found[name] = xarray.Variable((), np.float64(getattr(means, name)), {"units": unit})
+    return found.assign_attrs(
+        contact=cycle.contact,
+        wear_coefficient=coefficient,
+        title="Friction and wear over a cam revolution; wear depths of one revolution",
+    )
+
+
+def write(cycle: Cycle, worn: Wear, coefficient: float, path: Path) -> list[Path]:
+    """One file as netCDF or JSON, as CSV one for each dimension; OSError if one cannot be written."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    found = of(cycle, worn, coefficient)
+    if path.suffix == ".nc":
+        found.to_netcdf(path, engine="h5netcdf")
+        return [path]
+    if path.suffix == ".json":
+        path.write_text(json.dumps(found.to_dict(), indent=1) + "\n", "utf-8")
+        return [path]
+    files = {"cam_angle": path} | {
+        dimension: path.with_stem(f"{path.stem}-{words}") for dimension, words in WEAR_TABLES.items()
+    }
+    for dimension, file in files.items():
+        part = found.drop_vars([name for name in found if found[name].dims != (dimension,)])
+        frame = part.drop_dims([name for name in part.dims if name != dimension]).to_dataframe().reset_index()
+        frame.columns = [f"{name} [{found[name].attrs['units']}]" for name in frame.columns]
+        frame.to_csv(file, index=False)
+    return list(files.values())

@@ -1,0 +1,1 @@
+"""The exchange of values between participants, and the sweeps that advance them."""

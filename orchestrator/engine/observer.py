@@ -1,0 +1,40 @@
+"""What watches a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Protocol, runtime_checkable
+
+from models.core.quantities import Vector
+
+from .exchange import Exchange
+from .step import Step
+
+
+class Observer(Protocol):
+    """Watches a run; algorithms never write files."""
+
+    def begin(self, names: Sequence[str]) -> None:
+        """Before the first values: the names of all outputs, "participant.variable"."""
+        ...
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        """At the start (a step of no length) and after each macro step.
+
+        `outputs()` gives all outputs at `time`, in memory that is reused. They are read when the first
+        observer asks: a step that nobody records costs no reading.
+        """
+        ...
+
+    def end(self, complete: bool, message: str) -> None:
+        """After the last values, also when the run failed or was interrupted."""
+        ...
+
+
+@runtime_checkable
+class Watching(Protocol):
+    """An observer that reads what is exchanged and single participants itself."""
+
+    def watch(self, exchange: Exchange) -> None:
+        """Before `begin`."""
+        ...

@@ -1,0 +1,113 @@
+"""What a participant needs of an FMU's instance, whatever version of FMI it follows."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, Protocol
+
+from models.core.quantities import Vector
+
+from .description import Variable
+
+STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+WARNING, DISCARD, FATAL, PENDING = 1, 2, 4, 5  # what is above WARNING did not succeed
+
+
+def status_name(status: int) -> str:
+    """As FMI calls it; of a number that it does not have, that number."""
+    return STATUS[status] if 0 <= status < len(STATUS) else f"{status}, which is no status of FMI"
+
+
+class Standard(Protocol):
+    """An instance. Calls that do not succeed raise, with the attribute `status`, but for those that return it
+    or are given `fail`, which is called with it."""
+
+    # Types of variables that `setter` and `getter` transfer.
+    real_types: tuple[str, ...]
+    # How many steps have returned a warning.
+    warned: int
+    # The start (s) of the step at whose end the FMU asked to end the simulation, if it did; set by `fail`.
+    ended_in: list[float]
+
+    def instantiate(self, log: Callable[[int, bytes], None]) -> None:
+        """Make it; `log` gets the status and text of its messages."""
+        ...
+
+    def set_up(self, start_time: float, stop_time: float) -> None:
+        """What comes before initialisation and the values that hold for it."""
+        ...
+
+    def enter_initialization(self, start_time: float, stop_time: float) -> None: ...
+
+    def exit_initialization(self) -> None: ...
+
+    def set(self, variables: Sequence[Variable], values: Iterable[float]) -> None:
+        """Set these scalars: all of one type, or all elements of one array."""
+        ...
+
+    def set_text(self, variable: Variable, text: str) -> None: ...
+
+    def get(self, variables: Sequence[Variable]) -> list[float]:
+        """As `set`."""
+        ...
+
+    def setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
+        """A function that sets the variables of these references (unsigned int) to what is in `values`."""
+        ...
+
+    def getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
+        """As `setter`, the other way."""
+        ...
+
+    def input_derivatives(
+        self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
+    ) -> Callable[[], None]:
+        """A function that sets the inputs' derivatives of these orders (int) to what is in `values`; for FMUs
+        that say that they interpolate."""
+        ...
+
+    def output_derivatives(
+        self, references: Any, values: Vector, fail: Callable[[int], None]
+    ) -> Callable[[], None]:
+        """A function that gets the first derivatives of outputs by time into `values`, those of arrays whole;
+        for FMUs that say that they give them, after initialisation."""
+        ...
+
+    def directional(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
+        """The derivatives of these unknown scalars by a known one; for FMUs that say that they give them."""
+        ...
+
+    def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
+        """A function that steps from a time by a length; `fail` gets these as well, after the status.
+
+        To ask for the end of the simulation is to discard the step (see `ended`), and so is every step that
+        begins after the one that it `ended_in`. Where `fail` returns, the step is made.
+        """
+        ...
+
+    def reached(self) -> float | None:
+        """Last successful time after a discarded step, where the FMU says it."""
+        ...
+
+    def ended(self) -> bool:
+        """After a discarded step: whether the FMU asks to end the simulation."""
+        ...
+
+    def addresses(self) -> dict[str, int]:
+        """What compiled code needs to call the functions itself (see `compiled`); empty: it cannot."""
+        ...
+
+    def save(self, state: ctypes.c_void_p) -> int: ...
+
+    def restore(self, state: ctypes.c_void_p) -> int: ...
+
+    def release(self, state: ctypes.c_void_p) -> int: ...
+
+    def serialise(self, state: ctypes.c_void_p) -> bytes: ...
+
+    def deserialise(self, data: bytes) -> ctypes.c_void_p: ...
+
+    def terminate(self) -> None: ...
+
+    def free(self) -> None: ...

@@ -1,0 +1,38 @@
+"""The degree that the signal through an exchanged value may have, from what participants follow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.sparse.csgraph import connected_components
+
+from models.core.system import Connection, Port
+
+from .offers import HIGHEST
+
+
+def highest_degrees(connections: Sequence[Connection], followed: Mapping[Port, int]) -> dict[Port, int]:
+    """By source, from the degree that is `followed` at each target.
+
+    A signal has the lowest degree of all its targets. A loop of participants has one degree: where one of
+    them holds its input, which then is late by half a step or early, the others hold theirs too. Measured on
+    two masses, Gauss-Seidel with a held and a linear signal is six times worse than with two held ones.
+    """
+    names = list(dict.fromkeys(port.instance for c in connections for port in (c.source, c.target)))
+    ends = np.array([[names.index(p.instance) for p in (c.source, c.target)] for c in connections], dtype=int)
+    graph = np.zeros((len(names), len(names)), dtype=bool)
+    graph[tuple(ends.reshape(-1, 2).T)] = True
+    _, loop = connected_components(graph, directed=True, connection="strong")
+    own: dict[Port, int] = {}
+    of_loop: dict[int, int] = {}
+    for c, (source, target) in zip(connections, ends, strict=True):
+        degree = followed[c.target]
+        own[c.source] = min(degree, own.get(c.source, HIGHEST))
+        if loop[source] == loop[target]:
+            of_loop[loop[source]] = min(degree, of_loop.get(loop[source], HIGHEST))
+    found = own.copy()
+    for c, (source, target) in zip(connections, ends, strict=True):
+        if loop[source] == loop[target]:
+            found[c.source] = min(found[c.source], of_loop[loop[source]])
+    return found

@@ -1,0 +1,122 @@
+"""A component of an FMU from elsewhere: variables, units and ranges as its description states them.
+
+Its equations are its own, so that it has no reference, no equilibrium and no energy account.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from fmus.fmi.archive import FmuFileError, archive_faults, opened
+from models.core.component import Component
+from models.core.quantities import Field, Layout, Quantity, Vector
+from models.core.system import ModelError
+
+from .description import TRUTHS, Description, DescriptionError, Variable, described
+
+# `initial` of what can be given a start value though it is no parameter and no input.
+STARTED = ("exact", "approx")
+
+
+class NamedLayout(Layout):
+    """A layout whose names need not be Python's."""
+
+    def __init__(self, scalars: Iterable[Field]) -> None:
+        self.record, self.sizes = type(None), {}
+        self.fields = tuple(scalars)
+        self.names = self.variables = tuple(scalar.name for scalar in self.fields)
+        self.size = len(self.fields)
+        self.start = np.array([scalar.start for scalar in self.fields], dtype=float)
+        self.nominal = np.array([scalar.quantity.nominal for scalar in self.fields], dtype=float)
+        self.dtype = np.dtype([(name, "f8") for name in self.names])
+        self._index = {name: i for i, name in enumerate(self.names)}
+
+    def view(self, vector: Vector) -> Any:
+        return vector
+
+
+@dataclass(frozen=True, eq=False)
+class ForeignComponent(Component):
+    """The component of an FMU from elsewhere; `about` is what its file says."""
+
+    about: Description = None  # type: ignore[assignment]  # given always, after fields with defaults
+
+
+def component_of_file(path: Path) -> Component:
+    """The component that the FMU is; ValueError, with the path, if it cannot take part."""
+    try:
+        status = path.stat()
+    except OSError:
+        raise ValueError(f"{path}: no such file") from None
+    return _component(path, status.st_mtime_ns, status.st_size)
+
+
+@functools.lru_cache(maxsize=256)
+def _component(path: Path, changed: int, size: int) -> Component:
+    try:
+        with opened(path) as archive:
+            if faults := archive_faults(archive):
+                raise FmuFileError(f"{path}: {faults[0]}; give another file")
+        about = described(path)
+    except DescriptionError as error:
+        raise ValueError(f"{path}: {error}; give another file") from None
+    outputs = [v for v in about.variables.values() if v.causality == "output" and v.numeric]
+    inputs = list(about.named("input"))
+    every = tuple(v.name for v in inputs)
+    return ForeignComponent(
+        name=about.model,
+        description=about.text,
+        parameters=_layout(v for v in about.variables.values() if v.settable and v.numeric),
+        state=_layout(v for v in about.variables.values() if v.numeric and _started(v)),
+        inputs=_layout(inputs),
+        outputs=_layout(outputs),
+        derivative=_no_equations,
+        output=_no_equations,
+        energy=_no_equations,
+        feedthrough={v.name: about.depends.get(v.name, every) for v in outputs},
+        samples=False,
+        ode=False,
+        about=about,
+    )
+
+
+def _started(variable: Variable) -> bool:
+    return (
+        variable.causality in ("output", "local")
+        and variable.initial in STARTED
+        and variable.variability != "constant"
+    )
+
+
+def _layout(variables: Iterable[Variable]) -> NamedLayout:
+    return NamedLayout(Field(v.name, quantity_of(v), _inside(v)) for v in variables)
+
+
+def quantity_of(variable: Variable) -> Quantity:
+    """What the variable's number means."""
+    return Quantity(
+        unit=variable.unit or ("1" if variable.discrete else ""),
+        description=variable.description or variable.name,
+        nominal=variable.nominal,
+        minimum=variable.minimum,
+        maximum=variable.maximum,
+        boolean=variable.type in TRUTHS,
+        count=variable.discrete and variable.type not in TRUTHS,
+    )
+
+
+def _inside(variable: Variable) -> float:
+    """The start value; of one that the file leaves open, or has out of its own range, the nearest."""
+    value = 0.0 if variable.start is None or not math.isfinite(variable.start) else variable.start
+    return min(max(value, variable.minimum), variable.maximum)
+
+
+def _no_equations(*arguments: Any) -> NoReturn:
+    raise ModelError("the equations of an FMU from elsewhere are its own")

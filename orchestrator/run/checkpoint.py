@@ -1,0 +1,208 @@
+"""Checkpoints: the evolving data of a coupled run between two macro steps, in one file.
+
+First line: the format and the SHA-256 of the rest; then plain data as JSON: what the run is (`Identity`) and
+its `state`. The file is replaced as a whole, so that a process killed while it writes leaves the checkpoint
+before. The clock decides when a checkpoint is written, and nothing else: a run that is resumed ends with the
+same numbers to the last bit.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import math
+import time as clock
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
+
+from models.core.quantities import Vector
+
+from ..errors import CannotSerializeError, CheckpointError, MistakeError
+from ..participants import Participant
+from ..store.atomic_write import replace
+from ..store.json_codec import Plain, from_text, to_text
+
+FORMAT = "tribocosim checkpoint 1"
+NAME = "checkpoint"
+# With another version of these the last bits may differ.
+COMPUTING = ("tribocosim", "numpy", "scipy", "numba", "llvmlite")
+# Of the wall time at most, where a disk is slow or a state large.
+SHARE = 0.01
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What a run is. With another of these it would not end with the same numbers."""
+
+    versions: Mapping[str, str]  # of the packages that compute
+    scenario: str  # SHA-256 of the resolved scenario file
+    fmus: Mapping[str, str]  # SHA-256 by instance
+
+    @classmethod
+    def of(cls, scenario: Path, fmus: Mapping[str, str]) -> Identity:
+        """Of a run of the resolved scenario file with these FMUs, here and now."""
+        versions = {name: metadata.version(name) for name in COMPUTING}
+        return cls(versions, hashlib.sha256(scenario.read_bytes()).hexdigest(), dict(fmus))
+
+    def check(self, found: Identity, out: Path) -> None:
+        """CheckpointError unless `found`, of the checkpoint in `out`, is the same."""
+        if found.scenario != self.scenario:
+            raise CheckpointError(
+                f"{out / 'scenario.toml'}: is not what the run was begun with; undo the change, or "
+                f"{_over(out)}"
+            )
+        for name, own in self.versions.items():
+            if (theirs := found.versions.get(name)) != own:
+                raise CheckpointError(
+                    f"{out}: the run was begun with {name} {theirs}, this is {own}; install that version, or "
+                    f"{_over(out)}"
+                )
+        for name, own in self.fmus.items():
+            if (theirs := found.fmus.get(name)) != own:
+                raise CheckpointError(
+                    f"components.{name}.participant: the FMU is not the one that the run was begun with "
+                    f"(SHA-256 {own[:16]}..., was {str(theirs)[:16]}...); give it that file, or {_over(out)}"
+                )
+
+
+def _over(out: Path) -> str:
+    return f"start over with tribocosim run {out / 'scenario.toml'} --out {out} --overwrite"
+
+
+def write(path: Path, identity: Identity, state: Plain) -> None:
+    """Replace the checkpoint at `path`, down to the disk."""
+    text = to_text({"identity": asdict(identity), "state": state}).encode("ascii")
+    line = f"{FORMAT} {hashlib.sha256(text).hexdigest()}\n".encode("ascii")
+    replace(path, line + text)
+
+
+def read(path: Path) -> tuple[Identity, Plain]:
+    """What a checkpoint says; CheckpointError if it is damaged or of another format."""
+    out = path.parent.parent
+    try:
+        line, _, text = path.read_bytes().partition(b"\n")
+    except OSError as error:
+        raise CheckpointError(f"{path}: cannot be read ({error.strerror})") from None
+    known, _, digest = line.decode("ascii", "replace").rpartition(" ")
+    if known != FORMAT:
+        raise CheckpointError(f"{path}: is not a checkpoint of this version; {_over(out)}")
+    if hashlib.sha256(text).hexdigest() != digest:
+        raise CheckpointError(f"{path}: the checkpoint is damaged; {_over(out)}")
+    try:
+        content = from_text(text.decode("ascii"))
+        return Identity(**content["identity"]), content["state"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise CheckpointError(f"{path}: is not a checkpoint of a run ({error}); {_over(out)}") from None
+
+
+@contextlib.contextmanager
+def fitting() -> Iterator[None]:
+    """A state that does not fit what takes it is a CheckpointError."""
+    try:
+        yield
+    except (KeyError, ValueError, TypeError, StopIteration) as error:
+        if isinstance(error, MistakeError):
+            raise
+        raise CheckpointError(
+            f"the checkpoint does not fit this run ({error!r}); start it over with tribocosim run ... "
+            "--overwrite"
+        ) from None
+
+
+def serialised(participants: Mapping[str, Participant]) -> dict[str, bytes]:
+    """The evolving data of each; CannotSerializeError where one cannot give it."""
+    found = {}
+    for name, participant in participants.items():
+        if not participant.restorable:
+            raise CannotSerializeError(
+                f"{name}: the FMU cannot save its state (canGetAndSetFMUstate = false)"
+            )
+        saved = participant.save()
+        try:
+            found[name] = participant.to_bytes(saved)
+        finally:
+            participant.release(saved)
+    return found
+
+
+def put_back(participants: Mapping[str, Participant], states: Mapping[str, bytes]) -> None:
+    """Go on from `serialised`."""
+    for name, participant in participants.items():
+        saved = participant.from_bytes(states[name])
+        try:
+            participant.restore(saved)
+        finally:
+            participant.release(saved)
+
+
+@runtime_checkable
+class Continuing(Protocol):
+    """An observer with evolving data of its own."""
+
+    def state(self) -> dict[str, Plain]:
+        """The evolving data; files are on the disk up to here."""
+        ...
+
+    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
+        """In place of `begin`: go on from `state`, forgetting what came after it."""
+        ...
+
+
+@runtime_checkable
+class Keeper(Protocol):
+    """An observer that keeps the whole run."""
+
+    def attach(self, state: Callable[[], dict[str, Plain]]) -> None:
+        """Before `begin`. `state()`, called inside `observe`, is the run's evolving data; what observers
+        before this one have recorded is in it."""
+        ...
+
+
+class Checkpoints:
+    """A Keeper that writes a checkpoint to `path` at the start, every `every` seconds of wall time, when the
+    run is `asked` to stop, and at `stop_time`.
+
+    Where a participant cannot be serialised there are none, and `say` is told why.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        identity: Identity,
+        every: float,
+        stop_time: float,
+        asked: Callable[[], bool],
+        say: Callable[[str], None],
+    ) -> None:
+        self._path, self._identity = path, identity
+        self._every, self._stop = every, stop_time
+        self._asked, self._say = asked, say
+        self._due = 0.0
+
+    def attach(self, state: Callable[[], dict[str, Plain]]) -> None:
+        self._state = state
+
+    def begin(self, names: Sequence[str]) -> None:
+        pass
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Any) -> None:
+        if clock.monotonic() >= self._due or time >= self._stop or self._asked():
+            self._write()
+
+    def _write(self) -> None:
+        began = clock.monotonic()
+        try:
+            write(self._path, self._identity, self._state())
+        except CannotSerializeError as error:
+            self._say(f"no checkpoints: {error}")
+            self._due = self._stop = math.inf
+            self._asked = lambda: False
+            return
+        now = clock.monotonic()
+        self._due = now + max(self._every, (now - began) / SHARE)
+
+    def end(self, complete: bool, message: str) -> None:
+        pass

@@ -1,0 +1,171 @@
+"""The coupled run: macro steps from start to stop, watched by observers."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.core.quantities import Vector
+from models.core.system import System
+
+from ..engine.exchange import Exchange
+from ..engine.observer import Observer, Watching
+from ..engine.step import STOP, Step
+from ..errors import EndedError, RunError
+from ..masters import Master
+from ..participants import Participant
+from ..stepping import FixedSteps, Stepper, watched
+from ..store.json_codec import Plain
+from .checkpoint import Continuing, Keeper, fitting, put_back, serialised
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """What a run took. `do_steps` counts the steps of single participants, rejected ones too."""
+
+    macro_steps: int
+    rejected_steps: int
+    iterations: int
+    do_steps: int
+    coupled_time_s: float
+
+
+class LatestOutputs:
+    """All outputs of all participants after the latest step, read once, when they are asked for."""
+
+    def __init__(self, exchange: Exchange) -> None:
+        self._exchange = exchange
+        self._values = np.zeros(exchange.system.outputs.size)
+        self._read = False
+
+    def outdate(self) -> None:
+        """A step has been made."""
+        self._read = False
+
+    def __call__(self) -> Vector:
+        if not self._read:
+            self._exchange.read_all(self._values)
+            self._read = True
+        return self._values
+
+
+def simulate(
+    system: System,
+    participants: Mapping[str, Participant],
+    master: Master,
+    steps: Stepper | float,
+    stop_time: float,
+    observers: Sequence[Observer] = (),
+    start_time: float = 0.0,
+    resumed: Plain | None = None,
+) -> Statistics:
+    """Step `participants` (by instance name) from `start_time` to `stop_time` with `master`.
+
+    `steps` chooses the macro steps; a number is their length (s). The last step ends at `stop_time`.
+    RunError says what went wrong; observers have then seen everything up to the last good step.
+    Participants are not closed. `resumed` is the state, as a `Keeper` got it, from which such a run goes on;
+    CheckpointError if it does not fit.
+    """
+    if isinstance(steps, (int, float)):
+        if not steps > 0.0:
+            raise RunError(f"macro_step = {steps:g} s: must be > 0")
+        steps = FixedSteps(float(steps))
+    if not stop_time > start_time:
+        raise RunError(f"stop_time = {stop_time:g} s: must be after the start at {start_time:g} s")
+    exchange = Exchange(system, participants, master.degree, watched(system) if steps.locates else None)
+    outputs = LatestOutputs(exchange)
+    made = rejected = iterations = 0
+    time, began = start_time, clock.perf_counter()
+
+    def state() -> dict[str, Plain]:
+        return {
+            "time": time,
+            "made": made,
+            "rejected": rejected,
+            "iterations": iterations,
+            "elapsed": clock.perf_counter() - began,
+            "exchange": exchange.snapshot(),
+            "steps": steps.state(),
+            "participants": serialised(participants),
+            "observers": [observer.state() for observer in observers if isinstance(observer, Continuing)],
+        }
+
+    message, complete = "", False
+    for observer in observers:
+        if isinstance(observer, Watching):
+            observer.watch(exchange)
+    _begin(observers, system.outputs.names, state, resumed)
+    try:
+        exchange.initialise(start_time, stop_time)
+        steps.begin(exchange, master, start_time, stop_time)
+        began = clock.perf_counter()
+        if resumed is None:
+            _show(observers, outputs, Step(start_time, 0.0, 0))
+        else:
+            time, made, rejected = resumed["time"], resumed["made"], resumed["rejected"]
+            iterations = resumed["iterations"]
+            began -= resumed["elapsed"]
+            with fitting():
+                exchange.resume(resumed["exchange"])
+                steps.resume(resumed["steps"])
+                put_back(participants, resumed["participants"])
+        while time < stop_time:
+            try:
+                step = steps.step(time)
+            except EndedError as error:
+                # Of one alone all is known; others may have gone on without it.
+                if len(participants) == 1 and error.inside(time):
+                    made += 1
+                    _show(observers, outputs, Step(error.reached, error.reached - time, 1, reason=STOP))
+                raise
+            time = step.end
+            made, rejected, iterations = made + 1, rejected + step.rejected, iterations + step.iterations
+            _show(observers, outputs, step)
+        complete = True
+    except KeyboardInterrupt:
+        message = "interrupted"
+        raise
+    except Exception as error:
+        message = str(error)
+        raise
+    finally:
+        elapsed = clock.perf_counter() - began
+        with ExitStack() as ends:  # all of them, whatever one raises
+            for observer in reversed(observers):
+                ends.callback(observer.end, complete, message)
+    return Statistics(made, rejected, iterations, int(exchange.calls.sum()), elapsed)
+
+
+def _begin(
+    observers: Sequence[Observer],
+    names: Sequence[str],
+    state: Callable[[], dict[str, Plain]],
+    resumed: Plain | None,
+) -> None:
+    """Begin with every observer, or have it go on from its own state; if one cannot, end the others."""
+    own = iter(resumed["observers"]) if resumed is not None else None
+    begun: list[Observer] = []
+    try:
+        for observer in observers:
+            if isinstance(observer, Keeper):
+                observer.attach(state)
+            if own is not None and isinstance(observer, Continuing):
+                with fitting():
+                    observer.resume(names, next(own))
+            else:
+                observer.begin(names)
+            begun.append(observer)
+    except Exception as error:
+        for observer in begun:
+            observer.end(False, str(error))
+        raise
+
+
+def _show(observers: Sequence[Observer], outputs: LatestOutputs, step: Step) -> None:
+    outputs.outdate()
+    for observer in observers:
+        observer.observe(step.end, outputs, step)

@@ -1,0 +1,136 @@
+"""What a scenario asks of its FMU files, and what they say that they can do."""
+
+from __future__ import annotations
+
+import zipfile
+from collections import Counter
+from pathlib import Path
+
+import fmpy
+
+from ..participants.description import Description, described
+from . import Scenario, ScenarioError, line_of
+
+# Part of a step by which a time may miss a whole number of steps: far more than rounding.
+WHOLE = 1e-6
+
+
+def check_foreign(scenario: Scenario) -> None:
+    """ScenarioError where FMUs that stand for themselves, or connections that change values, are asked for
+    what only a system's equations give."""
+    wanted = (
+        ("reference.enabled = true", "set reference.enabled = false")
+        if scenario.reference.enabled
+        else ("start = 'equilibrium'", "set start = 'given'")
+    )
+    if scenario.reference.enabled or scenario.start == "equilibrium":
+        for line in map(line_of, scenario.connections):
+            if line.factor is not None or line.offset is not None:
+                raise ScenarioError(
+                    f"{wanted[0]}: the connection {str(line)!r} changes values, which the equations of the "
+                    f"system do not know; {wanted[1]}, or connect variables as they are"
+                )
+    foreign = [name for name, table in scenario.components.items() if table.foreign]
+    if not foreign:
+        return
+    named = f"{', '.join(foreign)}: FMUs from elsewhere, whose equations are not known here"
+    if scenario.reference.enabled:
+        raise ScenarioError(
+            f"reference.enabled = true: {named}, so that there is no reference; set reference.enabled = false"
+        )
+    if scenario.start == "equilibrium":
+        raise ScenarioError(f"start = 'equilibrium': {named}; set start = 'given'")
+
+
+def check_abilities(scenario: Scenario) -> None:
+    """ScenarioError where a given .fmu file cannot do what the scenario's steps need."""
+    files = {
+        name: Path(table.participant)
+        for name, table in scenario.components.items()
+        if table.participant.endswith(".fmu")
+    }
+    for name, path in files.items():
+        if fault := _no_binary(path, described(path)) or _fault(scenario, name, described(path)):
+            raise ScenarioError(f"components.{name}.participant: {path}: {fault}")
+    shared = Counter(path.resolve() for name, path in files.items() if not scenario.components[name].apart)
+    for name, path in files.items():
+        if shared[path.resolve()] > 1 and described(path).once_per_process:
+            raise ScenarioError(
+                f"components.{name}.participant: {path}: can be there only once in a process "
+                f"(canBeInstantiatedOnlyOncePerProcess); set components.{name}.process = 'own'"
+            )
+
+
+def _no_binary(path: Path, about: Description) -> str:
+    """What there is instead of a library for this platform; empty if there is one."""
+    here = fmpy.platform_tuple if about.version == "3.0" else fmpy.platform
+    with zipfile.ZipFile(path) as archive:
+        names = archive.namelist()
+    wanted = f"{about.identifier}{fmpy.sharedLibraryExtension}"
+    if f"binaries/{here}/{wanted}" in names:
+        return ""
+    libraries = [name for name in names if name.endswith(fmpy.sharedLibraryExtension)]
+    if other := [name for name in libraries if name.startswith(f"binaries/{here}/")]:
+        found = ", ".join(other)
+        return f"has no binaries/{here}/{wanted}, its modelIdentifier, but {found}; rename one of them"
+    parts = [name.split("/") for name in names]
+    places = sorted({part[1] for part in parts if part[0] == "binaries" and len(part) > 2})
+    return f"has no binary for {here} (it has {', '.join(places) or 'none'}); give a file that has one"
+
+
+def _fault(scenario: Scenario, name: str, about: Description) -> str:
+    """What keeps the FMU from taking part, with the remedy; empty if nothing does."""
+    table = scenario.components[name]
+    if scenario.master.made().implicit:
+        varied = f"the master {scenario.master.name}", "take the master jacobi or gauss_seidel"
+    elif scenario.step_control:
+        varied = "[step_control]", "leave it out"
+    elif scenario.event_tolerance:
+        varied = "event_tolerance", "leave it out"
+    else:
+        varied = None
+    if varied and not about.restorable:
+        return (
+            f"cannot be taken back (canGetAndSetFMUstate = false), as {varied[0]} has to; {varied[1]}, or "
+            "give another file"
+        )
+    lengths = (
+        "[step_control]" if scenario.step_control else "",
+        "event_tolerance" if scenario.event_tolerance else "",
+        f"components.{name}.retries" if table.retries else "",
+    )
+    cause = next(filter(None, lengths), "")
+    if not about.variable_step:
+        if cause:
+            return (
+                "takes steps of one length only (canHandleVariableCommunicationStepSize = false), and "
+                f"{cause} makes others; leave it out"
+            )
+        if _broken(scenario.stop_time, scenario.macro_step):
+            return (
+                "takes steps of one length only (canHandleVariableCommunicationStepSize = false), and "
+                f"stop_time = {scenario.stop_time:g} s is no whole number of macro_step = "
+                f"{scenario.macro_step:g} s; change one of them"
+            )
+    return ""
+
+
+def unsynchronised(scenario: Scenario) -> list[str]:
+    """A line for each FMU whose own steps (fixedInternalStepSize) do not end where macro steps do."""
+    found = []
+    for name, table in scenario.components.items():
+        if not table.participant.endswith(".fmu"):
+            continue
+        own, step = described(Path(table.participant)).fixed_step, scenario.macro_step / table.substeps
+        if own and (scenario.step_control or _broken(step, own)):
+            found.append(
+                f"components.{name}: moves by steps of {own:g} s (fixedInternalStepSize), which macro steps "
+                "do not end with, so that its outputs may be those of an earlier time; take a macro_step "
+                "that is a multiple of it"
+            )
+    return found
+
+
+def _broken(length: float, part: float) -> bool:
+    """Whether `length` is no whole number of parts."""
+    return abs(length / part - round(length / part)) > WHOLE or round(length / part) < 1

@@ -1,0 +1,112 @@
+"""What connections do to values on their way: units that differ, factors and offsets."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from models.core.quantities import Layout, Quantity
+from models.core.system import Instance, parse_port
+
+from ..participants import ForeignComponent
+from ..participants.description import Unit
+from ..participants.transformed import Linear
+from . import Line, ScenarioError
+from .units import in_base_units
+
+Transformations = dict[str, dict[str, Linear]]
+
+
+def transformations(instances: Mapping[str, Instance], lines: Sequence[Line]) -> Transformations:
+    """The inputs that do not get what they are connected to as it is, by instance and variable.
+
+    Units are converted where both ends state them and an FMU that stands for itself is at one of them; a
+    line with a factor or an offset means the numbers as they are. ScenarioError for kinds that do not fit.
+    """
+    found: Transformations = {}
+    for line in lines:
+        source, target = (
+            parse_port(line.source, instances, "output"),
+            parse_port(line.target, instances, "input"),
+        )
+        given = instances[source.instance].component.outputs.field(source.variable).quantity
+        wanted = instances[target.instance].component.inputs.field(target.variable).quantity
+        if wanted.discrete and not given.discrete:
+            kind = "true or false" if wanted.boolean else "whole numbers"
+            raise ScenarioError(f"{line}: a real number does not fit an input that takes {kind}")
+        if line.factor is not None or line.offset is not None:
+            linear: Linear | None = Linear(1.0 if line.factor is None else line.factor, line.offset or 0.0)
+        else:
+            linear = _converted(
+                given.unit,
+                _units(instances[source.instance]),
+                wanted.unit,
+                _units(instances[target.instance]),
+            )
+        if linear is not None and (linear != Linear() or given.unit != wanted.unit):
+            found.setdefault(target.instance, {})[target.variable] = linear
+    return found
+
+
+def connectable(
+    instances: Mapping[str, Instance], lines: Sequence[Line], made: Transformations
+) -> dict[str, Instance]:
+    """The instances as they are seen through these transformations: inputs in their sources' units."""
+    changed: dict[str, dict[str, Quantity]] = {}
+    for line in lines:
+        source, target = (
+            parse_port(line.source, instances, "output"),
+            parse_port(line.target, instances, "input"),
+        )
+        if target.variable in made.get(target.instance, {}):
+            unit = instances[source.instance].component.outputs.field(source.variable).quantity.unit
+            own = instances[target.instance].component.inputs.field(target.variable).quantity
+            changed.setdefault(target.instance, {})[target.variable] = replace(own, unit=unit)
+    return {
+        name: replace(i, component=replace(i.component, inputs=_with(i.component.inputs, changed[name])))
+        if name in changed
+        else i
+        for name, i in instances.items()
+    }
+
+
+def _with(layout: Layout, quantities: Mapping[str, Quantity]) -> Layout:
+    """The layout with other quantities for these."""
+    made = copy.copy(layout)
+    made.fields = tuple(replace(f, quantity=quantities.get(f.name, f.quantity)) for f in layout.fields)
+    return made
+
+
+def _units(instance: Instance) -> Mapping[str, Unit] | None:
+    """Those that an FMU from elsewhere defines; None of a component that is none."""
+    component = instance.component
+    return component.about.units if isinstance(component, ForeignComponent) else None
+
+
+def _converted(
+    given: str, given_units: Mapping[str, Unit] | None, wanted: str, wanted_units: Mapping[str, Unit] | None
+) -> Linear | None:
+    """None where the system has to judge, which knows one spelling of each unit."""
+    if given_units is None and wanted_units is None:
+        return None
+    return linear_between(given, given_units or {}, wanted, wanted_units or {})
+
+
+def linear_between(
+    given: str, given_units: Mapping[str, Unit], wanted: str, wanted_units: Mapping[str, Unit]
+) -> Linear | None:
+    """From one unit to the other, each by these definitions or as it is generally known; None where they
+    do not fit, or are not known."""
+    if not given or not wanted:
+        return Linear()  # an FMU that does not say what it means
+    one, other = _base(given, given_units), _base(wanted, wanted_units)
+    if one is None or other is None or one.exponents != other.exponents:
+        return None
+    if (one.factor, one.offset) == (other.factor, other.offset):
+        return Linear()
+    return Linear(one.factor / other.factor, (one.offset - other.offset) / other.factor)
+
+
+def _base(unit: str, units: Mapping[str, Unit]) -> Unit | None:
+    return units.get(unit) or in_base_units(unit)

@@ -1,0 +1,219 @@
+"""Scenario files: found, extended, overridden, read and written.
+
+A file may extend another (`extends = "valve-train"`, a shipped scenario or a path beside the file): its
+tables are merged into the other's, its connections are added, and what has no meaning any more is dropped:
+options of a master that is replaced, and with [step_control] the other's `output_step`.
+"""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from models.core.system import suggestion
+
+from ..masters import MASTERS
+from ..ssp import contents as contents_of_package
+from . import Scenario, ScenarioError, elsewhere, scenario_of
+from .values import value_of
+
+SHIPPED = Path(__file__).parent / "shipped"
+
+
+def shipped() -> dict[str, Path]:
+    """The scenarios that come with the program, by name."""
+    return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+
+
+def find(name: str | Path, beside: Path | None = None) -> Path:
+    """The file of a shipped scenario or a path; ScenarioError if there is neither."""
+    if str(name) in shipped():
+        return shipped()[str(name)]
+    path = (beside or Path()) / Path(name).expanduser()
+    if path.is_file():
+        return path
+    if path.is_dir():
+        raise ScenarioError(f"{path}: is a folder; give {_in_folder(path)}")
+    if path.suffix in (".toml", ".ssp"):
+        raise ScenarioError(f"{path}: no such scenario file; {_beside(path)}")
+    raise ScenarioError(
+        f"no scenario {str(name)!r}; {suggestion(str(name), shipped())} (or give the path of a .toml or .ssp "
+        "file)"
+    )
+
+
+def _in_folder(folder: Path) -> str:
+    """What to give instead of a folder."""
+    found = [*sorted(folder.glob("*.toml")), *sorted(folder.glob("*/scenario.toml"))]
+    files = [str(file) for file in found if file.name != "pyproject.toml"]
+    if files:
+        return f"a file in it: {', '.join(files[:5])}"
+    return f"the path of a .toml file, or a shipped scenario: {', '.join(shipped())}"
+
+
+def _beside(path: Path) -> str:
+    """What to give instead of a file that is not there."""
+    near = {file.stem: str(file) for file in path.parent.glob("*.toml")} | {name: name for name in shipped()}
+    close = difflib.get_close_matches(path.stem, near, n=1, cutoff=0.75)
+    return f"did you mean {near[close[0]]}?" if close else f"shipped scenarios: {', '.join(shipped())}"
+
+
+def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
+    """The scenario with `overrides` ("path=value") applied; ScenarioError with a line for each fault."""
+    path = find(name)
+    content = contents(path)
+    for text in overrides:
+        override(content, text)
+    _resolve_paths(content, Path.cwd())  # those that were set; the file's own are absolute
+    try:
+        return scenario_of(content)
+    except ScenarioError as error:
+        own = faults(contents(path))  # without what was set
+        lines = str(error).split("\n")
+        marked = (f"{f'{path.name}:' if line in own else '--set'} {line}" for line in lines)
+        raise ScenarioError("\n".join(marked)) from None
+
+
+def faults(content: dict[str, Any]) -> list[str]:
+    """A line for each fault of a file's content."""
+    try:
+        scenario_of(content)
+    except ScenarioError as error:
+        return str(error).split("\n")
+    return []
+
+
+def contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
+    """The tables of a file, with what it extends merged in."""
+    path = path.resolve()
+    if path in chain:
+        raise ScenarioError(f"{path.name}: extends itself ({' -> '.join(p.name for p in (*chain, path))})")
+    content = contents_of_package(path) if path.suffix == ".ssp" else _read(path)
+    base = content.pop("extends", None)
+    content.setdefault("name", path.stem)
+    _resolve_paths(content, path.parent)
+    if base is None:
+        return content
+    if not isinstance(base, str):
+        raise ScenarioError(f"{path.name}: extends = {base!r}: must be the name or path of a scenario")
+    below = contents(find(base, path.parent), (*chain, path))
+    if "step_control" in content:
+        below.pop("output_step", None)
+    return merged(below, content)
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read ({error.strerror})") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{path}: not a valid TOML file: {error}") from None
+
+
+def _resolve_paths(content: dict[str, Any], folder: Path) -> None:
+    """Paths of .fmu files are relative to the scenario file."""
+    components = content.get("components")
+    for table in components.values() if isinstance(components, dict) else ():
+        kind = table.get("participant") if isinstance(table, dict) else None
+        if isinstance(kind, str) and kind.endswith(".fmu"):
+            table["participant"] = str(folder / Path(kind).expanduser())
+
+
+def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """`over` on top of `base`: tables are merged, connections added, other values replaced."""
+    result = dict(base)
+    for key, value in over.items():
+        below = result.get(key)
+        if key == "connections" and isinstance(below, list) and isinstance(value, list):
+            result[key] = [*below, *value]
+        elif isinstance(below, dict) and isinstance(value, dict):
+            if key == "master" and "name" in value:
+                below = without_foreign_options(below, value["name"])
+            result[key] = merged(below, value)
+        else:
+            result[key] = value
+    return result
+
+
+def without_foreign_options(table: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """A [master] table for the master `name`: options that it does not have are dropped."""
+    if name not in MASTERS:
+        return {"name": name}  # the scenario's check says so
+    known = {field.name for field in fields(MASTERS[name])}
+    same = table.get("name") == name
+    return {key: value for key, value in table.items() if same or key in known} | {"name": name}
+
+
+def override(content: dict[str, Any], text: str) -> None:
+    """Apply "path=value", e.g. components.camshaft.parameters.lift=9 mm. The value is TOML, or a text."""
+    path, equals, written = text.partition("=")
+    path = path.strip()
+    if not equals or not path:
+        raise ScenarioError(f"--set {text}: must be path=value, e.g. --set macro_step=2e-6")
+    try:
+        value = tomllib.loads(f"value = {written.strip()}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = written.strip()
+    put(content, path, value, "--set ")
+
+
+def put(content: dict[str, Any], path: str, value: Any, said: str = "") -> None:
+    """Put `value` at `path`, e.g. components.camshaft.parameters.lift; `said` begins the error's message."""
+    keys = keys_of(path)
+    known = list(Scenario.model_fields)
+    if keys[0] not in known:
+        tables = " or ".join(elsewhere(keys[0]))
+        remedy = f"did you mean {tables}?" if tables else suggestion(keys[0], known)
+        raise ScenarioError(f"{said}{path}: unknown key {keys[0]!r}; {remedy}")
+    if path == "master.name":
+        content["master"] = without_foreign_options(content.get("master", {}), str(value))
+        return
+    table = content
+    for i, key in enumerate(keys[:-1]):
+        if i == 1 and key not in table:
+            raise ScenarioError(f"{said}{path}: no component {key!r}; {suggestion(key, table)}")
+        table = table.setdefault(key, {})
+        if not isinstance(table, dict):
+            raise ScenarioError(f"{said}{path}: {'.'.join(keys[: i + 1])} is not a table")
+    table[keys[-1]] = value
+
+
+def keys_of(path: str) -> list[str]:
+    """The keys of a path: components.NAME.parameters.VARIABLE; anything else has one table at most, whose
+    keys may have dots."""
+    keys = path.split(".")
+    depth = min(3 if keys[0] == "components" else 1, len(keys) - 1)
+    return [*keys[:depth], ".".join(keys[depth:])]
+
+
+def stated(scenario: Scenario, folder: Path) -> str:
+    """The scenario as TOML with what differs from the defaults; its FMUs are named from `folder` on."""
+    import tomli_w
+
+    content = scenario.model_dump(exclude_defaults=True)
+    for table in content["components"].values():
+        path = Path(table.get("participant", ""))
+        if path.is_relative_to(folder):
+            table["participant"] = path.relative_to(folder).as_posix()
+    return tomli_w.dumps(content)
+
+
+def written(scenario: Scenario) -> str:
+    """The scenario as TOML with all parameters; reading it gives the same run, bit for bit."""
+    import tomli_w
+
+    content = scenario.model_dump(exclude_none=True)
+    for name, table in scenario.components.items():
+        if not table.foreign:  # whose file stands for its own defaults
+            layout = table.made().parameters
+            values = {f.name: value_of(f.quantity, f.start) for f in layout.fields}
+            content["components"][name]["parameters"] = values | table.parameters
+        for empty in ("structure", "parameters", "start", "inputs"):
+            if not content["components"][name].get(empty, True):
+                del content["components"][name][empty]
+    return tomli_w.dumps(content)

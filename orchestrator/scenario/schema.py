@@ -1,0 +1,108 @@
+"""The JSON schema of scenario files, for editors: names, units and descriptions of all variables."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields
+from typing import Any
+
+from models.catalogue import CATALOGUE
+from models.core.quantities import Layout
+
+from ..masters import MASTERS
+from . import Scenario
+from .values import component_of
+
+
+def schema() -> dict[str, Any]:
+    """Of a scenario file, which may extend another and then need not be whole."""
+    made: dict[str, Any] = Scenario.model_json_schema()
+    made["$schema"] = "https://json-schema.org/draft/2020-12/schema"
+    made["title"] = "tribocosim scenario"
+    made["properties"]["extends"] = {
+        "type": "string",
+        "description": "A shipped scenario, or the path of a file, that this one changes",
+    }
+    required = [name for name in made.pop("required") if name != "name"]
+    made["if"] = {"not": {"required": ["extends"]}}
+    made["then"] = {"required": required}
+    table = made["$defs"]["ComponentTable"]
+    component = table["properties"]["component"]
+    table["properties"]["component"] = {
+        "enum": list(CATALOGUE),
+        "description": component["description"],
+    }
+    table["allOf"] = [
+        {"if": {"properties": {"component": {"const": name}}, "required": ["component"]}, "then": _of(name)}
+        for name in CATALOGUE
+    ]
+    made["$defs"]["MasterTable"] = _masters()
+    return made
+
+
+def text() -> str:
+    """As published in docs/scenario.schema.json."""
+    return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
+
+
+def _of(name: str) -> dict[str, Any]:
+    component = component_of(name)
+    layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
+    return {
+        "properties": {key: _variables(layout) for key, layout in layouts.items()}
+        | {
+            "structure": {
+                "properties": {
+                    size: {"type": "integer", "minimum": _smallest(name, size)}
+                    for size in component.structure
+                }
+            }
+        }
+    }
+
+
+def _smallest(name: str, size: str) -> int:
+    """The least number that the component takes."""
+    try:
+        component_of(name, ((size, 0),))
+    except ValueError:
+        return 1
+    return 0
+
+
+def _variables(layout: Layout) -> dict[str, Any]:
+    """Vectors have as many elements as the structure says: their names are patterns."""
+    plain: dict[str, Any] = {}
+    patterns: dict[str, Any] = {}
+    for field in map(layout.field, layout.variables):
+        quantity = field.quantity
+        unit = "" if quantity.unit == "1" else f" ({quantity.unit})"
+        default = f"; default: as {quantity.same_as}" if quantity.same_as else ""
+        text = f"{quantity.description}{unit}; {quantity.allowed()}{default}"
+        entry: dict[str, Any] = {"description": text}
+        if quantity.choices:
+            entry["enum"] = list(quantity.choices)
+        elif quantity.boolean:
+            entry["type"] = "boolean"
+        else:
+            entry["type"] = ["number", "string"]
+        if quantity.size:
+            patterns[rf"^{field.name.partition('[')[0]}\[[1-9][0-9]*\]$"] = entry
+        else:
+            plain[field.name] = entry
+    made: dict[str, Any] = {"properties": plain, "additionalProperties": False}
+    return made | ({"patternProperties": patterns} if patterns else {})
+
+
+def _masters() -> dict[str, Any]:
+    options: dict[str, Any] = {}
+    for name, kind in MASTERS.items():
+        for field in fields(kind):
+            options.setdefault(field.name, []).append(name)
+    described = {option: {"description": f"option of {', '.join(of)}"} for option, of in options.items()}
+    return {
+        "type": "object",
+        "description": "The co-simulation master and its options",
+        "properties": {"name": {"enum": list(MASTERS)}} | described,
+        "additionalProperties": False,
+    }

@@ -1,0 +1,137 @@
+"""Numbers with units as users write them: "8 mm", "1000 rpm", "20 degree"."""
+
+from __future__ import annotations
+
+import contextlib
+import difflib
+import functools
+import re
+from typing import Any
+
+from models.compile.cache_folder import private_folder
+
+from ..participants.description import Unit
+
+
+class UnitError(ValueError):
+    """A text that is not a number with a unit of the wanted kind."""
+
+
+# What is suggested where a unit is not known.
+COMMON = (
+    *("mm", "um", "cm", "m", "metre", "millimetre", "micrometre", "inch"),
+    *("ms", "us", "s", "second", "millisecond", "microsecond", "minute"),
+    *("g", "kg", "gram", "kilogram", "N", "kN", "mN", "newton", "N.m", "N.mm", "kN.m"),
+    *("Pa", "kPa", "MPa", "GPa", "bar", "pascal", "Pa.s", "mPa.s", "1/GPa", "1/Pa"),
+    *("deg", "rad", "mrad", "degree", "radian", "rpm", "rad/s", "deg/s", "r/min"),
+    *("mm/s", "m/s", "km/h", "N/mm", "N/m", "kg.m2", "J", "kJ", "mJ", "W", "kW", "Hz", "kHz"),
+)
+
+# As pint calls the base units of FMI, in the order of its attributes.
+BASE = ("kilogram", "meter", "second", "ampere", "kelvin", "mole", "candela", "radian")
+
+_NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
+
+
+# Units of time as they are shown, with what a time in seconds is multiplied by.
+TIMES = (("s", 1.0), ("ms", 1e3), ("us", 1e6))
+
+
+def time_unit(span: float) -> tuple[str, float]:
+    """The unit in which times over `span` (s) read well, and its factor: the longest that is not longer."""
+    return next((shown for shown in TIMES if span * shown[1] >= 1.0), TIMES[-1])
+
+
+def to_unit(text: str, unit: str) -> float:
+    """The number that `text` means in `unit` (SI symbols as in `Quantity`); UnitError if it does not fit.
+
+    Angles count as a dimension of their own, so that r/min is not taken for Hz. A number without a unit
+    is already in `unit`.
+    """
+    match = _NUMBER_AND_UNIT.fullmatch(text)
+    if match is None:
+        if unit == "1":
+            raise UnitError(f"{text!r} is not a number")
+        example = "mm" if unit == "m" else unit
+        raise UnitError(f"{text!r} is not a number with a unit; write for example '8 {example}'")
+    number, given = float(match[1]), match[2]
+    if not given:
+        return number
+    if not unit:
+        raise UnitError(f"{text!r}: the FMU does not say in which unit it is; write a plain number")
+    try:
+        units = _registry().Unit(_as_pint(given))
+    except Exception:
+        raise UnitError(f"{text!r}: {given!r} is not a known unit; {_remedy(given, unit)}") from None
+    try:
+        wanted = _registry().Unit("" if unit == "1" else _as_pint(unit))
+    except Exception:
+        raise UnitError(
+            f"{text!r}: the FMU's unit {unit!r} is not known here; write a plain number in it"
+        ) from None
+    if _kind(units) != _kind(wanted):
+        needed = "a plain number" if unit == "1" else f"a unit like {unit}"
+        raise UnitError(f"{text!r}: the unit {given} does not fit, {needed} is needed")
+    factor = float(_registry().Quantity(1.0, units).to(wanted).magnitude)
+    parts = round(1.0 / factor) if factor < 1.0 else 0
+    # 5 us is 5e-6 s and not 4.9999999999999996e-06: divide where the factor is one over a whole number.
+    if parts and abs(factor * parts - 1.0) < 1e-14:
+        return number / parts
+    return number * factor
+
+
+def is_bare(text: str) -> bool:
+    """Whether it is a number without a unit."""
+    match = _NUMBER_AND_UNIT.fullmatch(text)
+    return match is not None and not match[2]
+
+
+def in_base_units(unit: str) -> Unit | None:
+    """What the unit is in SI base units; None where it is not known, or not a multiple of them."""
+    try:
+        made = _registry().Unit("" if unit == "1" else _as_pint(unit))
+        factor, base = _registry().get_base_units(made)
+        powers = {name: float(power) for name, power in base._units.items()}
+    except Exception:
+        return None
+    exponents = tuple(int(powers.pop(name, 0.0)) for name in BASE)
+    return None if powers else Unit(exponents, float(factor), 0.0)
+
+
+def _remedy(given: str, unit: str) -> str:
+    """What to write instead of an unknown unit where `unit` is wanted."""
+    if unit == "1":
+        return "a plain number is needed"
+    wanted = _kind(_registry().Unit(_as_pint(unit)))
+    fitting = [name for name in COMMON if _kind(_registry().Unit(_as_pint(name))) == wanted]
+    known = {name.lower(): name for name in (*fitting, unit)}
+    close = difflib.get_close_matches(given.lower(), known, n=1)
+    if close:
+        return f"did you mean {known[close[0]]}?"
+    return f"write {' or '.join(dict.fromkeys((unit, *fitting[:3])))}"
+
+
+@functools.cache
+def _registry() -> Any:
+    import pint  # slow to import, and most numbers have no unit
+
+    # Reading pint's file of units takes a third of a second; what it keeps of it, a fiftieth.
+    with contextlib.suppress(Exception):  # no place for files, or one that another process is just writing
+        return pint.UnitRegistry(cache_folder=private_folder(f"pint-{pint.__version__}"))
+    return pint.UnitRegistry()
+
+
+def _as_pint(unit: str) -> str:
+    """FMI's way of writing (N.s/m, kg.m2), r/min and rev as pint reads them."""
+    unit = "revolution" if unit == "rev" else unit
+    unit = unit.replace("r/min", "rpm").replace("°", "degree").replace(".", "*").replace("·", "*")
+    above, slash, below = unit.partition("/")
+    if slash and "*" in below:
+        unit = f"{above}/({below})"
+    return re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", unit)
+
+
+def _kind(units: Any) -> dict[str, float]:
+    """Exponents of the base units, the radian among them."""
+    roots = _registry().get_root_units(units)[1]
+    return {name: float(power) for name, power in roots._units.items() if power}

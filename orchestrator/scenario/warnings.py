@@ -1,0 +1,104 @@
+"""Warnings about a scenario that can be run, but is probably not what its author meant."""
+
+from __future__ import annotations
+
+from ..participants import ForeignComponent
+from . import Scenario, line_of
+from .capabilities import unsynchronised
+from .fmu_limits import limit_notices
+from .third_party_values import bare
+from .values import WithUnit
+
+
+def notices(scenario: Scenario) -> list[str]:
+    """A line for each warning."""
+    found = []
+    if scenario.step_control and scenario.output_step is not None:
+        found.append(
+            f"output_step = {scenario.output_step:g} s: is not used, for with [step_control] every step is "
+            "recorded; leave it out"
+        )
+    elif scenario.output_step is not None:
+        found += _records(scenario, scenario.output_step)
+    if scenario.energy.correction and not scenario.energy.ledger:
+        found.append(
+            "energy.correction = true: nothing counts what it gives back; energy.ledger = true shows it"
+        )
+    return [
+        *found,
+        *_doubted(scenario),
+        *_unloaded(scenario),
+        *_in_own_units(scenario),
+        *unsynchronised(scenario),
+        *limit_notices(scenario),
+    ]
+
+
+def _doubted(scenario: Scenario) -> list[str]:
+    """Numbers without a unit that are plausible in another unit only."""
+    found = []
+    for name, table in scenario.components.items():
+        component = table.made()
+        for key, layout, values in (
+            ("parameters", component.parameters, table.parameters),
+            ("start", component.state, table.start),
+            ("inputs", component.inputs, table.inputs),
+        ):
+            for variable, value in values.items():
+                if isinstance(value, str | WithUnit) or variable not in layout:
+                    continue
+                quantity = layout.field(variable).quantity
+                if values.get(quantity.same_as) == value:
+                    continue  # the other one is doubted
+                if doubt := quantity.doubt(float(value)):
+                    found.append(
+                        f"components.{name}.{key}.{variable} = {value:g} {quantity.unit} "
+                        f"({quantity.description}): {doubt} Write the unit"
+                    )
+    return found
+
+
+def _in_own_units(scenario: Scenario) -> list[str]:
+    """Numbers without a unit, for FMUs from elsewhere whose unit is not SI's."""
+    found = []
+    for name, table in scenario.components.items():
+        component = table.made()
+        if isinstance(component, ForeignComponent):
+            tables = {"parameters": table.parameters, "start": table.start, "inputs": table.inputs}
+            found += [f"components.{name}.{value}" for value in bare(component, tables)]
+    if not found:
+        return []
+    return [f"{', '.join(found)}: numbers without a unit are in the FMU's, which is not SI's here"]
+
+
+def _records(scenario: Scenario, asked: float) -> list[str]:
+    """Records at other times than asked for."""
+    step, every = scenario.macro_step, scenario.record_every
+    made = every * step
+    if abs(made - asked) <= 1e-9 * asked:
+        return []
+    used = f"records are made every {made:.6g} s, {every} macro step{'s' * (every > 1)}"
+    if asked < step:
+        why = f"is shorter than macro_step = {step:g} s; {used}"
+    elif every < round(asked / step):
+        why = (
+            f"is too long for the comparison with the reference, which needs a hundredth of stop_time; "
+            f"{used} (reference.enabled = false keeps it)"
+        )
+    else:
+        why = f"is no multiple of macro_step = {step:g} s; {used}"
+    return [f"output_step = {asked:g} s: {why}"]
+
+
+def _unloaded(scenario: Scenario) -> list[str]:
+    """Contacts whose load is an input that nothing gives."""
+    driven = {line_of(connection).target for connection in scenario.connections}
+    return [
+        f"components.{name}.parameters.load_is_given = true: nothing drives {name}.applied_load, so the "
+        f"contact has no load; connect it, or give components.{name}.inputs.applied_load"
+        for name, table in scenario.components.items()
+        if table.component == "ehl_contact"
+        and table.parameters.get("load_is_given")
+        and f"{name}.applied_load" not in driven
+        and not table.inputs.get("applied_load")
+    ]

@@ -1,0 +1,73 @@
+"""`tribocosim analyse SCENARIO`: what a scenario's coupling will do, before the run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..analyses._evaluate import made, results_in
+from ..errors import MistakeError
+from ..run import assembly
+from ..run.report import Reporter
+from ..scenario.files import load, shipped
+from ..scenario.units import UnitError, to_unit
+from .findings import Survey
+from .sources import linearisations
+from .survey import survey
+
+FILE = "stability"
+
+
+def is_scenario(name: str) -> bool:
+    """The name is that of a shipped scenario, or the path of a file."""
+    return name in shipped() or name.endswith(".toml") or Path(name).is_dir()
+
+
+def analyse_scenario(
+    name: str,
+    settings: Sequence[str] = (),
+    at: Sequence[str] = (),
+    out: Path | None = None,
+    overwrite: bool = False,
+    reporter: Reporter | None = None,
+    build: assembly.Builder | None = None,
+    responses: bool = False,
+) -> Survey:
+    """Survey, print and write into `out` (default: results/NAME-stability).
+
+    `settings` change the scenario ("path=value"); `at` are further instants to linearise at, with a unit
+    or in seconds. FMU files are linearised by their responses, with `responses` all participants, as they
+    would take part in a run (own FMUs made by `build`).
+    Raises ScenarioError, ModelError, MistakeError or OutputFolderError.
+    """
+    from .files import write
+    from .report import sentences, table
+
+    reporter = reporter or Reporter()
+    scenario = load(name, settings)
+    instants = [_instant(text, scenario.stop_time) for text in at]
+    folder = out or Path("results") / f"{scenario.name}-{FILE}"
+    held = results_in(folder, FILE, overwrite)
+    with made(folder):
+        with reporter.stage("linearisation, stability and errors of every method") as bar:
+            system = assembly.at_start(scenario, assembly.system_of(scenario))
+            with linearisations(scenario, system, build, responses) as sources:
+                found = survey(scenario, system, instants, bar.show, sources)
+        for file in held:
+            file.unlink()
+        files = write(found, folder)
+    reporter.console.print(table(found))
+    for line in sentences(found):
+        reporter.line(line)
+    reporter.line(f"results in {folder}: {', '.join(file.name for file in files)}")
+    return found
+
+
+def _instant(text: str, stop: float) -> float:
+    try:
+        time = to_unit(text, "s")
+    except UnitError as error:
+        raise MistakeError(f"--at {text}: {error}") from None
+    if not 0.0 <= time <= stop:
+        raise MistakeError(f"--at {text}: must be between 0 and stop_time = {stop:g} s")
+    return time

@@ -1,0 +1,1 @@
+"""Files of a run: journals while it goes on, and results."""

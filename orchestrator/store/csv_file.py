@@ -1,0 +1,42 @@
+"""The coupled run as CSV, made of its journal: the result's rows, and a table of their units.
+
+The layout is that of the FMI cross-check: one line of names, which are those of the variables, then numbers.
+A unit in a name or a second line would make tools of that layout miss the variables or refuse the file, so
+that units stand in a file of their own.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from pathlib import Path
+
+from .atomic_write import naming, partial, replace
+from .journal import Recorded
+
+ROWS = 4096  # in memory at once
+
+
+def write_csv(path: Path, recorded: Recorded) -> None:
+    """Write "time","instance.variable",... in SI units; the file appears when it is whole."""
+    new = partial(path)
+    try:
+        with naming(path), new.open("w", encoding="utf-8", newline="\n", buffering=1 << 20) as file:
+            quoted = (name.replace('"', '""') for name in recorded.columns)
+            file.write(",".join(f'"{name}"' for name in quoted) + "\n")
+            for block in recorded.blocks(ROWS):
+                # repr: the shortest text that reads back as the same number.
+                file.writelines(",".join(map(repr, row)) + "\n" for row in block.tolist())
+        os.replace(new, path)
+    finally:
+        new.unlink(missing_ok=True)
+
+
+def write_units(path: Path, recorded: Recorded) -> None:
+    """Write a line "variable","unit","description" for each column, in its order."""
+    text = io.StringIO()
+    table = csv.writer(text, quoting=csv.QUOTE_ALL, lineterminator="\n")
+    table.writerow(("variable", "unit", "description"))
+    table.writerows((name, of.unit, of.description) for name, of in recorded.columns.items())
+    replace(path, text.getvalue().encode())

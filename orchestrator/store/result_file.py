@@ -1,0 +1,163 @@
+"""The result file: netCDF (HDF5) with a group for each of coupled run, reference and macro steps.
+
+It is made of the run's journals when the coupled run has ended, in blocks, so that memory stays bounded;
+it appears under its name only when it is whole.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import h5netcdf
+import h5py
+import numpy as np
+
+from models.core.quantities import Quantity, Vector
+
+from .atomic_write import check_room, naming, partial
+from .journal import TIME, Recorded
+from .run_state import unfinished
+
+if TYPE_CHECKING:
+    import xarray
+
+DESCRIBED = 8192  # bytes at most for a variable's names, attributes and places; some 3 kB were measured
+CHUNK = 4096  # rows of a compressed chunk: and of what is written at once: 32 kB of a variable
+
+
+class ResultFile:
+    """A result being written, in a `with` block. `attributes` say what it is of.
+
+    The file appears at the end of the block, if `finish` was called in it; until then it has the name
+    `partial(path)`.
+    """
+
+    def __init__(self, path: Path, attributes: Mapping[str, str]) -> None:
+        self.path = path
+        try:
+            with naming(path):
+                # Chunks are written whole and read once; HDF5 would hold 1 MB of them for each variable.
+                self._hdf5 = h5py.File(partial(path), "w", rdcc_nbytes=CHUNK * 8)
+        except OSError:
+            partial(path).unlink(missing_ok=True)
+            raise
+        self._file = h5netcdf.File(self._hdf5, "r+")
+        self._quantities: dict[str, Mapping[str, Quantity]] = {}
+        self._file.attrs["Conventions"] = "CF-1.10"
+        for name, text in attributes.items():
+            self._file.attrs[name] = text
+        self._finished = False
+
+    def take(self, group: str, recorded: Recorded) -> None:
+        """A new group of a journal's rows."""
+        self._write(group, recorded.columns, recorded.rows, recorded.blocks(CHUNK))
+
+    def write(self, group: str, times: Vector, variables: Mapping[str, Quantity], values: Vector) -> None:
+        """A new group: `values` has a row for each time."""
+        blocks = (
+            np.column_stack([times[first : first + CHUNK], values[first : first + CHUNK]])
+            for first in range(0, len(times), CHUNK)
+        )
+        self._write(group, {"time": TIME, **variables}, len(times), blocks)
+
+    def _write(self, name: str, columns: Mapping[str, Quantity], rows: int, blocks: Iterable[Vector]) -> None:
+        chunk = min(rows, CHUNK) or CHUNK
+        # As if nothing could be compressed.
+        check_room(self.path, len(columns) * (8 * chunk * math.ceil(rows / chunk) + DESCRIBED))
+        self._quantities[name] = {key: value for key, value in columns.items() if key != "time"}
+        group = self._file.create_group(name)
+        # Of an unlimited dimension h5netcdf asks all variables for their length whenever it makes or opens
+        # one; netCDF knows no other of length 0.
+        group.dimensions["time"] = rows or None
+        for key, quantity in columns.items():
+            _make(group, _stored(key), quantity, chunk)
+        # Each by itself: what HDF5 lists as attached to a dimension has been seen to lack one.
+        datasets = [self._hdf5[f"{group.name}/{_stored(key)}"] for key in columns]
+        for first, block in _placed(blocks):
+            for dataset, values in zip(datasets, np.ascontiguousarray(block.T), strict=True):
+                dataset[first : first + len(block)] = values
+
+    def attribute(self, group: str, name: str, value: Any) -> None:
+        """An attribute of a group."""
+        self._file[group].attrs[name] = value
+
+    def read(self, group: str, names: Sequence[str], rows: slice) -> dict[str, Vector]:
+        """Rows of some variables."""
+        return {name: np.asarray(self._file[group][_stored(name)][rows]) for name in names}
+
+    def has(self, group: str) -> bool:
+        """The group exists and has rows."""
+        return self.length(group) > 0
+
+    def quantities(self, group: str) -> dict[str, Quantity]:
+        """What the group's variables are, without `time`."""
+        return dict(self._quantities[group])
+
+    def length(self, group: str) -> int:
+        """Rows of a group; 0 if there is no such group."""
+        if group not in self._file.groups:
+            return 0
+        return int(self._file[group].dimensions["time"].size)
+
+    def finish(self, complete: bool, message: str) -> None:
+        """State how the run ended."""
+        self._file.attrs["complete"] = np.int32(complete)
+        self._file.attrs["message"] = message or "complete"
+        self._finished = True
+
+    def __enter__(self) -> ResultFile:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            with naming(self.path):
+                self._file.close()
+                self._hdf5.close()
+            if self._finished:
+                os.replace(partial(self.path), self.path)
+        finally:
+            partial(self.path).unlink(missing_ok=True)
+
+
+def _stored(name: str) -> str:
+    """A variable's name in the file, where / begins a group: FMUs from elsewhere may have it."""
+    return name.replace("/", "\N{DIVISION SLASH}")
+
+
+def _make(group: h5netcdf.Group, name: str, quantity: Quantity, chunk: int) -> None:
+    variable = group.create_variable(
+        name, ("time",), np.float64, chunks=(chunk,), compression="gzip", compression_opts=1, shuffle=True
+    )
+    variable.attrs["units"] = quantity.unit
+    variable.attrs["long_name"] = quantity.description
+    if quantity.display_unit:
+        variable.attrs["display_units"] = quantity.display_unit
+    if quantity.choices:
+        variable.attrs["flag_meanings"] = " ".join(quantity.choices)
+        variable.attrs["flag_values"] = np.arange(float(len(quantity.choices)))
+
+
+def _placed(blocks: Iterable[Vector]) -> Iterator[tuple[int, Vector]]:
+    """Each block with the number of its first row."""
+    first = 0
+    for block in blocks:
+        yield first, block
+        first += len(block)
+
+
+def open_result(path: Path | str) -> xarray.DataTree:
+    """The result as an xarray DataTree: /coupled, /reference, /steps. `path` is the file or its folder."""
+    import xarray
+
+    path = Path(path)
+    file = path / "result.nc" if path.is_dir() else path
+    if not file.exists() and unfinished(file.parent).exists():
+        raise FileNotFoundError(f"{file}: the run goes on or was killed; tribocosim resume {file.parent}")
+    return xarray.open_datatree(file, engine="h5netcdf")

@@ -1,0 +1,128 @@
+"""Our own masters: each over the problem's macro steps, and with step control over tolerances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from models.core.quantities import Vector
+
+from ...engine.observer import Observer
+from ...engine.signals import DEGREES
+from ...engine.step import Step
+from ...errors import RunError
+from ...masters import MASTERS
+from ...participants import Participant, fmu
+from ...run.assembly import FmuFile
+from ...run.simulation import Statistics, simulate
+from ...stepping import ControlledSteps, StepControl, Stepper
+from .problem import CouplingProblem
+from .run import Row, errors_of
+
+TOOL = "tribocosim"
+# A run is repeated, up to REPEATS times in all, until the runs took this long together; the shortest counts.
+ENOUGH_S = 0.2
+REPEATS = 3
+
+TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+
+
+@dataclass(frozen=True)
+class Method:
+    """A master by name, its signals, and for step control the estimator."""
+
+    master: str
+    extrapolation: str
+    estimator: str = ""
+
+    @property
+    def name(self) -> str:
+        return ", ".join(part for part in (self.master, self.extrapolation, self.estimator) if part)
+
+    def settings(self, problem: CouplingProblem) -> tuple[float, ...]:
+        """The macro steps (s), or the tolerances."""
+        if self.estimator:
+            return TOLERANCES
+        return problem.held_ladder if self.extrapolation == "hold" else problem.ladder
+
+    def steps(self, problem: CouplingProblem, setting: float) -> Stepper | float:
+        """How to choose macro steps; a tolerance is relative, and absolute in nominals."""
+        if not self.estimator:
+            return setting
+        control = StepControl(self.estimator, relative=setting, absolute=setting)
+        return ControlledSteps(problem.ladder[-1], control)
+
+
+FIXED = tuple(Method(master, extrapolation) for master in MASTERS for extrapolation in DEGREES)
+CONTROLLED = (
+    Method("jacobi", "quadratic", "schierz"),
+    Method("gauss_seidel", "quadratic", "step_doubling"),
+    Method("gauss_seidel", "hermite", "step_doubling"),
+    Method("iterated", "quadratic", "predictor_corrector"),
+    Method("iterated", "hermite", "predictor_corrector"),
+)
+METHODS = FIXED + CONTROLLED
+
+
+@dataclass
+class Trace:
+    """An observer that keeps some outputs at the ends of all steps; the start is none."""
+
+    names: Sequence[str]
+    times: list[float] = field(default_factory=list)
+    rows: list[Vector] = field(default_factory=list)
+
+    def begin(self, names: Sequence[str]) -> None:
+        self._columns = [list(names).index(name) for name in self.names]
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        if step.length > 0.0:
+            self.times.append(time)
+            self.rows.append(outputs()[self._columns])
+
+    def end(self, complete: bool, message: str) -> None:
+        pass
+
+
+def measured(problem: CouplingProblem, files: Mapping[str, FmuFile], method: Method, setting: float) -> Row:
+    """A run of the method with a macro step (s), or a tolerance. Errors and time are of different runs."""
+    trace = Trace(problem.outputs)
+    try:
+        statistics = _run(problem, files, method, setting, [trace])
+    except RunError as error:
+        return Row(method.name, TOOL, setting, note=str(error))
+    times: list[float] = []
+    while len(times) < REPEATS and sum(times) < ENOUGH_S:
+        times.append(_run(problem, files, method, setting).coupled_time_s)
+    return Row(
+        method=method.name,
+        tool=TOOL,
+        setting=setting,
+        macro_steps=statistics.macro_steps,
+        rejected_steps=statistics.rejected_steps,
+        iterations=statistics.iterations,
+        calls=statistics.do_steps,
+        wall_time_s=min(times),
+        **errors_of(problem, np.array(trace.times), np.array(trace.rows)),
+    )
+
+
+def _run(
+    problem: CouplingProblem,
+    files: Mapping[str, FmuFile],
+    method: Method,
+    setting: float,
+    observers: Sequence[Observer] = (),
+) -> Statistics:
+    master = MASTERS[method.master](extrapolation=method.extrapolation)
+    participants: dict[str, Participant] = {}
+    try:
+        for name, instance in problem.system.instances.items():
+            participants[name] = fmu(name, files[name].path, instance)
+        steps = method.steps(problem, setting)
+        return simulate(problem.system, participants, master, steps, problem.duration, observers)
+    finally:
+        for participant in participants.values():
+            participant.close()

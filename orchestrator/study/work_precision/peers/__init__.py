@@ -1,0 +1,111 @@
+"""Other tools' masters on the same FMU files. To add one: a file with `simulate(job)`, listed here.
+
+A peer's file stands alone: it runs as a program in a process of its own (a crash there is a row that failed
+here, and no tool sees another's libraries), reads jobs as JSON lines and answers each with a line. It is
+looked up when it is needed; none is a dependency.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from fmpy import read_model_description
+
+from ....run.assembly import FmuFile
+from ..problem import CouplingProblem
+from ..run import Row, errors_of
+
+PEERS = {
+    "fmpy script": "fmpy_script",
+    "ecos": "ecos",
+    "libcosim": "libcosim",
+}
+# Their distributions, whose versions a result names.
+PACKAGES = ("ecospy", "libcosimpy")
+ANSWER = "ANSWER "
+# A tool that hangs is given up after this time for one run.
+PATIENCE_S = 120.0
+
+
+def measured(problem: CouplingProblem, files: Mapping[str, FmuFile], name: str) -> Iterator[Row]:
+    """The peer's runs over the problem's macro steps; one row with a note if it is not there."""
+    jobs = [job(problem, files, step) for step in problem.held_ladder]
+    module = f"{__name__}.{PEERS[name]}"
+    process = subprocess.run(
+        [sys.executable, "-P", "-m", module],
+        input="".join(json.dumps(one) + "\n" for one in jobs),
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE_S * len(jobs),
+        check=False,
+    )
+    answers = [line.removeprefix(ANSWER) for line in process.stdout.splitlines() if line.startswith(ANSWER)]
+    for i, step in enumerate(problem.held_ladder):
+        if i >= len(answers):
+            said = process.stderr.strip().splitlines()
+            note = f"the process ended with {process.returncode}: {said[-1] if said else 'no message'}"
+            yield Row(name, name, step, note=note)
+            return
+        answer = json.loads(answers[i])
+        if "missing" in answer:
+            yield Row(name, name, step, note=f"not installed: {answer['missing']}")
+            return
+        yield _row(problem, name, step, answer)
+
+
+def _row(problem: CouplingProblem, name: str, step: float, answer: Mapping[str, Any]) -> Row:
+    if "failed" in answer:
+        return Row(name, name, step, note=answer["failed"])
+    steps = round(problem.duration / step)
+    values = np.array(answer["values"])
+    common = {
+        "method": name,
+        "tool": name,
+        "setting": step,
+        "macro_steps": steps,
+        "iterations": steps,
+        "calls": steps * len(problem.system.instances),
+        "wall_time_s": min(answer["times"]),
+    }
+    if not np.all(np.isfinite(values)):
+        return Row(**common, note="values that are not finite")
+    return Row(**common, **errors_of(problem, problem.times, values))
+
+
+def job(problem: CouplingProblem, files: Mapping[str, FmuFile], step: float) -> dict[str, Any]:
+    """A run in plain data: every instance's file, and by the FMU's variable names, with their types, the
+    values that are not those the file starts with."""
+    system = problem.system
+    values: dict[str, dict[str, Any]] = {}
+    for name, instance in system.instances.items():
+        known = {v.name: v for v in read_model_description(str(files[name].path)).modelVariables}
+        component = instance.component
+        starts = {component.state.field(k).suffixed("_start"): v for k, v in instance.start.items()}
+        given = {**instance.parameters, **starts, **instance.inputs}
+        values[name] = {
+            key: _typed(known[key].type, value)
+            for key, value in given.items()
+            if value != _number(known[key].start)
+        }
+    return {
+        "files": {name: str(file.path) for name, file in files.items()},
+        "values": values,
+        "connections": [(str(c.source), str(c.target)) for c in system.connections],
+        "outputs": list(problem.outputs),
+        "step": step,
+        "every": round(problem.spacing / step),
+        "samples": len(problem.times),
+    }
+
+
+def _typed(kind: str, value: float) -> Any:
+    return float(value) if kind == "Real" else bool(value) if kind == "Boolean" else int(value)
+
+
+def _number(text: str) -> float:
+    return float({"true": "1", "false": "0"}.get(text, text))
