@@ -1,4 +1,4 @@
-"""`python -m benchmarks [NAME...]` measures and prints; `--write` also fills docs/benchmarks.md.
+"""`python -m benchmarks [NAME...]` measures and prints; `--write` also fills docs/reference/benchmarks.md.
 
 With names, the page's other figures stay as they are.
 """
@@ -15,7 +15,7 @@ NAMES = (
     "macro_steps", "reference", "start_up", "memory", "checkpoint", "slider_crank", "exponent_map",
     "line_contact", "line_preconditioner", "native",
 )  # fmt: skip
-PAGE = Path(__file__).parent.parent / "docs" / "benchmarks.md"
+PAGE = Path(__file__).parent.parent / "docs" / "reference" / "benchmarks.md"
 
 
 def main() -> None:
@@ -48,7 +48,7 @@ def page(figures: dict[str, str]) -> str:
     lines = [
         "# Benchmarks",
         "",
-        "Written by `python -m benchmarks --write`; medians, all candidates side by side in one run.",
+        "Written by `python -m benchmarks --write`. Medians; candidates are measured in turn within one run.",
         f"Python {platform.python_version()}, {platform.system()} {platform.machine()}, "
         f"{os.cpu_count()} cores.",
         "",

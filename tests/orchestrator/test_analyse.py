@@ -157,12 +157,12 @@ def test_poincare_map_ends_early_with_enough_impacts() -> None:
     assert short == all_
 
 
-PAGE = (Path(__file__).parents[2] / "docs" / "analyses.md").read_text("utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "analyses.md").read_text("utf-8")
 COMMANDS = [shlex.split(line) for line in PAGE.split("```sh\n")[1].split("```")[0].splitlines()]
 
 
 def test_the_page_lists_all_analyses() -> None:
-    listed = PAGE.split("```")[0]
+    listed = PAGE.split("```sh")[0]
     assert all(f"`{name}`" in listed for name in names())
     assert {command[2] for command in COMMANDS} == set(names())
 

@@ -1,6 +1,6 @@
 /* One instance of the component: its memory, laid out as memory.py says, and what may be done with it.
 
-   What a call does is told in docs/fmus.md; it is the same as in the FMU that runs in Python (slave.py).
+   What a call does is told in docs/reference/fmus.md; it is the same as in the FMU that runs in Python (slave.py).
    Nothing here knows a version of FMI. */
 #ifndef UNIT_H
 #define UNIT_H

@@ -1,4 +1,4 @@
-"""What native FMUs answer to misuse is what the table in docs/native.md says, row by row."""
+"""What native FMUs answer to misuse is what the table in docs/reference/native-fmus.md says, row by row."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from fmpy import calloc, fmi2, free
 
 from .programs import library_in
 
-PAGE = Path(__file__).parents[3] / "docs" / "native.md"
+PAGE = Path(__file__).parents[3] / "docs" / "reference" / "native-fmus.md"
 STATUSES = {0: "OK", 2: "discard", 3: "error", None: "no instance"}
 CO_SIMULATION, MODEL_EXCHANGE = 1, 0
 UNKNOWN = 100_000

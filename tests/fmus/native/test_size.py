@@ -11,7 +11,7 @@ from fmus.build import NAMES
 from fmus.native.fmu import build
 from fmus.native.machine_code import PLATFORMS
 
-# In bytes: the requirement on native FMUs. docs/native.md tells which exceed it, and why.
+# In bytes: the requirement on native FMUs. docs/theory/native-fmus.md names those that exceed it.
 LIMIT = 200_000
 LARGER = ("slider_crank", "piston_crank", "free_piston_crank")
 SMALL = [name for name in NAMES if name not in LARGER]
