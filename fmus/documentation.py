@@ -73,13 +73,15 @@ def variables_table(component: Any) -> str:
 
 def _row(variable: Variable) -> str:
     unit, shown = unit_of(variable), display_unit_of(variable)
-    default = "" if variable.start is None else f"{variable.start:g}"
-    if default and shown:
-        default += f" ({variable.start * display_factor(unit, shown):g} {shown})"
-    if default and variable.kind == "Enumeration":
-        default = variable.quantity.choices[int(variable.start)]
-    if default and variable.kind == "Boolean":
-        default = str(bool(variable.start)).lower()
+    start, default = variable.start, ""
+    if start is not None:
+        default = f"{start:g}"
+        if shown:
+            default += f" ({start * display_factor(unit, shown):g} {shown})"
+        if variable.kind == "Enumeration":
+            default = variable.quantity.choices[int(start)]
+        if variable.kind == "Boolean":
+            default = str(bool(start)).lower()
     given = variable.causality in ("parameter", "input")
     allowed = variable.quantity.allowed() if given else ""
     cells = (variable.name, "" if unit == "1" else unit, default, allowed, variable.description)

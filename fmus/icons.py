@@ -6,6 +6,7 @@ import io
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,7 +16,7 @@ from PIL import Image
 
 INK, STEEL, OIL = "#1d3557", "#a8b8c8", "#e9a23b"
 COLOURS = 64
-_LINE = {"edgecolor": INK, "linewidth": 2.5}
+_LINE: dict[str, Any] = {"edgecolor": INK, "linewidth": 2.5}
 
 
 def camshaft(axes: Axes) -> None:

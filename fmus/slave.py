@@ -24,7 +24,7 @@ import hashlib
 import math
 import sys
 from threading import get_ident
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -78,7 +78,7 @@ def slave_class(component: Any, model_name: str, digest: str, failures: dict[int
     return type(model_name, (ComponentSlave,), attributes)
 
 
-class ComponentSlave(Fmi2Slave):
+class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
     """See the module. The class attributes are set by `slave_class`."""
 
     component: Any
@@ -99,7 +99,7 @@ class ComponentSlave(Fmi2Slave):
         component, at = self.component, self.memory
         n, m = component.state.size, component.inputs.size
         self._data = data = self.template.copy()
-        self._cells = memoryview(data)
+        self._cells: Any = memoryview(data)  # of doubles
         self._variables = self._cells[: at.end_of_variables]
         self._p = data[: at.starts]
         self._x_start = data[at.starts : at.inputs]
@@ -327,7 +327,7 @@ class ComponentSlave(Fmi2Slave):
         self._host.let_messages_through()
         return False
 
-    def _fatal(self, message: str) -> Any:
+    def _fatal(self, message: str) -> NoReturn:
         self.log(message, Fmi2Status.error, "logStatusError")
         self._host.let_messages_through()
         self._host.survive_exception()

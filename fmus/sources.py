@@ -76,8 +76,8 @@ def _imported(file: Path, root: Path) -> Iterator[Path]:
             folder = file.parents[node.level - 1]
             base = folder.joinpath(*node.module.split(".")) if node.module else folder
             yield from _files(base)
-            for name in node.names:
-                yield from _files(base / name.name)
+            for imported in node.names:
+                yield from _files(base / imported.name)
         elif isinstance(node, (ast.Import, ast.ImportFrom)):
             names = [node.module] if isinstance(node, ast.ImportFrom) else [name.name for name in node.names]
             for name in names:

@@ -92,8 +92,8 @@ def model_description(
     root.attrib |= about(component, origin)
     root.set("numberOfEventIndicators", str(component.events.count if exchange and component.events else 0))
     if exchange:
-        SubElement(root, "ModelExchange", modelIdentifier=model_name, **exchange)
-    SubElement(root, "CoSimulation", modelIdentifier=model_name, **abilities)
+        SubElement(root, "ModelExchange", {"modelIdentifier": model_name, **exchange})
+    SubElement(root, "CoSimulation", {"modelIdentifier": model_name, **abilities})
     units(root, variables)
     _types(SubElement(root, "TypeDefinitions"), variables)
     running(root, experiment)
@@ -310,4 +310,4 @@ def _structure(parent: Element, unknowns: Unknowns, place: Mapping[int, int]) ->
         listed = SubElement(parent, name)
         for reference, through in calculated.items():
             by = None if through is None else [place[r] for r in through]
-            SubElement(listed, "Unknown", index=str(place[reference]), **dependencies(by))
+            SubElement(listed, "Unknown", {"index": str(place[reference]), **dependencies(by)})

@@ -58,9 +58,9 @@ def model_description(component: Any, model_name: str, experiment: Experiment, o
         "fmiModelDescription", fmiVersion="3.0", modelName=model_name, instantiationToken=GUID_PLACE
     )
     root.attrib |= about(component, origin)
-    SubElement(root, "ModelExchange", modelIdentifier=model_name, **EXCHANGE)
+    SubElement(root, "ModelExchange", {"modelIdentifier": model_name, **EXCHANGE})
     events = {"mightReturnEarlyFromDoStep": "true" if component.event_counter else "false"}
-    SubElement(root, "CoSimulation", modelIdentifier=model_name, **CO_SIMULATION, **events)
+    SubElement(root, "CoSimulation", {"modelIdentifier": model_name, **CO_SIMULATION, **events})
     units(root, variables)
     _types(SubElement(root, "TypeDefinitions"), types(variables))
     running(root, experiment)
@@ -80,7 +80,7 @@ def model_description(component: Any, model_name: str, experiment: Experiment, o
     made = SubElement(root, "ModelStructure")
     for name, calculated in parts.items():
         for reference, through in _whole(calculated, array).items():
-            SubElement(made, name, valueReference=str(reference), **dependencies(through))
+            SubElement(made, name, {"valueReference": str(reference), **dependencies(through)})
     return text_of(root)
 
 
@@ -102,7 +102,7 @@ def _whole(
 def _types(parent: Element, examples: Mapping[str, Variable]) -> None:
     for name, variable in examples.items():
         if variable.kind == "Real":
-            SubElement(parent, "Float64Type", name=name, **unit_attributes(variable))
+            SubElement(parent, "Float64Type", {"name": name, **unit_attributes(variable)})
         else:
             items(SubElement(parent, "EnumerationType", name=name), variable)
 

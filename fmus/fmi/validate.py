@@ -11,6 +11,7 @@ import zipfile
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
+from typing import Any
 from xml.etree import ElementTree
 
 import fmpy
@@ -173,7 +174,7 @@ def info(path: Path | str) -> FmuInfo:
     )
 
 
-def _range(variable) -> str:
+def _range(variable: Any) -> str:
     """From the least to the largest value, each where it is stated."""
     least, most = (
         getattr(variable, key) or getattr(variable.declaredType, key, None) or "" for key in ("min", "max")
@@ -181,7 +182,7 @@ def _range(variable) -> str:
     return f"{least}..{most}" if least or most else ""
 
 
-def _meaning(variable) -> str:
+def _meaning(variable: Any) -> str:
     """The description; of an enumeration its items, too."""
     items = getattr(variable.declaredType, "items", None) if variable.type == "Enumeration" else None
     named = ", ".join(f"{item.name} = {item.value}" for item in items or ())
@@ -231,7 +232,7 @@ def _content_faults(described: ModelDescription, names: set[str]) -> list[str]:
     return faults
 
 
-def _range_faults(variable) -> list[str]:
+def _range_faults(variable: Any) -> list[str]:
     start = float(variable.start)
     low = -float("inf") if variable.min is None else float(variable.min)
     high = float("inf") if variable.max is None else float(variable.max)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numba
-from numba import carray
 
 from models.compile.kernel import record_of
 from models.core.quantities import Layout
@@ -19,9 +18,9 @@ from models.core.requirements import PLACES
 # The names of entries for requirements, each followed by its number.
 REQUIREMENT, START_REQUIREMENT = "requirement", "start_requirement"
 
-real: Any = numba.types.float64
-index: Any = numba.types.int64
-vector: Any = numba.types.CPointer(real)
+carray: Any = numba.carray  # type: ignore[attr-defined]
+types: Any = numba.types
+real, index, vector = types.float64, types.int64, types.CPointer(types.float64)
 
 
 @dataclass(frozen=True)

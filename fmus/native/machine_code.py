@@ -40,15 +40,15 @@ _LINUX, _WINDOWS, _MAC = (".so", "linux-gnu.2.17"), (".dll", "windows-gnu"), (".
 
 def _platforms() -> Iterator[Platform]:
     """FMI 2 has no names for those with ARM; these are in use (fmpy's among others)."""
-    for (suffix, zig), triple, *names in (
+    for (suffix, zig), triple, fmi2, fmi3 in (
         (_LINUX, "x86_64-unknown-linux-gnu", "linux64", "x86_64-linux"),
         (_LINUX, "aarch64-unknown-linux-gnu", "aarch64-linux", "aarch64-linux"),
         (_WINDOWS, "x86_64-pc-windows-gnu", "win64", "x86_64-windows"),
         (_MAC, "x86_64-apple-macosx11.0.0", "darwin64", "x86_64-darwin"),
         (_MAC, "arm64-apple-macosx11.0.0", "aarch64-darwin", "aarch64-darwin"),
     ):
-        processor = names[1].partition("-")[0]
-        yield Platform(triple, f"{processor}-{zig}", *names, suffix)
+        processor = fmi3.partition("-")[0]
+        yield Platform(triple, f"{processor}-{zig}", fmi2, fmi3, suffix)
 
 
 PLATFORMS: Mapping[str, Platform] = {place.fmi3: place for place in _platforms()}
@@ -101,8 +101,8 @@ def shared_library(
         (here / "kernels.o").write_bytes(object_code(place, kernels))
         for file, text in tables.items():
             (here / file).write_text(text, encoding="utf-8")
-        for source in SHELL.iterdir():
-            (here / source.name).write_bytes(source.read_bytes())
+        for path in SHELL.iterdir():
+            (here / path.name).write_bytes(path.read_bytes())
         sources = [*(source.name for source in shell_sources(fmi)), "tables.c"]
         target = f"{name}{place.suffix}"
         compiler = ["cc", "-target", place.zig, *_C, *_STRICT, "-I.", f"-I{FMI_HEADERS}"]

@@ -13,6 +13,7 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from fmus.fmi.archive import digest_of
 from models.compile.cache_folder import private_folder
@@ -76,6 +77,8 @@ def _translate(name: str, structure: Mapping[str, int]) -> str:
     import llvmlite.binding as llvm
     import numba
 
+    njit: Any = numba.njit  # its types lack the options of the wrappers
+
     for option in _SMALL:  # before what is imported calls its kernels
         llvm.set_option("", option)
 
@@ -86,9 +89,9 @@ def _translate(name: str, structure: Mapping[str, int]) -> str:
     whole = llvm.parse_assembly("")
     symbols = {}
     for entry in entries(CATALOGUE[name](**structure)):
-        compiled = numba.njit(
-            entry.signature, error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True
-        )(entry.function)
+        compiled = njit(entry.signature, error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True)(
+            entry.function
+        )
         (overload,) = compiled.overloads.values()
         symbols[overload.fndesc.mangled_name] = f"kernel_{entry.name}"
         whole.link_in(llvm.parse_assembly(_without_counting(overload.library.get_llvm_str())))
