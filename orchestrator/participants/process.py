@@ -1,6 +1,7 @@
-"""The process of one FMU: it does what `InOwnProcess` asks on standard input, and answers on standard output.
+"""The process of one FMU: it gets messages from `InOwnProcess` by a pipe and answers by another.
 
-What the FMU itself prints goes to standard error. The process ends when its input does.
+At first the pipes are its standard input and output. The FMU then finds an empty standard input and prints
+to standard error. The process ends when the messages do.
 """
 
 from __future__ import annotations
@@ -114,7 +115,9 @@ def main() -> None:
         ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGKILL)
     asked = os.fdopen(os.dup(0), "rb", buffering=0)
     answers = os.fdopen(os.dup(1), "wb", buffering=0)
-    os.dup2(2, 1)  # what the FMU prints must not come among the answers
+    # The FMU must neither read the messages nor print among the answers.
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    os.dup2(2, 1)
     server = Server()
     while True:
         try:

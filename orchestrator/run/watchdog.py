@@ -223,6 +223,7 @@ class Watched:
         self._participant, self._watchdog, self._index = participant, watchdog, index
         self.signal_degrees = participant.signal_degrees
         enclosed, marked = watchdog.enclosed, watchdog.marked
+        self.signal_degrees = participant.signal_degrees
         self.initialise = enclosed(index, "initialisation", participant.initialise)
         self.finish_initialisation = enclosed(
             index, "end of initialisation", participant.finish_initialisation

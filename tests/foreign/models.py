@@ -219,6 +219,10 @@ for _name, _reached in {"stuck": "t", "backwards": "t - 1", "timeless": "0.0 / 0
     )
 # Is a number until half of the run.
 MODELS["vanishing"] = replace(MODELS["dahlquist"], step=EXPONENTIAL + " if (t > 0.495) $x = 0.0 / 0.0;")
+# Reads standard input in every step, and expects its end.
+MODELS["listening"] = replace(
+    MODELS["dahlquist"], step="char byte; if (read(0, &byte, 1) != 0) return ERROR; " + EXPONENTIAL
+)
 # These give their rates by the standard's call only.
 MODELS["called"] = replace(
     MODELS["sprung"],

@@ -215,6 +215,14 @@ def test_one_that_hangs_is_ended(tmp_path: Path) -> None:
     assert len(found["time"]) == 51
 
 
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="call_time_limit needs a POSIX system")
+def test_an_fmu_that_reads_standard_input_gets_none_of_the_messages(tmp_path: Path) -> None:
+    path = fmu("listening", 2, tmp_path)
+    summary, found = ran(case(path, "own", call_time_limit=10.0), tmp_path / "out")
+    assert summary.complete, summary.message
+    assert len(found["time"]) == 101
+
+
 def test_no_process_is_left(tmp_path: Path) -> None:
     """Neither of a run that ended well nor of one whose FMU crashed."""
     import psutil
