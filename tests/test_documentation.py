@@ -1,4 +1,4 @@
-"""The page on scenario files says what a scenario can say, and its examples are read."""
+"""The reference of scenario files has every key and choice, and the examples of the documents are read."""
 
 from __future__ import annotations
 
@@ -15,12 +15,17 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.schema import schema
 from orchestrator.stepping.estimators import ESTIMATORS
 
-PAGE = (Path(__file__).parent.parent / "docs" / "scenarios.md").read_text(encoding="utf-8")
-EXAMPLES = re.findall(r"```toml\n(.+?)```", PAGE, re.DOTALL)
+DOCS = Path(__file__).parent.parent / "docs"
+PAGE = (DOCS / "reference" / "scenarios.md").read_text(encoding="utf-8")
 CODE = re.findall(r"```\w*\n(.+?)```|`([^`\n]+)`", PAGE, re.DOTALL)
+EXAMPLES = [
+    example
+    for page in ("reference/scenarios", "how-to/write-a-scenario", "tutorials/first-valve-train")
+    for example in re.findall(r"```toml\n(.+?)```", (DOCS / f"{page}.md").read_text("utf-8"), re.DOTALL)
+]
 
 
-def test_every_key_of_the_schema_and_every_choice_is_on_the_page() -> None:
+def test_every_key_of_the_schema_and_every_choice_is_in_the_reference() -> None:
     content = schema()
     tables = [d["properties"] for name, d in content["$defs"].items() if name.endswith("Table")]
     assert len(tables) == 5
@@ -33,15 +38,15 @@ def test_every_key_of_the_schema_and_every_choice_is_on_the_page() -> None:
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_every_example_is_read(example: str, tmp_path: Path) -> None:
     file = tmp_path / "example.toml"
-    file.write_text(
-        example if "extends" in example else f'extends = "valve-train"\n{example}', encoding="utf-8"
-    )
+    whole = "stop_time" in example
+    file.write_text(example if whole else f'extends = "valve-train"\n{example}', encoding="utf-8")
     load(file)
 
 
-def test_the_example_with_an_fmu_from_elsewhere_is_a_whole_scenario(tmp_path: Path) -> None:
+def test_the_example_with_a_third_party_fmu_is_a_whole_scenario(tmp_path: Path) -> None:
     """With any FMU in its place, whose parameters are others."""
-    (example,) = re.findall(r"```\n([^`]*VanDerPol.fmu.+?)```", PAGE, re.DOTALL)
+    page = (DOCS / "how-to" / "third-party-fmus.md").read_text("utf-8")
+    (example,) = re.findall(r"```\n([^`]*VanDerPol.fmu.+?)```", page, re.DOTALL)
     fmu = build("falling_mass")
     lines = [line for line in example.splitlines() if not line.startswith(("parameters", "start = {"))]
     file = tmp_path / "example.toml"
@@ -49,7 +54,7 @@ def test_the_example_with_an_fmu_from_elsewhere_is_a_whole_scenario(tmp_path: Pa
     assert load(file).stop_time == 20.0
 
 
-EXTENDING = (Path(__file__).parent.parent / "docs" / "how-to" / "extending.md").read_text(encoding="utf-8")
+EXTENDING = (DOCS / "how-to" / "extending.md").read_text(encoding="utf-8")
 
 
 def test_what_masters_are_told_to_call_exists() -> None:

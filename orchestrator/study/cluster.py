@@ -86,7 +86,7 @@ def _there(address: str, timeout: float) -> Iterator[Client]:
         client = Client(address, timeout=timeout)
     except (OSError, ValueError, TypeError, RuntimeError) as error:
         if isinstance(error, FatalCommClosedError | TypeError | RuntimeError):
-            reason = f"{error}; docs/studies.md shows how to name its certificate"
+            reason = f"{error}; docs/how-to/run-a-study.md shows how to name its certificate"
         elif isinstance(error, OSError):
             reason = f"no answer within {timeout:g} s; start one with 'dask scheduler'"
         else:

@@ -102,7 +102,9 @@ def load(name: str, build: Builder) -> Plan:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise StudyError(f"{path}: not a valid TOML file: {error}") from None
     if stray := {"grid", "sobol", "list", "axes", "ranges", "rows"} & set(content):
-        raise StudyError(f"{path.name}: {min(stray)}: belongs into the table [points]; see docs/studies.md")
+        raise StudyError(
+            f"{path.name}: {min(stray)}: belongs in the table [points]; see docs/reference/studies.md"
+        )
     content.setdefault("name", path.stem)
     try:
         return resolved(study_of(content), path.parent, build)

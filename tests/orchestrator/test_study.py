@@ -27,7 +27,7 @@ from orchestrator.study.files import load
 
 from .commands import ROOT, called, said, tribocosim
 
-DOCS = (ROOT / "docs" / "studies.md").read_text()
+DOCS = (ROOT / "docs" / "how-to" / "run-a-study.md").read_text()
 ANALYSIS = "tests.orchestrator.studied"
 GRID = """
 [points]
