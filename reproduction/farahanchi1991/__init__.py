@@ -19,33 +19,30 @@ INTRODUCTION = f"""\
 # Farahanchi (1991), reproduced
 
 *Chaotic and Periodic Dynamics of a Slider Crank Mechanism with Slider Clearance*, M.S. thesis, Michigan
-State University (F): its figures 2.2 and 2.4 to 4.44 drawn, and its statements judged, each as published
-and with the right sign.
+State University (F). The command draws figures 2.2 and 2.4 to 4.44 and judges the statements of the thesis,
+with its own equation of motion and with the corrected one.
 
-**The error.** F's rod has the angle φ − ψ, but its kinetic energy is written with φ̇ + ψ̇. That puts −β
-for +β into the forcing of the equation of motion, for F's engine a factor 1.003 for 1.947, and into every
-result. F prints the right equation once, as (2.27), without using it. `as_published` follows F;
-`corrected` differs in this sign alone.
+**The error.** F's rod has the angle φ − ψ, but its kinetic energy is written with φ̇ + ψ̇. As a result, the
+forcing term has −β instead of +β: for F's engine a factor of 1.003 instead of 1.947. All results are
+affected. Only (2.27) is printed with the right sign. `as_published` follows F; `corrected` differs in this
+sign alone.
 
-**How it is computed.** Motions between impacts by their exact flow, impacts as roots, bounces to their
-limit; no threshold. F integrates with a step of 0.005 and lets the roller slide as soon as it rebounds
-with less than 0.005: where that changes a verdict it is said. As F does, records are 3000 cycles after
-30; e = 0.9 where nothing is said. F does not give its starts. Records begin at ψ = ψ' = 0; whether a
-motion is chaotic (for F: at least 1000 cycles), transiently chaotic or periodic is judged by most of
-{STARTS} random starts, each followed for {STARTS_SOUGHT} cycles, a transient of up to 30 cycles counting
-as none. A motion that slides again and again is exactly periodic in the end, as it is released at a fixed
-angle from rest on the wall, but chaos between the slides can make its period hundreds or thousands of
-cycles long, and rounding decides how long.
+**Method.** Exact flow between impacts, impacts as roots, bounces to their limit point, no threshold. F
+integrates with a step of 0.005 and lets the roller slide as soon as it rebounds with less than 0.005; the
+table says where this changes a verdict. As in F, records are 3000 cycles after 30; e = 0.9 unless stated. F
+does not give its start values: records start at ψ = ψ' = 0. The kind of a motion is that of most of
+{STARTS} random starts, each followed for {STARTS_SOUGHT} cycles; a transient of up to 30 cycles does not
+count ([motions](theory/motions.md)).
 
-**Verdicts**: *met*; *not met*; *cannot be met* where F contradicts itself; *cannot be checked* where what
-it needs is not here. Both columns judge F's words, the first by F's equation, the second by the right
-one. No number is typed in or tuned to F's.
+**Verdicts.** *Met*; *not met*; *cannot be met* where F contradicts itself; *cannot be checked* where the
+data is missing. Both columns judge F's words, the first by F's equation, the second by the corrected one.
+No number is fitted to F's.
 
-Impact distributions are drawn with velocities of approach to the wall, summed over the impacts and
-divided by the cycles, not by the impacts (F (3.6)): see the table.
+Impact distributions show velocities of approach, summed over the impacts and divided by the number of
+cycles rather than of impacts (F (3.6)).
 
-This page and its figures are written by `python -m reproduction farahanchi1991 --out FOLDER`; after a
-change of the models, copy `farahanchi1991.md` and, of `figures`, those that it shows to `docs`.
+`python -m reproduction farahanchi1991 --out FOLDER` writes this page and its figures. After a change of the
+models, copy `farahanchi1991.md` and the figures that it shows to `docs`.
 """
 # Of all figures the page shows these; F's numbers.
 SHOWN = {

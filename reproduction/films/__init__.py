@@ -21,24 +21,27 @@ from .runs import STEP_DEG, Runs
 from .statements import CLAIMS
 
 INTRODUCTION = f"""\
-# Film formulas, judged
+# Published film formulas, judged
 
-The published formulas for the film of a line contact against its numerical solution (Roelands viscosity,
-Dowson-Higginson density). First through the cam's event of the valve train, with load and speed of the
-monolithic solution in adherence form with spring surge: against the *transient* film, which squeezing keeps
-up where entrainment reverses ({NODES} nodes, steps of 0.1° with error control), and every {STEP_DEG:g}°
-against the *steady* one (right to {100.0 * TOLERANCE:g} %), which load, speed and curvature of that instant
-would keep up. Then at contacts sampled over the ranges of Kushwaha's Table 3 (scrambled Sobol' points,
-explicit seeds), steady and with bodies that close evenly, as in the quasi-static solutions behind his
-formula. Last, power laws of two groups fitted to one sample and judged by another.
+Published film formulas for line contacts, compared with the numerical solution (Roelands viscosity,
+Dowson-Higginson density):
 
-Kushwaha's formula is inside its validity where its stated ranges hold, the power laws where the contact is
-elastic-piezoviscous, as their authors' were: by the asymptotes of Martin, Blok and Moes in M and L, of which
-the largest rules, with the lower of the two piezoviscous ones. *Squeezed* is Kushwaha's formula with its
-squeeze term, as the contact's relaxation; the others have none, and are 0 where no oil is entrained.
+1. *Through the cam event of the valve train*, with load and speed of the monolithic solution in adherence
+   form with spring surge. The *transient* solution includes squeeze ({NODES} nodes, steps of 0.1°, error
+   control). The *steady* solution, every {STEP_DEG:g}°, is that for the load, speed and curvature of the
+   instant (accurate to {100.0 * TOLERANCE:g} %).
+2. *Over the ranges of Kushwaha's Table 3*: contacts sampled by scrambled Sobol' points with fixed seeds,
+   both steady and with bodies that approach each other uniformly, as in the quasi-static solutions behind
+   his formula.
+3. *New power laws* of two groups, fitted to one sample and judged by another.
 
-`python -m reproduction films --out FOLDER` writes this page, its figures and tables; after a change of the
-models, copy `films.md` and the figures from the folder to `docs`.
+A formula is inside its conditions where its author's ranges hold. For Kushwaha's these are the stated
+ranges; for power laws the contact is elastic-piezoviscous, as told by the asymptotes of Martin, Blok and
+Moes. *Squeezed* is Kushwaha's formula with its squeeze term, in the contact's relaxation equation. The
+others have no squeeze term and give no film without entrainment.
+
+`python -m reproduction films --out FOLDER` writes this page, its figures and tables. After a change of the
+models, copy `films.md` and the figures to `docs`.
 """
 BY_SPEED = """\
 ## By speed

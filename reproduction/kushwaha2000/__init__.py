@@ -18,22 +18,25 @@ from .statements import CLAIMS
 INTRODUCTION = """\
 # Kushwaha, Rahnejat and Jin (2000), reproduced
 
-*Valve-train dynamics: a simplified tribo-elasto-multi-body analysis*, Proc. Instn Mech. Engrs 214 K: Figs
-2 to 8 drawn from the models of this project, and every quantitative statement of the paper with the
-computed value and a verdict: *met*; *not met*; *cannot be met* where the statement contradicts the
-paper's others, or the equation as printed has no sensible solution. No number here is typed in or tuned
-to the paper's results. What the paper does not give (lift, preload, steel, lubricant, spring damping,
-shaft) was chosen once; it is the parameter set `kushwaha2000`, the defaults of the components. Statements
-about other authors' cams and measurements are left out.
+*Valve-train dynamics: a simplified tribo-elasto-multi-body analysis*, Proc. Instn Mech. Engrs 214 K. This
+page shows Figs 2 to 8 as computed by the models of this project, and judges every quantitative statement of
+the paper:
 
-All runs are the shipped scenario `valve-train` in adherence form (the follower held to the cam, as in the
-paper), in the steady state. Speeds are those of the camshaft. The film follows (10) with its squeeze
-term, read as the differential equation dh/dt = −(|u|/96.775) ln(h/h_ss). The load exponent of (10) is
-+0.059 in print, where physics wants −0.059: both are shown where it matters, and the printed one is meant
-where nothing is said.
+- *met* or *not met*;
+- *cannot be met*: the statement contradicts others of the paper, or the equation as printed has no sensible
+  solution.
 
-This page and its figures are written by `python -m reproduction kushwaha2000 --out FOLDER`; after a change
-of the models, copy `kushwaha2000.md` and `figures` from the folder to `docs`.
+Values that the paper does not give (lift, preload, steel, lubricant, spring damping, shaft) were chosen
+once, as the defaults of the components (parameter set `kushwaha2000`). No value was fitted to the paper's
+results. Statements about other authors' cams and measurements are left out.
+
+All runs are the scenario `valve-train` in adherence form (the follower stays on the cam, as in the paper),
+in the steady state. Speeds are those of the camshaft. The film follows (10) with its squeeze term, as the
+differential equation dh/dt = −(|u|/96.775) ln(h/h_ss). The load exponent of (10) is printed as +0.059,
+where physics requires −0.059. Both are shown where they matter; elsewhere the printed one applies.
+
+`python -m reproduction kushwaha2000 --out FOLDER` writes this page and its figures. After a change of the
+models, copy `kushwaha2000.md` and `figures` to `docs`.
 """
 
 
