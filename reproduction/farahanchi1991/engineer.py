@@ -24,27 +24,27 @@ HEADINGS = ["(λ, ρ)"] + [
 ]
 # Of each pair of numbers the first is as published, the second with the right sign.
 FINDINGS = (
-    "**Permanent sliding.** As ρ → 0 a slider on the upper wall never leaves it from λ = {limits[0]:.4f} on "
-    "as published, from {limits[1]:.4f} on with the right sign. As λ ∝ 1/Ω, an engine can run without piston "
-    "slap up to {faster:.2f} times the speed that F's equations give. A bouncing motion may exist beside the "
-    "rest: (0.15, 0.02) with the right sign.",
-    "**Side changes.** At λ = 0.01 (high speed) the wall force changes its sign {changes[0]} times a cycle "
-    "as published and {changes[1]} times with the right sign: the slider crosses the gap near mid stroke "
-    "too, not only at the dead centres. The largest force is {force[1]:.3f} for {force[0]:.3f} M l Ω².",
-    "**Low speed (λ = 0.15 to 0.25).** As published {still[0]} of the 9 cases are free of impacts, with the "
-    "right sign {still[1]}: F's Figs. 4.24 to 4.37 show impacts and chaos where there is a piston at rest on "
-    "one side of its bore.",
-    "**High speed (λ = 0.025 to 0.075).** With the right sign the impacts take {energy[0]:.2f} to "
-    "{energy[1]:.2f} times the energy, the hardest impact has {speed[0]:.2f} to {speed[1]:.2f} times the "
-    "velocity, and {same} of 9 motions are of the kind that F's equations give. The forecast of where a "
-    "chaotic or a periodic motion is to be found does not carry over, nor does the place of the impacts: "
-    "compare the panels of Figs. 4.6 to 4.14.",
+    "**Permanent sliding.** As ρ → 0, a slider stays on the upper wall for good from λ = {limits[0]:.4f} as "
+    "published and from {limits[1]:.4f} corrected. Since λ ∝ 1/Ω, an engine runs without piston slap up to "
+    "{faster:.2f} times the speed that F's equations give. A bouncing motion may coexist with rest, as at "
+    "(0.15, 0.02) corrected.",
+    "**Side changes.** At λ = 0.01 (high speed) the wall force changes sign {changes[0]} times a cycle as "
+    "published and {changes[1]} times corrected: the slider crosses the gap near mid-stroke too, not only "
+    "at the dead centres. The largest force is {force[1]:.3f} M l Ω² corrected, {force[0]:.3f} as "
+    "published.",
+    "**Low speed (λ = 0.15 to 0.25).** {still[0]} of the 9 cases are free of impacts as published, "
+    "{still[1]} corrected: F's Figs. 4.24 to 4.37 show impacts and chaos where the piston rests on one side "
+    "of its bore.",
+    "**High speed (λ = 0.025 to 0.075).** Corrected, impacts dissipate {energy[0]:.2f} to {energy[1]:.2f} "
+    "times the energy as published, and the hardest impact has {speed[0]:.2f} to {speed[1]:.2f} times the "
+    "velocity. {same} of 9 motions are of the same kind. F's equations do not predict where motions are "
+    "chaotic or where on the walls impacts occur: compare the panels of Figs. 4.6 to 4.14.",
     "**Automotive restitution (e = 0.4).** The 18 cases slide {slides[0]:.0f%} of the time as published, "
-    "{slides[1]:.0f%} with the right sign.",
+    "{slides[1]:.0f%} corrected.",
 )
 TABLE = (
-    f"Motion by most of {STARTS} starts, share of the time in which the roller slides, largest velocity of "
-    "approach over lΩ and energy that the impacts take per cycle over M l²Ω² (in millionths), 3000 cycles "
+    f"Kind of motion of most of {STARTS} starts; share of the time that the slider slides; largest velocity "
+    "of approach over lΩ; energy that impacts dissipate per cycle over M l²Ω² (in millionths). 3000 cycles "
     "after 30, e = 0.9:\n"
 )
 

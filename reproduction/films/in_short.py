@@ -26,28 +26,30 @@ NAMES = {
 }  # fmt: skip
 SENTENCES = (
     "Kushwaha's (10) as printed (+0.059) is {printed.inside_low:.2f}-{printed.inside_high:.2f} times the "
-    "steady numerical central film where Table 3 holds in the event ({shares.each} r/min), up to "
-    "{printed.outside_high:.1f} elsewhere; with −0.059 it is "
-    "{negative.inside_low:.2f}-{negative.inside_high:.2f}, and up to {negative.outside_high:.1f}.",
-    "Over all of Table 3 the printed one is {table.steady_low:.2f}-{table.steady_high:.2f} times (median "
-    "{table.steady_median:.2f}): it misses that films between nearly rigid bodies fall as 1/W. The other "
-    "sign: {table_negative.steady_low:.2f}-{table_negative.steady_high:.2f}. With squeeze "
-    "{table.squeezed_low:.2f}-{table.squeezed_high:.2f} and "
+    "steady numerical central film in the part of the event inside Table 3 ({shares.each} r/min), and up to "
+    "{printed.outside_high:.1f} times outside. With −0.059 it is "
+    "{negative.inside_low:.2f}-{negative.inside_high:.2f} times inside, and up to "
+    "{negative.outside_high:.1f} times outside.",
+    "Over all of Table 3 the printed formula gives {table.steady_low:.2f}-{table.steady_high:.2f} times the "
+    "numerical film (median {table.steady_median:.2f}): it does not fall as 1/W between nearly rigid "
+    "bodies. The other sign gives {table_negative.steady_low:.2f}-{table_negative.steady_high:.2f}. With "
+    "squeeze they give {table.squeezed_low:.2f}-{table.squeezed_high:.2f} and "
     "{table_negative.squeezed_low:.2f}-{table_negative.squeezed_high:.2f}.",
-    "{laws.outside:.0f%} of the event is outside the conditions of power laws: {laws.on_flanks:.0f%} of "
-    "that on the flanks, at the nose at {laws.nose} r/min. There Dowson-Toyoda is up to "
-    "{toyoda.outside_high:.2f}, Pan-Hamrock up to {pan.outside_high:.2f} times the steady central film; "
-    "inside {toyoda.inside_low:.2f}-{toyoda.inside_high:.2f} and {pan.inside_low:.2f}-{pan.inside_high:.2f}. "
-    "Minimum films are better than their conditions: {laws.minimum} everywhere.",
-    "No steady film is the cam's: it is within 10 % of the transient one in {steady.least:.0f%} to "
-    "{steady.most:.0f%} of the event, and 0 at the reversals, where the transient minimum is "
-    "{steady.kept_low:µ.2f}-{steady.kept_high:µ.2f} µm. With its squeeze term the printed formula keeps "
-    "{squeezed.at_rest_low:.2f}-{squeezed.at_rest_high:.2f} times the central film there; over the event it "
-    "is {squeezed.all_low:.2f}-{squeezed.all_high:.1f} times it.",
-    "No power law has Table 3: the best is right to {new.rms} rms, {new.worst} at most (central and "
-    "minimum film). Joined with Martin's film, 4.9 U/W, to {joined.rms} rms, {joined.worst} at most, on "
-    "contacts that it was not fitted to; with squeeze in its group w_s U^-1/4 to {joined.squeezed_rms} rms, "
-    "{joined.squeezed_worst} at most.",
+    "In {laws.outside:.0f%} of the event the contact is not elastic-piezoviscous, the condition of power "
+    "laws: {laws.on_flanks:.0f%} of that on the flanks, and at the nose at {laws.nose} r/min. There "
+    "Dowson-Toyoda is up to {toyoda.outside_high:.2f} and Pan-Hamrock up to {pan.outside_high:.2f} times "
+    "the steady central film; inside they are {toyoda.inside_low:.2f}-{toyoda.inside_high:.2f} and "
+    "{pan.inside_low:.2f}-{pan.inside_high:.2f}. Formulas for the minimum film also hold outside: "
+    "{laws.minimum} everywhere.",
+    "No steady film describes the cam contact. It is within 10 % of the transient film in "
+    "{steady.least:.0f%} to {steady.most:.0f%} of the event, and 0 at the reversals, where the transient "
+    "minimum is {steady.kept_low:µ.2f}-{steady.kept_high:µ.2f} µm. With its squeeze term the printed "
+    "formula gives {squeezed.at_rest_low:.2f}-{squeezed.at_rest_high:.2f} times the central film there, and "
+    "{squeezed.all_low:.2f}-{squeezed.all_high:.1f} times over the event.",
+    "No power law covers Table 3: the best has an error of {new.rms} rms and at most {new.worst} (central "
+    "and minimum film). Joined with Martin's film, 4.9 U/W, it has {joined.rms} rms and at most "
+    "{joined.worst} on contacts to which it was not fitted; with the squeeze group w_s U^-1/4, "
+    "{joined.squeezed_rms} rms and at most {joined.squeezed_worst}.",
 )
 
 
