@@ -21,9 +21,11 @@ if TYPE_CHECKING:
     from ..participants.fmu import FmuParticipant
     from .exchange import Exchange
 
-# An FMU in a pass: its calls, its number, its sources, where its own begin among the numbers given and taken.
+# An FMU in a sweep: its number, its sources, where its inputs and outputs begin, and its calls.
+# The calls come last: numba takes a record that begins with all of another's fields for a subtype of it,
+# and would run code that was compiled for the other.
 TURN = np.dtype(
-    [*CALLS.descr, *((name, np.int64) for name in ("number", "first", "last", "first_given", "first_taken"))]
+    [*((name, np.int64) for name in ("number", "first", "last", "first_given", "first_taken")), *CALLS.descr]
 )
 
 

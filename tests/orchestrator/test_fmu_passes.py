@@ -159,3 +159,13 @@ def test_without_compilation_passes_are_in_python(tmp_path):
     )
     compiled = run(GaussSeidel("hermite"), None, lambda unit: unit)[0]
     np.testing.assert_allclose(np.load(tmp_path / "plain.npy"), compiled, rtol=0.0, atol=30 * 40.0 * 1e-10)
+
+
+def test_records_of_calls_and_of_sweeps_are_told_apart() -> None:
+    """A record that begins with all of another's fields would run code compiled for the other."""
+    from orchestrator.engine.compiled_sweeps import TURN
+    from orchestrator.participants.compiled import CALLS
+
+    calls, turn = CALLS.names or (), TURN.names or ()
+    assert set(calls) < set(turn)
+    assert turn[: len(calls)] != calls
