@@ -18,9 +18,15 @@ from orchestrator.stepping.estimators import ESTIMATORS
 DOCS = Path(__file__).parent.parent / "docs"
 PAGE = (DOCS / "reference" / "scenarios.md").read_text(encoding="utf-8")
 CODE = re.findall(r"```\w*\n(.+?)```|`([^`\n]+)`", PAGE, re.DOTALL)
+PAGES = (
+    "tutorials/first-valve-train",
+    "how-to/write-a-scenario",
+    "how-to/film-friction-wear",
+    "reference/scenarios",
+)
 EXAMPLES = [
     example
-    for page in ("reference/scenarios", "how-to/write-a-scenario", "tutorials/first-valve-train")
+    for page in PAGES
     for example in re.findall(r"```toml\n(.+?)```", (DOCS / f"{page}.md").read_text("utf-8"), re.DOTALL)
 ]
 
@@ -38,7 +44,7 @@ def test_every_key_of_the_schema_and_every_choice_is_in_the_reference() -> None:
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_every_example_is_read(example: str, tmp_path: Path) -> None:
     file = tmp_path / "example.toml"
-    whole = "stop_time" in example
+    whole = re.search("^(extends|stop_time) = ", example, re.MULTILINE)
     file.write_text(example if whole else f'extends = "valve-train"\n{example}', encoding="utf-8")
     load(file)
 

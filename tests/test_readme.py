@@ -1,5 +1,5 @@
-"""The README and the index of the documents: CI runs exactly the README's test command on an empty cache, all
-commands are understood, and all linked pages exist."""
+"""The README and the documents: CI runs exactly the README's test command on an empty cache, all commands are
+understood, and all linked pages exist."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import pytest
 import typer
 
 from orchestrator.command_line import app
-from orchestrator.scenario.files import load
+from orchestrator.scenario.files import load, shipped
 from reproduction import SOURCES
 
 ROOT = Path(__file__).parent.parent
@@ -22,6 +22,9 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 DOCS = ROOT / "docs"
 INDEX = (DOCS / "README.md").read_text(encoding="utf-8")
 COMMANDS = re.findall(r"\.venv/bin/tribocosim (.+?)\n", README) + re.findall(r"`tribocosim (.+?)`", INDEX)
+for page in sorted(DOCS.rglob("*.md")):
+    for block in re.findall(r"^```sh\n(.+?)^```", page.read_text("utf-8"), re.DOTALL | re.MULTILINE):
+        COMMANDS += re.findall(r"^tribocosim (.+?)\s*(?:[>#].*)?$", block, re.MULTILINE)
 
 
 def test_ci_runs_exactly_the_readmes_test_command():
@@ -69,14 +72,14 @@ def test_every_published_source_has_its_command() -> None:
     assert sorted(re.findall(r"python -m reproduction (\w+)`", INDEX)) == sorted(SOURCES)
 
 
-@pytest.mark.parametrize("line", COMMANDS)
+@pytest.mark.parametrize("line", dict.fromkeys(COMMANDS))
 def test_every_command_is_understood(line: str) -> None:
-    """Its options are known, and a scenario loads with its changes."""
+    """Its options are known, and a shipped scenario loads with its changes; NAME stands for any name."""
     command, words = typer.main.get_command(app), shlex.split(line)
     context = command.make_context("tribocosim", words[:], resilient_parsing=True)
     while hasattr(command, "resolve_command"):
         name, command, words = command.resolve_command(context, words)
         assert command is not None
         context = command.make_context(name, words[:], parent=context, resilient_parsing=not words)
-    if name == "run":
+    if name == "run" and "NAME" not in line and context.params["scenario"] in shipped():
         load(context.params["scenario"], context.params["set_"] or [])
