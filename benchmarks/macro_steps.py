@@ -24,7 +24,7 @@ from models.core.system import System
 from orchestrator.engine.observer import Observer
 from orchestrator.engine.step import Step
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import fmu
+from orchestrator.participants import open_fmu
 from orchestrator.run.pipeline import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
@@ -187,7 +187,7 @@ class Sparse:
 def coupled(system: System, master: Any, observers: Sequence[Observer] = ()) -> float:
     """Macro steps per second of our master."""
     participants = {
-        name: fmu(name, build(instance.component.name, structure=instance.component.structure), instance)
+        name: open_fmu(name, build(instance.component.name, structure=instance.component.structure), instance)
         for name, instance in system.instances.items()
     }
     statistics = simulate(system, participants, master, STEP, STEPS * STEP, observers)

@@ -18,9 +18,9 @@ import tomli_w
 from models.core.system import Instance, System
 from models.monolithic import solve
 from orchestrator.run.pipeline import assembly
-from orchestrator.scenario import Scenario, scenario_of
+from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import SHIPPED, load
-from orchestrator.scenario.values import component_of
+from orchestrator.scenario.values import build_component
 
 FIRING_ORDER = (1, 3, 4, 2)
 # Crank angles from a cylinder's firing dead centre to the noses of its cams (deg), chosen here.
@@ -65,7 +65,7 @@ def one_valve(base: Scenario, phase: float) -> System:
     turn = min(0.0, 2.0 * (REST - phase)) if LIFT[0] - 10.0 < phase < LIFT[1] + 10.0 else 0.0
     shaft["parameters"], shaft["start"] = SPEED, {"angle": f"{turn} deg"}
     camshaft["parameters"] = {**camshaft["parameters"], "drive_ratio": 0.5, "phase": f"{phase} deg"}
-    scenario = scenario_of(content)
+    scenario = build_scenario(content)
     system = assembly.at_start(scenario, assembly.system_of(scenario))
     if turn == 0.0:
         return system
@@ -127,7 +127,7 @@ def valve_trains(count: int) -> System:
     """As many valve trains on one crankshaft, all like the first intake valve's."""
     one = one_valve(load("valve-train"), phases()["intake_1a"])
     structure = {"loads": count}
-    shaft = component_of("flywheel", tuple(structure.items()))
+    shaft = build_component("flywheel", tuple(structure.items()))
     instances = {"flywheel": Instance(shaft, one.instances["flywheel"].parameters)}
     connections = []
     for i in range(1, count + 1):

@@ -12,7 +12,7 @@ from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
 from models.core.system import System
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Master, Newton
-from orchestrator.participants import fmu
+from orchestrator.participants import open_fmu
 from orchestrator.run.pipeline import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
@@ -43,7 +43,7 @@ def stepped(
     steps: Callable[[], Stepper] = lambda: FixedSteps(STEP),
 ) -> float:
     """Macro steps of our master per second of processor time."""
-    participants = {name: fmu(name, paths[name], instance) for name, instance in system.instances.items()}
+    participants = {name: open_fmu(name, paths[name], instance) for name, instance in system.instances.items()}
     clock = Clock()
     statistics = simulate(system, participants, master(), steps(), STEPS * STEP, [clock])
     for participant in participants.values():
@@ -84,8 +84,8 @@ def rows() -> Iterator[tuple[str, str]]:
         "step control of valve-train-controlled": partial(
             stepped,
             assembly.at_start(controlled, assembly.system_of(controlled)),
-            master=controlled.made_master,
-            steps=controlled.made_steps,
+            master=controlled.build_master,
+            steps=controlled.build_steps,
         ),
     }
     try:

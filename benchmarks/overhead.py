@@ -18,7 +18,7 @@ import numpy as np
 from fmus.build import build
 from models.core.system import System
 from orchestrator.masters import GaussSeidel, Jacobi
-from orchestrator.participants import fmu
+from orchestrator.participants import open_fmu
 from orchestrator.run.pipeline import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
@@ -79,7 +79,7 @@ def loop(system: System, moving: bool) -> float:
 def ours(system: System, master: Any) -> float:
     """Seconds a macro step of our master, nobody watching."""
     participants = {
-        name: fmu(name, build(i.component.name, structure=i.component.structure), i)
+        name: open_fmu(name, build(i.component.name, structure=i.component.structure), i)
         for name, i in system.instances.items()
     }
     clock = Clock()

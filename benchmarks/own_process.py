@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Sequence
 
 from models.core.quantities import Vector
-from orchestrator.command_line.fmu import built
+from orchestrator.command_line.fmu import build_fmu
 from orchestrator.engine.step import Step
 from orchestrator.masters import Jacobi
 from orchestrator.run.assembly import fmu_files, participants_of, system_of
@@ -41,7 +41,7 @@ def seconds(process: str) -> float:
     scenario = load("two-masses", [f"components.{part}.process={process}" for part in parts])
     step, clock = scenario.macro_step, WallClock()
     units = participants_of(
-        scenario, system := system_of(scenario), fmu_files(scenario, built), lambda name, make: make()
+        scenario, system := system_of(scenario), fmu_files(scenario, build_fmu), lambda name, make: make()
     )
     try:
         simulate(system, units, Jacobi("hold"), step, STEPS * step, [clock])

@@ -12,7 +12,7 @@ import numpy as np
 from fmus.build import build
 from models.core.system import System
 from orchestrator.masters import GaussSeidel
-from orchestrator.participants import fmu, in_process
+from orchestrator.participants import open_fmu, in_process
 from orchestrator.run.simulation import simulate
 
 from .many_valves import valve_trains
@@ -34,7 +34,7 @@ def sized(count: int) -> System:
 def seconds_per_step(system: System, packaged: bool) -> float:
     """Processor time of a macro step of the Gauss-Seidel master with quadratic signals."""
     participants = {
-        name: fmu(name, build(i.component.name, structure=i.component.structure), i)
+        name: open_fmu(name, build(i.component.name, structure=i.component.structure), i)
         if packaged
         else in_process(name, i)
         for name, i in system.instances.items()

@@ -1,6 +1,6 @@
 """tribocosim: scenarios, co-simulation masters, results and the command line."""
 
-from tribocosim.packages import hidden
+from tribocosim.packages import find_shadowed
 
-if message := hidden():
+if message := find_shadowed():
     raise ImportError(message)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from models.core.system import suggestion
-from orchestrator.command_line.reported import reported
+from orchestrator.command_line.reported import report_errors
 from orchestrator.errors import MistakeError
 
 from . import SOURCES, publication
@@ -17,7 +17,7 @@ app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
 
 
 @app.command()
-@reported
+@report_errors
 def reproduce(
     source: Annotated[str, typer.Argument(help=f"A published source: {', '.join(SOURCES)}.")],
     out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="results/SOURCE")] = None,

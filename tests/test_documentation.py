@@ -12,7 +12,7 @@ from fmus.build import build
 from orchestrator.engine.exchange import Exchange
 from orchestrator.masters.acceleration import ACCELERATIONS
 from orchestrator.scenario.files import load
-from orchestrator.scenario.schema import schema
+from orchestrator.scenario.schema import build_schema
 from orchestrator.stepping.estimators import ESTIMATORS
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -32,7 +32,7 @@ EXAMPLES = [
 
 
 def test_every_key_of_the_schema_and_every_choice_is_in_the_reference() -> None:
-    content = schema()
+    content = build_schema()
     tables = [d["properties"] for name, d in content["$defs"].items() if name.endswith("Table")]
     assert len(tables) == 5
     keys = {key for table in [content["properties"], *tables] for key in table}

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import sys
 
-from .packages import hidden
+from .packages import find_shadowed
 
 
 def main() -> None:
     """Run the command line."""
-    if message := hidden():
+    if message := find_shadowed():
         print(f"tribocosim: {message}", file=sys.stderr)
         sys.exit(2)
     from orchestrator.command_line import main as run

@@ -8,7 +8,7 @@ from pathlib import Path
 NAMES = ("models", "fmus", "orchestrator")
 
 
-def hidden() -> str:
+def find_shadowed() -> str:
     """The message about the first of our packages that another file or folder hides; "" if none."""
     home = Path(__file__).resolve().parents[1]
     for name in NAMES:

@@ -25,10 +25,10 @@ def load(name: str) -> Analysis:
     if ":" in name:
         return _foreign(name)
     if name not in names():
-        from ..scenario.files import shipped
+        from ..scenario.files import list_shipped
 
         close = suggestion(name, names())
-        if not close.startswith("did you mean") and "did you mean" in (other := suggestion(name, shipped())):
+        if not close.startswith("did you mean") and "did you mean" in (other := suggestion(name, list_shipped())):
             close = f"{other} (a scenario)"
         raise MistakeError(
             f"no analysis {name!r}; {close} (or name an analysis of your own as module:object)"

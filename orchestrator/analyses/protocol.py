@@ -11,7 +11,7 @@ from models.core.quantities import Quantity
 from models.core.system import suggestion
 
 from ..errors import MistakeError
-from ..scenario.values import Value, meaning, number
+from ..scenario.values import Value, parse_value, to_number
 
 if TYPE_CHECKING:
     import xarray
@@ -60,10 +60,10 @@ class Parameter:
         if isinstance(self.default, str) and not self.choices:
             return str(value)
         try:
-            found = meaning(self.quantity, value)
+            found = parse_value(self.quantity, value)
         except ValueError as error:
             raise MistakeError(f"{name} = {value!r} ({self.description}): {error}") from None
-        fault = self.quantity.fault(name, number(self.quantity, found))
+        fault = self.quantity.fault(name, to_number(self.quantity, found))
         if fault is not None:
             raise MistakeError(fault)
         if not self.integer:

@@ -11,12 +11,12 @@ import typer
 
 from .analyse import run_analysis
 from .benchmark import benchmark_coupling
-from .components import components
-from .diagnose import diagnose_run
+from .components import print_components
+from .diagnose import print_diagnosis
 from .fmu import fmu_build, fmu_compare, fmu_cross_check, fmu_info, fmu_validate
-from .friction import friction_of_run
+from .friction import print_friction
 from .run import resume_run, run_scenario
-from .scenarios import scenarios
+from .scenarios import list_scenarios
 from .ssp import ssp_export, ssp_import
 from .study import run_study
 
@@ -28,10 +28,10 @@ app = typer.Typer(
 )
 app.command("run")(run_scenario)
 app.command("resume")(resume_run)
-app.command("scenarios")(scenarios)
-app.command("components")(components)
-app.command("diagnose")(diagnose_run)
-app.command("friction")(friction_of_run)
+app.command("scenarios")(list_scenarios)
+app.command("components")(print_components)
+app.command("diagnose")(print_diagnosis)
+app.command("friction")(print_friction)
 app.command("analyse")(run_analysis)
 app.command("study")(run_study)
 
@@ -58,7 +58,7 @@ def main() -> None:
     app()
 
 
-def _version(asked: bool) -> None:
+def _print_version(asked: bool) -> None:
     if asked:
         from importlib import metadata
 
@@ -69,7 +69,7 @@ def _version(asked: bool) -> None:
 @app.callback()
 def _options(
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version.")
     ] = False,
 ) -> None:
     pass

@@ -7,11 +7,11 @@ from typing import Annotated
 
 import typer
 
-from .fmu import built
-from .reported import reported
+from .fmu import build_fmu
+from .reported import report_errors
 
 
-@reported
+@report_errors
 def run_analysis(
     name: Annotated[
         str | None,
@@ -61,7 +61,7 @@ def run_analysis(
     elif is_scenario(name) and show_parameters:
         raise MistakeError(f"--parameters: {name} is a scenario; --set changes any of its keys, as for run")
     elif is_scenario(name):
-        analyse_scenario(name, set_ or [], at or [], out, overwrite, reporter, built, responses)
+        analyse_scenario(name, set_ or [], at or [], out, overwrite, reporter, build_fmu, responses)
     elif at or responses:
         option = "--at" if at else "--responses"
         raise MistakeError(f"{option}: belongs to a scenario, which {name} is not; leave it out")

@@ -7,11 +7,11 @@ from typing import Annotated
 
 import typer
 
-from .fmu import built
-from .reported import reported
+from .fmu import build_fmu
+from .reported import report_errors
 
 
-@reported
+@report_errors
 def benchmark_coupling(
     problem: Annotated[str, typer.Option(help="quarter-car, two-masses or valve-train.")] = "quarter-car",
     out: Annotated[
@@ -24,4 +24,4 @@ def benchmark_coupling(
     FMUs."""
     from ..study.work_precision.benchmark import benchmark
 
-    benchmark(problem, built, out or Path("results") / f"benchmark-{problem}", duration, overwrite)
+    benchmark(problem, build_fmu, out or Path("results") / f"benchmark-{problem}", duration, overwrite)

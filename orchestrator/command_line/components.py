@@ -6,14 +6,14 @@ from typing import Annotated
 
 import typer
 
-from .reported import reported
+from .reported import report_errors
 
 
-@reported
-def components(
+@report_errors
+def print_components(
     names: Annotated[list[str] | None, typer.Argument(help="Components.", show_default="all")] = None,
 ) -> None:
     """Print the components' parameters, start values, inputs and outputs, as Markdown."""
-    from ..scenario.components import page
+    from ..scenario.components import write_page
 
-    print(page(names or ()), end="")
+    print(write_page(names or ()), end="")

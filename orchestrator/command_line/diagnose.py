@@ -7,11 +7,11 @@ from typing import Annotated
 
 import typer
 
-from .reported import reported
+from .reported import report_errors
 
 
-@reported
-def diagnose_run(
+@report_errors
+def print_diagnosis(
     folder: Annotated[Path, typer.Argument(help="A run's output folder.")],
     figure: Annotated[Path | None, typer.Option(help="Draw the steps into this file (.png).")] = None,
 ) -> None:

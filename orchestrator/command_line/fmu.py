@@ -10,11 +10,11 @@ from typing import Annotated
 
 import typer
 
-from .reported import reported, say
-from .without_cache import built_apart
+from .reported import report_errors, say
+from .without_cache import build_without_cache
 
 
-def built(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
+def build_fmu(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
     """The packaged component, run by Python or `native`, built if it isn't in the cache; where that cannot be
     written, in a folder that is there as long as this process."""
     from fmus.build import build
@@ -22,12 +22,12 @@ def built(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
 
     from ..errors import MistakeError, RunError
 
-    make = _native_here if kind == "native" else build
+    make = _build_native_here if kind == "native" else build
     try:
         try:
             return make(name, None, structure)
         except OSError as error:
-            return built_apart(make, name, structure, error)
+            return build_without_cache(make, name, structure, error)
     except OSError as error:
         raise RunError(
             f"building the FMU {name}: neither {user_cache_directory()} nor the folder for temporary files "
@@ -60,7 +60,7 @@ def check_native(sizes: Mapping[str, tuple[str, Mapping[str, int]]]) -> None:
             raise MistakeError(f"components.{name}.structure.{error} (participant = 'fmu')") from None
 
 
-def _native_here(name: str, destination: Path | None, structure: Mapping[str, int]) -> Path:
+def _build_native_here(name: str, destination: Path | None, structure: Mapping[str, int]) -> Path:
     from fmus.native.fmu import build
     from fmus.native.machine_code import NativeBuildError, this_platform
     from fmus.native.translate import TranslationError
@@ -73,7 +73,7 @@ def _native_here(name: str, destination: Path | None, structure: Mapping[str, in
         raise MistakeError(f"building the native FMU {name}: {error}; or take it without --native") from None
 
 
-@reported
+@report_errors
 def fmu_build(
     names: Annotated[list[str] | None, typer.Argument(help="Components.", show_default="all")] = None,
     out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("."),
@@ -97,15 +97,15 @@ def fmu_build(
     ] = None,
 ) -> None:
     """Build FMUs."""
-    for name in _checked(names, structure, native, platform, fmi, libpython):
-        sizes = dict(map(_size, structure)) if structure else None
-        with _writing(out), _replacing_is_said(name, out):
+    for name in _check_options(names, structure, native, platform, fmi, libpython):
+        sizes = dict(map(_parse_size, structure)) if structure else None
+        with _report_unwritable(out), _report_replacement(name, out):
             print(
-                _native(name, out, sizes, platform, fmi) if native else _python(name, out, sizes, libpython)
+                _build_native(name, out, sizes, platform, fmi) if native else _build_python(name, out, sizes, libpython)
             )
 
 
-def _checked(
+def _check_options(
     names: list[str] | None,
     structure: list[str] | None,
     native: bool,
@@ -118,9 +118,9 @@ def _checked(
     from models.core.system import suggestion
 
     from ..errors import MistakeError
-    from ..scenario.values import component_of
+    from ..scenario.values import build_component
 
-    sizes = dict(map(_size, structure)) if structure else None
+    sizes = dict(map(_parse_size, structure)) if structure else None
     if sizes and len(names or NAMES) > 1:
         raise MistakeError("--structure: name the one component that has these sizes")
     if platform and not native:
@@ -138,14 +138,14 @@ def _checked(
         if name not in NAMES:
             raise MistakeError(f"no FMU {name!r}; {suggestion(name, NAMES)}")
         try:
-            component_of(name, tuple((sizes or {}).items()))
+            build_component(name, tuple((sizes or {}).items()))
         except ValueError as error:
             raise MistakeError(f"--structure: {error}") from None
     return names or NAMES
 
 
 @contextmanager
-def _writing(out: Path) -> Iterator[None]:
+def _report_unwritable(out: Path) -> Iterator[None]:
     """A folder that cannot be written is the user's to choose anew."""
     from ..errors import MistakeError
 
@@ -155,7 +155,7 @@ def _writing(out: Path) -> Iterator[None]:
         raise MistakeError(f"{out}: cannot be written ({error.strerror}); choose another --out") from None
 
 
-def _python(name: str, out: Path, sizes: Mapping[str, int] | None, libpython: str | None) -> Path:
+def _build_python(name: str, out: Path, sizes: Mapping[str, int] | None, libpython: str | None) -> Path:
     from fmus.build import build
 
     from ..errors import MistakeError
@@ -166,7 +166,7 @@ def _python(name: str, out: Path, sizes: Mapping[str, int] | None, libpython: st
         raise MistakeError(f"--libpython: {error}" if libpython else str(error)) from None
 
 
-def _native(
+def _build_native(
     name: str, out: Path, sizes: Mapping[str, int] | None, platforms: list[str] | None, fmi: int
 ) -> Path:
     from fmus.native.fmu import build
@@ -180,30 +180,30 @@ def _native(
         if platform not in PLATFORMS:
             raise MistakeError(f"no platform {platform!r}; {suggestion(platform, PLATFORMS)}")
     try:
-        with _shown(name) as told:
+        with _show_progress(name) as told:
             return build(name, out, sizes, tuple(platforms or PLATFORMS), fmi, told)
     except (NativeBuildError, TranslationError) as error:
         raise MistakeError(str(error)) from None
 
 
 @contextmanager
-def _replacing_is_said(name: str, out: Path) -> Iterator[None]:
+def _report_replacement(name: str, out: Path) -> Iterator[None]:
     """A file of the same name is renewed, as whoever builds again expects; if it was another, it is said."""
-    before = {file: file.read_bytes() for file in _of_component(name, out)}
+    before = {file: file.read_bytes() for file in _list_files(name, out)}
     yield
     for file, content in before.items():
         if file.read_bytes() != content:
             say(f"{file}: there was another file of this name; it is replaced")
 
 
-def _of_component(name: str, out: Path) -> Sequence[Path]:
+def _list_files(name: str, out: Path) -> Sequence[Path]:
     """The FMUs there are of a component."""
     files = [out] if out.suffix == ".fmu" else out.glob(f"{name}*.fmu")
     return [file for file in files if file.is_file()]
 
 
 @contextmanager
-def _shown(name: str) -> Iterator[Callable[[str], None]]:
+def _show_progress(name: str) -> Iterator[Callable[[str], None]]:
     """What is called with each step of a native build, and shows it on the terminal; where standard error is
     none, a line when the work begins, and nothing more."""
     from rich.console import Console
@@ -222,7 +222,7 @@ def _shown(name: str) -> Iterator[Callable[[str], None]]:
         yield told
 
 
-def _size(text: str) -> tuple[str, int]:
+def _parse_size(text: str) -> tuple[str, int]:
     """A structural size and its number."""
     from ..errors import MistakeError
 
@@ -235,14 +235,14 @@ def _size(text: str) -> tuple[str, int]:
         ) from None
 
 
-@reported
+@report_errors
 def fmu_validate(files: Annotated[list[Path], typer.Argument(help="The .fmu files.")]) -> int:
     """Check FMU files; exit status 1 if something is found."""
     from fmus.fmi.validate import validate
 
     found = 0
     for file in files:
-        problems = validate(_existing(file))
+        problems = validate(_check_file(file))
         found += len(problems)
         print(f"{file}: {'nothing found' if not problems else ''}")
         for problem in problems:
@@ -250,7 +250,7 @@ def fmu_validate(files: Annotated[list[Path], typer.Argument(help="The .fmu file
     return 1 if found else 0
 
 
-@reported
+@report_errors
 def fmu_cross_check(
     names: Annotated[list[str] | None, typer.Argument(help="Components.", show_default="all")] = None,
     out: Annotated[Path, typer.Option(help="Folder in which fmus/ is made.")] = Path("cross-check"),
@@ -267,10 +267,10 @@ def fmu_cross_check(
 
     from ..errors import MistakeError
 
-    for name in _checked(names, None, native, platform, fmi, None):
-        with _writing(out), tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
+    for name in _check_options(names, None, native, platform, fmi, None):
+        with _report_unwritable(out), tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
             made = Path(folder)
-            file = _native(name, made, None, platform, fmi) if native else _python(name, made, None, None)
+            file = _build_native(name, made, None, platform, fmi) if native else _build_python(name, made, None, None)
             tool = "tribocosim-native" if native else "tribocosim-python"
             try:
                 for place in lay_out(name, file, tool, out):
@@ -279,7 +279,7 @@ def fmu_cross_check(
                 raise MistakeError(str(error)) from None
 
 
-@reported
+@report_errors
 def fmu_compare(
     files: Annotated[list[Path], typer.Argument(help="The .fmu files, or folders: all files below.")],
     tolerance: Annotated[
@@ -300,7 +300,7 @@ def fmu_compare(
         raise MistakeError(f"--tolerance {tolerance:g}: must be > 0")
     paths: list[Path] = []
     for file in files:
-        below = sorted(file.rglob("*.fmu")) if file.is_dir() else [_existing(file)]
+        below = sorted(file.rglob("*.fmu")) if file.is_dir() else [_check_file(file)]
         if not below:
             raise MistakeError(f"{file}: has no .fmu files")
         paths += below
@@ -316,7 +316,7 @@ def fmu_compare(
     return status
 
 
-@reported
+@report_errors
 def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")]) -> None:
     """Show what an FMU is and its variables."""
     from fmus.fmi.validate import FmuFileError, info
@@ -324,12 +324,12 @@ def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")]) -> No
     from ..errors import MistakeError
 
     try:
-        print(info(_existing(file)))
+        print(info(_check_file(file)))
     except FmuFileError as error:
         raise MistakeError(str(error)) from None
 
 
-def _existing(file: Path) -> Path:
+def _check_file(file: Path) -> Path:
     from ..errors import MistakeError
 
     if file.is_dir():

@@ -7,14 +7,14 @@ from typing import Annotated
 
 import typer
 
-from .reported import reported
+from .reported import report_errors
 
 # m2/N: boundary-lubricated steel has 1e-18 to 1e-16.
 COEFFICIENT = 1e-17
 
 
-@reported
-def friction_of_run(
+@report_errors
+def print_friction(
     folder: Annotated[Path, typer.Argument(help="A run's output folder, of a valve train.")],
     contact: Annotated[str | None, typer.Option(help="One contact.", show_default="all")] = None,
     wear_coefficient: Annotated[

@@ -16,7 +16,7 @@ from ..run.interruption import Noticed
 MISTAKE, FAILED, INTERRUPTED, NO_READER = 2, 3, 130, 141
 
 
-def reported(command: Callable[..., int | None]) -> Callable[..., None]:
+def report_errors(command: Callable[..., int | None]) -> Callable[..., None]:
     """Exit with the status that `command` returns. An error is one message on standard error, without a
     traceback (TRIBOCOSIM_DEBUG=1 shows it)."""
 
@@ -39,7 +39,7 @@ def reported(command: Callable[..., int | None]) -> Callable[..., None]:
                 raise typer.Exit(INTERRUPTED) from None
             if os.environ.get("TRIBOCOSIM_DEBUG", "0").strip("0"):
                 raise
-            text, status = _judged(error)
+            text, status = _describe_error(error)
             say(text)
         raise typer.Exit(status or 0)
 
@@ -52,7 +52,7 @@ def _discard_output() -> None:
         os.dup2(nowhere.fileno(), sys.stdout.fileno())
 
 
-def _judged(error: Exception) -> tuple[str, int]:
+def _describe_error(error: Exception) -> tuple[str, int]:
     """The message for the user, and the exit status."""
     from models.core.system import ModelError
 

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .fmu import built, check_native
-from .reported import INTERRUPTED, reported, say
+from .fmu import build_fmu, check_native
+from .reported import INTERRUPTED, report_errors, say
 
 if TYPE_CHECKING:
     from ..assessment.summary import Summary
 
 
-@reported
+@report_errors
 def run_scenario(
     scenario: Annotated[str, typer.Argument(help="A shipped scenario, or the path of a .toml file.")],
     out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="results/SCENARIO")] = None,
@@ -63,11 +63,11 @@ def run_scenario(
         check_native(natives)
     folder = out or Path("results") / loaded.name
     spare(find(scenario), loaded, folder)
-    summary = run(loaded, folder, built, Reporter(), overwrite, figures=not no_figures)
-    return _ended(summary, folder)
+    summary = run(loaded, folder, build_fmu, Reporter(), overwrite, figures=not no_figures)
+    return _finish(summary, folder)
 
 
-@reported
+@report_errors
 def resume_run(
     folder: Annotated[Path, typer.Argument(help="The output folder of the run.")],
     no_figures: Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")] = False,
@@ -80,11 +80,11 @@ def resume_run(
     from ..run.report import Reporter
     from ..run.resume import resume
 
-    summary = resume(folder, built, Reporter(), figures=not no_figures)
-    return _ended(summary, folder)
+    summary = resume(folder, build_fmu, Reporter(), figures=not no_figures)
+    return _finish(summary, folder)
 
 
-def _ended(summary: Summary, folder: Path) -> int:
+def _finish(summary: Summary, folder: Path) -> int:
     """The exit status; of an incomplete run, what happened and how it goes on."""
     if not summary.complete:
         remedy = ""

@@ -6,24 +6,24 @@ from typing import Annotated
 
 import typer
 
-from .reported import reported
+from .reported import report_errors
 
 
-@reported
-def scenarios(
+@report_errors
+def list_scenarios(
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of scenario files.")
     ] = False,
 ) -> None:
     """List the shipped scenarios."""
     if schema:
-        from ..scenario.schema import text
+        from ..scenario.schema import write_schema
 
-        print(text(), end="")
+        print(write_schema(), end="")
         return
     import tomllib
 
-    from ..scenario.files import shipped
+    from ..scenario.files import list_shipped
 
-    for name, path in shipped().items():
+    for name, path in list_shipped().items():
         print(f"{name:24} {tomllib.loads(path.read_text('utf-8')).get('description', '')}")

@@ -7,11 +7,11 @@ from typing import Annotated
 
 import typer
 
-from .fmu import built
-from .reported import reported
+from .fmu import build_fmu
+from .reported import report_errors
 
 
-@reported
+@report_errors
 def ssp_export(
     scenario: Annotated[str, typer.Argument(help="A shipped scenario, or the path of a .toml file.")],
     out: Annotated[Path | None, typer.Option(help="The file.", show_default="SCENARIO.ssp")] = None,
@@ -35,22 +35,22 @@ def ssp_export(
             f"{target}: is already there; choose another --out, or replace it with --overwrite"
         )
     try:
-        export(loaded, target, built)
+        export(loaded, target, build_fmu)
     except OSError as error:
         raise MistakeError(f"{target}: cannot be written ({error.strerror}); choose another --out") from None
     print(target)
 
 
-@reported
+@report_errors
 def ssp_import(
     file: Annotated[Path, typer.Argument(help="The .ssp file.")],
     out: Annotated[Path | None, typer.Option(help="The folder.", show_default="the file's name")] = None,
 ) -> None:
     """Write an SSP package as a scenario file with its FMUs, to be changed; `run` takes packages too."""
     from ..errors import MistakeError
-    from ..scenario import scenario_of
-    from ..scenario.files import find, load, stated
-    from ..ssp import unpacked
+    from ..scenario import build_scenario
+    from ..scenario.files import find, load, to_short_toml
+    from ..ssp import unpack_package
 
     source = find(file)
     if source.suffix != ".ssp":
@@ -61,16 +61,16 @@ def ssp_import(
         raise MistakeError(f"{folder}: is not an empty folder; choose another --out")
     empty = folder.is_dir()
     try:
-        scenario = scenario_of(unpacked(source, folder))
+        scenario = build_scenario(unpack_package(source, folder))
         target = folder / f"{scenario.name}.toml"
-        target.write_text(stated(scenario, folder), "utf-8")
+        target.write_text(to_short_toml(scenario, folder), "utf-8")
     except OSError as error:
-        _clear(folder, empty)  # half of it is of no use
+        _clear_folder(folder, empty)  # half of it is of no use
         raise MistakeError(f"{folder}: cannot be written ({error.strerror}); choose another --out") from None
     print(target)
 
 
-def _clear(folder: Path, kept: bool) -> None:
+def _clear_folder(folder: Path, kept: bool) -> None:
     """Delete what is in the folder, and the folder where it is not to be kept."""
     import shutil
 

@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from .fmu import built
-from .reported import reported
+from .fmu import build_fmu
+from .reported import report_errors
 
 # What the extra `studies` installs.
 PACKAGES = ("distributed", "zarr", "cryptography")
@@ -23,7 +23,7 @@ def check_packages() -> None:
         raise MistakeError(f"studies need {', '.join(missing)}: pip install 'tribocosim[studies]'")
 
 
-@reported
+@report_errors
 def run_study(
     study: Annotated[str, typer.Argument(help="A shipped study, or the path of a .toml file.")],
     out: Annotated[
@@ -56,6 +56,6 @@ def run_study(
 
     if scheduler and workers:
         raise MistakeError("--workers: are processes on this machine; leave it out with --scheduler")
-    plan = load(study, built)
+    plan = load(study, build_fmu)
     store = out or Path("results") / f"{plan.study.name}.zarr"
     return run(plan, store, Where(scheduler, workers, timeout), Reporter(), overwrite, retry_failed)

@@ -11,7 +11,7 @@ from pathlib import Path
 from .reported import say
 
 
-def built_apart(
+def build_without_cache(
     make: Callable[[str, Path | None, Mapping[str, int]], Path],
     name: str,
     structure: Mapping[str, int],
@@ -19,13 +19,13 @@ def built_apart(
 ) -> Path:
     """As `make`, in this process's own folder, each once; OSError where there is no place for it either."""
     sizes = "".join(f"-{size}-{number}" for size, number in sorted(structure.items()))
-    folder = own_folder(str(error.strerror)) / f"{make.__name__}-{name}{sizes}"
+    folder = make_folder(str(error.strerror)) / f"{make.__name__}-{name}{sizes}"
     made = list(folder.glob("*.fmu"))
     return made[0] if made else make(name, folder, structure)
 
 
 @functools.cache
-def own_folder(reason: str) -> Path:
+def make_folder(reason: str) -> Path:
     """A folder that is deleted with the end of this process; it is said once why it is needed."""
     from models.compile.cache_folder import user_cache_directory
 

@@ -19,7 +19,7 @@ from models.core.component import Component
 from models.core.quantities import Vector
 
 from ..participants import Participant
-from ..participants.remembering import Remembering
+from ..participants.remembering import StatefulWrapper
 
 
 def bond_inputs(component: Component) -> list[str]:
@@ -28,7 +28,7 @@ def bond_inputs(component: Component) -> list[str]:
     return [v for v in variables if v in component.inputs]
 
 
-class Compensated(Remembering):
+class Compensated(StatefulWrapper):
     """Implements `Participant` by `participant`, with the inputs `corrected` made up for what they missed.
 
     For Jacobi masters, which extrapolate every input.

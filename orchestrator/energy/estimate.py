@@ -20,7 +20,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, System
 
 from ..participants import Participant
-from ..participants.remembering import Remembering
+from ..participants.remembering import StatefulWrapper
 from .bonds import exchanged_bonds
 
 
@@ -76,7 +76,7 @@ def without_estimates(instance: Instance) -> Instance:
     )
 
 
-class Estimating(Remembering):
+class Estimating(StatefulWrapper):
     """Implements `Participant` by `participant`; after its outputs come those of `component.estimates`."""
 
     def __init__(self, participant: Participant, component: EstimatedComponent) -> None:

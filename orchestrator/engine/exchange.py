@@ -16,7 +16,7 @@ from ..consistency import agree
 from ..errors import NotFiniteError
 from ..participants import Participant
 from ..participants.offers import HIGHEST
-from ..participants.signal_degrees import highest_degrees
+from ..participants.signal_degrees import find_highest_degrees
 from .signals import History, finite
 from .sweeps import Pass, settled
 
@@ -82,7 +82,7 @@ class Exchange:
         )
         fed = {name: [c for c in system.connections if c.target.instance == name] for name in self.names}
         followed = self._followed(fed)
-        highest = highest_degrees(system.connections, followed)
+        highest = find_highest_degrees(system.connections, followed)
         self.degree = degree = min(degree, max(highest.values(), default=degree))
         self.through = _with_feedthrough(system, self.sources)
         self.signals: Vector = np.zeros((degree + 1, len(self.sources)))

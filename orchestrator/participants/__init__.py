@@ -8,51 +8,51 @@ from pathlib import Path
 
 from models.core.system import Instance
 
-from .description import made_here
-from .fmu import FmuParticipant, Given
+from .description import is_made_here
+from .fmu import FmuParticipant, FmuSettings
 from .in_own_process import InOwnProcess
 from .in_process import InProcessParticipant as in_process
-from .offers import missing
+from .offers import find_missing
 from .protocol import Participant
 from .substeps import Substepped as substepped
-from .third_party import ForeignComponent, component_of_file
+from .third_party import ThirdPartyComponent, read_component
 from .transformed import Transformed as transformed
 
 __all__ = [
     "FmuParticipant",
-    "ForeignComponent",
+    "ThirdPartyComponent",
     "InOwnProcess",
     "Participant",
-    "component_of_file",
-    "fmu",
-    "given",
-    "in_own_process",
+    "read_component",
+    "open_fmu",
+    "collect_settings",
+    "open_in_own_process",
     "in_process",
-    "made_here",
-    "missing",
+    "is_made_here",
+    "find_missing",
     "substepped",
     "transformed",
 ]
 
 
-NO_TEXTS: Mapping[str, str] = {}
+NO_STRINGS: Mapping[str, str] = {}
 
 
-def fmu(name: str, path: Path, instance: Instance, texts: Mapping[str, str] = NO_TEXTS) -> FmuParticipant:
+def open_fmu(name: str, path: Path, instance: Instance, texts: Mapping[str, str] = NO_STRINGS) -> FmuParticipant:
     """The FMU at `path` in the place of `instance`, which knows no texts."""
-    return FmuParticipant(name, path, given(instance, texts))
+    return FmuParticipant(name, path, collect_settings(instance, texts))
 
 
-def in_own_process(
-    name: str, path: Path, instance: Instance, texts: Mapping[str, str] = NO_TEXTS
+def open_in_own_process(
+    name: str, path: Path, instance: Instance, texts: Mapping[str, str] = NO_STRINGS
 ) -> InOwnProcess:
     """As `fmu`, in a process of its own."""
-    return InOwnProcess(name, path, given(instance, texts))
+    return InOwnProcess(name, path, collect_settings(instance, texts))
 
 
-def given(instance: Instance, texts: Mapping[str, str] = NO_TEXTS) -> Given:
+def collect_settings(instance: Instance, texts: Mapping[str, str] = NO_STRINGS) -> FmuSettings:
     """What the FMU in the place of `instance` is asked for and given."""
     component = instance.component
-    own = isinstance(component, ForeignComponent)
+    own = isinstance(component, ThirdPartyComponent)
     starts = {k if own else component.state.field(k).suffixed("_start"): v for k, v in instance.start.items()}
-    return Given(component.outputs.names, {**instance.parameters, **starts}, instance.inputs, texts)
+    return FmuSettings(component.outputs.names, {**instance.parameters, **starts}, instance.inputs, texts)

@@ -13,12 +13,12 @@ import numpy as np
 from models.core.quantities import Vector
 
 from .description import REALS, Variable
-from .fmi_instance import Standard
+from .fmi_instance import FmiInstance
 
 Fail = Callable[[int], None]
 
 
-def array_of(known: Mapping[str, Variable], variable: Variable) -> list[Variable]:
+def find_array(known: Mapping[str, Variable], variable: Variable) -> list[Variable]:
     """All elements of the variable's array, in their places; the variable itself if it is none."""
     if variable.size == 1:
         return [variable]
@@ -35,7 +35,7 @@ class Elements:
 
     def __init__(
         self,
-        fmi: Standard,
+        fmi: FmiInstance,
         known: Mapping[str, Variable],
         variables: Iterable[Variable],
         fixed: Mapping[str, float] | None = None,
@@ -49,7 +49,7 @@ class Elements:
         for _, v in doubles:
             if v.reference not in first:
                 first[v.reference] = len(rest)
-                rest += [_rest(one, fixed) for one in array_of(known, v)]
+                rest += [_get_rest(one, fixed) for one in find_array(known, v)]
         self.references = np.array(list(first), dtype=np.uintc)
         self.rest = np.array(rest, dtype=float)
         self.fast = np.array([i for i, _ in doubles], dtype=np.int64)
@@ -61,8 +61,8 @@ class Elements:
             if v.type not in fmi.real_types:
                 key = (v.reference, v.type)
                 if key not in self.slow:
-                    whole = array_of(known, v)
-                    self.slow[key] = (whole, [_rest(one, fixed) for one in whole], [])
+                    whole = find_array(known, v)
+                    self.slow[key] = (whole, [_get_rest(one, fixed) for one in whole], [])
                 self.slow[key][2].append((i, v.place))
 
     def setting(self, fail: Fail, memory: Vector | None = None) -> Bound:
@@ -87,7 +87,7 @@ class Elements:
                 values[i] = found[place]
 
 
-def _rest(variable: Variable, fixed: Mapping[str, float] | None) -> float:
+def _get_rest(variable: Variable, fixed: Mapping[str, float] | None) -> float:
     return (fixed or {}).get(variable.name, variable.start or 0.0)
 
 

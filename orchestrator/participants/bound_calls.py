@@ -17,7 +17,7 @@ from .description import Variable
 from .fmi_instance import WARNING
 
 
-class Wholes:
+class ArrayLayout:
     """Variables of which some are elements of arrays, which a call transfers whole: the references of all,
     each once, how many values these have, and the places of the variables among them."""
 

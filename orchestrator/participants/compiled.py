@@ -35,7 +35,7 @@ CALLS = np.dtype(
 FINE, SET, STEP, GET, NOT_FINITE = range(5)
 
 
-def _function(builder: Any, address: Any, *arguments: str) -> Any:
+def _build_function(builder: Any, address: Any, *arguments: str) -> Any:
     """The C function at that address, of these types of arguments, that returns a status."""
     kinds = {"address": ir.IntType(64), "double": ir.DoubleType(), "int": ir.IntType(32)}
     kind = ir.FunctionType(ir.IntType(32), [kinds[argument] for argument in arguments])
@@ -47,7 +47,7 @@ def _call_reals(typing: Any, function: Any, component: Any, references: Any, cou
     """fmi2SetReal or fmi2GetReal."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        called = _function(builder, arguments[0], "address", "address", "address", "address")
+        called = _build_function(builder, arguments[0], "address", "address", "address", "address")
         return builder.call(called, arguments[1:])
 
     return types.int32(*[types.int64] * 5), generate
@@ -58,7 +58,7 @@ def _call_reals3(typing: Any, function: Any, component: Any, references: Any, co
     """fmi3SetFloat64 or fmi3GetFloat64, of scalars: as many values as references."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        called = _function(builder, arguments[0], *["address"] * 5)
+        called = _build_function(builder, arguments[0], *["address"] * 5)
         return builder.call(called, [*arguments[1:], arguments[3]])
 
     return types.int32(*[types.int64] * 5), generate
@@ -69,7 +69,7 @@ def _call_step(typing: Any, function: Any, component: Any, time: Any, step: Any,
     """fmi2DoStep."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        called = _function(builder, arguments[0], "address", "double", "double", "int")
+        called = _build_function(builder, arguments[0], "address", "double", "double", "int")
         return builder.call(called, arguments[1:])
 
     return types.int32(types.int64, types.int64, types.float64, types.float64, types.int32), generate
@@ -80,7 +80,7 @@ def _call_step3(typing: Any, function: Any, component: Any, time: Any, step: Any
     """fmi3DoStep."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        called = _function(builder, arguments[0], "address", "double", "double", "int", *["address"] * 4)
+        called = _build_function(builder, arguments[0], "address", "double", "double", "int", *["address"] * 4)
         places = [builder.add(arguments[5], ir.IntType(64)(offset)) for offset in (0, 1, 2, 8)]
         return builder.call(called, [*arguments[1:5], *places])
 
@@ -101,31 +101,31 @@ def _byte(typing: Any, address: Any) -> Any:
 
 
 # Other threads, an FMU's own too, may need the interpreter meanwhile.
-_let_go = types.ExternalFunction("PyEval_SaveThread", types.intp())
-_take_again = types.ExternalFunction("PyEval_RestoreThread", types.void(types.intp))
+_release_interpreter = types.ExternalFunction("PyEval_SaveThread", types.intp())
+_acquire_interpreter = types.ExternalFunction("PyEval_RestoreThread", types.void(types.intp))
 
 
 @numba.njit(cache=True)
-def _transferred(fmu: Any, function: int, references: int, count: int, memory: int) -> int:
+def _transfer(fmu: Any, function: int, references: int, count: int, memory: int) -> int:
     if fmu.fmi3:
         return _call_reals3(function, fmu.component, references, count, memory)
     return _call_reals(function, fmu.component, references, count, memory)
 
 
 @numba.njit(cache=True)
-def _reals(fmu: Any, function: int, references: int, count: int, memory: int) -> int:
+def _call_transfer(fmu: Any, function: int, references: int, count: int, memory: int) -> int:
     if count == 0:
         return 0
     if fmu.in_python:
-        return _transferred(fmu, function, references, count, memory)
-    thread = _let_go()
-    status = _transferred(fmu, function, references, count, memory)
-    _take_again(thread)
+        return _transfer(fmu, function, references, count, memory)
+    thread = _release_interpreter()
+    status = _transfer(fmu, function, references, count, memory)
+    _acquire_interpreter(thread)
     return status
 
 
 @numba.njit(cache=True)
-def _stepped(fmu: Any, time: float, step: float) -> int:
+def _call_do_step(fmu: Any, time: float, step: float) -> int:
     yes = numba.int32(1)
     if fmu.fmi3:
         status = _call_step3(fmu.do_step, fmu.component, time, step, yes, fmu.told)
@@ -139,17 +139,17 @@ def _stepped(fmu: Any, time: float, step: float) -> int:
 @numba.njit(cache=True)
 def _step(fmu: Any, time: float, step: float) -> int:
     if fmu.in_python:
-        return _stepped(fmu, time, step)
-    thread = _let_go()
-    status = _stepped(fmu, time, step)
-    _take_again(thread)
+        return _call_do_step(fmu, time, step)
+    thread = _release_interpreter()
+    status = _call_do_step(fmu, time, step)
+    _acquire_interpreter(thread)
     return status
 
 
 @numba.njit(cache=True)
 def give(fmu: Any) -> tuple[int, int]:
     """Set the inputs; the call that did not succeed, or FINE, and its status."""
-    status = _reals(fmu, fmu.set_real, fmu.given_references, fmu.given_count, fmu.given)
+    status = _call_transfer(fmu, fmu.set_real, fmu.given_references, fmu.given_count, fmu.given)
     if status > WARNING:
         return SET, status
     return FINE, status
@@ -172,7 +172,7 @@ def advance(fmu: Any, time: float, step: float) -> tuple[int, int]:
 @numba.njit(cache=True)
 def take(fmu: Any) -> tuple[int, int]:
     """Get outputs and rates; as `give`."""
-    status = _reals(fmu, fmu.get_real, fmu.taken_references, fmu.taken_count, fmu.taken)
+    status = _call_transfer(fmu, fmu.get_real, fmu.taken_references, fmu.taken_count, fmu.taken)
     if status > WARNING:
         return GET, status
     return FINE, status

@@ -21,9 +21,9 @@ from fmus.fmi.archive import sealed
 VERSIONS = ("2.0", "3.0")
 OWN_TOOL = "tribocosim "
 REALS = ("Real", "Float64", "Float32")
-TRUTHS = ("Boolean",)
-TEXT = "String"
-WHOLE = (
+BOOLEANS = ("Boolean",)
+STRING = "String"
+INTEGERS = (
     *("Integer", "Enumeration"),
     *("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64"),
 )
@@ -63,7 +63,7 @@ class Variable:
     @property
     def discrete(self) -> bool:
         """Whether its values are whole numbers or truth values."""
-        return self.type in WHOLE or self.type in TRUTHS
+        return self.type in INTEGERS or self.type in BOOLEANS
 
 
 @dataclass(frozen=True)
@@ -117,29 +117,29 @@ class Description:
     @property
     def texts(self) -> list[str]:
         """The parameters that are single texts (String)."""
-        return [v.name for v in self.variables.values() if v.settable and v.type == TEXT and v.size == 1]
+        return [v.name for v in self.variables.values() if v.settable and v.type == STRING and v.size == 1]
 
     def named(self, causality: str) -> Iterator[Variable]:
         """The numeric variables of this causality."""
         return (v for v in self.variables.values() if v.causality == causality and v.numeric)
 
 
-def made_here(path: Path) -> bool:
+def is_made_here(path: Path) -> bool:
     """Whether this program made the FMU at `path`, and it is whole: a damaged library may do anything."""
     status = path.stat()
-    return _made_here(path, status.st_mtime_ns, status.st_size)
+    return _is_made_here(path, status.st_mtime_ns, status.st_size)
 
 
 @functools.lru_cache(maxsize=256)
-def _made_here(path: Path, changed: int, size: int) -> bool:
-    return sealed(path) and described(path).made_here
+def _is_made_here(path: Path, changed: int, size: int) -> bool:
+    return sealed(path) and read_description(path).made_here
 
 
 class DescriptionError(ValueError):
     """The file is no FMU that can take part; a message without the file's name."""
 
 
-def described(path: Path) -> Description:
+def read_description(path: Path) -> Description:
     """The description of the FMU at `path`; nothing of it is run. DescriptionError if it cannot take part."""
     try:
         found = _read(path)
@@ -149,7 +149,7 @@ def described(path: Path) -> Description:
     if about is None or found.fmiVersion not in VERSIONS:
         said = "" if found.fmiVersion in VERSIONS else f" (it says fmiVersion = {found.fmiVersion!r})"
         raise DescriptionError(f"is not a co-simulation FMU of FMI 2.0 or 3.0{said}")
-    variables = [v for variable in found.modelVariables for v in _scalars(variable)]
+    variables = [v for variable in found.modelVariables for v in _list_scalars(variable)]
     names = Counter(v.name for v in variables)
     if len(names) < len(variables):
         raise DescriptionError(
@@ -165,9 +165,9 @@ def described(path: Path) -> Description:
         tool=found.generationTool or "",
         identifier=about.modelIdentifier,
         variables={v.name: v for v in variables},
-        depends=_dependencies(found),
-        states=_states(found) if _differentiates(path, about, found.fmiVersion) else None,
-        units={unit.name: _base(unit.baseUnit) for unit in found.unitDefinitions if unit.baseUnit},
+        depends=_read_dependencies(found),
+        states=_read_states(found) if _differentiates(path, about, found.fmiVersion) else None,
+        units={unit.name: _read_unit(unit.baseUnit) for unit in found.unitDefinitions if unit.baseUnit},
         restorable=bool(about.canGetAndSetFMUstate),
         serialisable=bool(about.canSerializeFMUstate),
         variable_step=bool(about.canHandleVariableCommunicationStepSize),
@@ -177,7 +177,7 @@ def described(path: Path) -> Description:
         gives_rates=int(about.maxOutputDerivativeOrder or 0) > 0,
         once_per_process=bool(about.canBeInstantiatedOnlyOncePerProcess),
         **{
-            short: _number(getattr(experiment, name, None))
+            short: _parse_number(getattr(experiment, name, None))
             for short, name in {"start": "startTime", "stop": "stopTime", "step": "stepSize"}.items()
         },
     )
@@ -193,15 +193,15 @@ def _read(path: Path) -> Any:
         raise error
 
 
-def _scalars(variable: Any) -> Iterator[Variable]:
+def _list_scalars(variable: Any) -> Iterator[Variable]:
     """The variable, or the elements of the array that it is: x[1], x[2], or x[1,1], x[1,2]."""
     shape = tuple(variable.shape or ())
     size = math.prod(shape)
-    starts = _starts(variable, size)
+    starts = _read_starts(variable, size)
     declared = variable.declaredType
     items = tuple((item.name, int(item.value)) for item in getattr(declared, "items", None) or ())
     unit = variable.unit or (declared.unit if declared else None) or ""
-    limits = {key: _limit(variable, declared, key) for key in ("min", "max", "nominal")}
+    limits = {key: _read_limit(variable, declared, key) for key in ("min", "max", "nominal")}
     derived = variable.derivative
     rate_of = derived.name if derived is not None and tuple(derived.shape or ()) == shape else ""
     for place, index in enumerate(product(*(range(1, n + 1) for n in shape))):
@@ -226,22 +226,22 @@ def _scalars(variable: Any) -> Iterator[Variable]:
         )
 
 
-def _limit(variable: Any, declared: Any, key: str) -> float | None:
-    found = _number(getattr(variable, key))
-    return _number(getattr(declared, key, None)) if found is None else found
+def _read_limit(variable: Any, declared: Any, key: str) -> float | None:
+    found = _parse_number(getattr(variable, key))
+    return _parse_number(getattr(declared, key, None)) if found is None else found
 
 
-def _starts(variable: Any, size: int) -> list[float | None]:
+def _read_starts(variable: Any, size: int) -> list[float | None]:
     """The start values of all elements; one that is no number, or not stated, is None."""
-    if variable.start is None or variable.type not in (*REALS, *WHOLE, *TRUTHS):
+    if variable.start is None or variable.type not in (*REALS, *INTEGERS, *BOOLEANS):
         return [None] * size
     words = str(variable.start).split()
     if len(words) == 1:
         words *= size
-    return [_number(word) for word in words] if len(words) == size else [None] * size
+    return [_parse_number(word) for word in words] if len(words) == size else [None] * size
 
 
-def _number(text: Any) -> float | None:
+def _parse_number(text: Any) -> float | None:
     if text is None:
         return None
     try:
@@ -250,15 +250,15 @@ def _number(text: Any) -> float | None:
         return None
 
 
-def _dependencies(found: Any) -> dict[str, tuple[str, ...]]:
+def _read_dependencies(found: Any) -> dict[str, tuple[str, ...]]:
     """Of the outputs that state them, elements of arrays each by its name."""
     depends = {}
     for unknown in found.outputs:
         if unknown.variable is None or unknown.dependencies is None:
             continue
         inputs = [v for v in unknown.dependencies if v is not None and v.causality == "input"]
-        names = tuple(v.name for one in inputs for v in _scalars(one))
-        depends |= {v.name: names for v in _scalars(unknown.variable)}
+        names = tuple(v.name for one in inputs for v in _list_scalars(one))
+        depends |= {v.name: names for v in _list_scalars(unknown.variable)}
     return depends
 
 
@@ -271,16 +271,16 @@ def _differentiates(path: Path, about: Any, version: str) -> bool:
     return kind is not None and kind.get("providesDirectionalDerivatives") in ("true", "1")
 
 
-def _states(found: Any) -> dict[str, str] | None:
+def _read_states(found: Any) -> dict[str, str] | None:
     """None where not all are told; that there are none is told by a file for model exchange."""
     if not found.derivatives and found.modelExchange is None:
         return None
     if any(unknown.variable is None for unknown in found.derivatives):
         return None
-    derivatives = [v for unknown in found.derivatives for v in _scalars(unknown.variable)]
+    derivatives = [v for unknown in found.derivatives for v in _list_scalars(unknown.variable)]
     return {v.derivative: v.name for v in derivatives} if all(v.derivative for v in derivatives) else None
 
 
-def _base(unit: Any) -> Unit:
+def _read_unit(unit: Any) -> Unit:
     exponents = tuple(int(getattr(unit, name)) for name in ("kg", "m", "s", "A", "K", "mol", "cd", "rad"))
     return Unit(exponents, float(unit.factor), float(unit.offset))

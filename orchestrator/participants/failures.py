@@ -14,7 +14,7 @@ from ..errors import (
     RecoverableError,
     instead_of_discarded,
 )
-from .fmi_instance import DISCARD, FATAL, PENDING, WARNING, Standard, status_name
+from .fmi_instance import DISCARD, FATAL, PENDING, WARNING, FmiInstance, status_name
 
 REMEDY = "look at its inputs and parameters, reduce macro_step or use the iterated master"
 
@@ -27,10 +27,10 @@ ASYNCHRONOUS = (
 )
 
 
-class Failing:
+class ErrorReporter:
     """A participant whose calls may fail; `_fmi` is its instance."""
 
-    _fmi: Standard
+    _fmi: FmiInstance
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -48,7 +48,7 @@ class Failing:
                 self._first_warning = self._first_warning or lines[-1]
 
     @contextlib.contextmanager
-    def _naming(self, what: str) -> Any:
+    def _name_errors(self, what: str) -> Any:
         """Turn fmpy's exceptions into a message with what the FMU said."""
         try:
             yield

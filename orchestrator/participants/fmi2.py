@@ -14,7 +14,7 @@ from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2Ca
 from models.core.quantities import Vector
 
 from .bound_calls import BoundCalls
-from .description import TRUTHS, Description, Variable
+from .description import BOOLEANS, Description, Variable
 from .fmi_instance import DISCARD, WARNING
 
 try:
@@ -30,13 +30,13 @@ _listeners: dict[object, Callable[[int, bytes], None]] = {}
 _environments = itertools.count(1)
 
 
-def _told(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
+def _pass_message(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
     listener = _listeners.get(environment) or _listeners.get(name)
     if listener:
         listener(status, message)
 
 
-_TOLD = fmi2CallbackLoggerTYPE(_told)
+_LOGGER = fmi2CallbackLoggerTYPE(_pass_message)
 
 
 class Fmi2(BoundCalls):
@@ -59,7 +59,7 @@ class Fmi2(BoundCalls):
 
     def instantiate(self, log: Callable[[int, bytes], None]) -> None:
         callbacks = fmi2CallbackFunctions()
-        callbacks.logger = _TOLD
+        callbacks.logger = _LOGGER
         environment = next(_environments)
         callbacks.componentEnvironment = environment
         self._heard = environment, self._slave.instanceName.encode()
@@ -88,7 +88,7 @@ class Fmi2(BoundCalls):
         (first, *_), reference = variables, [v.reference for v in variables]
         if first.type == "Real":
             self._slave.setReal(reference, [float(value) for value in values])
-        elif first.type in TRUTHS:
+        elif first.type in BOOLEANS:
             self._slave.setBoolean(reference, [bool(value) for value in values])
         else:
             self._slave.setInteger(reference, [int(value) for value in values])
@@ -100,7 +100,7 @@ class Fmi2(BoundCalls):
         (first, *_), reference = variables, [v.reference for v in variables]
         if first.type == "Real":
             return list(self._slave.getReal(reference))
-        get = self._slave.getBoolean if first.type in TRUTHS else self._slave.getInteger
+        get = self._slave.getBoolean if first.type in BOOLEANS else self._slave.getInteger
         return [float(value) for value in get(reference)]
 
     def serialise(self, state: ctypes.c_void_p) -> bytes:

@@ -17,12 +17,12 @@ from fmpy.fmi3 import FMU3Slave
 from models.core.quantities import Vector
 
 from ..errors import ParticipantError
-from .bound_calls import BoundCalls, Wholes
-from .description import REALS, TRUTHS, Description, Variable
+from .bound_calls import BoundCalls, ArrayLayout
+from .description import REALS, BOOLEANS, Description, Variable
 from .fmi_instance import DISCARD, WARNING
 
 # As fmi3Int64 is called by what holds it.
-HELD = {"Enumeration": "Int64"}
+STORED_AS = {"Enumeration": "Int64"}
 # Bytes of what a step tells.
 ENDED, EARLY = 1, 2
 # Returns on the way through one step, before it counts as one that does not get on.
@@ -66,7 +66,7 @@ class Fmi3(BoundCalls):
         self._slave.exitInitializationMode()
 
     def set(self, variables: Sequence[Variable], values: Iterable[float]) -> None:
-        make = float if variables[0].type in REALS else bool if variables[0].type in TRUTHS else int
+        make = float if variables[0].type in REALS else bool if variables[0].type in BOOLEANS else int
         references, memory, call = self._memory("fmi3Set", variables)
         memory[:] = [make(value) for value in values]
         call(self._slave.component, references, len(references), memory, len(memory))
@@ -81,7 +81,7 @@ class Fmi3(BoundCalls):
 
     def _memory(self, prefix: str, variables: Sequence[Variable]) -> tuple[Any, Any, Callable[..., Any]]:
         """Their references, each once; memory for all values; the function that transfers them."""
-        kind = HELD.get(variables[0].type, variables[0].type)
+        kind = STORED_AS.get(variables[0].type, variables[0].type)
         found = list(dict.fromkeys(v.reference for v in variables))
         references = (ctypes.c_uint * len(found))(*found)
         return (
@@ -131,7 +131,7 @@ class Fmi3(BoundCalls):
         )
 
     def directional(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
-        whole = Wholes(unknown)
+        whole = ArrayLayout(unknown)
         seed = [float(place == known.place) for place in range(known.size)]
         references = list(whole.references)
         found = self._slave.getDirectionalDerivative(references, [known.reference], seed, whole.size)

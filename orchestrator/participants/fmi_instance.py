@@ -19,7 +19,7 @@ def status_name(status: int) -> str:
     return STATUS[status] if 0 <= status < len(STATUS) else f"{status}, which is no status of FMI"
 
 
-class Standard(Protocol):
+class FmiInstance(Protocol):
     """An instance. Calls that do not succeed raise, with the attribute `status`, but for those that return it
     or are given `fail`, which is called with it."""
 

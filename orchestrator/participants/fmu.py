@@ -18,19 +18,19 @@ from models.core.quantities import Vector
 from models.core.system import suggestion
 
 from ..errors import CannotSerializeError, ParticipantError, RefusedError
-from .binding import Elements, array_of
-from .bound_calls import Wholes
+from .binding import Elements, find_array
+from .bound_calls import ArrayLayout
 from .compiled import CALLS, SET, STEP
-from .description import REALS, Variable, described
-from .failures import Failing
+from .description import REALS, Variable, read_description
+from .failures import ErrorReporter
 from .fmi2 import Fmi2
 from .fmi3 import Fmi3
-from .fmi_instance import DISCARD, WARNING, Standard
-from .offers import derivative, signal_degrees
+from .fmi_instance import DISCARD, WARNING, FmiInstance
+from .offers import name_derivative, signal_degrees
 
 
 @dataclass(frozen=True)
-class Given:
+class FmuSettings:
     """What an FMU is asked for and given, by the names of its variables: all outputs to be recorded, the
     values of parameters and starts, and of inputs that nothing drives; parameters that are texts."""
 
@@ -40,7 +40,7 @@ class Given:
     texts: Mapping[str, str] = field(default_factory=dict)
 
 
-class FmuParticipant(Failing):
+class FmuParticipant(ErrorReporter):
     """Implements `Participant` for the FMU at `path`; `close` deletes where it is unpacked (`folder`).
 
     Inputs follow a polynomial over the step where the FMU offers `<input>_der1`, `_der2`, or the standard's
@@ -56,13 +56,13 @@ class FmuParticipant(Failing):
     the outputs `rated`.
     """
 
-    def __init__(self, name: str, path: Path, given: Given, folder: Path | None = None) -> None:
+    def __init__(self, name: str, path: Path, given: FmuSettings, folder: Path | None = None) -> None:
         super().__init__(name)
         self._asked = given
         self._instantiated = self._stepping = False
         self._records: list[Any] = []
         try:
-            self._description = described(path)
+            self._description = read_description(path)
             self._folder = extract(str(path), unzipdir=None if folder is None else str(folder))
         except Exception as error:
             raise ParticipantError(f"{name}: {path} {error}") from None
@@ -72,7 +72,7 @@ class FmuParticipant(Failing):
             kind: type[Fmi2] | type[Fmi3] = Fmi3 if self._description.version == "3.0" else Fmi2
             # fmpy goes into the library's folder, and stays there where the library cannot be loaded.
             with contextlib.chdir("."):
-                self._fmi: Standard = kind(name, self._description, self._folder)
+                self._fmi: FmiInstance = kind(name, self._description, self._folder)
                 self._fmi.instantiate(self._log)
             self._instantiated = True
         except Exception as error:
@@ -109,7 +109,7 @@ class FmuParticipant(Failing):
         found, rows, columns = [], [], []
         for order in range(len(inputs)):
             for column, name in enumerate(input_names):
-                full = derivative(name, order) if order else name
+                full = name_derivative(name, order) if order else name
                 if order == 0 or (full in self._variables and full not in input_names):
                     found.append(self._variable(full))
                     rows.append(order)
@@ -142,7 +142,7 @@ class FmuParticipant(Failing):
             if self._description.interpolates
             and len(inputs) > 1
             and self._variable(name).type in self._fmi.real_types
-            and derivative(name, 1) not in self._variables
+            and name_derivative(name, 1) not in self._variables
         ]
         if not self._interpolated:
             return
@@ -190,7 +190,7 @@ class FmuParticipant(Failing):
         ]
         if not self._called:
             return
-        whole = Wholes(wanted[i] for i in self._called)
+        whole = ArrayLayout(wanted[i] for i in self._called)
         references, found = np.array(whole.references, dtype=np.uintc), np.zeros(whole.size)
         get = self._fmi.output_derivatives(references, found, self._reading_failed)
         read = self.read
@@ -232,7 +232,7 @@ class FmuParticipant(Failing):
             variable = self._variable(name)
             if (key := (variable.reference, variable.type)) not in done:
                 done.add(key)
-                whole = array_of(self._variables, variable)
+                whole = find_array(self._variables, variable)
                 self._fmi.set(whole, [values.get(v.name, v.start or 0.0) for v in whole])
 
     def finish_initialisation(self) -> None:

@@ -25,8 +25,8 @@ from models.core.quantities import Vector
 
 from .. import errors
 from ..errors import DiscardedStepError, EndedError, LostParticipantError, ParticipantError
-from .description import described
-from .fmu import Given
+from .description import read_description
+from .fmu import FmuSettings
 from .messages import ADVANCE, CALL, FAILED, READ, TIMES, receive, send
 from .offers import signal_degrees
 
@@ -39,15 +39,15 @@ Saved = int  # the process's number of a state
 class InOwnProcess:
     """Implements `Participant` for the FMU at `path`, by a `FmuParticipant` in another process."""
 
-    def __init__(self, name: str, path: Path, given: Given) -> None:
+    def __init__(self, name: str, path: Path, given: FmuSettings) -> None:
         self.name = name
         # A process that crashes leaves behind what it has unpacked.
         self._folder = tempfile.mkdtemp(prefix="tribocosim-")
-        self._process = _started()
+        self._process = _start_process()
         self._lost = self._made = self._stepped = False
         self._path = path
         self._doing = "start"
-        self.restorable = described(path).restorable
+        self.restorable = read_description(path).restorable
         try:
             asked = asdict(given) | {"outputs": list(given.outputs)}
             self._call("instantiate", name=name, path=str(path), given=asked, folder=self._folder)
@@ -62,7 +62,7 @@ class InOwnProcess:
             send(self._process.stdin, kind, *parts)
             answer, content = receive(self._process.stdout)
         except (OSError, EOFError):
-            self._end()
+            self._raise_lost()
         except BaseException:
             self._lost = True  # interrupted between a message and its answer
             raise
@@ -80,7 +80,7 @@ class InOwnProcess:
             raise kind(said["message"], said["reached"])
         raise kind(said["message"])
 
-    def _end(self) -> NoReturn:
+    def _raise_lost(self) -> NoReturn:
         """Raise what is known of a process that is no more."""
         self._lost = True
         with contextlib.suppress(subprocess.TimeoutExpired):
@@ -94,11 +94,11 @@ class InOwnProcess:
                 f"{self._path} may be damaged, or lack what it needs on this machine (tribocosim fmu "
                 "validate looks at its library); give another file"
             )
-        how = _how(self._process.returncode)
+        how = _describe_end(self._process.returncode)
         raise LostParticipantError(f"{self.name}: its process ended {how} in the {self._doing}; {remedy}")
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
-        return signal_degrees(described(self._path), input_names)
+        return signal_degrees(read_description(self._path), input_names)
 
     def connect(
         self,
@@ -135,12 +135,12 @@ class InOwnProcess:
     def advance(self, time: float, step: float) -> None:
         self._doing = f"step from t = {time:.9g} s by {step:g} s"
         self._fresh, self._stepped = False, True
-        self._take(self._ask(ADVANCE, TIMES.pack(time, step), self._given()))
+        self._store_outputs(self._ask(ADVANCE, TIMES.pack(time, step), self._take_inputs()))
 
     def read(self) -> None:
         if not self._fresh:
             self._doing = "reading of outputs"
-            self._take(self._ask(READ, self._given()))
+            self._store_outputs(self._ask(READ, self._take_inputs()))
         count = self._outputs.size
         self._outputs[:] = self._taken[:count]
         if self._rates.size:
@@ -150,14 +150,14 @@ class InOwnProcess:
         """What has been written, before a call that would see it."""
         if self._written:
             self._doing = "setting of inputs"
-            self._take(self._ask(READ, self._given()))
+            self._store_outputs(self._ask(READ, self._take_inputs()))
 
-    def _given(self) -> bytes:
+    def _take_inputs(self) -> bytes:
         """The inputs, if they have been written since the last message."""
         written, self._written = self._written, False
         return self._inputs.tobytes() if written else b""
 
-    def _take(self, content: bytes) -> None:
+    def _store_outputs(self, content: bytes) -> None:
         self._taken = np.frombuffer(content)
         self._fresh = True
 
@@ -209,7 +209,7 @@ class InOwnProcess:
         shutil.rmtree(self._folder, ignore_errors=True)
 
 
-def _how(status: int | None) -> str:
+def _describe_end(status: int | None) -> str:
     if status is None:
         return "its connection"
     if status >= 0:
@@ -220,10 +220,10 @@ def _how(status: int | None) -> str:
         return f"by signal {-status}"
 
 
-def _started() -> subprocess.Popen[bytes]:
+def _start_process() -> subprocess.Popen[bytes]:
     """Ctrl-C, which the terminal sends to both, is not for it."""
     path = os.pathsep.join(filter(None, [*sys.path, os.environ.get("PYTHONPATH", "")]))
-    with _without_interrupts():
+    with _block_interrupts():
         return subprocess.Popen(
             [sys.executable, "-P", "-c", f"from {__package__}.process import main; main()"],
             stdin=subprocess.PIPE,
@@ -234,7 +234,7 @@ def _started() -> subprocess.Popen[bytes]:
 
 
 @contextlib.contextmanager
-def _without_interrupts() -> Iterator[None]:
+def _block_interrupts() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

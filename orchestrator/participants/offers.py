@@ -9,21 +9,21 @@ from pathlib import Path
 from models.core.integrator import INPUT_COEFFICIENTS
 from models.core.quantities import Field, Quantity
 
-from .description import Description, DescriptionError, described
+from .description import Description, DescriptionError, read_description
 
 HIGHEST = INPUT_COEFFICIENTS - 1
 
 
-def missing(path: Path, names: Iterable[str]) -> list[str]:
+def find_missing(path: Path, names: Iterable[str]) -> list[str]:
     """What keeps the FMU at `path` from being a participant with these variables; nothing of it is run."""
     try:
-        description = described(path)
+        description = read_description(path)
     except DescriptionError as error:
         return [str(error)]
     known = list(description.variables)
     absent = [name for name in names if name not in known]
     model = f"the FMU of {description.model} has no variable"
-    return [f"{model} {name!r}{_nearest(name, known)}" for name in absent]
+    return [f"{model} {name!r}{_suggest(name, known)}" for name in absent]
 
 
 def signal_degrees(about: Description, names: Iterable[str]) -> list[int]:
@@ -34,19 +34,19 @@ def signal_degrees(about: Description, names: Iterable[str]) -> list[int]:
     known = about.variables
 
     def degree(name: str) -> int:
-        if known[name].discrete or (about.interpolates and derivative(name, 1) not in known):
+        if known[name].discrete or (about.interpolates and name_derivative(name, 1) not in known):
             return HIGHEST
-        absent = (k for k in range(1, HIGHEST + 1) if derivative(name, k) not in known)
+        absent = (k for k in range(1, HIGHEST + 1) if name_derivative(name, k) not in known)
         return next(absent, HIGHEST + 1) - 1
 
     return [degree(name) for name in names]
 
 
-def derivative(name: str, order: int) -> str:
+def name_derivative(name: str, order: int) -> str:
     """The name of the input that takes the derivative of that order of the input `name`."""
     return Field(name, Quantity("1", ""), 0.0).suffixed(f"_der{order}")
 
 
-def _nearest(name: str, known: Sequence[str]) -> str:
+def _suggest(name: str, known: Sequence[str]) -> str:
     close = difflib.get_close_matches(name, known, n=1)
     return f" (has it {close[0]}?)" if close else ""

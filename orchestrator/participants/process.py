@@ -19,7 +19,7 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..errors import RunError
-from .fmu import FmuParticipant, Given
+from .fmu import FmuParticipant, FmuSettings
 from .messages import ADVANCE, CALL, DONE, FAILED, READ, TIMES, receive, send
 
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
@@ -40,27 +40,27 @@ class Server:
     def carry_out(self, kind: bytes, content: bytes) -> bytes:
         """The answer to a message."""
         if kind == ADVANCE:
-            self._give(content[TIMES.size :])
+            self._set_inputs(content[TIMES.size :])
             self.unit.advance(*TIMES.unpack(content[: TIMES.size]))
-            return self._taken()
+            return self._get_outputs()
         if kind == READ:
-            self._give(content)
-            return self._taken()
+            self._set_inputs(content)
+            return self._get_outputs()
         assert kind == CALL
         asked = json.loads(content)
         return json.dumps(getattr(self, asked.pop("method"))(**asked)).encode()
 
-    def _give(self, values: bytes) -> None:
+    def _set_inputs(self, values: bytes) -> None:
         if values:
             self.inputs.ravel()[:] = np.frombuffer(values)
             self.unit.write()
 
-    def _taken(self) -> bytes:
+    def _get_outputs(self) -> bytes:
         self.unit.read()
         return self.outputs.tobytes() + self.rates.tobytes()
 
     def instantiate(self, name: str, path: str, given: dict[str, Any], folder: str) -> None:
-        self.unit = FmuParticipant(name, Path(path), Given(**given), Path(folder))
+        self.unit = FmuParticipant(name, Path(path), FmuSettings(**given), Path(folder))
 
     def connect(self, inputs: list[str], rows: int, outputs: list[str], rated: bool) -> list[bool]:
         self.inputs = np.zeros((rows, len(inputs)))
@@ -82,9 +82,9 @@ class Server:
         return values.tolist()
 
     def save(self) -> int:
-        return self._kept(self.unit.save())
+        return self._store_state(self.unit.save())
 
-    def _kept(self, state: Any) -> int:
+    def _store_state(self, state: Any) -> int:
         self._number += 1
         self._states[self._number] = state
         return self._number
@@ -99,7 +99,7 @@ class Server:
         return self.unit.to_bytes(self._states[number]).hex()
 
     def from_bytes(self, data: str) -> int:
-        return self._kept(self.unit.from_bytes(bytes.fromhex(data)))
+        return self._store_state(self.unit.from_bytes(bytes.fromhex(data)))
 
     def warnings(self) -> list[Any]:
         return list(self.unit.warnings())

@@ -8,10 +8,10 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from .wrapping import Around
+from .wrapping import ParticipantWrapper
 
 
-class Remembering(Around):
+class StatefulWrapper(ParticipantWrapper):
     """Saves and restores the vector `_own` beside the state of `participant`.
 
     To be completed with connect, write, advance, read, read_all.

@@ -12,7 +12,7 @@ from models.core.system import Connection, Port
 from .offers import HIGHEST
 
 
-def highest_degrees(connections: Sequence[Connection], followed: Mapping[Port, int]) -> dict[Port, int]:
+def find_highest_degrees(connections: Sequence[Connection], followed: Mapping[Port, int]) -> dict[Port, int]:
     """By source, from the degree that is `followed` at each target.
 
     A signal has the lowest degree of all its targets. A loop of participants has one degree: where one of

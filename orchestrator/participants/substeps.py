@@ -16,10 +16,10 @@ from ..engine.signals import move_origin
 from ..errors import DiscardedStepError, RecoverableError
 from .offers import HIGHEST
 from .protocol import Participant
-from .wrapping import Wrapping
+from .wrapping import StatelessWrapper
 
 
-class Substepped(Wrapping):
+class Substepped(StatelessWrapper):
     """Implements `Participant` by `participant`, with `substeps` equal steps to every macro step.
 
     A step that fails is tried in two halves, these again, down to 2**-`halvings` of a substep: from where
@@ -31,7 +31,7 @@ class Substepped(Wrapping):
         super().__init__(participant)
         self._substeps, self._halvings = substeps, halvings
         self._smallest = 0.5**halvings / substeps
-        self._advance = self._kept if halvings and self.restorable else participant.advance
+        self._advance = self._advance_or_restore if halvings and self.restorable else participant.advance
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         # Between its own steps it follows a signal of any degree, if only by values.
@@ -57,11 +57,11 @@ class Substepped(Wrapping):
         length = step / self._substeps
         try:
             for n in range(self._substeps):
-                self._over(time + n * length, length, self._halvings)
+                self._advance_in_pieces(time + n * length, length, self._halvings)
         finally:
             self._inputs[:] = self._start  # it is the master's
 
-    def _over(self, start: float, length: float, halvings: int) -> None:
+    def _advance_in_pieces(self, start: float, length: float, halvings: int) -> None:
         """Advance from `start` by `length`, in pieces where that fails; the master has written the inputs."""
         while True:
             if start > self._time:
@@ -75,13 +75,13 @@ class Substepped(Wrapping):
                     raise
                 if (done := error.reached - start) < self._smallest * self._step:
                     if halvings == 0:
-                        raise self._final(error) from None
+                        raise self._add_length(error) from None
                     break
                 start, length = error.reached, length - done
-        self._over(start, 0.5 * length, halvings - 1)
-        self._over(start + 0.5 * length, 0.5 * length, halvings - 1)
+        self._advance_in_pieces(start, 0.5 * length, halvings - 1)
+        self._advance_in_pieces(start + 0.5 * length, 0.5 * length, halvings - 1)
 
-    def _kept(self, time: float, step: float) -> None:
+    def _advance_or_restore(self, time: float, step: float) -> None:
         """Advance; where that fails, the participant is where it was, or where it arrived with success."""
         saved = self.save()
         try:
@@ -96,7 +96,7 @@ class Substepped(Wrapping):
         finally:
             self.release(saved)
 
-    def _final(self, error: DiscardedStepError) -> DiscardedStepError:
+    def _add_length(self, error: DiscardedStepError) -> DiscardedStepError:
         if not self._halvings:
             return error
         longer = f"(longer steps failed as well, from {self._step / self._substeps:g} s on)"

@@ -19,10 +19,10 @@ from models.core.component import Component
 from models.core.quantities import Field, Layout, Quantity, Vector
 from models.core.system import ModelError
 
-from .description import TRUTHS, Description, DescriptionError, Variable, described
+from .description import BOOLEANS, Description, DescriptionError, Variable, read_description
 
 # `initial` of what can be given a start value though it is no parameter and no input.
-STARTED = ("exact", "approx")
+WITH_START = ("exact", "approx")
 
 
 class NamedLayout(Layout):
@@ -43,43 +43,43 @@ class NamedLayout(Layout):
 
 
 @dataclass(frozen=True, eq=False)
-class ForeignComponent(Component):
+class ThirdPartyComponent(Component):
     """The component of an FMU from elsewhere; `about` is what its file says."""
 
     about: Description = None  # type: ignore[assignment]  # given always, after fields with defaults
 
 
-def component_of_file(path: Path) -> Component:
+def read_component(path: Path) -> Component:
     """The component that the FMU is; ValueError, with the path, if it cannot take part."""
     try:
         status = path.stat()
     except OSError:
         raise ValueError(f"{path}: no such file") from None
-    return _component(path, status.st_mtime_ns, status.st_size)
+    return _read_component(path, status.st_mtime_ns, status.st_size)
 
 
 @functools.lru_cache(maxsize=256)
-def _component(path: Path, changed: int, size: int) -> Component:
+def _read_component(path: Path, changed: int, size: int) -> Component:
     try:
         with opened(path) as archive:
             if faults := archive_faults(archive):
                 raise FmuFileError(f"{path}: {faults[0]}; give another file")
-        about = described(path)
+        about = read_description(path)
     except DescriptionError as error:
         raise ValueError(f"{path}: {error}; give another file") from None
     outputs = [v for v in about.variables.values() if v.causality == "output" and v.numeric]
     inputs = list(about.named("input"))
     every = tuple(v.name for v in inputs)
-    return ForeignComponent(
+    return ThirdPartyComponent(
         name=about.model,
         description=about.text,
-        parameters=_layout(v for v in about.variables.values() if v.settable and v.numeric),
-        state=_layout(v for v in about.variables.values() if v.numeric and _started(v)),
-        inputs=_layout(inputs),
-        outputs=_layout(outputs),
-        derivative=_no_equations,
-        output=_no_equations,
-        energy=_no_equations,
+        parameters=_build_layout(v for v in about.variables.values() if v.settable and v.numeric),
+        state=_build_layout(v for v in about.variables.values() if v.numeric and _has_start(v)),
+        inputs=_build_layout(inputs),
+        outputs=_build_layout(outputs),
+        derivative=_refuse_equations,
+        output=_refuse_equations,
+        energy=_refuse_equations,
         feedthrough={v.name: about.depends.get(v.name, every) for v in outputs},
         samples=False,
         ode=False,
@@ -87,19 +87,19 @@ def _component(path: Path, changed: int, size: int) -> Component:
     )
 
 
-def _started(variable: Variable) -> bool:
+def _has_start(variable: Variable) -> bool:
     return (
         variable.causality in ("output", "local")
-        and variable.initial in STARTED
+        and variable.initial in WITH_START
         and variable.variability != "constant"
     )
 
 
-def _layout(variables: Iterable[Variable]) -> NamedLayout:
-    return NamedLayout(Field(v.name, quantity_of(v), _inside(v)) for v in variables)
+def _build_layout(variables: Iterable[Variable]) -> NamedLayout:
+    return NamedLayout(Field(v.name, build_quantity(v), _clip_start(v)) for v in variables)
 
 
-def quantity_of(variable: Variable) -> Quantity:
+def build_quantity(variable: Variable) -> Quantity:
     """What the variable's number means."""
     return Quantity(
         unit=variable.unit or ("1" if variable.discrete else ""),
@@ -107,16 +107,16 @@ def quantity_of(variable: Variable) -> Quantity:
         nominal=variable.nominal,
         minimum=variable.minimum,
         maximum=variable.maximum,
-        boolean=variable.type in TRUTHS,
-        count=variable.discrete and variable.type not in TRUTHS,
+        boolean=variable.type in BOOLEANS,
+        count=variable.discrete and variable.type not in BOOLEANS,
     )
 
 
-def _inside(variable: Variable) -> float:
+def _clip_start(variable: Variable) -> float:
     """The start value; of one that the file leaves open, or has out of its own range, the nearest."""
     value = 0.0 if variable.start is None or not math.isfinite(variable.start) else variable.start
     return min(max(value, variable.minimum), variable.maximum)
 
 
-def _no_equations(*arguments: Any) -> NoReturn:
+def _refuse_equations(*arguments: Any) -> NoReturn:
     raise ModelError("the equations of an FMU from elsewhere are its own")

@@ -10,7 +10,7 @@ import numpy as np
 from models.core.quantities import Vector
 
 from .protocol import Participant
-from .wrapping import Wrapping
+from .wrapping import StatelessWrapper
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Linear:
     offset: float = 0.0
 
 
-class Transformed(Wrapping):
+class Transformed(StatelessWrapper):
     """Implements `Participant` by `participant`, with `transformations` of inputs, by name."""
 
     def __init__(self, participant: Participant, transformations: Mapping[str, Linear]) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 from .protocol import Participant
 
 
-class Around:
+class ParticipantWrapper:
     """Passes on to `participant` what no wrapping concerns.
 
     To be completed to a `Participant` with what it does otherwise. What isn't changed are the participant's
@@ -27,7 +27,7 @@ class Around:
         return self._participant.signal_degrees(input_names)
 
 
-class Wrapping(Around):
+class StatelessWrapper(ParticipantWrapper):
     """Has no state of its own. To be completed with connect, write, advance, read."""
 
     def __init__(self, participant: Participant) -> None:

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from models.core.quantities import Quantity, Vector
 
 from ..assessment.diagnosis.steps import NONE, Steps, steps_of
-from ..scenario import Scenario, ends
-from ..scenario.units import time_unit, to_unit
-from ..scenario.values import numbers
+from ..scenario import Scenario, parse_ends
+from ..scenario.units import choose_time_unit, to_unit
+from ..scenario.values import to_numbers
 from ..store.result_file import ResultFile
 
 # More points than these cannot be told apart in a figure, but would take memory.
@@ -89,7 +89,7 @@ class FigureData:
             reference=reference,
             quantities=quantities,
             steps=steps_of(result),
-            drivers={target: source for source, target in map(ends, scenario.connections)},
+            drivers={target: source for source, target in map(parse_ends, scenario.connections)},
             parameters=parameters_of(scenario),
             energy_time=energies.pop("time"),
             energies=energies,
@@ -181,7 +181,7 @@ class FigureData:
         return "", f"Time ({SYMBOLS.get(unit, unit)})"
 
     def _time_unit(self) -> tuple[str, float]:
-        return time_unit(float(np.ptp(self.time)))
+        return choose_time_unit(float(np.ptp(self.time)))
 
     def x(self, reference: bool = False) -> Vector:
         """The abscissa's values at the records of the coupled run or the reference."""
@@ -197,6 +197,6 @@ def parameters_of(scenario: Scenario) -> dict[str, float]:
     found = {}
     for name, table in scenario.components.items():
         layout = table.made().parameters
-        values = {field.name: field.start for field in layout.fields} | numbers(layout, table.parameters)
+        values = {field.name: field.start for field in layout.fields} | to_numbers(layout, table.parameters)
         found |= {f"{name}.{parameter}": value for parameter, value in values.items()}
     return found

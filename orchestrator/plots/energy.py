@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..scenario.units import time_unit
+from ..scenario.units import choose_time_unit
 from .data import SYMBOLS, FigureData
 from .style import ACCENT, COUPLED, MUTED, headed, subplots
 
@@ -37,7 +37,7 @@ def figure(data: FigureData) -> Figure:
     rows = len(names) + 1
     made, axes = subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + 1.5 * rows))
     headed(made, f"{data.title}: energy created by the coupling")
-    unit, factor = time_unit(float(np.ptp(data.energy_time)))
+    unit, factor = choose_time_unit(float(np.ptp(data.energy_time)))
     time = factor * data.energy_time
     for ax, name in zip(axes[:, 0], names, strict=False):
         created, given = data.energies[f"created {name}"], data.energies[f"given {name}"]

@@ -17,7 +17,7 @@ from models.core.quantities import Vector
 from ..assessment.diagnosis.steps import Steps
 from ..assessment.diagnosis.text import percent
 from ..engine.step import REASONS
-from ..scenario.units import time_unit
+from ..scenario.units import choose_time_unit
 from .data import SYMBOLS, FigureData
 from .style import ACCENT, MUTED, REFERENCE, headed, subplots
 
@@ -87,7 +87,7 @@ def drawn(steps: Steps, title: str) -> Figure:
         ax.set_xlim(steps.start[0], steps.end[-1])
     for ax in axes[:-1, 0]:
         ax.tick_params(labelbottom=False)
-    unit, factor = time_unit(steps.end[-1] - steps.start[0])
+    unit, factor = choose_time_unit(steps.end[-1] - steps.start[0])
     axes[-1, 0].set_xlabel(f"Time ({SYMBOLS.get(unit, unit)})")
     axes[-1, 0].xaxis.set_major_formatter(FuncFormatter(lambda time, _: f"{factor * time:.10g}"))
     axes[-1, 1].set_xlabel("Share of steps (%)")

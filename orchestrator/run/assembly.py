@@ -20,18 +20,18 @@ from ..energy.counting import counting_structure
 from ..energy.estimate import EstimatedComponent, Estimating, without_estimates
 from ..participants import (
     Participant,
-    fmu,
-    in_own_process,
+    open_fmu,
+    open_in_own_process,
     in_process,
-    missing,
+    find_missing,
     substepped,
     transformed,
 )
 from ..participants.transformed import Linear
-from ..scenario import BUILT, ComponentTable, Line, Scenario, ScenarioError, line_of
-from ..scenario.capabilities import check_abilities, check_foreign
-from ..scenario.conversion import connectable, transformations
-from ..scenario.values import numbers
+from ..scenario import BUILT_KINDS, ComponentTable, Line, Scenario, ScenarioError, parse_line
+from ..scenario.capabilities import check_capabilities, check_third_party
+from ..scenario.conversion import replace_units, find_transformations
+from ..scenario.values import to_numbers
 
 # Gives the FMU of a catalogue component with structural sizes, of a kind that is built ("fmu", "native").
 Builder = Callable[[str, Mapping[str, int], str], Path]
@@ -40,7 +40,7 @@ Builder = Callable[[str, Mapping[str, int], str], Path]
 def system_of(scenario: Scenario) -> System:
     """The scenario's system with its start values as given; ModelError or ScenarioError for faults."""
     instances, lines = _written(scenario)
-    seen = connectable(instances, lines, transformations(instances, lines))
+    seen = replace_units(instances, lines, find_transformations(instances, lines))
     system = System(seen, [(line.source, line.target) for line in lines])
     for name in scenario.tolerance:
         if name not in system.outputs.names:
@@ -48,7 +48,7 @@ def system_of(scenario: Scenario) -> System:
     if scenario.start == "given":
         check_start(system, 0.0, system.x0)
     check_master(scenario)
-    check_foreign(scenario)
+    check_third_party(scenario)
     check_energy_estimator(scenario, system)
     if scenario.energy.correction and scenario.master.name != "jacobi":
         raise ScenarioError(
@@ -58,14 +58,14 @@ def system_of(scenario: Scenario) -> System:
     for name, table in scenario.components.items():
         if table.participant.endswith(".fmu") and not table.foreign:
             check_file(name, Path(table.participant), variables_used(name, system, scenario.start))
-    check_abilities(scenario)
+    check_capabilities(scenario)
     return system
 
 
 def _written(scenario: Scenario) -> tuple[dict[str, Instance], list[Line]]:
     """Instances and connections as the scenario has them, before units are converted."""
     instances = {name: _instance(table) for name, table in scenario.components.items()}
-    return instances, list(map(line_of, scenario.connections))
+    return instances, list(map(parse_line, scenario.connections))
 
 
 def check_analysable(scenario: Scenario) -> None:
@@ -77,7 +77,7 @@ def check_analysable(scenario: Scenario) -> None:
                 f"components.{name}: an FMU from elsewhere, whose equations are not known here, is not "
                 "analysed; tribocosim run with several macro steps shows what they do"
             )
-    changed = transformations(*_written(scenario))
+    changed = find_transformations(*_written(scenario))
     for name, inputs in changed.items():
         for variable, linear in inputs.items():
             if linear != Linear():
@@ -134,9 +134,9 @@ def _instance(table: ComponentTable) -> Instance:
     component = table.made()
     return Instance(
         component,
-        parameters=numbers(component.parameters, table.parameters),
-        start=numbers(component.state, table.start),
-        inputs=numbers(component.inputs, table.inputs),
+        parameters=to_numbers(component.parameters, table.parameters),
+        start=to_numbers(component.state, table.start),
+        inputs=to_numbers(component.inputs, table.inputs),
     )
 
 
@@ -197,7 +197,7 @@ def fmu_files(scenario: Scenario, build: Builder) -> dict[str, FmuFile]:
     for name, table in scenario.components.items():
         if table.participant == "in-process":
             continue
-        own = table.participant in BUILT
+        own = table.participant in BUILT_KINDS
         counts = scenario.energy.ledger and table.made().samples
         structure = counting_structure(table.structure) if counts else table.structure
         path = Path(table.participant)
@@ -216,7 +216,7 @@ def counting_instances(scenario: Scenario, system: System) -> list[str]:
         if not component.samples:
             continue
         given = table.participant.endswith(".fmu")
-        if not given or not missing(Path(table.participant), counting(component).outputs.names):
+        if not given or not find_missing(Path(table.participant), counting(component).outputs.names):
             names.append(name)
     return names
 
@@ -229,7 +229,7 @@ def check_file(name: str, path: Path, variables: Iterable[str]) -> None:
             faults = archive_faults(archive)
     except FmuFileError as error:
         raise ScenarioError(f"{where}{error}") from None
-    faults = faults or missing(path, variables)
+    faults = faults or find_missing(path, variables)
     if faults:
         raise ScenarioError(f"{where}{path}: {faults[0]}; give another file")
 
@@ -256,11 +256,11 @@ def participants_of(
     Each comes from `made(name, make)`, which may wrap what `make()` gives.
     """
     participants: dict[str, Participant] = {}
-    linear = transformations(*_written(scenario))
+    linear = find_transformations(*_written(scenario))
     try:
         for name, instance in system.instances.items():
             if name in files:
-                kind = in_own_process if scenario.components[name].apart else fmu
+                kind = open_in_own_process if scenario.components[name].apart else open_fmu
                 texts = scenario.components[name].texts
                 make = partial(kind, name, files[name].path, without_estimates(instance), texts)
             else:

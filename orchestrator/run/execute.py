@@ -72,8 +72,8 @@ def run_coupled(
                 statistics = simulate(
                     system,
                     participants,
-                    scenario.made_master(),
-                    scenario.made_steps(),
+                    scenario.build_master(),
+                    scenario.build_steps(),
                     scenario.stop_time,
                     [*watchdog.observers, *recorders, counter, *keeper, bar, forecast, interruption],
                     resumed=job.resumed[1] if job.resumed else None,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import MistakeError
 from ..scenario import Scenario
-from ..scenario.files import written
+from ..scenario.files import to_full_toml
 from ..store.atomic_write import partial
 from ..store.backup import Earlier
 from ..store.run_state import clear, contents, locked, shown, unfinished
@@ -30,7 +30,7 @@ class OutputFolderError(MistakeError):
 def spare(source: Path, scenario: Scenario, out: Path) -> None:
     """OutputFolderError if the result's own scenario file would replace `source` by something else."""
     target = out / SCENARIO
-    if target.exists() and target.samefile(source) and source.read_text("utf-8") != written(scenario):
+    if target.exists() and target.samefile(source) and source.read_text("utf-8") != to_full_toml(scenario):
         raise OutputFolderError(
             f"{target}: is the scenario itself, which a result here would replace; choose another folder "
             "with --out"

@@ -17,8 +17,8 @@ from ..assessment.diagnosis import Facts, diagnosed, steps_of, suggestions
 from ..assessment.summary import FAILED, INTERRUPTED, ROWS, Summary
 from ..errors import CheckpointError, RefusedError, RunError
 from ..scenario import Scenario, ScenarioError
-from ..scenario.files import written
-from ..scenario.warnings import notices
+from ..scenario.files import to_full_toml
+from ..scenario.warnings import list_warnings
 from ..store.atomic_write import NO_ROOM, naming, replace
 from ..store.csv_file import write_csv, write_units
 from ..store.journal import Recorded, journals
@@ -52,8 +52,8 @@ def run(
     assembly.check_reference(scenario, system)
     out = out.absolute()  # an FMU may change the working directory
     with prepared(out, overwrite) as (folder, earlier):
-        replace(out / SCENARIO, written(scenario).encode())
-        for line in notices(scenario):
+        replace(out / SCENARIO, to_full_toml(scenario).encode())
+        for line in list_warnings(scenario):
             reporter.line(line)
         if line := announce(scenario, system.outputs.size, out):
             reporter.line(line)
@@ -234,7 +234,7 @@ def _attributes(scenario: Scenario, summary: Summary) -> dict[str, str]:
     return {
         "title": scenario.description or scenario.name,
         "scenario": scenario.name,
-        "scenario_toml": written(scenario),
+        "scenario_toml": to_full_toml(scenario),
         "versions": versions,
         "fmu_sha256": sums or "none",
     }

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from .component_table import BUILT, ComponentTable
-from .connection import Line, ends, line_of
+from .component_table import BUILT_KINDS, ComponentTable
+from .connection import Line, parse_ends, parse_line
 from .fields import Written
 from .master_table import MasterTable
-from .messages import messages
+from .messages import list_messages
 from .revolutions import DURATIONS
-from .scenario import EnergyTable, Scenario, ScenarioError, elsewhere, scenario_of
+from .scenario import EnergyTable, Scenario, ScenarioError, find_tables, build_scenario
 from .step_control_table import CONVERGED
 
 __all__ = [
-    "BUILT",
+    "BUILT_KINDS",
     "CONVERGED",
     "DURATIONS",
     "ComponentTable",
@@ -22,9 +22,9 @@ __all__ = [
     "Scenario",
     "ScenarioError",
     "Written",
-    "elsewhere",
-    "ends",
-    "line_of",
-    "messages",
-    "scenario_of",
+    "find_tables",
+    "parse_ends",
+    "parse_line",
+    "list_messages",
+    "build_scenario",
 ]

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import fmpy
 
-from ..participants.description import Description, described
-from . import Scenario, ScenarioError, line_of
+from ..participants.description import Description, read_description
+from . import Scenario, ScenarioError, parse_line
 
 # Part of a step by which a time may miss a whole number of steps: far more than rounding.
-WHOLE = 1e-6
+WHOLE_STEPS = 1e-6
 
 
-def check_foreign(scenario: Scenario) -> None:
+def check_third_party(scenario: Scenario) -> None:
     """ScenarioError where FMUs that stand for themselves, or connections that change values, are asked for
     what only a system's equations give."""
     wanted = (
@@ -24,7 +24,7 @@ def check_foreign(scenario: Scenario) -> None:
         else ("start = 'equilibrium'", "set start = 'given'")
     )
     if scenario.reference.enabled or scenario.start == "equilibrium":
-        for line in map(line_of, scenario.connections):
+        for line in map(parse_line, scenario.connections):
             if line.factor is not None or line.offset is not None:
                 raise ScenarioError(
                     f"{wanted[0]}: the connection {str(line)!r} changes values, which the equations of the "
@@ -42,7 +42,7 @@ def check_foreign(scenario: Scenario) -> None:
         raise ScenarioError(f"start = 'equilibrium': {named}; set start = 'given'")
 
 
-def check_abilities(scenario: Scenario) -> None:
+def check_capabilities(scenario: Scenario) -> None:
     """ScenarioError where a given .fmu file cannot do what the scenario's steps need."""
     files = {
         name: Path(table.participant)
@@ -50,18 +50,18 @@ def check_abilities(scenario: Scenario) -> None:
         if table.participant.endswith(".fmu")
     }
     for name, path in files.items():
-        if fault := _no_binary(path, described(path)) or _fault(scenario, name, described(path)):
+        if fault := _find_library_fault(path, read_description(path)) or _find_fault(scenario, name, read_description(path)):
             raise ScenarioError(f"components.{name}.participant: {path}: {fault}")
     shared = Counter(path.resolve() for name, path in files.items() if not scenario.components[name].apart)
     for name, path in files.items():
-        if shared[path.resolve()] > 1 and described(path).once_per_process:
+        if shared[path.resolve()] > 1 and read_description(path).once_per_process:
             raise ScenarioError(
                 f"components.{name}.participant: {path}: can be there only once in a process "
                 f"(canBeInstantiatedOnlyOncePerProcess); set components.{name}.process = 'own'"
             )
 
 
-def _no_binary(path: Path, about: Description) -> str:
+def _find_library_fault(path: Path, about: Description) -> str:
     """What there is instead of a library for this platform; empty if there is one."""
     here = fmpy.platform_tuple if about.version == "3.0" else fmpy.platform
     with zipfile.ZipFile(path) as archive:
@@ -78,7 +78,7 @@ def _no_binary(path: Path, about: Description) -> str:
     return f"has no binary for {here} (it has {', '.join(places) or 'none'}); give a file that has one"
 
 
-def _fault(scenario: Scenario, name: str, about: Description) -> str:
+def _find_fault(scenario: Scenario, name: str, about: Description) -> str:
     """What keeps the FMU from taking part, with the remedy; empty if nothing does."""
     table = scenario.components[name]
     if scenario.master.made().implicit:
@@ -106,7 +106,7 @@ def _fault(scenario: Scenario, name: str, about: Description) -> str:
                 "takes steps of one length only (canHandleVariableCommunicationStepSize = false), and "
                 f"{cause} makes others; leave it out"
             )
-        if _broken(scenario.stop_time, scenario.macro_step):
+        if _leaves_remainder(scenario.stop_time, scenario.macro_step):
             return (
                 "takes steps of one length only (canHandleVariableCommunicationStepSize = false), and "
                 f"stop_time = {scenario.stop_time:g} s is no whole number of macro_step = "
@@ -115,14 +115,14 @@ def _fault(scenario: Scenario, name: str, about: Description) -> str:
     return ""
 
 
-def unsynchronised(scenario: Scenario) -> list[str]:
+def list_unsynchronised(scenario: Scenario) -> list[str]:
     """A line for each FMU whose own steps (fixedInternalStepSize) do not end where macro steps do."""
     found = []
     for name, table in scenario.components.items():
         if not table.participant.endswith(".fmu"):
             continue
-        own, step = described(Path(table.participant)).fixed_step, scenario.macro_step / table.substeps
-        if own and (scenario.step_control or _broken(step, own)):
+        own, step = read_description(Path(table.participant)).fixed_step, scenario.macro_step / table.substeps
+        if own and (scenario.step_control or _leaves_remainder(step, own)):
             found.append(
                 f"components.{name}: moves by steps of {own:g} s (fixedInternalStepSize), which macro steps "
                 "do not end with, so that its outputs may be those of an earlier time; take a macro_step "
@@ -131,6 +131,6 @@ def unsynchronised(scenario: Scenario) -> list[str]:
     return found
 
 
-def _broken(length: float, part: float) -> bool:
+def _leaves_remainder(length: float, part: float) -> bool:
     """Whether `length` is no whole number of parts."""
-    return abs(length / part - round(length / part)) > WHOLE or round(length / part) < 1
+    return abs(length / part - round(length / part)) > WHOLE_STEPS or round(length / part) < 1

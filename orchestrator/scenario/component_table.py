@@ -10,13 +10,13 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 from models.core.component import Component
 
 from ..errors import one_of
-from ..participants import ForeignComponent, component_of_file, made_here
+from ..participants import ThirdPartyComponent, read_component, is_made_here
 from .fields import Table, Written
-from .third_party_values import enumerated, texts
-from .values import Faults, Value, component_of, meanings
+from .third_party_values import convert_enumerations, select_strings
+from .values import Faults, Value, build_component, parse_values
 
-BUILT = ("fmu", "native")
-KINDS = (*BUILT, "in-process")
+BUILT_KINDS = ("fmu", "native")
+KINDS = (*BUILT_KINDS, "in-process")
 
 
 class ComponentTable(Table):
@@ -56,67 +56,67 @@ class ComponentTable(Table):
 
     @model_validator(mode="before")
     @classmethod
-    def _stands_for_itself(cls, table: Any) -> Any:
+    def _check_file(cls, table: Any) -> Any:
         """A file in place of a component is looked at first: all else depends on what it is."""
         if isinstance(table, dict) and table.get("component") is None:
             file = table.get("participant")
             if isinstance(file, str) and file.endswith(".fmu"):
                 try:
-                    component_of_file(Path(file))
+                    read_component(Path(file))
                 except ValueError as error:
                     raise Faults(("participant", f": {error}")) from None
         return table
 
     @field_validator("participant")
     @classmethod
-    def _kind(cls, kind: str) -> str:
+    def _check_participant(cls, kind: str) -> str:
         if kind in KINDS or kind.endswith(".fmu"):
             return kind
         raise ValueError(f"{kind!r}: {one_of(KINDS, kind)} (or the path of an .fmu file)")
 
     @field_validator("process")
     @classmethod
-    def _apart(cls, process: str | None, info: ValidationInfo) -> str | None:
+    def _check_process(cls, process: str | None, info: ValidationInfo) -> str | None:
         if process == "own" and info.data.get("participant") == "in-process":
             raise ValueError("'own': participant = 'in-process' is in this process; take participant = 'fmu'")
         return process
 
     @field_validator("component")
     @classmethod
-    def _known(cls, name: str | None, info: ValidationInfo) -> str | None:
+    def _check_component(cls, name: str | None, info: ValidationInfo) -> str | None:
         participant = info.data.get("participant", "")
         if name is not None:
-            component_of(name)
+            build_component(name)
         elif participant and not participant.endswith(".fmu"):
             raise ValueError('missing; name one of the catalogue, or an FMU: participant = "FILE.fmu"')
         return name
 
     @field_validator("structure")
     @classmethod
-    def _sizes(cls, structure: dict[str, int], info: ValidationInfo) -> dict[str, int]:
+    def _check_structure(cls, structure: dict[str, int], info: ValidationInfo) -> dict[str, int]:
         name = info.data.get("component")
         if name is not None:
-            component_of(name, tuple(sorted(structure.items())))
+            build_component(name, tuple(sorted(structure.items())))
         elif structure and "component" in info.data:
             raise ValueError("an FMU that stands for itself has the sizes it was made with; leave it out")
         return structure
 
     @field_validator("parameters", "start", "inputs")
     @classmethod
-    def _values(cls, values: dict[str, Value], info: ValidationInfo) -> dict[str, Value]:
+    def _parse_values(cls, values: dict[str, Value], info: ValidationInfo) -> dict[str, Value]:
         if not {"participant", "component", "structure"} <= set(info.data):
             return values  # the fault is already known
-        component = _made(info.data["participant"], info.data["component"], info.data["structure"])
+        component = _resolve(info.data["participant"], info.data["component"], info.data["structure"])
         layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
         kinds = {"parameters": "parameter", "start": "state", "inputs": "input"}
         assert info.field_name
         layout, told = layouts.pop(info.field_name), dict[str, Value]()
-        if isinstance(component, ForeignComponent):
-            told = enumerated(component, {key: value for key, value in values.items() if key in layout})
+        if isinstance(component, ThirdPartyComponent):
+            told = convert_enumerations(component, {key: value for key, value in values.items() if key in layout})
             if info.field_name == "parameters":
-                told |= texts(component, values)
+                told |= select_strings(component, values)
         others = {key: value for key, value in values.items() if key not in told}
-        return meanings(layout, others, kinds[info.field_name], layouts) | told
+        return parse_values(layout, others, kinds[info.field_name], layouts) | told
 
     @property
     def foreign(self) -> bool:
@@ -131,21 +131,21 @@ class ComponentTable(Table):
     @property
     def unknown(self) -> bool:
         """Whether it is an FMU that is not as this program made it."""
-        return self.participant.endswith(".fmu") and not made_here(Path(self.participant))
+        return self.participant.endswith(".fmu") and not is_made_here(Path(self.participant))
 
     @property
     def texts(self) -> dict[str, str]:
         """Its parameters that are texts, of an FMU from elsewhere."""
         component = self.made()
-        known = component.about.texts if isinstance(component, ForeignComponent) else []
+        known = component.about.texts if isinstance(component, ThirdPartyComponent) else []
         return {name: str(value) for name, value in self.parameters.items() if name in known}
 
     def made(self) -> Component:
         """The component with these sizes, or the one that the FMU is."""
-        return _made(self.participant, self.component, self.structure)
+        return _resolve(self.participant, self.component, self.structure)
 
 
-def _made(participant: str, component: str | None, structure: dict[str, int]) -> Component:
+def _resolve(participant: str, component: str | None, structure: dict[str, int]) -> Component:
     if component is None:
-        return component_of_file(Path(participant))
-    return component_of(component, tuple(sorted(structure.items())))
+        return read_component(Path(participant))
+    return build_component(component, tuple(sorted(structure.items())))

@@ -20,7 +20,7 @@ a number without a unit is in the unit given here, and `"45 N/mm"` states its ow
 """
 
 
-def page(names: Sequence[str] = ()) -> str:
+def write_page(names: Sequence[str] = ()) -> str:
     """The components of these names, or with an introduction all of them, as Markdown.
 
     MistakeError for a name that no component has.
@@ -29,24 +29,24 @@ def page(names: Sequence[str] = ()) -> str:
         if name not in CATALOGUE:
             raise MistakeError(f"no component {name!r}; {suggestion(name, CATALOGUE)}")
     parts = [INTRODUCTION] * (not names)
-    return "\n".join([*parts, *("\n".join(_component(CATALOGUE[name]())) for name in names or CATALOGUE)])
+    return "\n".join([*parts, *("\n".join(_write_component(CATALOGUE[name]())) for name in names or CATALOGUE)])
 
 
-def _component(component: Component) -> Iterator[str]:
+def _write_component(component: Component) -> Iterator[str]:
     yield f"## {component.name}\n"
     yield f"{component.description}. [Equations and limits](../../fmus/{component.name}/README.md).\n"
     if component.structure:
         sizes = ", ".join(f"`{name}` = {value}" for name, value in component.structure.items())
         yield f"Structural sizes (`structure = {{ ... }}`) and their defaults: {sizes}.\n"
-    yield from _table("Parameters", component.parameters, "default")
-    yield from _table("Start values of the states", component.state, "default")
-    yield from _table("Inputs", component.inputs, "if not connected")
-    yield from _table("Outputs", component.outputs, "")
+    yield from _write_table("Parameters", component.parameters, "default")
+    yield from _write_table("Start values of the states", component.state, "default")
+    yield from _write_table("Inputs", component.inputs, "if not connected")
+    yield from _write_table("Outputs", component.outputs, "")
 
 
-def _table(title: str, layout: Layout, default: str) -> Iterator[str]:
+def _write_table(title: str, layout: Layout, default: str) -> Iterator[str]:
     """Rows of all variables; elements of a vector have one row. Outputs have neither defaults nor ranges."""
-    fields = {_name(field): field for field in layout.fields if not field.quantity.internal}
+    fields = {_format_name(field): field for field in layout.fields if not field.quantity.internal}
     if not fields:
         return
     head = ["name", "unit", default, "allowed", "meaning"] if default else ["name", "unit", "meaning"]
@@ -55,19 +55,19 @@ def _table(title: str, layout: Layout, default: str) -> Iterator[str]:
     yield f"|{'---|' * len(head)}"
     for name, field in fields.items():
         quantity = field.quantity
-        given = [_value(field), quantity.allowed()] if default else []
+        given = [_format_default(field), quantity.allowed()] if default else []
         unit = "" if quantity.unit == "1" else quantity.unit
         meaning = quantity.description.replace("|", "\\|")
         yield f"| {' | '.join([f'`{name}`', unit, *given, meaning])} |"
     yield ""
 
 
-def _name(field: Field) -> str:
+def _format_name(field: Field) -> str:
     """Of an element of a vector the vector's, with the structural size that counts them."""
     return f"{field.name.split('[')[0]}[1..{field.quantity.size}]" if field.quantity.size else field.name
 
 
-def _value(field: Field) -> str:
+def _format_default(field: Field) -> str:
     """The default as a scenario may give it, and beside it in the unit that results are shown in."""
     quantity, value = field.quantity, field.start
     if quantity.choices:

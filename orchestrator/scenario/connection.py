@@ -28,7 +28,7 @@ class Line:
         return f"{self.source}{factor}{offset} -> {self.target}"
 
 
-def line_of(text: str) -> Line:
+def parse_line(text: str) -> Line:
     """The connection that a line says; ValueError if it says none."""
     left, arrow, target = (part.strip() for part in text.partition("->"))
     match = _SOURCE.fullmatch(left)
@@ -46,7 +46,7 @@ def line_of(text: str) -> Line:
     return Line(match["port"], target, factor, offset)
 
 
-def ends(text: str) -> tuple[str, str]:
+def parse_ends(text: str) -> tuple[str, str]:
     """Source and target of a connection's line."""
-    line = line_of(text)
+    line = parse_line(text)
     return line.source, line.target

@@ -9,16 +9,16 @@ from dataclasses import replace
 from models.core.quantities import Layout, Quantity
 from models.core.system import Instance, parse_port
 
-from ..participants import ForeignComponent
+from ..participants import ThirdPartyComponent
 from ..participants.description import Unit
 from ..participants.transformed import Linear
 from . import Line, ScenarioError
-from .units import in_base_units
+from .units import to_base_units
 
 Transformations = dict[str, dict[str, Linear]]
 
 
-def transformations(instances: Mapping[str, Instance], lines: Sequence[Line]) -> Transformations:
+def find_transformations(instances: Mapping[str, Instance], lines: Sequence[Line]) -> Transformations:
     """The inputs that do not get what they are connected to as it is, by instance and variable.
 
     Units are converted where both ends state them and an FMU that stands for itself is at one of them; a
@@ -38,18 +38,18 @@ def transformations(instances: Mapping[str, Instance], lines: Sequence[Line]) ->
         if line.factor is not None or line.offset is not None:
             linear: Linear | None = Linear(1.0 if line.factor is None else line.factor, line.offset or 0.0)
         else:
-            linear = _converted(
+            linear = _convert(
                 given.unit,
-                _units(instances[source.instance]),
+                _get_units(instances[source.instance]),
                 wanted.unit,
-                _units(instances[target.instance]),
+                _get_units(instances[target.instance]),
             )
         if linear is not None and (linear != Linear() or given.unit != wanted.unit):
             found.setdefault(target.instance, {})[target.variable] = linear
     return found
 
 
-def connectable(
+def replace_units(
     instances: Mapping[str, Instance], lines: Sequence[Line], made: Transformations
 ) -> dict[str, Instance]:
     """The instances as they are seen through these transformations: inputs in their sources' units."""
@@ -64,43 +64,43 @@ def connectable(
             own = instances[target.instance].component.inputs.field(target.variable).quantity
             changed.setdefault(target.instance, {})[target.variable] = replace(own, unit=unit)
     return {
-        name: replace(i, component=replace(i.component, inputs=_with(i.component.inputs, changed[name])))
+        name: replace(i, component=replace(i.component, inputs=_replace_quantities(i.component.inputs, changed[name])))
         if name in changed
         else i
         for name, i in instances.items()
     }
 
 
-def _with(layout: Layout, quantities: Mapping[str, Quantity]) -> Layout:
+def _replace_quantities(layout: Layout, quantities: Mapping[str, Quantity]) -> Layout:
     """The layout with other quantities for these."""
     made = copy.copy(layout)
     made.fields = tuple(replace(f, quantity=quantities.get(f.name, f.quantity)) for f in layout.fields)
     return made
 
 
-def _units(instance: Instance) -> Mapping[str, Unit] | None:
+def _get_units(instance: Instance) -> Mapping[str, Unit] | None:
     """Those that an FMU from elsewhere defines; None of a component that is none."""
     component = instance.component
-    return component.about.units if isinstance(component, ForeignComponent) else None
+    return component.about.units if isinstance(component, ThirdPartyComponent) else None
 
 
-def _converted(
+def _convert(
     given: str, given_units: Mapping[str, Unit] | None, wanted: str, wanted_units: Mapping[str, Unit] | None
 ) -> Linear | None:
     """None where the system has to judge, which knows one spelling of each unit."""
     if given_units is None and wanted_units is None:
         return None
-    return linear_between(given, given_units or {}, wanted, wanted_units or {})
+    return convert_units(given, given_units or {}, wanted, wanted_units or {})
 
 
-def linear_between(
+def convert_units(
     given: str, given_units: Mapping[str, Unit], wanted: str, wanted_units: Mapping[str, Unit]
 ) -> Linear | None:
     """From one unit to the other, each by these definitions or as it is generally known; None where they
     do not fit, or are not known."""
     if not given or not wanted:
         return Linear()  # an FMU that does not say what it means
-    one, other = _base(given, given_units), _base(wanted, wanted_units)
+    one, other = _find_unit(given, given_units), _find_unit(wanted, wanted_units)
     if one is None or other is None or one.exponents != other.exponents:
         return None
     if (one.factor, one.offset) == (other.factor, other.offset):
@@ -108,5 +108,5 @@ def linear_between(
     return Linear(one.factor / other.factor, (one.offset - other.offset) / other.factor)
 
 
-def _base(unit: str, units: Mapping[str, Unit]) -> Unit | None:
-    return units.get(unit) or in_base_units(unit)
+def _find_unit(unit: str, units: Mapping[str, Unit]) -> Unit | None:
+    return units.get(unit) or to_base_units(unit)

@@ -19,7 +19,7 @@ from .units import to_unit
 from .values import Faults, Value, WithUnit
 
 
-def _time(value: Any) -> float:
+def _parse_time(value: Any) -> float:
     """A time in seconds; a text may have another unit."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         shown = str(value).lower() if isinstance(value, bool) else repr(value)
@@ -27,33 +27,33 @@ def _time(value: Any) -> float:
     return to_unit(value, "s") if isinstance(value, str) else float(value)
 
 
-def _seconds(value: Any) -> Any:
+def _parse_positive_time(value: Any) -> Any:
     """A time in seconds; ValueError unless it is positive and finite."""
-    number = _time(value)
+    number = _parse_time(value)
     if not (math.isfinite(number) and number > 0.0):
         raise Faults(("", f" = {value}: must be a finite number > 0 s"))
     return number
 
 
-def _seconds_or_0(value: Any) -> Any:
+def _parse_time_or_0(value: Any) -> Any:
     """A time in seconds; ValueError unless it is finite and not negative."""
-    number = _time(value)
+    number = _parse_time(value)
     if not (math.isfinite(number) and number >= 0.0):
         raise Faults(("", f" = {value}: must be >= 0 s"))
     return number
 
 
-def _scalar(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
+def _check_scalar(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
     if not isinstance(value, (bool, int, float, str)):
         raise ValueError("must be a number, a text with a unit, a choice's name, true or false")
     return value if isinstance(value, WithUnit) else validate(value)
 
 
-Seconds = Annotated[float, BeforeValidator(_seconds, json_schema_input_type=float | str)]
-SecondsOr0 = Annotated[float, BeforeValidator(_seconds_or_0, json_schema_input_type=float | str)]
+Seconds = Annotated[float, BeforeValidator(_parse_positive_time, json_schema_input_type=float | str)]
+SecondsOr0 = Annotated[float, BeforeValidator(_parse_time_or_0, json_schema_input_type=float | str)]
 # How a number was written is of no matter once it is written out.
 _Plain = PlainSerializer(lambda value: float(value) if isinstance(value, WithUnit) else value)
-Written = Annotated[Value, WrapValidator(_scalar), _Plain]
+Written = Annotated[Value, WrapValidator(_check_scalar), _Plain]
 Tolerance = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
 
 

@@ -17,77 +17,77 @@ from typing import Any
 from models.core.system import suggestion
 
 from ..masters import MASTERS
-from ..ssp import contents as contents_of_package
-from . import Scenario, ScenarioError, elsewhere, scenario_of
-from .values import value_of
+from ..ssp import read_package as contents_of_package
+from . import Scenario, ScenarioError, find_tables, build_scenario
+from .values import to_value
 
 SHIPPED = Path(__file__).parent / "shipped"
 
 
-def shipped() -> dict[str, Path]:
+def list_shipped() -> dict[str, Path]:
     """The scenarios that come with the program, by name."""
     return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
 
 
 def find(name: str | Path, beside: Path | None = None) -> Path:
     """The file of a shipped scenario or a path; ScenarioError if there is neither."""
-    if str(name) in shipped():
-        return shipped()[str(name)]
+    if str(name) in list_shipped():
+        return list_shipped()[str(name)]
     path = (beside or Path()) / Path(name).expanduser()
     if path.is_file():
         return path
     if path.is_dir():
-        raise ScenarioError(f"{path}: is a folder; give {_in_folder(path)}")
+        raise ScenarioError(f"{path}: is a folder; give {_suggest_in_folder(path)}")
     if path.suffix in (".toml", ".ssp"):
-        raise ScenarioError(f"{path}: no such scenario file; {_beside(path)}")
+        raise ScenarioError(f"{path}: no such scenario file; {_suggest_near(path)}")
     raise ScenarioError(
-        f"no scenario {str(name)!r}; {suggestion(str(name), shipped())} (or give the path of a .toml or .ssp "
+        f"no scenario {str(name)!r}; {suggestion(str(name), list_shipped())} (or give the path of a .toml or .ssp "
         "file)"
     )
 
 
-def _in_folder(folder: Path) -> str:
+def _suggest_in_folder(folder: Path) -> str:
     """What to give instead of a folder."""
     found = [*sorted(folder.glob("*.toml")), *sorted(folder.glob("*/scenario.toml"))]
     files = [str(file) for file in found if file.name != "pyproject.toml"]
     if files:
         return f"a file in it: {', '.join(files[:5])}"
-    return f"the path of a .toml file, or a shipped scenario: {', '.join(shipped())}"
+    return f"the path of a .toml file, or a shipped scenario: {', '.join(list_shipped())}"
 
 
-def _beside(path: Path) -> str:
+def _suggest_near(path: Path) -> str:
     """What to give instead of a file that is not there."""
-    near = {file.stem: str(file) for file in path.parent.glob("*.toml")} | {name: name for name in shipped()}
+    near = {file.stem: str(file) for file in path.parent.glob("*.toml")} | {name: name for name in list_shipped()}
     close = difflib.get_close_matches(path.stem, near, n=1, cutoff=0.75)
-    return f"did you mean {near[close[0]]}?" if close else f"shipped scenarios: {', '.join(shipped())}"
+    return f"did you mean {near[close[0]]}?" if close else f"shipped scenarios: {', '.join(list_shipped())}"
 
 
 def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
     """The scenario with `overrides` ("path=value") applied; ScenarioError with a line for each fault."""
     path = find(name)
-    content = contents(path)
+    content = read_contents(path)
     for text in overrides:
         override(content, text)
     _resolve_paths(content, Path.cwd())  # those that were set; the file's own are absolute
     try:
-        return scenario_of(content)
+        return build_scenario(content)
     except ScenarioError as error:
-        own = faults(contents(path))  # without what was set
+        own = list_faults(read_contents(path))  # without what was set
         lines = str(error).split("\n")
         marked = (f"{f'{path.name}:' if line in own else '--set'} {line}" for line in lines)
         raise ScenarioError("\n".join(marked)) from None
 
 
-def faults(content: dict[str, Any]) -> list[str]:
+def list_faults(content: dict[str, Any]) -> list[str]:
     """A line for each fault of a file's content."""
     try:
-        scenario_of(content)
+        build_scenario(content)
     except ScenarioError as error:
         return str(error).split("\n")
     return []
 
 
-def contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
+def read_contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
     """The tables of a file, with what it extends merged in."""
     path = path.resolve()
     if path in chain:
@@ -100,10 +100,10 @@ def contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
         return content
     if not isinstance(base, str):
         raise ScenarioError(f"{path.name}: extends = {base!r}: must be the name or path of a scenario")
-    below = contents(find(base, path.parent), (*chain, path))
+    below = read_contents(find(base, path.parent), (*chain, path))
     if "step_control" in content:
         below.pop("output_step", None)
-    return merged(below, content)
+    return merge(below, content)
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -124,7 +124,7 @@ def _resolve_paths(content: dict[str, Any], folder: Path) -> None:
             table["participant"] = str(folder / Path(kind).expanduser())
 
 
-def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+def merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     """`over` on top of `base`: tables are merged, connections added, other values replaced."""
     result = dict(base)
     for key, value in over.items():
@@ -133,14 +133,14 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
             result[key] = [*below, *value]
         elif isinstance(below, dict) and isinstance(value, dict):
             if key == "master" and "name" in value:
-                below = without_foreign_options(below, value["name"])
-            result[key] = merged(below, value)
+                below = drop_other_options(below, value["name"])
+            result[key] = merge(below, value)
         else:
             result[key] = value
     return result
 
 
-def without_foreign_options(table: Mapping[str, Any], name: str) -> dict[str, Any]:
+def drop_other_options(table: Mapping[str, Any], name: str) -> dict[str, Any]:
     """A [master] table for the master `name`: options that it does not have are dropped."""
     if name not in MASTERS:
         return {"name": name}  # the scenario's check says so
@@ -164,14 +164,14 @@ def override(content: dict[str, Any], text: str) -> None:
 
 def put(content: dict[str, Any], path: str, value: Any, said: str = "") -> None:
     """Put `value` at `path`, e.g. components.camshaft.parameters.lift; `said` begins the error's message."""
-    keys = keys_of(path)
+    keys = split_path(path)
     known = list(Scenario.model_fields)
     if keys[0] not in known:
-        tables = " or ".join(elsewhere(keys[0]))
+        tables = " or ".join(find_tables(keys[0]))
         remedy = f"did you mean {tables}?" if tables else suggestion(keys[0], known)
         raise ScenarioError(f"{said}{path}: unknown key {keys[0]!r}; {remedy}")
     if path == "master.name":
-        content["master"] = without_foreign_options(content.get("master", {}), str(value))
+        content["master"] = drop_other_options(content.get("master", {}), str(value))
         return
     table = content
     for i, key in enumerate(keys[:-1]):
@@ -183,7 +183,7 @@ def put(content: dict[str, Any], path: str, value: Any, said: str = "") -> None:
     table[keys[-1]] = value
 
 
-def keys_of(path: str) -> list[str]:
+def split_path(path: str) -> list[str]:
     """The keys of a path: components.NAME.parameters.VARIABLE; anything else has one table at most, whose
     keys may have dots."""
     keys = path.split(".")
@@ -191,7 +191,7 @@ def keys_of(path: str) -> list[str]:
     return [*keys[:depth], ".".join(keys[depth:])]
 
 
-def stated(scenario: Scenario, folder: Path) -> str:
+def to_short_toml(scenario: Scenario, folder: Path) -> str:
     """The scenario as TOML with what differs from the defaults; its FMUs are named from `folder` on."""
     import tomli_w
 
@@ -203,7 +203,7 @@ def stated(scenario: Scenario, folder: Path) -> str:
     return tomli_w.dumps(content)
 
 
-def written(scenario: Scenario) -> str:
+def to_full_toml(scenario: Scenario) -> str:
     """The scenario as TOML with all parameters; reading it gives the same run, bit for bit."""
     import tomli_w
 
@@ -211,7 +211,7 @@ def written(scenario: Scenario) -> str:
     for name, table in scenario.components.items():
         if not table.foreign:  # whose file stands for its own defaults
             layout = table.made().parameters
-            values = {f.name: value_of(f.quantity, f.start) for f in layout.fields}
+            values = {f.name: to_value(f.quantity, f.start) for f in layout.fields}
             content["components"][name]["parameters"] = values | table.parameters
         for empty in ("structure", "parameters", "start", "inputs"):
             if not content["components"][name].get(empty, True):

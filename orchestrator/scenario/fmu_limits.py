@@ -8,11 +8,11 @@ from typing import Any
 
 from models.core.system import Connection, Port
 
-from ..participants import ForeignComponent
-from ..participants.description import Description, DescriptionError, described
-from ..participants.offers import HIGHEST, derivative, signal_degrees
-from ..participants.signal_degrees import highest_degrees
-from . import Scenario, ends
+from ..participants import ThirdPartyComponent
+from ..participants.description import Description, DescriptionError, read_description
+from ..participants.offers import HIGHEST, name_derivative, signal_degrees
+from ..participants.signal_degrees import find_highest_degrees
+from . import Scenario, parse_ends
 
 # Which value a held input gets over a macro step.
 GIVEN = {
@@ -32,11 +32,11 @@ class FmuLimits:
         for name, table in scenario.components.items():
             if table.participant.endswith(".fmu"):
                 try:
-                    self._about[name] = described(Path(table.participant))
+                    self._about[name] = read_description(Path(table.participant))
                 except (DescriptionError, OSError):
                     continue
         self._connections = [
-            Connection(*(Port(*end.split(".", 1)) for end in ends(line))) for line in scenario.connections
+            Connection(*(Port(*end.split(".", 1)) for end in parse_ends(line))) for line in scenario.connections
         ]
 
     @property
@@ -52,53 +52,53 @@ class FmuLimits:
     @property
     def held(self) -> list[Port]:
         """The inputs that are driven and held over a macro step."""
-        return [c.target for c in self._connections if self._followed(c.target) == 0]
+        return [c.target for c in self._connections if self._get_degree(c.target) == 0]
 
     @property
     def highest(self) -> int:
         """The highest degree that a signal has here, whatever the scenario's."""
-        return max(self._degrees().values(), default=HIGHEST)
+        return max(self._find_degrees().values(), default=HIGHEST)
 
     @property
     def lowest(self) -> int:
         """The degree that every signal can have."""
-        return min(self._degrees().values(), default=HIGHEST)
+        return min(self._find_degrees().values(), default=HIGHEST)
 
     def differentiated(self, degree: int) -> Iterator[tuple[Port, Port]]:
         """Outputs that are time derivatives of inputs, and the inputs, whose signal has no slope."""
-        degrees = self._degrees()
+        degrees = self._find_degrees()
         sources = {c.source for c in self._connections}
         for c in self._connections:
             about = self._about.get(c.target.instance)
-            if about is None or min(degree, degrees[c.source], self._followed(c.target)) > 0:
+            if about is None or min(degree, degrees[c.source], self._get_degree(c.target)) > 0:
                 continue
             for source in sources:
                 if source.instance == c.target.instance and _differentiates(about, source, c.target):
                     yield source, c.target
 
-    def _followed(self, target: Port) -> int:
+    def _get_degree(self, target: Port) -> int:
         about = self._about.get(target.instance)
         if about is None or target.variable not in about.variables:
             return HIGHEST
         own = signal_degrees(about, [target.variable])[0]
         return HIGHEST if self._scenario.components[target.instance].substeps > 1 else own
 
-    def _degrees(self) -> dict[Port, int]:
-        followed = {c.target: self._followed(c.target) for c in self._connections}
-        return highest_degrees(self._connections, followed)
+    def _find_degrees(self) -> dict[Port, int]:
+        followed = {c.target: self._get_degree(c.target) for c in self._connections}
+        return find_highest_degrees(self._connections, followed)
 
 
 def _differentiates(about: Description, output: Port, target: Port) -> bool:
     """The output is declared the input's derivative, or depends on the variable that takes it."""
     variable = about.variables.get(output.variable)
     declared = variable is not None and variable.derivative == target.variable
-    return declared or derivative(target.variable, 1) in about.depends.get(output.variable, ())
+    return declared or name_derivative(target.variable, 1) in about.depends.get(output.variable, ())
 
 
-def limit_notices(scenario: Scenario) -> list[str]:
+def list_limit_warnings(scenario: Scenario) -> list[str]:
     """A line for each thing that FMUs can't take of the scenario's signals and steps."""
     limits, master = FmuLimits(scenario), scenario.master.made()
-    found = [_held(scenario.master.name, master, limits.held)] if limits.held else []
+    found = [_describe_held(scenario.master.name, master, limits.held)] if limits.held else []
     for output, target in dict.fromkeys(limits.differentiated(master.degree)):
         remedy = (
             "take extrapolation = 'linear' or a higher one"
@@ -110,7 +110,7 @@ def limit_notices(scenario: Scenario) -> list[str]:
             f"step and has no slope then: this value and all that follows may be wrong altogether; {remedy}"
         )
     if scenario.step_control and scenario.step_control.maximum_step is None:
-        blind = [n for n, table in scenario.components.items() if isinstance(table.made(), ForeignComponent)]
+        blind = [n for n, table in scenario.components.items() if isinstance(table.made(), ThirdPartyComponent)]
         if blind:
             found.append(
                 f"{', '.join(blind)}: the FMUs tell of no events: a contact that is made and lost within one "
@@ -119,7 +119,7 @@ def limit_notices(scenario: Scenario) -> list[str]:
     return found
 
 
-def _held(name: str, master: Any, held: Sequence[Port]) -> str:
+def _describe_held(name: str, master: Any, held: Sequence[Port]) -> str:
     signal = f"not extrapolation = {master.extrapolation!r}, nor have other values in a loop with them"
     return (
         f"{', '.join(map(str, held))}: the FMUs hold these inputs over a macro step (no _der1, no "

@@ -23,7 +23,7 @@ class MasterTable(BaseModel):
 
     @field_validator("name")
     @classmethod
-    def _known(cls, name: str) -> str:
+    def _check_name(cls, name: str) -> str:
         if name not in MASTERS:
             raise ValueError(f"{name!r}: {one_of(MASTERS, name)}")
         return name

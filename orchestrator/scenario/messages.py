@@ -39,16 +39,16 @@ FIXED = {
 }
 
 
-def no_keys(place: Location) -> list[str]:
+def list_no_keys(place: Location) -> list[str]:
     """Where nothing is known of a table's keys."""
     return []
 
 
-def messages(error: ValidationError, known: Callable[[Location], list[str]] = no_keys) -> list[str]:
+def list_messages(error: ValidationError, known: Callable[[Location], list[str]] = list_no_keys) -> list[str]:
     """What pydantic found, in the words of the file; `known` gives the keys known at a place."""
     lines: list[str] = []
     for fault in error.errors():
-        path, reason = _path(fault["loc"]), fault.get("ctx", {}).get("error")
+        path, reason = _format_path(fault["loc"]), fault.get("ctx", {}).get("error")
         if fault["type"] == "extra_forbidden":
             lines.append(f"{path}: unknown key; {suggestion(str(fault['loc'][-1]), known(fault['loc']))}")
         elif fault["type"] == "missing":
@@ -58,23 +58,23 @@ def messages(error: ValidationError, known: Callable[[Location], list[str]] = no
         elif reason is not None:
             lines.append(f"{path}: {reason}" if path else str(reason))
         else:
-            lines.append(f"{path}{_shown(fault['input'])}: {_allowed(fault)}")
+            lines.append(f"{path}{_format_value(fault['input'])}: {_describe_allowed(fault)}")
     return lines
 
 
-def _path(place: Location) -> str:
+def _format_path(place: Location) -> str:
     """master.order[0]: keys with dots, places in a list in brackets."""
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
 
 
-def _shown(value: object) -> str:
+def _format_value(value: object) -> str:
     """As it would stand in the file; not a whole table."""
     if isinstance(value, dict):
         return ""
     return f" = {str(value).lower() if isinstance(value, bool) else repr(value)}"
 
 
-def _allowed(fault: Any) -> str:
+def _describe_allowed(fault: Any) -> str:
     """What may stand there."""
     kind, bound = fault["type"], fault.get("ctx", {})
     if kind == "literal_error":

@@ -8,7 +8,7 @@ from typing import Any
 from models.flywheel import PRESCRIBED
 
 from .units import UnitError, is_bare, to_unit
-from .values import Faults, component_of, meanings, numbers
+from .values import Faults, build_component, parse_values, to_numbers
 
 DRIVE = "flywheel"
 DURATIONS = ("stop_time", "macro_step", "output_step")
@@ -18,17 +18,17 @@ REMEDY = (
 )
 
 
-def in_seconds(content: Mapping[str, Any]) -> dict[str, Any]:
+def convert_to_seconds(content: Mapping[str, Any]) -> dict[str, Any]:
     """A scenario's content with "2 revolutions" or "0.5 deg" as seconds; Faults where no speed is known."""
-    angles = {key: angle for key in DURATIONS if (angle := _angle(content.get(key))) is not None}
+    angles = {key: angle for key in DURATIONS if (angle := _parse_angle(content.get(key))) is not None}
     try:
         # Twelve digits: 2 revolutions at 1000 r/min are 0.12 s, and no macro step more.
-        return {**content, **{key: float(f"{angle / _speed(content):.12g}") for key, angle in angles.items()}}
+        return {**content, **{key: float(f"{angle / _find_speed(content):.12g}") for key, angle in angles.items()}}
     except ArithmeticError:
         raise Faults(*((key, f" = {content[key]!r}: {REMEDY}") for key in angles)) from None
 
 
-def _angle(value: Any) -> float | None:
+def _parse_angle(value: Any) -> float | None:
     """In rad; None for what is no angle."""
     try:
         return to_unit(value, "rad") if isinstance(value, str) and not is_bare(value) else None
@@ -36,22 +36,22 @@ def _angle(value: Any) -> float | None:
         return None
 
 
-def _speed(content: Mapping[str, Any]) -> float:
+def _find_speed(content: Mapping[str, Any]) -> float:
     """Of the drive (rad/s); ArithmeticError if it is not constant, or not known."""
     components = content.get("components")
     tables = components.items() if isinstance(components, dict) else ()
     drives = [name for name, table in tables if isinstance(table, dict) and table.get("component") == DRIVE]
     if len(drives) != 1:
         raise ArithmeticError
-    layout, table = component_of(DRIVE).parameters, content["components"][drives[0]].get("parameters", {})
+    layout, table = build_component(DRIVE).parameters, content["components"][drives[0]].get("parameters", {})
     values = table.items() if isinstance(table, dict) else ()
     given = {name: value for name, value in values if name in layout and isinstance(value, int | float | str)}
     try:
-        found = meanings(layout, given, "parameter")
+        found = parse_values(layout, given, "parameter")
     except Faults as error:
         path = f"components.{drives[0]}.parameters."
         raise Faults(*((path + key, text) for key, text in error.faults)) from None
-    p = layout.named(layout.vector(numbers(layout, found)))
+    p = layout.named(layout.vector(to_numbers(layout, found)))
     if p["motion"] != PRESCRIBED or p["initial_speed"] != p["final_speed"] or p["initial_speed"] == 0.0:
         raise ArithmeticError
     return abs(p["initial_speed"])

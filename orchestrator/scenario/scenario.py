@@ -13,11 +13,11 @@ from ..masters import MASTERS
 from ..stepping import ControlledSteps, FixedSteps
 from ..stepping.estimators import ESTIMATORS
 from .component_table import ComponentTable
-from .connection import line_of
+from .connection import parse_line
 from .fields import Seconds, SecondsOr0, Table, Tolerance
 from .master_table import MasterTable
-from .messages import REMEDIES, Location, messages
-from .revolutions import in_seconds
+from .messages import REMEDIES, Location, list_messages
+from .revolutions import convert_to_seconds
 from .step_control_table import CONVERGED, EVENT_TOLERANCE, StepControlTable
 from .values import Faults
 
@@ -108,7 +108,7 @@ class Scenario(Table):
 
     @field_validator("components")
     @classmethod
-    def _names(cls, components: dict[str, ComponentTable]) -> dict[str, ComponentTable]:
+    def _check_names(cls, components: dict[str, ComponentTable]) -> dict[str, ComponentTable]:
         for name in components:
             if not name.isidentifier():
                 raise ValueError(f"{name!r}: an instance is named with letters, digits and _")
@@ -116,19 +116,19 @@ class Scenario(Table):
 
     @field_validator("connections")
     @classmethod
-    def _arrows(cls, connections: list[str]) -> list[str]:
-        return [str(line_of(line)) for line in connections]
+    def _parse_connections(cls, connections: list[str]) -> list[str]:
+        return [str(parse_line(line)) for line in connections]
 
     @field_validator("tolerance")
     @classmethod
-    def _judged(cls, tolerance: dict[str, float], info: ValidationInfo) -> dict[str, float]:
+    def _check_tolerance(cls, tolerance: dict[str, float], info: ValidationInfo) -> dict[str, float]:
         if not tolerance and "reference" in info.data and info.data["reference"].enabled:
             raise Faults(("", f": missing{REMEDIES['tolerance']}"))
         return tolerance
 
     @field_validator("macro_step")
     @classmethod
-    def _step(cls, step: float, info: ValidationInfo) -> float:
+    def _check_macro_step(cls, step: float, info: ValidationInfo) -> float:
         if step > info.data.get("stop_time", math.inf):
             stop = info.data["stop_time"]
             raise Faults(("", f" = {step:g} s: must not be longer than stop_time = {stop:g} s"))
@@ -145,7 +145,7 @@ class Scenario(Table):
 
     @field_validator("output_step")
     @classmethod
-    def _inside(cls, step: float | None, info: ValidationInfo) -> float | None:
+    def _check_output_step(cls, step: float | None, info: ValidationInfo) -> float | None:
         stop = info.data.get("stop_time", math.inf)
         if step is not None and step > stop:
             raise Faults(
@@ -159,7 +159,7 @@ class Scenario(Table):
 
     @field_validator("event_tolerance")
     @classmethod
-    def _finer(cls, tolerance: float | None, info: ValidationInfo) -> float | None:
+    def _check_event_tolerance(cls, tolerance: float | None, info: ValidationInfo) -> float | None:
         longest = info.data.get("macro_step", math.inf)
         if tolerance is not None and tolerance >= longest:
             raise Faults(
@@ -169,16 +169,16 @@ class Scenario(Table):
 
     @field_validator("master")
     @classmethod
-    def _options(cls, master: MasterTable) -> MasterTable:
+    def _check_master(cls, master: MasterTable) -> MasterTable:
         try:
             master.made()
         except ValidationError as error:
-            raise Faults(*map(_of_option, messages(error))) from None
+            raise Faults(*map(_split_message, list_messages(error))) from None
         return master
 
     @field_validator("step_control")
     @classmethod
-    def _judges(cls, control: StepControlTable | None, info: ValidationInfo) -> StepControlTable | None:
+    def _check_step_control(cls, control: StepControlTable | None, info: ValidationInfo) -> StepControlTable | None:
         longest = info.data.get("macro_step", math.inf)
         if control is not None and control.minimum_step > longest:
             raise Faults(
@@ -197,7 +197,7 @@ class Scenario(Table):
                 raise Faults(("", f".{error}")) from None
         return control
 
-    def made_master(self) -> Any:
+    def build_master(self) -> Any:
         """The master. With step control an iterated one converges to 0.3 of the step's tolerance,
         unless its own is given."""
         master = self.master.made()
@@ -205,7 +205,7 @@ class Scenario(Table):
             return replace(master, tolerance=CONVERGED * self.step_control.relative)
         return master
 
-    def made_steps(self) -> FixedSteps | ControlledSteps:
+    def build_steps(self) -> FixedSteps | ControlledSteps:
         """What chooses the macro steps."""
         if self.step_control is None:
             return FixedSteps(self.macro_step, self.event_tolerance)
@@ -225,29 +225,29 @@ class Scenario(Table):
         return max(1, every)
 
 
-def _of_option(line: str) -> tuple[str, str]:
+def _split_message(line: str) -> tuple[str, str]:
     """Key and rest of a message about a master's option."""
     option, equals, rest = line.partition(" = ")
     named = equals and option.partition("[")[0].isidentifier()
     return (option, equals + rest) if named else ("", f": {line}")
 
 
-def scenario_of(content: dict[str, Any]) -> Scenario:
+def build_scenario(content: dict[str, Any]) -> Scenario:
     """A Scenario of a file's content; ScenarioError with a line for each fault."""
     try:
-        return Scenario.model_validate(in_seconds(content))
+        return Scenario.model_validate(convert_to_seconds(content))
     except ValidationError as error:
-        raise ScenarioError("\n".join(map(_placed, messages(error, _keys)))) from None
+        raise ScenarioError("\n".join(map(_add_place, list_messages(error, _list_keys)))) from None
     except Faults as error:
         raise ScenarioError("\n".join(key + text for key, text in error.faults)) from None
 
 
-def _placed(line: str) -> str:
+def _add_place(line: str) -> str:
     """The message about an unknown key, with the place where it would be known instead of all other keys."""
     path, _, text = line.partition(": ")
     table, _, key = path.rpartition(".")
     fault, unknown, _ = text.partition("; known: ")
-    if unknown and not table and (meant := elsewhere(key)):
+    if unknown and not table and (meant := find_tables(key)):
         return f"{path}: {fault}; did you mean {' or '.join(meant)}?"
     if unknown and table and key in Scenario.model_fields:
         return f"{path}: {fault}; {key} has to stand above the file's first [table]"
@@ -257,7 +257,7 @@ def _placed(line: str) -> str:
 TABLES = {"step_control": StepControlTable, "reference": ReferenceTable, "energy": EnergyTable}
 
 
-def _keys(location: Location) -> list[str]:
+def _list_keys(location: Location) -> list[str]:
     """The keys known where an unknown one was found."""
     if len(location) == 1:
         return [*Scenario.model_fields, "extends"]
@@ -266,7 +266,7 @@ def _keys(location: Location) -> list[str]:
     return list(TABLES[str(location[0])].model_fields)
 
 
-def elsewhere(key: str) -> list[str]:
+def find_tables(key: str) -> list[str]:
     """The tables' keys that end in `key`: what was probably meant by it alone."""
     known = {name: list(table.model_fields) for name, table in TABLES.items()}
     known["master"] = [option.name for master in MASTERS.values() for option in fields(master)]

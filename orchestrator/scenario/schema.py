@@ -11,10 +11,10 @@ from models.core.quantities import Layout
 
 from ..masters import MASTERS
 from . import Scenario
-from .values import component_of
+from .values import build_component
 
 
-def schema() -> dict[str, Any]:
+def build_schema() -> dict[str, Any]:
     """Of a scenario file, which may extend another and then need not be whole."""
     made: dict[str, Any] = Scenario.model_json_schema()
     made["$schema"] = "https://json-schema.org/draft/2020-12/schema"
@@ -33,27 +33,27 @@ def schema() -> dict[str, Any]:
         "description": component["description"],
     }
     table["allOf"] = [
-        {"if": {"properties": {"component": {"const": name}}, "required": ["component"]}, "then": _of(name)}
+        {"if": {"properties": {"component": {"const": name}}, "required": ["component"]}, "then": _describe_component(name)}
         for name in CATALOGUE
     ]
-    made["$defs"]["MasterTable"] = _masters()
+    made["$defs"]["MasterTable"] = _describe_masters()
     return made
 
 
-def text() -> str:
+def write_schema() -> str:
     """As published in docs/scenario.schema.json."""
-    return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
+    return json.dumps(build_schema(), indent=2, ensure_ascii=False) + "\n"
 
 
-def _of(name: str) -> dict[str, Any]:
-    component = component_of(name)
+def _describe_component(name: str) -> dict[str, Any]:
+    component = build_component(name)
     layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
     return {
-        "properties": {key: _variables(layout) for key, layout in layouts.items()}
+        "properties": {key: _describe_variables(layout) for key, layout in layouts.items()}
         | {
             "structure": {
                 "properties": {
-                    size: {"type": "integer", "minimum": _smallest(name, size)}
+                    size: {"type": "integer", "minimum": _find_smallest_size(name, size)}
                     for size in component.structure
                 }
             }
@@ -61,16 +61,16 @@ def _of(name: str) -> dict[str, Any]:
     }
 
 
-def _smallest(name: str, size: str) -> int:
+def _find_smallest_size(name: str, size: str) -> int:
     """The least number that the component takes."""
     try:
-        component_of(name, ((size, 0),))
+        build_component(name, ((size, 0),))
     except ValueError:
         return 1
     return 0
 
 
-def _variables(layout: Layout) -> dict[str, Any]:
+def _describe_variables(layout: Layout) -> dict[str, Any]:
     """Vectors have as many elements as the structure says: their names are patterns."""
     plain: dict[str, Any] = {}
     patterns: dict[str, Any] = {}
@@ -94,7 +94,7 @@ def _variables(layout: Layout) -> dict[str, Any]:
     return made | ({"patternProperties": patterns} if patterns else {})
 
 
-def _masters() -> dict[str, Any]:
+def _describe_masters() -> dict[str, Any]:
     options: dict[str, Any] = {}
     for name, kind in MASTERS.items():
         for field in fields(kind):

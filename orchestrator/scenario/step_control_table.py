@@ -35,7 +35,7 @@ class StepControlTable(Table):
 
     @field_validator("estimator")
     @classmethod
-    def _known(cls, name: str | None) -> str | None:
+    def _check_estimator(cls, name: str | None) -> str | None:
         if name is not None and name not in ESTIMATORS:
             raise ValueError(f"{name!r}: {one_of(ESTIMATORS, name)}")
         return name

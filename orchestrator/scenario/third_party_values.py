@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ..errors import one_of
-from ..participants import ForeignComponent
-from ..participants.description import TEXT
-from .units import in_base_units
+from ..participants import ThirdPartyComponent
+from ..participants.description import STRING
+from .units import to_base_units
 from .values import Faults, Value, WithUnit
 
 
-def texts(component: ForeignComponent, values: Mapping[str, Value]) -> dict[str, Value]:
+def select_strings(component: ThirdPartyComponent, values: Mapping[str, Value]) -> dict[str, Value]:
     """Those of the values that are for parameters of type String; Faults where they are no texts, and for
     parameters of types that no value can be given."""
     found: dict[str, Value] = {}
@@ -21,7 +21,7 @@ def texts(component: ForeignComponent, values: Mapping[str, Value]) -> dict[str,
         if variable is None or variable.numeric or not variable.settable:
             continue
         if name not in component.about.texts:
-            kind = "an array of texts" if variable.type == TEXT else f"of type {variable.type}"
+            kind = "an array of texts" if variable.type == STRING else f"of type {variable.type}"
             faults.append(
                 (name, f": is {kind}, which cannot be given; leave it out (it starts as its file says)")
             )
@@ -34,7 +34,7 @@ def texts(component: ForeignComponent, values: Mapping[str, Value]) -> dict[str,
     return found
 
 
-def enumerated(component: ForeignComponent, values: Mapping[str, Value]) -> dict[str, Value]:
+def convert_enumerations(component: ThirdPartyComponent, values: Mapping[str, Value]) -> dict[str, Value]:
     """Those of the values that are for enumerations, as numbers; Faults for neither items nor numbers."""
     found: dict[str, Value] = {}
     faults = []
@@ -51,14 +51,14 @@ def enumerated(component: ForeignComponent, values: Mapping[str, Value]) -> dict
         else:
             shown = f"{value:g}" if isinstance(value, float) else repr(value)
             known, *near = one_of(tuple(items), value if isinstance(value, str) else "").split("; ")
-            said = "; ".join([f"{known}, or their numbers ({_span(numbers)})", *near])
+            said = "; ".join([f"{known}, or their numbers ({_format_numbers(numbers)})", *near])
             faults.append((name, f" = {shown} ({variable.description or name}): {said}"))
     if faults:
         raise Faults(*faults)
     return found
 
 
-def _span(numbers: list[float]) -> str:
+def _format_numbers(numbers: list[float]) -> str:
     """0 to 8; numbers with gaps one by one."""
     ordered = sorted(int(number) for number in numbers)
     if len(ordered) > 2 and ordered[-1] - ordered[0] == len(ordered) - 1:
@@ -66,7 +66,7 @@ def _span(numbers: list[float]) -> str:
     return ", ".join(map(str, ordered))
 
 
-def bare(component: ForeignComponent, tables: Mapping[str, Mapping[str, Value]]) -> list[str]:
+def list_bare_numbers(component: ThirdPartyComponent, tables: Mapping[str, Mapping[str, Value]]) -> list[str]:
     """The values that were written without a unit and are of variables in another one than SI's, each as it
     was taken: "start.x = 0.002 mm"."""
     found = []
@@ -75,7 +75,7 @@ def bare(component: ForeignComponent, tables: Mapping[str, Mapping[str, Value]])
             variable = component.about.variables.get(name)
             if variable is None or not variable.unit or not variable.numeric:
                 continue
-            unit = component.about.units.get(variable.unit) or in_base_units(variable.unit)
+            unit = component.about.units.get(variable.unit) or to_base_units(variable.unit)
             same = unit is None or (unit.offset == 0.0 and (unit.factor == 1.0 or value == 0.0))
             if same or isinstance(value, str | WithUnit):
                 continue

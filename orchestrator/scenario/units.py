@@ -37,7 +37,7 @@ _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s
 TIMES = (("s", 1.0), ("ms", 1e3), ("us", 1e6))
 
 
-def time_unit(span: float) -> tuple[str, float]:
+def choose_time_unit(span: float) -> tuple[str, float]:
     """The unit in which times over `span` (s) read well, and its factor: the longest that is not longer."""
     return next((shown for shown in TIMES if span * shown[1] >= 1.0), TIMES[-1])
 
@@ -60,19 +60,19 @@ def to_unit(text: str, unit: str) -> float:
     if not unit:
         raise UnitError(f"{text!r}: the FMU does not say in which unit it is; write a plain number")
     try:
-        units = _registry().Unit(_as_pint(given))
+        units = _load_registry().Unit(_to_pint(given))
     except Exception:
-        raise UnitError(f"{text!r}: {given!r} is not a known unit; {_remedy(given, unit)}") from None
+        raise UnitError(f"{text!r}: {given!r} is not a known unit; {_suggest_unit(given, unit)}") from None
     try:
-        wanted = _registry().Unit("" if unit == "1" else _as_pint(unit))
+        wanted = _load_registry().Unit("" if unit == "1" else _to_pint(unit))
     except Exception:
         raise UnitError(
             f"{text!r}: the FMU's unit {unit!r} is not known here; write a plain number in it"
         ) from None
-    if _kind(units) != _kind(wanted):
+    if _find_dimension(units) != _find_dimension(wanted):
         needed = "a plain number" if unit == "1" else f"a unit like {unit}"
         raise UnitError(f"{text!r}: the unit {given} does not fit, {needed} is needed")
-    factor = float(_registry().Quantity(1.0, units).to(wanted).magnitude)
+    factor = float(_load_registry().Quantity(1.0, units).to(wanted).magnitude)
     parts = round(1.0 / factor) if factor < 1.0 else 0
     # 5 us is 5e-6 s and not 4.9999999999999996e-06: divide where the factor is one over a whole number.
     if parts and abs(factor * parts - 1.0) < 1e-14:
@@ -86,11 +86,11 @@ def is_bare(text: str) -> bool:
     return match is not None and not match[2]
 
 
-def in_base_units(unit: str) -> Unit | None:
+def to_base_units(unit: str) -> Unit | None:
     """What the unit is in SI base units; None where it is not known, or not a multiple of them."""
     try:
-        made = _registry().Unit("" if unit == "1" else _as_pint(unit))
-        factor, base = _registry().get_base_units(made)
+        made = _load_registry().Unit("" if unit == "1" else _to_pint(unit))
+        factor, base = _load_registry().get_base_units(made)
         powers = {name: float(power) for name, power in base._units.items()}
     except Exception:
         return None
@@ -98,12 +98,12 @@ def in_base_units(unit: str) -> Unit | None:
     return None if powers else Unit(exponents, float(factor), 0.0)
 
 
-def _remedy(given: str, unit: str) -> str:
+def _suggest_unit(given: str, unit: str) -> str:
     """What to write instead of an unknown unit where `unit` is wanted."""
     if unit == "1":
         return "a plain number is needed"
-    wanted = _kind(_registry().Unit(_as_pint(unit)))
-    fitting = [name for name in COMMON if _kind(_registry().Unit(_as_pint(name))) == wanted]
+    wanted = _find_dimension(_load_registry().Unit(_to_pint(unit)))
+    fitting = [name for name in COMMON if _find_dimension(_load_registry().Unit(_to_pint(name))) == wanted]
     known = {name.lower(): name for name in (*fitting, unit)}
     close = difflib.get_close_matches(given.lower(), known, n=1)
     if close:
@@ -112,7 +112,7 @@ def _remedy(given: str, unit: str) -> str:
 
 
 @functools.cache
-def _registry() -> Any:
+def _load_registry() -> Any:
     import pint  # slow to import, and most numbers have no unit
 
     # Reading pint's file of units takes a third of a second; what it keeps of it, a fiftieth.
@@ -121,7 +121,7 @@ def _registry() -> Any:
     return pint.UnitRegistry()
 
 
-def _as_pint(unit: str) -> str:
+def _to_pint(unit: str) -> str:
     """FMI's way of writing (N.s/m, kg.m2), r/min and rev as pint reads them."""
     unit = "revolution" if unit == "rev" else unit
     unit = unit.replace("r/min", "rpm").replace("°", "degree").replace(".", "*").replace("·", "*")
@@ -131,7 +131,7 @@ def _as_pint(unit: str) -> str:
     return re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", unit)
 
 
-def _kind(units: Any) -> dict[str, float]:
+def _find_dimension(units: Any) -> dict[str, float]:
     """Exponents of the base units, the radian among them."""
-    roots = _registry().get_root_units(units)[1]
+    roots = _load_registry().get_root_units(units)[1]
     return {name: float(power) for name, power in roots._units.items() if power}

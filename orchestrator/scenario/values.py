@@ -33,7 +33,7 @@ Value = bool | float | str
 
 
 @functools.cache
-def component_of(name: str, structure: tuple[tuple[str, int], ...] = ()) -> Component:
+def build_component(name: str, structure: tuple[tuple[str, int], ...] = ()) -> Component:
     """The catalogue's component with these sizes, made once (its kernels are compiled once then).
 
     ValueError for an unknown component, an unknown size, or one that the component refuses.
@@ -48,7 +48,7 @@ def component_of(name: str, structure: tuple[tuple[str, int], ...] = ()) -> Comp
     return CATALOGUE[name](**dict(structure))
 
 
-def meaning(quantity: Quantity, value: Any) -> Value:
+def parse_value(quantity: Quantity, value: Any) -> Value:
     """`value` as it is kept: a choice's name, true or false, a number in `quantity.unit`.
 
     ValueError without the variable's name, which the caller knows.
@@ -72,19 +72,19 @@ def meaning(quantity: Quantity, value: Any) -> Value:
     return value if isinstance(value, WithUnit) else float(value)
 
 
-def number(quantity: Quantity, value: Value) -> float:
+def to_number(quantity: Quantity, value: Value) -> float:
     """The number behind a value that `meaning` returned."""
     return float(quantity.choices.index(value)) if isinstance(value, str) else float(value)
 
 
-def value_of(quantity: Quantity, stored: float) -> Value:
+def to_value(quantity: Quantity, stored: float) -> Value:
     """The inverse of `number`."""
     if quantity.choices:
         return quantity.choices[int(stored)]
     return bool(stored) if quantity.boolean else float(stored)
 
 
-def meanings(
+def parse_values(
     layout: Layout, values: Mapping[str, Any], kind: str, others: Mapping[str, Layout] | None = None
 ) -> dict[str, Value]:
     """`meaning` of every value, and of those that follow another one (`Quantity.same_as`); raises Faults.
@@ -108,7 +108,7 @@ def meanings(
             )
             continue
         try:
-            found[name] = meaning(quantity, value)
+            found[name] = parse_value(quantity, value)
         except ValueError as error:
             shown = f" = {value!r}" if not isinstance(value, str) or quantity.choices else ""
             faults.append((name, f"{shown} ({quantity.description}): {error}"))
@@ -118,8 +118,8 @@ def meanings(
     return {name: found[other] for name, other in same_as.items() if other in found} | found
 
 
-def numbers(layout: Layout, values: Mapping[str, Value]) -> dict[str, float]:
+def to_numbers(layout: Layout, values: Mapping[str, Value]) -> dict[str, float]:
     """What `models` wants of values that `meanings` returned, without those that are only texts."""
     return {
-        name: number(layout.field(name).quantity, value) for name, value in values.items() if name in layout
+        name: to_number(layout.field(name).quantity, value) for name, value in values.items() if name in layout
     }

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from ..participants import ForeignComponent
-from . import Scenario, line_of
-from .capabilities import unsynchronised
-from .fmu_limits import limit_notices
-from .third_party_values import bare
+from ..participants import ThirdPartyComponent
+from . import Scenario, parse_line
+from .capabilities import list_unsynchronised
+from .fmu_limits import list_limit_warnings
+from .third_party_values import list_bare_numbers
 from .values import WithUnit
 
 
-def notices(scenario: Scenario) -> list[str]:
+def list_warnings(scenario: Scenario) -> list[str]:
     """A line for each warning."""
     found = []
     if scenario.step_control and scenario.output_step is not None:
@@ -19,22 +19,22 @@ def notices(scenario: Scenario) -> list[str]:
             "recorded; leave it out"
         )
     elif scenario.output_step is not None:
-        found += _records(scenario, scenario.output_step)
+        found += _check_records(scenario, scenario.output_step)
     if scenario.energy.correction and not scenario.energy.ledger:
         found.append(
             "energy.correction = true: nothing counts what it gives back; energy.ledger = true shows it"
         )
     return [
         *found,
-        *_doubted(scenario),
-        *_unloaded(scenario),
-        *_in_own_units(scenario),
-        *unsynchronised(scenario),
-        *limit_notices(scenario),
+        *_list_doubtful(scenario),
+        *_list_unloaded(scenario),
+        *_list_other_units(scenario),
+        *list_unsynchronised(scenario),
+        *list_limit_warnings(scenario),
     ]
 
 
-def _doubted(scenario: Scenario) -> list[str]:
+def _list_doubtful(scenario: Scenario) -> list[str]:
     """Numbers without a unit that are plausible in another unit only."""
     found = []
     for name, table in scenario.components.items():
@@ -58,20 +58,20 @@ def _doubted(scenario: Scenario) -> list[str]:
     return found
 
 
-def _in_own_units(scenario: Scenario) -> list[str]:
+def _list_other_units(scenario: Scenario) -> list[str]:
     """Numbers without a unit, for FMUs from elsewhere whose unit is not SI's."""
     found = []
     for name, table in scenario.components.items():
         component = table.made()
-        if isinstance(component, ForeignComponent):
+        if isinstance(component, ThirdPartyComponent):
             tables = {"parameters": table.parameters, "start": table.start, "inputs": table.inputs}
-            found += [f"components.{name}.{value}" for value in bare(component, tables)]
+            found += [f"components.{name}.{value}" for value in list_bare_numbers(component, tables)]
     if not found:
         return []
     return [f"{', '.join(found)}: numbers without a unit are in the FMU's, which is not SI's here"]
 
 
-def _records(scenario: Scenario, asked: float) -> list[str]:
+def _check_records(scenario: Scenario, asked: float) -> list[str]:
     """Records at other times than asked for."""
     step, every = scenario.macro_step, scenario.record_every
     made = every * step
@@ -90,9 +90,9 @@ def _records(scenario: Scenario, asked: float) -> list[str]:
     return [f"output_step = {asked:g} s: {why}"]
 
 
-def _unloaded(scenario: Scenario) -> list[str]:
+def _list_unloaded(scenario: Scenario) -> list[str]:
     """Contacts whose load is an input that nothing gives."""
-    driven = {line_of(connection).target for connection in scenario.connections}
+    driven = {parse_line(connection).target for connection in scenario.connections}
     return [
         f"components.{name}.parameters.load_is_given = true: nothing drives {name}.applied_load, so the "
         f"contact has no load; connect it, or give components.{name}.inputs.applied_load"

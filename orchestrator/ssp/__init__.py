@@ -1,6 +1,6 @@
 """Scenarios as packages of System Structure and Parameterization (SSP 1.0), and the other way."""
 
 from .exported import export
-from .imported import contents, unpacked
+from .imported import read_package, unpack_package
 
-__all__ = ["contents", "export", "unpacked"]
+__all__ = ["read_package", "export", "unpack_package"]

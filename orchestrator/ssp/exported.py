@@ -19,19 +19,19 @@ from typing import Any
 from models.core.quantities import Quantity
 from models.core.system import Instance, System
 
-from ..participants import given
-from ..participants.description import REALS, TEXT, TRUTHS, Description, Variable, described
+from ..participants import collect_settings
+from ..participants.description import REALS, STRING, BOOLEANS, Description, Variable, read_description
 from ..run import assembly
-from ..scenario import ComponentTable, Scenario, line_of
+from ..scenario import ComponentTable, Scenario, parse_line
 from ..store.atomic_write import replace
-from .names import FMU_TYPE, OMSIMULATOR, OSP, OURS, RESOURCES, STRUCTURE, VALUES_TYPE, document, make
+from .names import FMU_TYPE, OMSIMULATOR, OSP, OURS, RESOURCES, STRUCTURE, VALUES_TYPE, to_bytes, add_element
 
 # So that the same scenario gives the same bytes.
 _DATE = (1980, 1, 1, 0, 0, 0)
 
 
 @dataclass(frozen=True)
-class Packed:
+class PackedFmu:
     """The FMU of a component: its place in the archive, its bytes, what it says."""
 
     source: str
@@ -46,21 +46,21 @@ class Packed:
 def export(scenario: Scenario, target: Path, build: assembly.Builder) -> None:
     """Write the scenario to `target`, whole or not at all; ScenarioError or ModelError if it cannot run."""
     system = assembly.system_of(scenario)
-    fmus = _packed(scenario, build)
+    fmus = _pack(scenario, build)
     files = {fmu.source: fmu.content for fmu in fmus.values()}
     bindings: dict[str, list[str]] = {name: [] for name in scenario.components}
     resting = scenario.start == "equilibrium"
     started = assembly.at_start(scenario, system) if resting else system
     for name, instance in system.instances.items():
-        stated = {**_stated(instance), **scenario.components[name].texts}
-        rest = given(started.instances[name]).values if resting else {}
+        stated = {**_collect_values(instance), **scenario.components[name].texts}
+        rest = collect_settings(started.instances[name]).values if resting else {}
         computed = {key: value for key, value in rest.items() if key not in instance.parameters}
         for suffix, values in (("", stated), (START, computed)):
             if values:
                 path = f"{RESOURCES}/{name}{suffix}.ssv"
-                files[path] = _parameter_set(SET, values, fmus[name].about, instance)
+                files[path] = _write_parameter_set(SET, values, fmus[name].about, instance)
                 bindings[name].append(path)
-    files = {STRUCTURE: document(_structure(scenario, system, fmus, bindings)), **files}
+    files = {STRUCTURE: to_bytes(_write_structure(scenario, system, fmus, bindings)), **files}
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for path, content in files.items():
@@ -77,12 +77,12 @@ SET = "values"
 START = ".equilibrium"
 
 
-def _built_kind(table: ComponentTable) -> str:
+def _get_kind(table: ComponentTable) -> str:
     """Of the FMU that is built; a package has one for every component."""
     return "fmu" if table.participant == "in-process" else table.participant
 
 
-def _packed(scenario: Scenario, build: assembly.Builder) -> dict[str, Packed]:
+def _pack(scenario: Scenario, build: assembly.Builder) -> dict[str, PackedFmu]:
     """Every component's FMU; equal files once."""
     places: dict[str, str] = {}
     packed = {}
@@ -91,7 +91,7 @@ def _packed(scenario: Scenario, build: assembly.Builder) -> dict[str, Packed]:
         path = (
             Path(table.participant)
             if given_file
-            else build(str(table.component), table.structure, _built_kind(table))
+            else build(str(table.component), table.structure, _get_kind(table))
         )
         content = path.read_bytes()
         stem = path.stem if given_file else str(table.component)
@@ -99,50 +99,50 @@ def _packed(scenario: Scenario, build: assembly.Builder) -> dict[str, Packed]:
         if digest not in places:
             taken = sum(place.startswith(f"{RESOURCES}/{stem}.") for place in places.values())
             places[digest] = f"{RESOURCES}/{stem}.{taken}.fmu" if taken else f"{RESOURCES}/{stem}.fmu"
-        packed[name] = Packed(places[digest], content, described(path))
+        packed[name] = PackedFmu(places[digest], content, read_description(path))
     return packed
 
 
-def _stated(instance: Instance) -> dict[str, float]:
+def _collect_values(instance: Instance) -> dict[str, float]:
     """The values that the scenario states, by the FMU's variables."""
-    asked = given(instance)
+    asked = collect_settings(instance)
     return {**asked.values, **asked.inputs}
 
 
-def _parameter_set(
+def _write_parameter_set(
     name: str, values: Mapping[str, float | str], about: Description, instance: Instance
 ) -> bytes:
-    root = make(None, "ssv:ParameterSet", version="1.0", name=name)
-    parameters = make(root, "ssv:Parameters")
+    root = add_element(None, "ssv:ParameterSet", version="1.0", name=name)
+    parameters = add_element(root, "ssv:Parameters")
     for key, value in values.items():
-        parameter = make(parameters, "ssv:Parameter", name=key)
-        kind, written = TEXT, value
+        parameter = add_element(parameters, "ssv:Parameter", name=key)
+        kind, written = STRING, value
         if not isinstance(value, str):
-            kind, written = _written(about.variables[key], _quantity(instance, key), value)
-        make(parameter, f"ssv:{kind}", value=written)
-    return document(root)
+            kind, written = _format_value(about.variables[key], _find_quantity(instance, key), value)
+        add_element(parameter, f"ssv:{kind}", value=written)
+    return to_bytes(root)
 
 
-def _quantity(instance: Instance, name: str) -> Quantity | None:
+def _find_quantity(instance: Instance, name: str) -> Quantity | None:
     layout = instance.component.parameters
     return layout.field(name).quantity if name in layout else None
 
 
-def _written(variable: Variable, quantity: Quantity | None, value: float) -> tuple[str, Any]:
+def _format_value(variable: Variable, quantity: Quantity | None, value: float) -> tuple[str, Any]:
     """Type and value of a parameter."""
     if variable.type in REALS:
         return "Real", float(value)
-    if variable.type in TRUTHS:
+    if variable.type in BOOLEANS:
         return "Boolean", bool(value)
     if quantity is not None and quantity.choices:
         return "Enumeration", quantity.choices[int(value)]
     return "Integer", int(value)
 
 
-def _structure(
-    scenario: Scenario, system: System, fmus: Mapping[str, Packed], bindings: Mapping[str, list[str]]
+def _write_structure(
+    scenario: Scenario, system: System, fmus: Mapping[str, PackedFmu], bindings: Mapping[str, list[str]]
 ) -> Any:
-    root = make(
+    root = add_element(
         None,
         "ssd:SystemStructureDescription",
         version="1.0",
@@ -150,13 +150,13 @@ def _structure(
         description=scenario.description or None,
         generationTool="tribocosim",
     )
-    whole = make(root, "ssd:System", name="system")
-    elements = make(whole, "ssd:Elements")
+    whole = add_element(root, "ssd:System", name="system")
+    elements = add_element(whole, "ssd:Elements")
     driven = {str(connection.target) for connection in system.connections}
     enumerations: dict[str, tuple[str, ...]] = {}
     for name, instance in system.instances.items():
         fmu = fmus[name]
-        component = make(
+        component = add_element(
             elements,
             "ssd:Component",
             name=name,
@@ -164,36 +164,36 @@ def _structure(
             source=fmu.source,
             implementation="CoSimulation",
         )
-        connectors = make(component, "ssd:Connectors")
+        connectors = add_element(component, "ssd:Connectors")
         for variable in fmu.about.variables.values():
-            if kind := _connector_kind(name, variable, driven, instance):
-                connector = make(connectors, "ssd:Connector", name=variable.name, kind=kind)
-                _type(connector, variable, _quantity(instance, variable.name), enumerations)
+            if kind := _get_connector_kind(name, variable, driven, instance):
+                connector = add_element(connectors, "ssd:Connector", name=variable.name, kind=kind)
+                _write_type(connector, variable, _find_quantity(instance, variable.name), enumerations)
         if bindings[name]:
-            sets = make(component, "ssd:ParameterBindings")
+            sets = add_element(component, "ssd:ParameterBindings")
             for path in bindings[name]:
-                make(sets, "ssd:ParameterBinding", type=VALUES_TYPE, source=path)
+                add_element(sets, "ssd:ParameterBinding", type=VALUES_TYPE, source=path)
     if system.connections:
-        connections = make(whole, "ssd:Connections")
+        connections = add_element(whole, "ssd:Connections")
         for text in scenario.connections:
-            _connection(connections, text)
-    _omsimulator(whole, scenario)
+            _write_connection(connections, text)
+    _write_omsimulator(whole, scenario)
     if enumerations:
-        listed = make(root, "ssd:Enumerations")
+        listed = add_element(root, "ssd:Enumerations")
         for name, items in enumerations.items():
-            one = make(listed, "ssc:Enumeration", name=name)
+            one = add_element(listed, "ssc:Enumeration", name=name)
             for number, item in enumerate(items):
-                make(one, "ssc:Item", name=item, value=number)
-    _units(root, fmus)
-    experiment = make(root, "ssd:DefaultExperiment", startTime=0.0, stopTime=scenario.stop_time)
-    _osp(experiment, scenario)
-    annotation = make(make(root, "ssd:Annotations"), "ssc:Annotation", type=OURS)
-    settings = make(annotation, "tribocosim:Settings")
-    settings.text = json.dumps(_settings(scenario, fmus), ensure_ascii=False)
+                add_element(one, "ssc:Item", name=item, value=number)
+    _write_units(root, fmus)
+    experiment = add_element(root, "ssd:DefaultExperiment", startTime=0.0, stopTime=scenario.stop_time)
+    _write_osp(experiment, scenario)
+    annotation = add_element(add_element(root, "ssd:Annotations"), "ssc:Annotation", type=OURS)
+    settings = add_element(annotation, "tribocosim:Settings")
+    settings.text = json.dumps(_collect_settings(scenario, fmus), ensure_ascii=False)
     return root
 
 
-def _connector_kind(name: str, variable: Variable, driven: set[str], instance: Instance) -> str:
+def _get_connector_kind(name: str, variable: Variable, driven: set[str], instance: Instance) -> str:
     """A connector's kind; empty for variables that have none. An input that nothing drives would be set to
     zero by some tools if it were shown."""
     if not variable.numeric or variable.variability == "constant":
@@ -203,25 +203,25 @@ def _connector_kind(name: str, variable: Variable, driven: set[str], instance: I
     return {"output": "output", "parameter": "parameter"}.get(variable.causality, "")
 
 
-def _type(
+def _write_type(
     connector: Any, variable: Variable, quantity: Quantity | None, enumerations: dict[str, tuple[str, ...]]
 ) -> None:
     if variable.type in REALS:
-        make(connector, "ssc:Real", unit=variable.unit or None)
-    elif variable.type in TRUTHS:
-        make(connector, "ssc:Boolean")
+        add_element(connector, "ssc:Real", unit=variable.unit or None)
+    elif variable.type in BOOLEANS:
+        add_element(connector, "ssc:Boolean")
     elif quantity is not None and quantity.choices:
         enumerations[variable.name] = quantity.choices
-        make(connector, "ssc:Enumeration", name=variable.name)
+        add_element(connector, "ssc:Enumeration", name=variable.name)
     else:
-        make(connector, "ssc:Integer")
+        add_element(connector, "ssc:Integer")
 
 
-def _connection(parent: Any, text: str) -> None:
-    line = line_of(text)
+def _write_connection(parent: Any, text: str) -> None:
+    line = parse_line(text)
     changed = line.factor is not None or line.offset is not None
     (start, out), (end, into) = (port.split(".", 1) for port in (line.source, line.target))
-    connection = make(
+    connection = add_element(
         parent,
         "ssd:Connection",
         startElement=start,
@@ -231,21 +231,21 @@ def _connection(parent: Any, text: str) -> None:
         suppressUnitConversion=True if changed else None,
     )
     if changed:
-        make(connection, "ssc:LinearTransformation", factor=line.factor, offset=line.offset)
+        add_element(connection, "ssc:LinearTransformation", factor=line.factor, offset=line.offset)
 
 
-def _units(root: Any, fmus: Mapping[str, Packed]) -> None:
+def _write_units(root: Any, fmus: Mapping[str, PackedFmu]) -> None:
     units = {name: unit for fmu in fmus.values() for name, unit in fmu.about.units.items()}
     used = {v.unit for fmu in fmus.values() for v in fmu.about.variables.values()}
     if not used & set(units):
         return
-    listed = make(root, "ssd:Units")
+    listed = add_element(root, "ssd:Units")
     names = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
     for name in sorted(used & set(units)):
         unit = units[name]
         base = {key: power for key, power in zip(names, unit.exponents, strict=True) if power}
-        make(
-            make(listed, "ssc:Unit", name=name),
+        add_element(
+            add_element(listed, "ssc:Unit", name=name),
             "ssc:BaseUnit",
             **base,
             factor=None if unit.factor == 1.0 else unit.factor,
@@ -253,10 +253,10 @@ def _units(root: Any, fmus: Mapping[str, Packed]) -> None:
         )
 
 
-def _omsimulator(system: Any, scenario: Scenario) -> None:
-    annotation = make(make(system, "ssd:Annotations"), "ssc:Annotation", type=OMSIMULATOR)
-    information = make(make(annotation, "oms:Annotations"), "oms:SimulationInformation")
-    make(
+def _write_omsimulator(system: Any, scenario: Scenario) -> None:
+    annotation = add_element(add_element(system, "ssd:Annotations"), "ssc:Annotation", type=OMSIMULATOR)
+    information = add_element(add_element(annotation, "oms:Annotations"), "oms:SimulationInformation")
+    add_element(
         information,
         "oms:FixedStepMaster",
         description="oms-ma",
@@ -266,12 +266,12 @@ def _omsimulator(system: Any, scenario: Scenario) -> None:
     )
 
 
-def _osp(experiment: Any, scenario: Scenario) -> None:
-    annotation = make(make(experiment, "ssd:Annotations"), "ssc:Annotation", type=OSP)
-    make(make(annotation, "osp:Algorithm"), "osp:FixedStepAlgorithm", baseStepSize=scenario.macro_step)
+def _write_osp(experiment: Any, scenario: Scenario) -> None:
+    annotation = add_element(add_element(experiment, "ssd:Annotations"), "ssc:Annotation", type=OSP)
+    add_element(add_element(annotation, "osp:Algorithm"), "osp:FixedStepAlgorithm", baseStepSize=scenario.macro_step)
 
 
-def _settings(scenario: Scenario, fmus: Mapping[str, Packed]) -> dict[str, Any]:
+def _collect_settings(scenario: Scenario, fmus: Mapping[str, PackedFmu]) -> dict[str, Any]:
     """What SSP has no place for; and by which FMUs a component's own may take its place again."""
     content: dict[str, Any] = scenario.model_dump(exclude_none=True)
     for key in ("connections", "stop_time"):

@@ -16,23 +16,23 @@ from models.compile.cache_folder import private_folder, user_cache_directory
 from models.core.component import Component
 from models.core.system import suggestion
 
-from ..participants import ForeignComponent, component_of_file
-from ..participants.description import Description, DescriptionError, described
+from ..participants import ThirdPartyComponent, read_component
+from ..participants.description import Description, DescriptionError, read_description
 from ..scenario import Line, ScenarioError
-from ..scenario.conversion import linear_between
-from ..scenario.values import WithUnit, component_of
+from ..scenario.conversion import convert_units
+from ..scenario.values import WithUnit, build_component
 from .exported import START
 from .names import NAMESPACES, OURS, STRUCTURE
-from .schema import schema_fault
+from .schema import find_schema_fault
 from .structure import Path as Place
-from .structure import Port, Structure, structure_of, way
-from .values import Stated, values_of
+from .structure import Port, Structure, read_structure, trace_back
+from .values import StatedValue, read_values
 
 # Steps of a run whose length nothing states.
 STEPS = 1000
 
 
-def contents(path: Path) -> dict[str, Any]:
+def read_package(path: Path) -> dict[str, Any]:
     """The tables of the scenario; its FMUs are unpacked into the user's cache folder."""
     digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
     try:
@@ -48,13 +48,13 @@ def contents(path: Path) -> dict[str, Any]:
             f"{path}: {user_cache_directory()} cannot be used ({error.strerror}); set TRIBOCOSIM_CACHE to "
             "another folder"
         ) from None
-    return _content(path.name, folder)
+    return _read_folder(path.name, folder)
 
 
-def unpacked(path: Path, folder: Path) -> dict[str, Any]:
+def unpack_package(path: Path, folder: Path) -> dict[str, Any]:
     """As `contents`, with the FMUs unpacked into `folder`."""
     _unpack(path, folder)
-    return _content(path.name, folder)
+    return _read_folder(path.name, folder)
 
 
 def _unpack(path: Path, folder: Path) -> None:
@@ -72,7 +72,7 @@ def _unpack(path: Path, folder: Path) -> None:
         raise ScenarioError(str(error).replace("so not an FMU", "so not an SSP")) from None
 
 
-def _content(name: str, folder: Path) -> dict[str, Any]:
+def _read_folder(name: str, folder: Path) -> dict[str, Any]:
     try:
         return _read(name, folder)
     except ScenarioError:
@@ -80,7 +80,7 @@ def _content(name: str, folder: Path) -> dict[str, Any]:
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         # Something is missing or is no number; what, the schema says better.
         said = error.args[0] if isinstance(error, KeyError) else error
-        fault = schema_fault(folder) or said
+        fault = find_schema_fault(folder) or said
         raise ScenarioError(f"{name}: not as SSP 1.0 has it: {fault}; correct it") from None
 
 
@@ -88,7 +88,7 @@ def _read(name: str, folder: Path) -> dict[str, Any]:
     file = folder / STRUCTURE
     if not file.is_file():
         raise ScenarioError(f"{name}: {STRUCTURE} is missing, so this is not an SSP; give another file")
-    found = structure_of(file.read_bytes(), name)
+    found = read_structure(file.read_bytes(), name)
     if found.experiment.get("startTime", 0.0) != 0.0:
         raise ScenarioError(
             f"{name}: startTime = {found.experiment['startTime']:g} s: runs begin at 0; shift the times"
@@ -101,23 +101,23 @@ def _read(name: str, folder: Path) -> dict[str, Any]:
             raise ScenarioError(f"{name}: {path} is not in the package; add it") from None
 
     fmus = {path: folder / source for path, source in found.components.items()}
-    settings = _settings(found, name)
+    settings = _read_settings(found, name)
     # An equilibrium is found again by the run.
-    values = values_of(found, read, name, f"{START}.ssv" if settings.get("start") == "equilibrium" else "")
-    tables = _tables(found, fmus, settings, name)
-    parts = {path: _component(tables[own], name, own) for path, own in _names(fmus).items()}
-    content = settings or _defaults(found, fmus, name)
+    values = read_values(found, read, name, f"{START}.ssv" if settings.get("start") == "equilibrium" else "")
+    tables = _build_tables(found, fmus, settings, name)
+    parts = {path: _find_component(tables[own], name, own) for path, own in _name_components(fmus).items()}
+    content = settings or _build_defaults(found, fmus, name)
     content["components"] = tables
-    names = _names(fmus)
+    names = _name_components(fmus)
     for path, stated in values.items():
-        _give(tables[names[path]], parts[path], stated, f"{name}: {names[path]}")
-    content["connections"] = [str(line) for line in _lines(found, parts, names, name)]
+        _set_values(tables[names[path]], parts[path], stated, f"{name}: {names[path]}")
+    content["connections"] = [str(line) for line in _build_lines(found, parts, names, name)]
     if stop := found.experiment.get("stopTime"):
         content["stop_time"] = stop
     return content
 
 
-def _settings(found: Structure, where: str) -> dict[str, Any]:
+def _read_settings(found: Structure, where: str) -> dict[str, Any]:
     """Our own annotation; empty without one."""
     for annotation in found.annotations:
         if annotation.get("type") == OURS and len(annotation):
@@ -130,7 +130,7 @@ def _settings(found: Structure, where: str) -> dict[str, Any]:
     return {}
 
 
-def _names(fmus: Mapping[Place, Path]) -> dict[Place, str]:
+def _name_components(fmus: Mapping[Place, Path]) -> dict[Place, str]:
     """A scenario's name for each component: letters, digits and _, systems first."""
     names: dict[Place, str] = {}
     for path in fmus:
@@ -142,11 +142,11 @@ def _names(fmus: Mapping[Place, Path]) -> dict[Place, str]:
     return names
 
 
-def _tables(
+def _build_tables(
     found: Structure, fmus: Mapping[Place, Path], settings: Mapping[str, Any], where: str
 ) -> dict[str, Any]:
     tables: dict[str, Any] = {}
-    for path, name in _names(fmus).items():
+    for path, name in _name_components(fmus).items():
         if not fmus[path].is_file():
             raise ScenarioError(f"{where}: {found.components[path]} is not in the package; add it")
         own = dict(settings.get("components", {}).get(name, {}))
@@ -158,18 +158,18 @@ def _tables(
     return tables
 
 
-def _component(table: Mapping[str, Any], where: str, name: str) -> Component:
+def _find_component(table: Mapping[str, Any], where: str, name: str) -> Component:
     try:
         if table.get("component"):
-            return component_of(table["component"], tuple(sorted(table.get("structure", {}).items())))
-        return component_of_file(Path(table["participant"]))
+            return build_component(table["component"], tuple(sorted(table.get("structure", {}).items())))
+        return read_component(Path(table["participant"]))
     except ValueError as error:
         raise ScenarioError(f"{where}: {name}: {error}") from None
 
 
-def _defaults(found: Structure, fmus: Mapping[Place, Path], where: str) -> dict[str, Any]:
+def _build_defaults(found: Structure, fmus: Mapping[Place, Path], where: str) -> dict[str, Any]:
     """The settings of a package that is not ours: the simplest master, in steps that somebody states."""
-    about = [_described(path, where) for path in fmus.values()]
+    about = [_read_description(path, where) for path in fmus.values()]
     stop = found.experiment.get("stopTime") or max((one.stop or 0.0 for one in about), default=0.0)
     if not stop:
         raise ScenarioError(f"{where}: nothing says when it ends; give its DefaultExperiment a stopTime")
@@ -177,7 +177,7 @@ def _defaults(found: Structure, fmus: Mapping[Place, Path], where: str) -> dict[
         "name": re.sub(r"[^\w .-]", "_", found.name) or "ssp",
         "description": " ".join(found.description.split()),
         "stop_time": stop,
-        "macro_step": min(_step(found, about) or stop / STEPS, stop),
+        "macro_step": min(_find_step(found, about) or stop / STEPS, stop),
         "start": "given",
         "master": {"name": "jacobi", "extrapolation": "hold"},
         "reference": {"enabled": False},
@@ -185,14 +185,14 @@ def _defaults(found: Structure, fmus: Mapping[Place, Path], where: str) -> dict[
     return {key: value for key, value in content.items() if value != ""}
 
 
-def _described(path: Path, where: str) -> Description:
+def _read_description(path: Path, where: str) -> Description:
     try:
-        return described(path)
+        return read_description(path)
     except DescriptionError as error:
         raise ScenarioError(f"{where}: {path.name} {error}; give another file") from None
 
 
-def _step(found: Structure, about: list[Description]) -> float:
+def _find_step(found: Structure, about: list[Description]) -> float:
     """The macro step (s) of another tool's annotation, or the least of the FMUs' own; 0: none is stated."""
     for annotation in found.annotations:
         for element in annotation.iter():
@@ -202,11 +202,11 @@ def _step(found: Structure, about: list[Description]) -> float:
     return min((one.step for one in about if one.step), default=0.0)
 
 
-def _give(table: dict[str, Any], component: Component, stated: Mapping[str, Stated], where: str) -> None:
+def _set_values(table: dict[str, Any], component: Component, stated: Mapping[str, StatedValue], where: str) -> None:
     """Put values where a scenario has them."""
     layouts = {"parameters": component.parameters, "inputs": component.inputs, "start": component.state}
-    foreign = isinstance(component, ForeignComponent)
-    texts = component.about.texts if isinstance(component, ForeignComponent) else []
+    foreign = isinstance(component, ThirdPartyComponent)
+    texts = component.about.texts if isinstance(component, ThirdPartyComponent) else []
     for variable, one in stated.items():
         if one.plain != (variable in texts):
             here, there = ("a String", "not") if one.plain else ("no String", "one")
@@ -234,13 +234,13 @@ def _give(table: dict[str, Any], component: Component, stated: Mapping[str, Stat
                 )
             value = float((one.items or {})[value])
         if isinstance(value, float) and not isinstance(value, bool):
-            value = _transformed(value, one, quantity.unit, component, f"{where}: {variable}")
+            value = _transform(value, one, quantity.unit, component, f"{where}: {variable}")
         table.setdefault(key, {})[name] = value
 
 
-def _transformed(value: float, one: Stated, unit: str, component: Component, where: str) -> float:
+def _transform(value: float, one: StatedValue, unit: str, component: Component, where: str) -> float:
     if one.unit and not one.suppressed and one.unit != unit:
-        linear = linear_between(one.unit, one.units or {}, unit, _units(component))
+        linear = convert_units(one.unit, one.units or {}, unit, _get_units(component))
         if linear is None:
             raise ScenarioError(
                 f"{where}: unit {one.unit} does not fit {unit or 'a plain number'}; correct it"
@@ -251,11 +251,11 @@ def _transformed(value: float, one: Stated, unit: str, component: Component, whe
     return WithUnit(value)  # in the FMU's, as SSP has it
 
 
-def _units(component: Component) -> dict[str, Any]:
-    return dict(component.about.units) if isinstance(component, ForeignComponent) else {}
+def _get_units(component: Component) -> dict[str, Any]:
+    return dict(component.about.units) if isinstance(component, ThirdPartyComponent) else {}
 
 
-def _lines(
+def _build_lines(
     found: Structure, parts: Mapping[Place, Component], names: Mapping[Place, str], where: str
 ) -> list[Line]:
     """The connections between components, through whatever systems they pass."""
@@ -265,7 +265,7 @@ def _lines(
             if target.path in parts:
                 _check_parameter(found, target, where)
             continue
-        steps = list(way(found, target))[::-1]
+        steps = list(trace_back(found, target))[::-1]
         source = steps[0][1].source
         if source.path not in parts:
             continue  # an input of the whole, which nothing drives here
@@ -276,13 +276,13 @@ def _lines(
                 f"{source.connector!r}; {suggestion(source.connector, outputs.names)}"
             )
         ends = f"{names[source.path]}.{source.connector}", f"{names[target.path]}.{target.connector}"
-        lines.append(_line(found, parts, steps, ends, where))
+        lines.append(_build_line(found, parts, steps, ends, where))
     return lines
 
 
 def _check_parameter(found: Structure, target: Port, where: str) -> None:
     """ScenarioError where a component's parameter would have to follow another's variable."""
-    *_, (_, edge) = way(found, target)
+    *_, (_, edge) = trace_back(found, target)
     if edge.source.path in found.components:
         raise ScenarioError(
             f"{where}: {edge.source} goes to {target}, which is no input; only inputs are connected here, "
@@ -290,7 +290,7 @@ def _check_parameter(found: Structure, target: Port, where: str) -> None:
         )
 
 
-def _line(
+def _build_line(
     found: Structure,
     parts: Mapping[Place, Component],
     steps: list[tuple[Port, Any]],
@@ -304,7 +304,7 @@ def _line(
     source, target = parts[steps[0][1].source.path], parts[steps[-1][0].path]
     first = source.outputs.field(steps[0][1].source.connector).quantity.unit
     last = target.inputs.field(steps[-1][0].connector).quantity.unit
-    units = {**_units(source), **_units(target), **found.units}
+    units = {**_get_units(source), **_get_units(target), **found.units}
     unit = found.connector_units.get(steps[0][1].source) or first
     if unit == first and all(
         edge.factor is edge.offset is None
@@ -317,7 +317,7 @@ def _line(
     for port, edge in steps:
         into = found.connector_units.get(port) or (last if port == steps[-1][0] else unit)
         if unit and into and unit != into and not edge.suppressed:
-            linear = linear_between(unit, units, into, units)
+            linear = convert_units(unit, units, into, units)
             if linear is None:
                 raise ScenarioError(f"{where}: {port}: unit {unit} does not fit {into}; correct it")
             factor, offset = linear.factor * factor, linear.factor * offset + linear.offset

@@ -28,27 +28,27 @@ for _prefix, _uri in NAMESPACES.items():
     ElementTree.register_namespace(_prefix, _uri)
 
 
-def tag(name: str) -> str:
+def expand_tag(name: str) -> str:
     """ssd:System as ElementTree writes it."""
     prefix, _, local = name.partition(":")
     return f"{{{NAMESPACES[prefix]}}}{local}"
 
 
-def make(parent: Any, name: str, /, **attributes: Any) -> Any:
+def add_element(parent: Any, name: str, /, **attributes: Any) -> Any:
     """A child of `parent`, if there is one, with attributes: numbers to the last bit; None leaves one out."""
-    written = {key: _text(value) for key, value in attributes.items() if value is not None}
+    written = {key: _format(value) for key, value in attributes.items() if value is not None}
     if parent is None:
-        return ElementTree.Element(tag(name), written)
-    return ElementTree.SubElement(parent, tag(name), written)
+        return ElementTree.Element(expand_tag(name), written)
+    return ElementTree.SubElement(parent, expand_tag(name), written)
 
 
-def _text(value: Any) -> str:
+def _format(value: Any) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     return repr(value) if isinstance(value, float) else str(value)
 
 
-def document(root: Any) -> bytes:
+def to_bytes(root: Any) -> bytes:
     """The file of an element."""
     ElementTree.indent(root)
     return bytes(ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)) + b"\n"

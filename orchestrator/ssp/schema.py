@@ -11,7 +11,7 @@ FOLDER = Path(fmpy.__file__).parent / "ssp" / "schema"
 SCHEMAS = {".ssd": "Description", ".ssv": "ParameterValues", ".ssm": "ParameterMapping"}
 
 
-def schema_fault(folder: Path) -> str:
+def find_schema_fault(folder: Path) -> str:
     """The first thing in the folder's files that the standard does not allow, with its place; empty: none."""
     for file in sorted(folder.rglob("*")):
         if file.suffix not in SCHEMAS:

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 
 from ..participants.description import Unit
 from ..scenario import ScenarioError
-from .names import FMU_TYPE, tag
+from .names import FMU_TYPE, expand_tag
 
 Path = tuple[str, ...]
 # Gives the bytes of a file of the archive, by its path.
@@ -60,7 +60,7 @@ class Structure:
     annotations: list[Any] = field(default_factory=list)
 
 
-def parsed(content: bytes, what: str) -> Any:
+def parse_xml(content: bytes, what: str) -> Any:
     """The root element; ScenarioError if it is no XML."""
     try:
         return ElementTree.fromstring(content)
@@ -68,28 +68,28 @@ def parsed(content: bytes, what: str) -> Any:
         raise ScenarioError(f"{what}: not a valid XML file: {error}") from None
 
 
-def structure_of(content: bytes, where: str) -> Structure:
+def read_structure(content: bytes, where: str) -> Structure:
     """What the SSD says; ScenarioError for what is not supported."""
-    root = parsed(content, where)
-    system = root.find(tag("ssd:System"))
-    if root.tag != tag("ssd:SystemStructureDescription") or system is None:
+    root = parse_xml(content, where)
+    system = root.find(expand_tag("ssd:System"))
+    if root.tag != expand_tag("ssd:SystemStructureDescription") or system is None:
         raise ScenarioError(
             f"{where}: no SystemStructureDescription of SSP 1 with a System; give another file"
         )
     found = Structure(root.get("name", ""), root.get("description") or "")
-    found.units = units_of(root)
-    found.enumerations = enumerations_of(root)
-    experiment = root.find(tag("ssd:DefaultExperiment"))
+    found.units = read_units(root)
+    found.enumerations = read_enumerations(root)
+    experiment = root.find(expand_tag("ssd:DefaultExperiment"))
     if experiment is not None:
         found.experiment = {
             key: float(experiment.get(key)) for key in ("startTime", "stopTime") if experiment.get(key)
         }
-    found.annotations = [*root.iter(tag("ssc:Annotation"))]
-    _System(found, where).read(system, (), {})
+    found.annotations = [*root.iter(expand_tag("ssc:Annotation"))]
+    _SystemReader(found, where).read(system, (), {})
     return found
 
 
-class _System:
+class _SystemReader:
     """Reads systems into a structure."""
 
     def __init__(self, found: Structure, where: str) -> None:
@@ -100,30 +100,30 @@ class _System:
 
     def read(self, system: Any, path: Path, outer: dict[str, str]) -> None:
         """The system at `path`; `outer`: its signal dictionaries, by name."""
-        self._connectors(system, path)
+        self._read_connectors(system, path)
         dictionaries = outer | {
             one.get("name"): ".".join((*path, one.get("name")))
-            for one in system.findall(f"{tag('ssd:SignalDictionaries')}/{tag('ssd:SignalDictionary')}")
+            for one in system.findall(f"{expand_tag('ssd:SignalDictionaries')}/{expand_tag('ssd:SignalDictionary')}")
         }
         # Elements that stand for the connectors of something else.
         places: dict[str, Path] = {}
-        for element in system.iterfind(f"{tag('ssd:Elements')}/*"):
+        for element in system.iterfind(f"{expand_tag('ssd:Elements')}/*"):
             own = (*path, element.get("name"))
             places[element.get("name")] = own
-            if element.tag == tag("ssd:System"):
+            if element.tag == expand_tag("ssd:System"):
                 self.read(element, own, dictionaries)
-            elif element.tag == tag("ssd:Component"):
-                self._component(element, own)
-            elif element.tag == tag("ssd:SignalDictionaryReference"):
+            elif element.tag == expand_tag("ssd:Component"):
+                self._read_component(element, own)
+            elif element.tag == expand_tag("ssd:SignalDictionaryReference"):
                 name = element.get("dictionary")
                 if name not in dictionaries:
                     raise self._refuse(f"{'.'.join(own)}: no signal dictionary {name!r}", "define it")
                 places[element.get("name")] = (f"dictionary {dictionaries[name]}",)
-        self._bound(system, path)
-        for connection in system.iterfind(f"{tag('ssd:Connections')}/*"):
-            self._connection(connection, path, places)
+        self._read_bindings(system, path)
+        for connection in system.iterfind(f"{expand_tag('ssd:Connections')}/*"):
+            self._read_connection(connection, path, places)
 
-    def _component(self, element: Any, path: Path) -> None:
+    def _read_component(self, element: Any, path: Path) -> None:
         shown, source = ".".join(path), element.get("source", "")
         kind = element.get("type", FMU_TYPE)
         if kind != FMU_TYPE:
@@ -133,23 +133,23 @@ class _System:
             )
         if element.get("implementation") == "ModelExchange":
             raise self._refuse(f"{shown}: implementation ModelExchange", "give an FMU for co-simulation")
-        self._found.components[path] = local(source, f"{self._where}: {shown}")
-        self._connectors(element, path)
-        self._bound(element, path)
+        self._found.components[path] = resolve_source(source, f"{self._where}: {shown}")
+        self._read_connectors(element, path)
+        self._read_bindings(element, path)
 
-    def _bound(self, element: Any, path: Path) -> None:
-        for binding in element.iterfind(f"{tag('ssd:ParameterBindings')}/*"):
+    def _read_bindings(self, element: Any, path: Path) -> None:
+        for binding in element.iterfind(f"{expand_tag('ssd:ParameterBindings')}/*"):
             self._found.bindings.append((path, binding))
 
-    def _connectors(self, element: Any, path: Path) -> None:
-        for connector in element.iterfind(f"{tag('ssd:Connectors')}/*"):
+    def _read_connectors(self, element: Any, path: Path) -> None:
+        for connector in element.iterfind(f"{expand_tag('ssd:Connectors')}/*"):
             port = Port(path, connector.get("name"))
             self._found.kinds[port] = connector.get("kind", "")
-            real = connector.find(tag("ssc:Real"))
+            real = connector.find(expand_tag("ssc:Real"))
             if real is not None and real.get("unit"):
                 self._found.connector_units[port] = real.get("unit")
 
-    def _connection(self, connection: Any, path: Path, places: dict[str, Path]) -> None:
+    def _read_connection(self, connection: Any, path: Path, places: dict[str, Path]) -> None:
         def port(side: str) -> Port:
             element, connector = connection.get(f"{side}Element"), connection.get(f"{side}Connector")
             if element is None:
@@ -162,7 +162,7 @@ class _System:
             return Port(places[element], connector)
 
         start, end = port("start"), port("end")
-        factor, offset = transformation_of(connection, f"{self._where}: {start} to {end}")
+        factor, offset = read_transformation(connection, f"{self._where}: {start} to {end}")
         edge = Edge(start, factor, offset, connection.get("suppressUnitConversion") in ("true", "1"))
         if self._found.edges.setdefault(end, edge) is not edge:
             raise self._refuse(
@@ -170,22 +170,22 @@ class _System:
             )
 
 
-def transformation_of(element: Any, where: str) -> tuple[float | None, float | None]:
+def read_transformation(element: Any, where: str) -> tuple[float | None, float | None]:
     """Factor and offset that are stated; ScenarioError for a transformation of another kind."""
     for child in element:
-        if child.tag == tag("ssc:LinearTransformation"):
-            return _float(child.get("factor")), _float(child.get("offset"))
+        if child.tag == expand_tag("ssc:LinearTransformation"):
+            return _parse_float(child.get("factor")), _parse_float(child.get("offset"))
         if "Transformation" in child.tag:
             name = child.tag.rpartition("}")[2]
             raise ScenarioError(f"{where}: a {name}; only linear transformations are known here, take one")
     return None, None
 
 
-def _float(text: str | None) -> float | None:
+def _parse_float(text: str | None) -> float | None:
     return None if text is None else float(text)
 
 
-def local(source: str, where: str) -> str:
+def resolve_source(source: str, where: str) -> str:
     """The archive's path of a source; ScenarioError for one elsewhere."""
     path = source.removeprefix("./")
     if not path or ":" in path or path.startswith("/") or ".." in path.split("/"):
@@ -195,7 +195,7 @@ def local(source: str, where: str) -> str:
     return path
 
 
-def units_of(root: Any) -> dict[str, Unit]:
+def read_units(root: Any) -> dict[str, Unit]:
     """The units that a file defines."""
     names = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
     return {
@@ -204,21 +204,21 @@ def units_of(root: Any) -> dict[str, Unit]:
             float(base.get("factor", 1.0)),
             float(base.get("offset", 0.0)),
         )
-        for unit in root.iter(tag("ssc:Unit"))
-        for base in unit.findall(tag("ssc:BaseUnit"))
+        for unit in root.iter(expand_tag("ssc:Unit"))
+        for base in unit.findall(expand_tag("ssc:BaseUnit"))
     }
 
 
-def enumerations_of(root: Any) -> dict[str, dict[str, int]]:
+def read_enumerations(root: Any) -> dict[str, dict[str, int]]:
     """The enumerations that a file defines: items and their values."""
     return {
-        one.get("name"): {item.get("name"): int(item.get("value")) for item in one.iter(tag("ssc:Item"))}
-        for one in root.iter(tag("ssc:Enumeration"))
-        if one.find(tag("ssc:Item")) is not None
+        one.get("name"): {item.get("name"): int(item.get("value")) for item in one.iter(expand_tag("ssc:Item"))}
+        for one in root.iter(expand_tag("ssc:Enumeration"))
+        if one.find(expand_tag("ssc:Item")) is not None
     }
 
 
-def way(found: Structure, target: Port) -> Iterator[tuple[Port, Edge]]:
+def trace_back(found: Structure, target: Port) -> Iterator[tuple[Port, Edge]]:
     """The connections that lead to `target`, from it backwards: the connector at the end of each, and it."""
     seen = set()
     while target in found.edges and target not in seen:

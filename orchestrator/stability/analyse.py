@@ -9,7 +9,7 @@ from ..analyses._evaluate import made, results_in
 from ..errors import MistakeError
 from ..run import assembly
 from ..run.report import Reporter
-from ..scenario.files import load, shipped
+from ..scenario.files import load, list_shipped
 from ..scenario.units import UnitError, to_unit
 from .findings import Survey
 from .sources import linearisations
@@ -20,7 +20,7 @@ FILE = "stability"
 
 def is_scenario(name: str) -> bool:
     """The name is that of a shipped scenario, or the path of a file."""
-    return name in shipped() or name.endswith(".toml") or Path(name).is_dir()
+    return name in list_shipped() or name.endswith(".toml") or Path(name).is_dir()
 
 
 def analyse_scenario(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..masters import name_of
-from ..scenario.files import written
+from ..scenario.files import to_full_toml
 from .findings import Survey, Surveyed
 from .report import sentences
 
@@ -73,7 +73,7 @@ def dataset(found: Survey) -> xarray.Dataset:
         attrs={
             "title": f"{found.scenario.name}: stability of its coupling, from a linearisation",
             "comment": " ".join(sentences(found)),
-            "scenario": written(found.scenario),
+            "scenario": to_full_toml(found.scenario),
             "macro_step": found.scenario.macro_step,
             "versions": versions,
             "Conventions": "CF-1.10",

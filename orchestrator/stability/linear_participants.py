@@ -15,7 +15,7 @@ from ..engine.exchange import Exchange
 from ..engine.signals import NEEDED, POINTS
 from ..masters import Master
 from ..participants.offers import HIGHEST
-from ..participants.signal_degrees import highest_degrees
+from ..participants.signal_degrees import find_highest_degrees
 from .batched import Copies, LinearParticipant, numbered
 from .extrapolation_error import HERMITE, ends, shapes
 from .linear import Linear
@@ -69,7 +69,7 @@ class Bench:
         """Let no signal have a higher degree than participants follow."""
         followed = {c.target: self._followed(linears, c.target) for c in self.system.connections}
         self.degrees[:] = self.degree
-        degrees = highest_degrees(self.system.connections, followed)
+        degrees = find_highest_degrees(self.system.connections, followed)
         self.highest = max(degrees.values(), default=HIGHEST)
         for port, degree in degrees.items():
             first = Port(port.instance, numbered(port.variable, self.count)[0])

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from models.core.system import System
 
-from ..participants import FmuParticipant, Participant, fmu, in_process
+from ..participants import FmuParticipant, Participant, open_fmu, in_process
 from ..run.assembly import Builder, check_analysable
 from ..scenario import Scenario, ScenarioError
 from .directional import Directional
@@ -65,10 +65,10 @@ def linearisations(
 def _participant(scenario: Scenario, system: System, name: str, build: Builder | None) -> Participant:
     table, instance = scenario.components[name], system.instances[name]
     if table.participant.endswith(".fmu"):
-        return fmu(name, Path(table.participant), instance)
+        return open_fmu(name, Path(table.participant), instance)
     if table.participant == "in-process" or build is None:
         return in_process(name, instance)
-    return fmu(name, build(table.component, table.structure, table.participant), instance)
+    return open_fmu(name, build(table.component, table.structure, table.participant), instance)
 
 
 def as_participants(made: Mapping[str, Linearisation]) -> dict[str, Along]:

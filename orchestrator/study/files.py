@@ -15,8 +15,8 @@ from models.core.system import suggestion
 
 from ..errors import MistakeError
 from ..run.assembly import Builder
-from ..scenario import Written, messages
-from ..scenario.files import contents, find, put
+from ..scenario import Written, list_messages
+from ..scenario.files import read_contents, find, put
 from ..scenario.values import Value
 from .points import POINT, Grid, Points, Rows, Sobol, Table, expanded, keys_of, kind_of
 from .subjects import AnalysisSubject, Subject, analysis_of
@@ -118,7 +118,7 @@ def study_of(content: Mapping[str, Any]) -> Study:
     try:
         return Study.model_validate(content)
     except ValidationError as error:
-        lines = messages(error, lambda place: keys_of(Study))
+        lines = list_messages(error, lambda place: keys_of(Study))
         raise StudyError("\n".join(lines)) from None
 
 
@@ -142,7 +142,7 @@ def _subject(study: Study, folder: Path, build: Builder) -> Subject:
         return AnalysisSubject(study.analysis, fixed)
     from .scenario_subject import ScenarioSubject
 
-    tables = contents(find(str(study.scenario), folder))
+    tables = read_contents(find(str(study.scenario), folder))
     for name, value in study.fixed.items():
         for path in study.names.get(name, [name]):
             put(tables, path, value)

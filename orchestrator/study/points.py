@@ -14,7 +14,7 @@ from models.core.quantities import Vector
 from models.core.system import suggestion
 
 from ..errors import MistakeError
-from ..scenario import Written, messages
+from ..scenario import Written, list_messages
 from ..scenario.values import Faults, Value, WithUnit
 
 # Values of all points are held in memory, several numbers a point.
@@ -60,7 +60,7 @@ def table(kind: type[T], content: Any) -> T:
     try:
         return kind.model_validate(content)
     except ValidationError as error:
-        found = messages(error, lambda place: keys_of(kind))
+        found = list_messages(error, lambda place: keys_of(kind))
         raise Faults(*((line, "") for line in found)) from None
 
 

@@ -24,10 +24,10 @@ from ..run.assembly import Builder
 from ..run.output_folder import RESULT
 from ..run.pipeline import run
 from ..run.report import Reporter
-from ..scenario import DURATIONS, Scenario, ends, scenario_of
-from ..scenario.files import keys_of, put, written
-from ..scenario.values import Value, meaning
-from ..scenario.warnings import notices
+from ..scenario import DURATIONS, Scenario, parse_ends, build_scenario
+from ..scenario.files import split_path, put, to_full_toml
+from ..scenario.values import Value, parse_value
+from ..scenario.warnings import list_warnings
 from ..store.result_file import open_result
 from .subjects import MOST_DRAWN
 
@@ -59,7 +59,7 @@ class ScenarioSubject:
 
     @functools.cached_property
     def scenario(self) -> Scenario:
-        return scenario_of(dict(self.tables))
+        return build_scenario(dict(self.tables))
 
     def at(self, values: Mapping[str, Value]) -> Scenario:
         """The scenario at a point; ScenarioError names the fault."""
@@ -67,7 +67,7 @@ class ScenarioSubject:
         for name, value in values.items():
             for path in self._paths(name):
                 put(tables, path, value)
-        return scenario_of(tables)
+        return build_scenario(tables)
 
     @property
     def results(self) -> Mapping[str, Result]:
@@ -106,7 +106,7 @@ class ScenarioSubject:
     def _compared(self) -> list[str]:
         if not self.scenario.reference.enabled:
             return []
-        driving = {ends(line)[0] for line in self.scenario.connections}
+        driving = {parse_ends(line)[0] for line in self.scenario.connections}
         return [name for name in self._outputs() if name in driving or name in self.scenario.tolerance]
 
     def _paths(self, name: str) -> list[str]:
@@ -114,7 +114,7 @@ class ScenarioSubject:
 
     def _quantity(self, path: str) -> Quantity | None:
         """What a component's value is; None for other settings. ScenarioError if there is no such value."""
-        keys = keys_of(path)
+        keys = split_path(path)
         if keys[0] != "components" or len(keys) < 4 or keys[2] not in ("parameters", "start", "inputs"):
             return None
         table = self.scenario.components.get(keys[1])
@@ -134,9 +134,9 @@ class ScenarioSubject:
     def _resolved(self, path: str, value: Value) -> Value:
         quantity = self._quantity(path)
         if quantity is None:
-            return _found(self.at({path: value}), keys_of(path))
+            return _found(self.at({path: value}), split_path(path))
         try:
-            return meaning(quantity, value)
+            return parse_value(quantity, value)
         except ValueError as error:
             raise MistakeError(f"{path} = {value!r} ({quantity.description}): {error}") from None
 
@@ -156,10 +156,10 @@ class ScenarioSubject:
         return (found or list(self.results))[:MOST_DRAWN]
 
     def notices(self, values: Mapping[str, Value]) -> list[str]:
-        return notices(self.at(values))
+        return list_warnings(self.at(values))
 
     def content(self) -> str:
-        return written(self.scenario) + "".join(self._foreign_fmus())
+        return to_full_toml(self.scenario) + "".join(self._foreign_fmus())
 
     def _foreign_fmus(self) -> Iterator[str]:
         for name, table in self.scenario.components.items():

@@ -15,7 +15,7 @@ from models.catalogue import CATALOGUE
 from models.core.component import Component
 from models.core.quantities import Vector
 from models.core.system import Instance
-from orchestrator.participants import Participant, fmu, in_process
+from orchestrator.participants import Participant, open_fmu, in_process
 
 from .reference import joined, wave
 
@@ -65,7 +65,7 @@ class Bound:
 
 def both(name: str, path: Path, rows: int) -> tuple[Bound, Bound]:
     instance = Instance(CATALOGUE[name](**default_structure(name)))
-    packaged, direct = fmu(name, path, instance), in_process(name, instance)
+    packaged, direct = open_fmu(name, path, instance), in_process(name, instance)
     return Bound(packaged, instance.component, rows), Bound(direct, instance.component, rows)
 
 
@@ -97,7 +97,7 @@ def test_rates_that_are_not_wanted(kind: str, fmu_files: dict[str, Path]) -> Non
     instance = Instance(CATALOGUE["camshaft"]())
     found = []
     for rated in (True, False):
-        made = fmu("cam", fmu_files["camshaft"], instance) if kind == "fmu" else in_process("cam", instance)
+        made = open_fmu("cam", fmu_files["camshaft"], instance) if kind == "fmu" else in_process("cam", instance)
         unit = Bound(made, instance.component, 2, rated)
         assert unit.given == [rated] * len(unit.names)
         unit.run(0, 5)
@@ -148,7 +148,7 @@ def test_only_declared_rates_are_given(foreign: Path, fmu_files: dict[str, Path]
 def test_discrete_outputs_have_rate_zero(fmu_files: dict[str, Path]) -> None:
     instance = Instance(CATALOGUE["ehl_contact"](**default_structure("ehl_contact")))
     names = ["load", "separated"]
-    for unit in (fmu("contact", fmu_files["ehl_contact"], instance), in_process("contact", instance)):
+    for unit in (open_fmu("contact", fmu_files["ehl_contact"], instance), in_process("contact", instance)):
         rates: Vector = np.full(2, 7.0)
         given = unit.connect([], np.zeros((1, 0)), names, np.zeros(2), rates)
         unit.initialise(0.0, 1.0)

@@ -13,7 +13,7 @@ import numpy as np
 from orchestrator.assessment.summary import Summary
 from orchestrator.run.pipeline import run
 from orchestrator.run.report import Reporter
-from orchestrator.scenario import Scenario, scenario_of
+from orchestrator.scenario import Scenario, build_scenario
 
 
 def scenario(components: Mapping[str, Mapping[str, Any]], **changes: Any) -> Scenario:
@@ -30,7 +30,7 @@ def scenario(components: Mapping[str, Mapping[str, Any]], **changes: Any) -> Sce
             for name, table in components.items()
         },
     }
-    return scenario_of(tables | changes)
+    return build_scenario(tables | changes)
 
 
 def never(name: str, structure: object, kind: str) -> Path:

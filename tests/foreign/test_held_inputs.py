@@ -16,7 +16,7 @@ from orchestrator.run.pipeline import run
 from orchestrator.run.report import Reporter
 from orchestrator.scenario import Scenario
 from orchestrator.scenario.fmu_limits import FmuLimits
-from orchestrator.scenario.warnings import notices
+from orchestrator.scenario.warnings import list_warnings
 from orchestrator.stability.sources import linearisations
 from orchestrator.stability.survey import survey
 
@@ -50,7 +50,7 @@ def test_a_loop_through_a_held_input_has_the_bits_of_held_signals(name: str, tmp
 
 
 def test_held_inputs_are_named_before_the_run(tmp_path: Path) -> None:
-    (said,) = notices(masses(tmp_path))
+    (said,) = list_warnings(masses(tmp_path))
     assert "second.force" in said
     assert "gauss_seidel" in said
     assert "linear" in said
@@ -90,4 +90,4 @@ def test_a_derivative_of_a_held_input_is_named_before_the_run(tmp_path: Path) ->
     }
     lines = ["body.velocity * 1 -> load.speed", "load.reaction * 1 -> body.force"]
     one = scenario(tables, connections=lines, master={"name": "jacobi", "extrapolation": "hold"})
-    assert any("load.reaction" in said and "speed" in said for said in notices(one))
+    assert any("load.reaction" in said and "speed" in said for said in list_warnings(one))

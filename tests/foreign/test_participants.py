@@ -11,9 +11,9 @@ from fmpy import simulate_fmu
 
 from orchestrator.engine.compiled_sweeps import FmuPass
 from orchestrator.engine.exchange import Exchange
-from orchestrator.participants import component_of_file
-from orchestrator.participants.fmu import FmuParticipant, Given
-from orchestrator.participants.in_own_process import InOwnProcess
+from orchestrator.participants import read_component
+from orchestrator.participants.open_fmu import FmuParticipant, FmuSettings
+from orchestrator.participants.open_in_own_process import InOwnProcess
 from orchestrator.store.result_file import open_result
 
 from .c_fmus import fmu
@@ -119,7 +119,7 @@ def test_outputs_that_are_right_after_initialisation_are_exchanged(version: int,
 def test_a_serialised_state_goes_on_in_another_process(version: int, tmp_path: Path) -> None:
     """As a resumed run has it."""
     path, rows = fmu("vanderpol", version, tmp_path), []
-    units = [InOwnProcess("one", path, Given(["x", "v"], {"mu": 2.0})) for _ in range(2)]
+    units = [InOwnProcess("one", path, FmuSettings(["x", "v"], {"mu": 2.0})) for _ in range(2)]
     try:
         for unit in units:
             unit.connect(["force"], np.ones((1, 1)), ["x", "v"], outputs := np.zeros(2), np.zeros(0))
@@ -144,7 +144,7 @@ def test_a_serialised_state_goes_on_in_another_process(version: int, tmp_path: P
 def test_a_saved_state_has_the_inputs_that_were_written(
     kind: type[InOwnProcess] | type[FmuParticipant], tmp_path: Path
 ) -> None:
-    unit = kind("one", fmu("feedthrough", 3, tmp_path), Given(["real out"]))
+    unit = kind("one", fmu("feedthrough", 3, tmp_path), FmuSettings(["real out"]))
     inputs, outputs = np.zeros((1, 1)), np.zeros(1)
     try:
         unit.connect(["real in"], inputs, ["real out"], outputs, np.zeros(0))
@@ -302,7 +302,7 @@ def test_inputs_follow_signals_by_the_standards_call(
 
 def test_the_declared_derivative_is_the_rate(tmp_path: Path) -> None:
     """By which Hermite signals have their fourth order."""
-    component = component_of_file(fmu("ball", 2, tmp_path))
+    component = read_component(fmu("ball", 2, tmp_path))
     assert component.outputs.names == ("body.h", "body.v")
     tables = {name: {"participant": fmu(name, 2, tmp_path)} for name in ("ball", "integral")}
     assert rated_of(tables, "ball.body.h * 1 -> integral.u", tmp_path) == {"ball.body.h": True}
@@ -363,7 +363,7 @@ def test_rates_by_the_standards_call_are_those_of_declared_variables(
 
 
 def test_the_shortest_scenario_is_a_file(tmp_path: Path) -> None:
-    component = component_of_file(fmu("feedthrough", 3, tmp_path))
+    component = read_component(fmu("feedthrough", 3, tmp_path))
     assert component.parameters.names == ("offset", "count", "negate")
     assert component.feedthrough["real out"] == ("real in",)
     assert component.inputs.field("real in").quantity.unit == "m"

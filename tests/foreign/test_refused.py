@@ -11,8 +11,8 @@ import pytest
 
 from fmus.fmi.validate import validate
 from orchestrator.run.assembly import system_of
-from orchestrator.scenario import ScenarioError, scenario_of
-from orchestrator.scenario.files import contents, shipped
+from orchestrator.scenario import ScenarioError, build_scenario
+from orchestrator.scenario.files import read_contents, list_shipped
 from orchestrator.stability.sources import linearisations
 
 from .c_fmus import fmu
@@ -65,16 +65,16 @@ def test_what_an_fmu_cannot_do_is_refused_before_the_run(case: str, tmp_path: Pa
 )
 def test_what_the_equations_do_not_know_is_refused_with_them(changes: dict[str, Any], remedy: str) -> None:
     """A reference without the factor would judge another system."""
-    content = contents(shipped()["two-masses"]) | changes
+    content = read_contents(list_shipped()["two-masses"]) | changes
     content["connections"] = ["first.force * 2 -> second.force"]
     with pytest.raises(ScenarioError, match=f"changes values, which the equations .* do not know; {remedy}"):
-        system_of(scenario_of(content))
+        system_of(build_scenario(content))
 
 
 def test_what_an_analysis_does_not_know_is_refused(tmp_path: Path) -> None:
     foreign = scenario({"one": {"participant": fmu("dahlquist", 2, tmp_path)}})
-    content = contents(shipped()["two-masses"]) | {"reference": {"enabled": False}}
-    changed = scenario_of(content | {"connections": ["first.force * 2 -> second.force"]})
+    content = read_contents(list_shipped()["two-masses"]) | {"reference": {"enabled": False}}
+    changed = build_scenario(content | {"connections": ["first.force * 2 -> second.force"]})
     for one, said in (
         (foreign, r"components\.one: an FMU from elsewhere, .* is not analysed"),
         (changed, r"second\.force: its connection .* not known to the analysis"),

@@ -10,7 +10,7 @@ import pytest
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.ssp.exported import export
-from orchestrator.ssp.imported import contents
+from orchestrator.ssp.imported import read_package
 
 from .c_fmus import fmu
 from .runs import never, ran, scenario
@@ -57,4 +57,4 @@ def test_texts_go_through_packages(tmp_path: Path) -> None:
     table = {"participant": fmu("reading", 3, tmp_path), "parameters": {"table file": TEXTS[2], "scale": 2.0}}
     package = tmp_path / "one.ssp"
     export(scenario({"one": table}), package, never)
-    assert contents(package)["components"]["one"]["parameters"] == table["parameters"]
+    assert read_package(package)["components"]["one"]["parameters"] == table["parameters"]

@@ -10,7 +10,7 @@ import pytest
 from fmus.fmi.validate import info
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
-from orchestrator.scenario.warnings import notices
+from orchestrator.scenario.warnings import list_warnings
 
 from .c_fmus import fmu
 from .models import MODELS, Model, V
@@ -27,7 +27,7 @@ def test_a_number_without_a_unit_is_in_the_fmus_and_named(
     version: int, value: float | str, millimetres: float, named: bool, tmp_path: Path
 ) -> None:
     one = scenario({"one": {"participant": fmu("stretched", version, tmp_path), "start": {"length": value}}})
-    (told,) = notices(one) or [""]
+    (told,) = list_warnings(one) or [""]
     assert told.startswith(TAKEN) if named else not told
     _, found = ran(one, tmp_path / "out")
     assert found["one.length"][0] == pytest.approx(millimetres, rel=1e-15)
@@ -40,7 +40,7 @@ def test_numbers_in_si_units_and_zeros_are_not_named(tmp_path: Path) -> None:
         "ball": {"participant": fmu("ball", 2, tmp_path), "start": {"body.h": 0.002}},
         "one": {"participant": fmu("stretched", 2, tmp_path), "start": {"length": 0.0}},
     }
-    assert notices(scenario(tables)) == []
+    assert list_warnings(scenario(tables)) == []
 
 
 @pytest.mark.parametrize(("value", "number"), [("steel", 1), ("brass", 2), ("other", 9), (2, 2)])

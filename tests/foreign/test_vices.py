@@ -17,11 +17,11 @@ import pytest
 
 from fmus.build import build
 from orchestrator.errors import MistakeError
-from orchestrator.participants.fmu import Given
-from orchestrator.participants.in_own_process import InOwnProcess
+from orchestrator.participants.open_fmu import FmuSettings
+from orchestrator.participants.open_in_own_process import InOwnProcess
 from orchestrator.run.pipeline import run
 from orchestrator.run.report import Reporter
-from orchestrator.scenario.files import stated
+from orchestrator.scenario.files import to_short_toml
 from orchestrator.store.result_file import open_result
 
 from .c_fmus import TOKEN, fmu
@@ -100,7 +100,7 @@ def test_what_ends_the_run_s_process_leaves_what_was_recorded(
 ) -> None:
     """Where `shared` was chosen: the summary tells that it did not end, `resume` makes the result."""
     out, file = tmp_path / "out", tmp_path / "one.toml"
-    file.write_text(stated(case(fmu(vice, version, tmp_path), "shared"), tmp_path), "utf-8")
+    file.write_text(to_short_toml(case(fmu(vice, version, tmp_path), "shared"), tmp_path), "utf-8")
     ended = command("run", str(file), "--out", str(out))
     assert ended.returncode == (3 if vice == "quitting" else -signal.SIGSEGV)
     left = json.loads((out / "summary.json").read_text("utf-8"))
@@ -119,7 +119,7 @@ def test_what_ends_the_run_s_process_leaves_what_was_recorded(
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="the C library is another")
 def test_an_exit_before_the_first_step_is_told(tmp_path: Path) -> None:
     out, file = tmp_path / "out", tmp_path / "one.toml"
-    file.write_text(stated(case(fmu("absent", 2, tmp_path), "shared"), tmp_path), "utf-8")
+    file.write_text(to_short_toml(case(fmu("absent", 2, tmp_path), "shared"), tmp_path), "utf-8")
     ended = command("run", str(file), "--out", str(out))
     assert ended.returncode == 3
     assert "decay: the FMU ended the process of the whole command by calling exit, before the" in ended.stderr
@@ -235,7 +235,7 @@ def test_no_process_is_left(tmp_path: Path) -> None:
 
 def test_a_process_ends_when_it_is_told(tmp_path: Path) -> None:
     """By itself, and so with its own status: nobody has to wait and end it."""
-    unit = InOwnProcess("decay", fmu("dahlquist", 2, tmp_path), Given(["x"], {}))
+    unit = InOwnProcess("decay", fmu("dahlquist", 2, tmp_path), FmuSettings(["x"], {}))
     process = unit._process
     unit.close()
     assert process.returncode == 0

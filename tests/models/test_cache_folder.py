@@ -13,8 +13,8 @@ from fmus.build import build
 from models.compile import cache_folder
 from models.compile.cache_folder import SAID, UntrustedFolderError, private_folder
 from models.compile.kernel import COMPILED
-from orchestrator.command_line.fmu import built
-from orchestrator.command_line.without_cache import own_folder
+from orchestrator.command_line.fmu import build_fmu
+from orchestrator.command_line.without_cache import make_folder
 from orchestrator.scenario import units
 
 from .forked import Forked
@@ -29,7 +29,7 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The cache folder, which isn't there yet."""
     monkeypatch.setenv("TRIBOCOSIM_CACHE", str(tmp_path / "cache"))
     monkeypatch.setenv(SAID, "")
-    own_folder.cache_clear()
+    make_folder.cache_clear()
     return tmp_path / "cache"
 
 
@@ -140,7 +140,7 @@ def test_fmus_in_such_a_folder_are_not_taken(cache: Path, capsys: pytest.Capture
     content = planted.read_bytes()
     planted.write_bytes(b"planted")
     cache.chmod(0o777)
-    made = built("coupled_mass", {})
+    made = build_fmu("coupled_mass", {})
     assert made != planted
     assert made.read_bytes() == content
     assert f"{cache}: " in capsys.readouterr().err
@@ -150,10 +150,10 @@ def test_fmus_in_such_a_folder_are_not_taken(cache: Path, capsys: pytest.Capture
 def test_the_list_of_units_is_not_read_from_such_a_folder(cache: Path) -> None:
     cache.mkdir()
     cache.chmod(0o777)
-    units._registry.cache_clear()
+    units._load_registry.cache_clear()
     assert units.to_unit("8 mm", "m") == 8e-3
     assert list(cache.iterdir()) == []
-    units._registry.cache_clear()
+    units._load_registry.cache_clear()
     shutil.rmtree(cache)
     assert units.to_unit("9 mm", "m") == 9e-3
     assert [path.name.partition("-")[0] for path in cache.iterdir()] == ["pint"]

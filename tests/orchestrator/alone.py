@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from models.core.system import Instance
-from orchestrator.participants import Participant, fmu, in_process
+from orchestrator.participants import Participant, open_fmu, in_process
 
 
 class Alone:
@@ -52,7 +52,7 @@ def two_alike(
     """Of kind "in-process", or "fmu" from `file`."""
     made = [
         Alone(
-            in_process(name, instance) if kind == "in-process" else fmu(name, file, instance),
+            in_process(name, instance) if kind == "in-process" else open_fmu(name, file, instance),
             given,
             outputs,
             start,

@@ -19,7 +19,7 @@ from typing import Any
 
 from rich.console import Console
 
-from orchestrator.command_line.fmu import built
+from orchestrator.command_line.fmu import build_fmu
 from orchestrator.run.pipeline import checkpoint, run
 from orchestrator.run.report import Reporter
 from orchestrator.run.resume import resume
@@ -37,7 +37,7 @@ def left(out: Path, calls: int, scenario: str, overrides: list[str]) -> None:
     """Run in this process, which is killed at that call."""
     checkpoint.SHARE = 1.0
     _die_at_call(calls)
-    run(load(scenario, [*overrides, EVERY]), out, built, Reporter(Console(quiet=True)), figures=False)
+    run(load(scenario, [*overrides, EVERY]), out, build_fmu, Reporter(Console(quiet=True)), figures=False)
 
 
 def main(out: Path, seed: int, kills: int, scenario: str, overrides: list[str]) -> None:
@@ -47,9 +47,9 @@ def main(out: Path, seed: int, kills: int, scenario: str, overrides: list[str]) 
     quiet = Reporter(Console(quiet=True))
     for n in range(10 * kills):
         if not (out / "scenario.toml").exists():
-            work: Callable[[], Any] = lambda: run(loaded, out, built, quiet, overwrite=True, figures=False)  # noqa: E731
+            work: Callable[[], Any] = lambda: run(loaded, out, build_fmu, quiet, overwrite=True, figures=False)  # noqa: E731
         else:
-            work = lambda: resume(out, built, quiet, figures=False)  # noqa: E731
+            work = lambda: resume(out, build_fmu, quiet, figures=False)  # noqa: E731
         child = os.fork()
         if child == 0:
             if n < kills and n % 3 == 1:

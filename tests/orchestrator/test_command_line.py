@@ -16,10 +16,10 @@ import pytest
 import typer
 
 from orchestrator.command_line import app
-from orchestrator.command_line.reported import reported
+from orchestrator.command_line.reported import report_errors
 from orchestrator.run.assembly import system_of
-from orchestrator.scenario import scenario_of
-from orchestrator.scenario.files import load, shipped
+from orchestrator.scenario import build_scenario
+from orchestrator.scenario.files import load, list_shipped
 from orchestrator.store.result_file import open_result
 
 from .commands import IN_PROCESS, ROOT, SHORT, called, said, tribocosim
@@ -76,7 +76,7 @@ def test_result_holds_coupled_run_and_reference_at_the_same_times(result: Path) 
     assert float(abs(error).max()) == pytest.approx(summary["errors"]["contact.load"]["max_abs"], rel=1e-12)
     assert tree.attrs["complete"] == 1
     assert "numba" in tree.attrs["versions"]
-    assert scenario_of(tomllib.loads(tree.attrs["scenario_toml"])).name == "valve-train"
+    assert build_scenario(tomllib.loads(tree.attrs["scenario_toml"])).name == "valve-train"
     tree.close()
 
 
@@ -173,7 +173,7 @@ def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
     assert (out / "unfinished" / "checkpoint").exists()
 
 
-SHIPPED = ", ".join(shipped())
+SHIPPED = ", ".join(list_shipped())
 MISTAKES = {
     ("run", "valve-trian"): "did you mean valve-train?",
     ("run", "none.toml"): f"no such scenario file; shipped scenarios: {SHIPPED}",
@@ -290,13 +290,13 @@ def test_importing_the_command_line_imports_nothing_slow() -> None:
 def test_what_a_library_makes_of_ctrl_c_is_an_interruption(capsys: pytest.CaptureFixture[str]) -> None:
     """numba, broken off while it compiles, fails later on with an error of its own."""
 
-    @reported
+    @report_errors
     def compiling() -> None:
         with contextlib.suppress(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)
         raise RuntimeError("no compiled object yet")
 
-    @reported
+    @report_errors
     def failing() -> None:
         raise RuntimeError("no compiled object yet")
 

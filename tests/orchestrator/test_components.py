@@ -8,20 +8,20 @@ import pytest
 
 from models.catalogue import CATALOGUE
 from orchestrator.errors import MistakeError
-from orchestrator.scenario.components import page
+from orchestrator.scenario.components import write_page
 
 ROOT = Path(__file__).parents[2]
 
 
 def test_the_published_page_is_current() -> None:
     """Otherwise: tribocosim components > docs/reference/components.md"""
-    assert (ROOT / "docs" / "reference" / "components.md").read_text("utf-8") == page()
+    assert (ROOT / "docs" / "reference" / "components.md").read_text("utf-8") == write_page()
 
 
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_every_variable_of_a_component_has_a_row_with_its_unit(name: str) -> None:
     component = CATALOGUE[name]()
-    rows = {line.split("`")[1]: line for line in page([name]).splitlines() if line.startswith("| `")}
+    rows = {line.split("`")[1]: line for line in write_page([name]).splitlines() if line.startswith("| `")}
     for layout in (component.parameters, component.state, component.inputs, component.outputs):
         for field in layout.fields:
             if not field.quantity.internal:
@@ -31,7 +31,7 @@ def test_every_variable_of_a_component_has_a_row_with_its_unit(name: str) -> Non
 
 
 def test_defaults_are_given_as_a_scenario_takes_them() -> None:
-    text = page(["camshaft", "ehl_contact"])
+    text = write_page(["camshaft", "ehl_contact"])
     assert "| `lift` | m | 0.008 (8 mm) | > 0 | largest lift S |" in text
     assert "| `flexible` |  | false | true or false |" in text
     assert "| `film_model` |  | kushwaha | one of kushwaha, " in text
@@ -41,9 +41,9 @@ def test_defaults_are_given_as_a_scenario_takes_them() -> None:
 def test_the_readme_of_an_fmu_leads_to_its_variables(name: str) -> None:
     readme = (ROOT / "fmus" / name / "README.md").read_text("utf-8")
     assert f"(../../docs/reference/components.md#{name})" in readme
-    assert page([name]).startswith(f"## {name}\n")
+    assert write_page([name]).startswith(f"## {name}\n")
 
 
 def test_an_unknown_component_is_named_with_the_one_that_was_meant() -> None:
     with pytest.raises(MistakeError, match=r"camshft.*camshaft"):
-        page(["camshft"])
+        write_page(["camshft"])

@@ -30,7 +30,7 @@ from orchestrator.run.output_folder import RESULT, SCENARIO
 from orchestrator.run.pipeline import run
 from orchestrator.run.recording import ResultRecorder
 from orchestrator.run.report import Reporter
-from orchestrator.scenario.files import load, written
+from orchestrator.scenario.files import load, to_full_toml
 from orchestrator.store.run_state import unfinished
 
 from .recorder import Recorder
@@ -310,7 +310,7 @@ def test_a_killed_run_is_diagnosed_from_its_journals(finished: Path, tmp_path: P
     assert found.outputs == steps.outputs
     for name in ("end", "length", "iterations", "rejected", "error", "source", "reason"):
         np.testing.assert_array_equal(getattr(found, name), getattr(steps, name))
-    (tmp_path / SCENARIO).write_text(written(load("valve-train-controlled")), "utf-8")
+    (tmp_path / SCENARIO).write_text(to_full_toml(load("valve-train-controlled")), "utf-8")
     lines: list[str] = []
     diagnose(tmp_path, None, lines.append)
     assert "was killed" in lines[0]

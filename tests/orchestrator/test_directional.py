@@ -13,7 +13,7 @@ from fmus.native.machine_code import this_platform
 from models.core.system import Instance
 from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel
-from orchestrator.participants import component_of_file, fmu
+from orchestrator.participants import read_component, open_fmu
 from orchestrator.stability.behaviour import Behaviour, largest_stable
 from orchestrator.stability.directional import Directional
 from orchestrator.stability.linearisation import Equations
@@ -28,7 +28,7 @@ from .two_masses import two_masses
 
 def both(system, name, where, row, path):
     """An FMU by its directional derivatives, and the component by its equations."""
-    unit = fmu(name, path, system.instances[name])
+    unit = open_fmu(name, path, system.instances[name])
     try:
         assert unit.linearisable([*fed(name, system), *shown(name, system)])
         found = Directional(name, unit, system).about(where, row, sources(system, name))
@@ -111,7 +111,7 @@ def test_a_run_of_a_foreign_fmu_grows_beyond_the_limit_predicted_by_its_derivati
     brought back to a saved state, which this way of linearisation does not need."""
     system, path, master = stiff(), c_fmu("sprung", 2, tmp_path), GaussSeidel("linear")
     where = along(system, 0.2, SPACING)
-    unit = fmu("second", path, system.instances["second"])
+    unit = open_fmu("second", path, system.instances["second"])
     assert not unit.restorable
     made = {"first": Equations(system, "first"), "second": Directional("second", unit, system)}
     behaviour = Behaviour(point_at(system, where, 20, [], made), master)
@@ -119,9 +119,9 @@ def test_a_run_of_a_foreign_fmu_grows_beyond_the_limit_predicted_by_its_derivati
     limit = largest_stable(behaviour, 1e-4, 0.5, [])
     for share in (0.96, 1.04):
         rate = np.log(behaviour.at(share * limit).radius)
-        units = {name: fmu(name, native(i.component, 2), i) for name, i in system.instances.items()}
+        units = {name: open_fmu(name, native(i.component, 2), i) for name, i in system.instances.items()}
         units["second"].close()
-        units["second"] = fmu("second", path, system.instances["second"])
+        units["second"] = open_fmu("second", path, system.instances["second"])
         factor = grown(system, units, master, share * limit, int(10.0 / abs(rate)))
         for one in units.values():
             one.close()
@@ -142,6 +142,6 @@ def test_the_command_takes_derivatives_where_an_fmu_gives_them(tmp_path):
 @pytest.mark.parametrize("name", ["vanderpol", "feedthrough"])
 def test_an_fmu_that_gives_no_derivatives_is_not_linearised_by_them(name, tmp_path):
     path = c_fmu(name, 2, tmp_path)
-    unit = fmu(name, path, Instance(component_of_file(path)))
+    unit = open_fmu(name, path, Instance(read_component(path)))
     assert not unit.linearisable([])
     unit.close()

@@ -11,7 +11,7 @@ from fmus.build import build
 from models.core.system import System
 from models.monolithic import difference, solve
 from orchestrator.masters import GaussSeidel, Iterated
-from orchestrator.participants import fmu
+from orchestrator.participants import open_fmu
 from orchestrator.run.pipeline import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
@@ -97,7 +97,7 @@ def test_the_fmu_of_the_field_runs_as_the_component_to_the_last_bit(
 ) -> None:
     instance, found = valve_train.instances["contact"], Recorder()
     file = build("ehl_contact", tmp_path, instance.component.structure)
-    units = in_processes(valve_train) | {"contact": fmu("contact", file, instance)}
+    units = in_processes(valve_train) | {"contact": open_fmu("contact", file, instance)}
     simulate(valve_train, units, master, STEP, STOP, [found])
     units["contact"].close()
     own = recorded(valve_train, master, STEP, STOP)

@@ -19,7 +19,7 @@ from orchestrator.errors import (
     ParticipantError,
 )
 from orchestrator.masters import GaussSeidel, Jacobi
-from orchestrator.participants import fmu
+from orchestrator.participants import open_fmu
 from orchestrator.run.assembly import FmuFile, participants_of, system_of
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
@@ -58,7 +58,7 @@ def test_an_fmu_that_fails_is_named_and_freed(vice, tmp_path, temporary, monkeyp
     monkeypatch.setattr(FMU2Slave, "freeInstance", lambda slave: freed.append(free(slave)))
     file = small_fmu(vice, tmp_path)
     recorder, ended = simulated(
-        fmu("second", file, two_masses().instances["second"]), GaussSeidel("linear"), FIXED
+        open_fmu("second", file, two_masses().instances["second"]), GaussSeidel("linear"), FIXED
     )
     assert type(ended) is error
     assert re.search(said, str(ended))
@@ -88,7 +88,7 @@ def test_a_clock_that_drifts_is_refused_by_our_fmus(tmp_path):
     """A step has to begin where the last one ended, to 1e-9 of the time and 1e-6 of the step."""
     component = CATALOGUE["flywheel"]()
     system = System({"flywheel": Instance(component)}, [])
-    unit = Faulty(fmu("flywheel", build("flywheel", tmp_path), system.instances["flywheel"]), drift=1e-4)
+    unit = Faulty(open_fmu("flywheel", build("flywheel", tmp_path), system.instances["flywheel"]), drift=1e-4)
     unit._inner.advance, true = lambda time, step: true(time / (1.0 + 1e-4), step), unit._inner.advance
     recorder = Recorder()
     try:

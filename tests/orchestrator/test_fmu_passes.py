@@ -17,7 +17,7 @@ from orchestrator.engine import compiled_sweeps as fmu_passes
 from orchestrator.engine.signals import DEGREES
 from orchestrator.errors import RunError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import fmu
+from orchestrator.participants import open_fmu
 from orchestrator.participants.fmi2 import Fmi2
 from orchestrator.run.simulation import simulate
 
@@ -62,7 +62,7 @@ def run(master, second, wrap, stop=0.3, files=None):
     """The outputs, the steps asked of participants, and the error."""
     system, recorder = two_masses(), Recorder()
     files = files or {"first": build("coupled_mass"), "second": second or build("sprung_mass")}
-    units = {name: wrap(fmu(name, files[name], instance)) for name, instance in system.instances.items()}
+    units = {name: wrap(open_fmu(name, files[name], instance)) for name, instance in system.instances.items()}
     statistics = ended = None
     try:
         statistics = simulate(system, units, master, STEP, stop, [recorder])

@@ -6,8 +6,8 @@ import pytest
 
 from models.catalogue import CATALOGUE
 from orchestrator.run.assembly import at_start, system_of, variables_used
-from orchestrator.scenario import Scenario, ScenarioError, scenario_of
-from orchestrator.scenario.schema import _of
+from orchestrator.scenario import Scenario, ScenarioError, build_scenario
+from orchestrator.scenario.schema import _describe_component
 from tests.models.fluid_layer import fluid_layer
 
 
@@ -33,7 +33,7 @@ def tables() -> dict:
 
 
 def made(tables: dict, **changes: object) -> Scenario:
-    return scenario_of(tables | changes)
+    return build_scenario(tables | changes)
 
 
 def test_an_internal_state_has_no_start_in_a_scenario(tables: dict) -> None:
@@ -52,11 +52,11 @@ def test_a_wrong_name_is_not_answered_with_internal_ones(tables: dict) -> None:
 
 
 def test_the_schema_knows_no_internal_state_and_the_least_size_of_each_component() -> None:
-    table = _of("fluid_layer")["properties"]
+    table = _describe_component("fluid_layer")["properties"]
     assert list(table["start"]["properties"]) == ["impulse"]
     assert "patternProperties" not in table["start"]
     assert table["structure"]["properties"]["sheets"]["minimum"] == 0
-    spring = _of("valve_spring")["properties"]["structure"]["properties"]
+    spring = _describe_component("valve_spring")["properties"]["structure"]["properties"]
     assert spring["coil_masses"]["minimum"] == 1
 
 

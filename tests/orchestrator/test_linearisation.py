@@ -13,7 +13,7 @@ from models.monolithic.trajectory import course
 from models.oscillators.quarter_car import quarter_car_chassis, quarter_car_wheel
 from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import fmu, in_process
+from orchestrator.participants import open_fmu, in_process
 from orchestrator.run.pipeline import assembly
 from orchestrator.scenario.files import load
 from orchestrator.stability.behaviour import Behaviour, largest_stable
@@ -157,7 +157,7 @@ class HeldInputs:
 def foreign(system, tmp_path_factory):
     """The second mass by an FMU that knows nothing of this project and holds its force."""
     path = small_fmu("sound", tmp_path_factory.mktemp("foreign"), restorable=True)
-    return fmu("second", path, system.instances["second"])
+    return open_fmu("second", path, system.instances["second"])
 
 
 @pytest.mark.parametrize("master", [Jacobi("linear"), GaussSeidel("quadratic")], ids=str)

@@ -14,7 +14,7 @@ from models.core.system import ModelError
 from orchestrator.run.assembly import Builder, system_of
 from orchestrator.run.pipeline import run
 from orchestrator.run.report import Reporter
-from orchestrator.scenario import Scenario, scenario_of
+from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.stability.course import course_of
 from orchestrator.stability.linearisation import Equations
 from orchestrator.stability.responses import Responses
@@ -53,7 +53,7 @@ def scenario(layer: str, **changes: object) -> Scenario:
         },
         "connections": [f"{source} -> {target}" for source, target in LINES],
     }
-    return scenario_of(tables | changes)
+    return build_scenario(tables | changes)
 
 
 def never(name: str, structure: object, kind: str) -> Path:

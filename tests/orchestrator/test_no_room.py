@@ -11,8 +11,8 @@ import pytest
 
 from fmus.build import build
 from fmus.native import fmu as native
-from orchestrator.command_line.fmu import built
-from orchestrator.command_line.without_cache import own_folder
+from orchestrator.command_line.fmu import build_fmu
+from orchestrator.command_line.without_cache import make_folder
 from orchestrator.store import atomic_write as replacement
 
 from .commands import called, said
@@ -25,7 +25,7 @@ def no_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A cache folder that cannot be: its parent is a file."""
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("TRIBOCOSIM_CACHE", str(tmp_path / "file" / "cache"))
-    own_folder.cache_clear()
+    make_folder.cache_clear()
     return tmp_path / "file" / "cache"
 
 
@@ -33,7 +33,7 @@ def test_fmus_are_built_without_the_cache(
     no_cache: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The same bytes, each file once, and one line that says so."""
-    one, again, other = (built(name, {}) for name in ("coupled_mass", "coupled_mass", "sprung_mass"))
+    one, again, other = (build_fmu(name, {}) for name in ("coupled_mass", "coupled_mass", "sprung_mass"))
     assert one == again != other
     assert one.read_bytes() == build("coupled_mass", tmp_path, {}).read_bytes()
     (line,) = capsys.readouterr().err.splitlines()

@@ -13,7 +13,7 @@ from models.monolithic import solve
 from orchestrator.energy import Ledger, counted, estimated
 from orchestrator.energy.estimate import Estimating, without_estimates
 from orchestrator.masters import GaussSeidel, Iterated, Newton
-from orchestrator.participants import Participant, fmu, in_process
+from orchestrator.participants import Participant, open_fmu, in_process
 from orchestrator.run.simulation import simulate
 from orchestrator.store.json_codec import from_text
 from tests.fmus.packed import packed
@@ -36,7 +36,7 @@ def layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def packaged(system: System, path: Path) -> dict[str, Participant]:
     """The layer as FMU."""
-    return in_processes(system) | {"layer": fmu("layer", path, system.instances["layer"])}
+    return in_processes(system) | {"layer": open_fmu("layer", path, system.instances["layer"])}
 
 
 def closed(units: dict[str, Participant]) -> None:

@@ -26,7 +26,7 @@ from orchestrator.plots import (
 )
 from orchestrator.plots.data import FigureData, parameters_of
 from orchestrator.plots.style import saved
-from orchestrator.scenario import ends
+from orchestrator.scenario import parse_ends
 from orchestrator.scenario.files import load
 
 METRE, RADIAN, FORCE, NUMBER = (Quantity(unit, unit) for unit in ("m", "rad", "N", "1"))
@@ -62,7 +62,7 @@ def engine() -> FigureData:
         reference_time=time,
         reference=values,
         quantities={name: quantity for name, (_, quantity) in coupled.items()},
-        drivers={target: source for source, target in map(ends, scenario.connections)},
+        drivers={target: source for source, target in map(parse_ends, scenario.connections)},
         parameters=parameters_of(scenario),
     )
 
@@ -202,7 +202,7 @@ def bouncing() -> FigureData:
         reference_time=time,
         reference={name: value for name, (value, _) in coupled.items()},
         quantities={name: quantity for name, (_, quantity) in coupled.items()},
-        drivers={target: source for source, target in map(ends, scenario.connections)},
+        drivers={target: source for source, target in map(parse_ends, scenario.connections)},
         parameters=parameters_of(scenario),
         tolerance=scenario.tolerance,
     )

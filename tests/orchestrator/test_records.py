@@ -9,11 +9,11 @@ import pytest
 from rich.console import Console
 
 from orchestrator.assessment.summary import OUTSIDE, Summary
-from orchestrator.command_line.fmu import built
+from orchestrator.command_line.fmu import build_fmu
 from orchestrator.run.pipeline import run
 from orchestrator.run.report import Reporter
 from orchestrator.scenario.files import load
-from orchestrator.scenario.warnings import notices
+from orchestrator.scenario.warnings import list_warnings
 from orchestrator.stepping import FixedSteps
 from orchestrator.store.result_file import open_result
 
@@ -25,7 +25,7 @@ OVERRIDES = [item.removeprefix("--set=") for item in IN_PROCESS]
 def _run(out: Path, *changes: str, scenario: str = "valve-train") -> Summary:
     quiet = Reporter(Console(quiet=True))
     overrides = [*changes, *(OVERRIDES if scenario == "valve-train" else [])]
-    return run(load(scenario, overrides), out, built, quiet, figures=False)
+    return run(load(scenario, overrides), out, build_fmu, quiet, figures=False)
 
 
 def test_the_end_of_a_run_is_recorded_wherever_it_falls(tmp_path: Path) -> None:
@@ -85,7 +85,7 @@ def test_records_at_other_times_than_asked_for_are_noticed(
     assert scenario.record_every == every
     if scenario.reference.enabled:
         assert scenario.stop_time >= 100 * every * scenario.macro_step * (1 - 1e-9)
-    said = notices(scenario)
+    said = list_warnings(scenario)
     assert len(said) == (why is not None)
     assert all(line.startswith(f"output_step = {why}") for line in said)
 

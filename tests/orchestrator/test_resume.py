@@ -20,7 +20,7 @@ import xarray
 from rich.console import Console
 
 from models.core.system import ModelError
-from orchestrator.command_line.fmu import built
+from orchestrator.command_line.fmu import build_fmu
 from orchestrator.errors import CheckpointError, MistakeError
 from orchestrator.run.output_folder import OutputFolderError
 from orchestrator.run.pipeline import checkpoint, run
@@ -62,7 +62,7 @@ def _quiet() -> Reporter:
 
 def _whole(out: Path, overrides: list[str], scenario: str = "valve-train") -> Path:
     """A run without interruption."""
-    run(load(scenario, [*overrides, EVERY]), out, built, _quiet(), figures=False)
+    run(load(scenario, [*overrides, EVERY]), out, build_fmu, _quiet(), figures=False)
     return out
 
 
@@ -112,19 +112,19 @@ def test_a_run_killed_again_and_again_ends_as_one_that_was_not(
 def test_a_run_that_failed_at_its_start_is_not_resumed_and_says_why(tmp_path: Path) -> None:
     out = tmp_path / "out"
     tilted = ["components.slider_crank.start.psi=0.02", "components.flywheel.start.angle=90 deg"]
-    summary = run(load("slider-crank", ["start=equilibrium", *tilted]), out, built, _quiet(), figures=False)
+    summary = run(load("slider-crank", ["start=equilibrium", *tilted]), out, build_fmu, _quiet(), figures=False)
     assert summary.message.startswith("incomplete: slider_crank.psi = 0.02 rad")
     with pytest.raises(OutputFolderError) as error:
-        resume(out, built, _quiet())
+        resume(out, build_fmu, _quiet())
     assert str(error.value).startswith(
         f"{out}: the run failed, and would fail again: slider_crank.psi = 0.02 "
     )
     assert str(error.value).endswith(f"change the scenario and run it anew, with --out {out} --overwrite")
     with pytest.raises(OutputFolderError, match=f"did you mean {out}\\?$"):
-        resume(out / "summary.json", built, _quiet())
+        resume(out / "summary.json", build_fmu, _quiet())
     (out / "scenario.toml").unlink()
     with pytest.raises(OutputFolderError, match="put back the file that the run had written"):
-        resume(out, built, _quiet())
+        resume(out, build_fmu, _quiet())
 
 
 SHORT = ["stop_time=4 ms", *IN_PROCESS, *NO_REFERENCE]
@@ -163,7 +163,7 @@ def _refused(out: Path, words: str) -> None:
     """`resume` says so, with the remedy, and changes nothing."""
     before = _content(out)
     with pytest.raises(CheckpointError, match=words) as refused:
-        resume(out, built, _quiet(), figures=False)
+        resume(out, build_fmu, _quiet(), figures=False)
     assert "--overwrite" in str(refused.value)
     assert _content(out) == before
 
@@ -176,14 +176,14 @@ def test_what_came_after_the_checkpoint_is_forgotten(killed: Path, whole: Path) 
     (killed / "unfinished" / "checkpoint.partial").write_bytes(b"torn")
     (killed / "result.nc.partial").write_bytes(b"torn")
     (killed / "coupled.csv.partial").write_bytes(b"torn")
-    assert resume(killed, built, _quiet(), figures=False).complete
+    assert resume(killed, build_fmu, _quiet(), figures=False).complete
     _same(killed, whole)
 
 
 def test_the_wall_time_is_that_of_all_processes(killed: Path) -> None:
     """An interrupted process leaves its wall time in the summary, a killed one that of its steps."""
     (killed / "summary.json").write_text('{"wall_time_s": 100.0}')
-    summary = resume(killed, built, _quiet(), figures=False)
+    summary = resume(killed, build_fmu, _quiet(), figures=False)
     assert 100.0 < summary.wall_time_s < 400.0
     assert summary.coupled_time_s < summary.wall_time_s
 
@@ -207,7 +207,7 @@ def test_lost_records_are_noticed_and_may_be_put_back(killed: Path, whole: Path)
     journal.unlink()
     _refused(killed, "coupled.journal: cannot be read")
     journal.write_bytes(rows)
-    assert resume(killed, built, _quiet(), figures=False).complete
+    assert resume(killed, build_fmu, _quiet(), figures=False).complete
     _same(killed, whole)
 
 
@@ -220,11 +220,11 @@ def test_a_changed_scenario_is_refused(killed: Path) -> None:
 def test_a_run_in_a_folder_with_an_unfinished_one_says_how_to_go_on(killed: Path, whole: Path) -> None:
     before = _content(killed)
     with pytest.raises(OutputFolderError, match=f"tribocosim resume {killed}"):
-        run(load("valve-train", [*SHORT, EVERY]), killed, built, _quiet())
+        run(load("valve-train", [*SHORT, EVERY]), killed, build_fmu, _quiet())
     assert _content(killed) == before
     with pytest.raises(FileNotFoundError, match="tribocosim resume"):
         open_result(killed)
-    run(load("valve-train", [*SHORT, EVERY]), killed, built, _quiet(), overwrite=True, figures=False)
+    run(load("valve-train", [*SHORT, EVERY]), killed, build_fmu, _quiet(), overwrite=True, figures=False)
     _same(killed, whole)
 
 
@@ -243,9 +243,9 @@ def test_two_processes_do_not_work_on_one_run(killed: Path) -> None:
         before = _content(killed)
         for overwrite in (False, True):
             with pytest.raises(MistakeError):
-                run(load("valve-train", SHORT), killed, built, _quiet(), overwrite=overwrite)
+                run(load("valve-train", SHORT), killed, build_fmu, _quiet(), overwrite=overwrite)
         with pytest.raises(MistakeError, match="another process is running it"):
-            resume(killed, built, _quiet(), figures=False)
+            resume(killed, build_fmu, _quiet(), figures=False)
         assert _content(killed) == before
     finally:
         other.communicate("")
@@ -254,7 +254,7 @@ def test_two_processes_do_not_work_on_one_run(killed: Path) -> None:
 def test_a_rebuilt_fmu_is_refused(tmp_path: Path) -> None:
     """The checksum, not what is in it: nobody knows that it computes the same."""
     file, out = tmp_path / "contact.fmu", tmp_path / "out"
-    shutil.copy(built("ehl_contact", {}), file)
+    shutil.copy(build_fmu("ehl_contact", {}), file)
     _left(out, [*SHORT, f"components.contact.participant={file}"])
     with zipfile.ZipFile(file, "a") as archive:
         archive.comment = b"built again"
@@ -263,14 +263,14 @@ def test_a_rebuilt_fmu_is_refused(tmp_path: Path) -> None:
 
 def test_what_is_no_unfinished_run_is_told(whole: Path, tmp_path: Path) -> None:
     before = _content(whole)
-    done = resume(whole, built, _quiet())
+    done = resume(whole, build_fmu, _quiet())
     assert (done.complete, done.exit_status) == (True, 4)
     assert _content(whole) == before
     with pytest.raises(OutputFolderError, match="holds no run"):
-        resume(tmp_path, built, _quiet())
+        resume(tmp_path, build_fmu, _quiet())
     shutil.copy(whole / "scenario.toml", tmp_path)
     with pytest.raises(OutputFolderError, match="left nothing to go on from; repeat it"):
-        resume(tmp_path, built, _quiet())
+        resume(tmp_path, build_fmu, _quiet())
 
 
 def test_killed_while_it_tidied_up_it_is_complete(killed: Path, whole: Path) -> None:
@@ -278,13 +278,13 @@ def test_killed_while_it_tidied_up_it_is_complete(killed: Path, whole: Path) -> 
     shutil.copy(whole / "coupled.csv", killed)
     shutil.copy(whole / "summary.json", killed)
     (killed / "unfinished" / "checkpoint").unlink()
-    assert resume(killed, built, _quiet()).complete
+    assert resume(killed, build_fmu, _quiet()).complete
     _same(killed, whole)
 
 
 def test_a_run_without_figures_goes_on_without(killed: Path) -> None:
     assert json.loads((killed / "summary.json").read_text())["figures"] is False
-    assert resume(killed, built, _quiet()).complete
+    assert resume(killed, build_fmu, _quiet()).complete
     assert not (killed / "figures").exists()
 
 
@@ -293,7 +293,7 @@ def test_without_a_checkpoint_what_was_recorded_is_kept_and_marked(killed: Path)
     with (killed / "unfinished" / "coupled.journal").open("ab") as file:
         file.write(b"1.5,torn")
     rows = Recorded(killed / "unfinished" / "coupled.journal").rows
-    done = resume(killed, built, _quiet(), figures=False)
+    done = resume(killed, build_fmu, _quiet(), figures=False)
     assert (done.complete, done.exit_status, done.resumable) == (False, 3, False)
     assert "no checkpoint" in done.message
     assert not (killed / "unfinished").exists()
@@ -318,7 +318,7 @@ def test_where_steps_and_records_end_apart_each_is_kept_and_told(killed: Path) -
     until = left.last_time()
     records = Recorded(journal.with_name("coupled.journal")).rows
     assert left.rows == 1 < records
-    done = resume(killed, built, _quiet(), figures=False)
+    done = resume(killed, build_fmu, _quiet(), figures=False)
     assert f"/steps until {until:g} s" in done.message
     every = load(str(killed / "scenario.toml")).record_every
     assert done.macro_steps == max(left.rows, every * (records - 1))
@@ -358,7 +358,7 @@ def test_a_full_disk_is_told_and_no_record_on_it_is_lost(
     out, scenario = tmp_path / "out", load("valve-train", [*SHORT, every])
     with monkeypatch.context() as full:
         _Disk(30_000, full)
-        summary = run(scenario, out, built, _quiet(), figures=False)
+        summary = run(scenario, out, build_fmu, _quiet(), figures=False)
         assert (summary.complete, summary.exit_status) == (False, 3)
         goes_on = "goes on from the last checkpoint" if every == EVERY else "makes the result of what was"
         assert str(out) in summary.message
@@ -368,7 +368,7 @@ def test_a_full_disk_is_told_and_no_record_on_it_is_lost(
         assert json.loads((out / "summary.json").read_text())["message"] == summary.message
     kept = Recorded(out / "unfinished" / "coupled.journal").rows
     assert kept > 1
-    done = resume(out, built, _quiet(), figures=False)
+    done = resume(out, build_fmu, _quiet(), figures=False)
     if every == EVERY:
         _same(out, whole)
         return
@@ -383,11 +383,11 @@ def test_a_result_without_room_is_not_begun(whole: Path, tmp_path: Path, monkeyp
     size = (whole / "result.nc").stat().st_size
     with monkeypatch.context() as full:
         full.setattr(shutil, "disk_usage", lambda path: SimpleNamespace(free=size // 2))
-        summary = run(load("valve-train", [*SHORT, EVERY]), out, built, _quiet(), figures=False)
+        summary = run(load("valve-train", [*SHORT, EVERY]), out, build_fmu, _quiet(), figures=False)
     assert (summary.complete, summary.exit_status, summary.resumable) == (False, 3, True)
     assert f"{out / 'result.nc'}: No space left on device; free some space, then" in summary.message
     assert not list(out.glob("result.nc*"))
-    assert resume(out, built, _quiet(), figures=False).complete
+    assert resume(out, build_fmu, _quiet(), figures=False).complete
     _same(out, whole)
 
 
@@ -395,6 +395,6 @@ def test_a_run_that_fails_leaves_nothing_to_resume(tmp_path: Path) -> None:
     out = tmp_path / "out"
     overrides = ["master.name=jacobi", "macro_step=100 us", "stop_time=50 ms", *IN_PROCESS, *NO_REFERENCE]
     with contextlib.suppress(ModelError):
-        summary = run(load("valve-train", [*overrides, EVERY]), out, built, _quiet(), figures=False)
+        summary = run(load("valve-train", [*overrides, EVERY]), out, build_fmu, _quiet(), figures=False)
     assert (summary.exit_status, summary.resumable) == (3, False)
     assert not (out / "unfinished").exists()

@@ -11,12 +11,12 @@ from orchestrator.errors import ParticipantError
 from orchestrator.participants import in_process
 from orchestrator.run.assembly import at_start, system_of
 from orchestrator.run.simulation import simulate
-from orchestrator.scenario import Scenario, ScenarioError, scenario_of, schema
-from orchestrator.scenario.files import load, shipped, written
-from orchestrator.scenario.warnings import notices
+from orchestrator.scenario import Scenario, ScenarioError, build_scenario, schema
+from orchestrator.scenario.files import load, list_shipped, to_full_toml
+from orchestrator.scenario.warnings import list_warnings
 
 
-@pytest.mark.parametrize("name", sorted(shipped()))
+@pytest.mark.parametrize("name", sorted(list_shipped()))
 def test_shipped_scenarios_make_a_system(name: str) -> None:
     scenario = load(name)
     assert scenario.name == name
@@ -25,12 +25,12 @@ def test_shipped_scenarios_make_a_system(name: str) -> None:
     system_of(scenario)
 
 
-@pytest.mark.parametrize("name", sorted(shipped()))
+@pytest.mark.parametrize("name", sorted(list_shipped()))
 def test_written_scenario_gives_the_same_system_bit_for_bit(name: str) -> None:
     scenario = load(name)
-    text = written(scenario)
-    again = scenario_of(tomllib.loads(text))
-    assert written(again) == text
+    text = to_full_toml(scenario)
+    again = build_scenario(tomllib.loads(text))
+    assert to_full_toml(again) == text
     one, two = system_of(scenario), system_of(again)
     for vector in ("x0", "u0", "p"):
         assert np.array_equal(getattr(one, vector), getattr(two, vector))
@@ -45,13 +45,13 @@ def test_written_scenario_gives_the_same_system_bit_for_bit(name: str) -> None:
 def test_published_schema_is_current() -> None:
     """Otherwise: tribocosim scenarios --schema > docs/scenario.schema.json"""
     published = Path(__file__).parents[2] / "docs" / "scenario.schema.json"
-    assert published.read_text("utf-8") == schema.text()
+    assert published.read_text("utf-8") == schema.write_schema()
 
 
 def test_schema_knows_every_key_and_variable() -> None:
-    made = schema.schema()
+    made = schema.build_schema()
     assert set(made["properties"]) == {*Scenario.model_fields, "extends"}
-    text = schema.text()
+    text = schema.write_schema()
     assert '"coil_position\\\\[' in text.replace("^", "")
     assert "kushwaha" in text
 
@@ -259,22 +259,22 @@ def test_a_key_in_a_wrong_table_is_sent_to_its_own(content: str, message: str, t
 
 
 def test_what_has_no_effect_is_noticed() -> None:
-    assert notices(load("valve-train")) == []
-    assert notices(load("valve-train-controlled")) == []
-    (said,) = notices(load("valve-train-controlled", ["output_step=1 ms"]))
+    assert list_warnings(load("valve-train")) == []
+    assert list_warnings(load("valve-train-controlled")) == []
+    (said,) = list_warnings(load("valve-train-controlled", ["output_step=1 ms"]))
     assert said.startswith(
         "output_step = 0.001 s: is not used, for with [step_control] every step is recorded"
     )
     corrected = ["master={name='jacobi'}", "energy.correction=true"]
-    (said,) = notices(load("two-masses", corrected))
+    (said,) = list_warnings(load("two-masses", corrected))
     assert said.startswith(
         "energy.correction = true: nothing counts what it gives back; energy.ledger = true"
     )
-    assert notices(load("two-masses", [*corrected, "energy.ledger=true"])) == []
+    assert list_warnings(load("two-masses", [*corrected, "energy.ledger=true"])) == []
     given = "components.contact.parameters.load_is_given=true"
-    (said,) = notices(load("valve-train", [given]))
+    (said,) = list_warnings(load("valve-train", [given]))
     assert "nothing drives contact.applied_load" in said
-    assert notices(load("valve-train", [given, "components.contact.inputs.applied_load=300"])) == []
+    assert list_warnings(load("valve-train", [given, "components.contact.inputs.applied_load=300"])) == []
 
 
 SLIPS = {
@@ -293,21 +293,21 @@ SLIPS = {
 @pytest.mark.parametrize("setting", SLIPS)
 def test_a_slip_of_the_unit_is_doubted_with_both_readings(setting: str) -> None:
     path, number = setting.split("=")
-    (doubt,) = notices(load("valve-train", [f"components.{setting}"]))
+    (doubt,) = list_warnings(load("valve-train", [f"components.{setting}"]))
     assert doubt.startswith(f"components.{path} = {number} ")
     assert f"did you mean {SLIPS[setting]}?" in doubt
-    assert notices(load("valve-train", [f"components.{path}={SLIPS[setting]}"])) == []
+    assert list_warnings(load("valve-train", [f"components.{path}={SLIPS[setting]}"])) == []
 
 
 def test_a_number_with_its_unit_is_not_doubted() -> None:
-    assert notices(load("valve-train", ["components.flywheel.parameters.initial_speed=14000 rpm"])) == []
+    assert list_warnings(load("valve-train", ["components.flywheel.parameters.initial_speed=14000 rpm"])) == []
 
 
-@pytest.mark.parametrize("name", sorted(shipped()))
+@pytest.mark.parametrize("name", sorted(list_shipped()))
 def test_no_value_of_a_shipped_scenario_is_doubted(name: str) -> None:
     """Nor any default: written out, the numbers have no units."""
     assert not [
-        line for line in notices(scenario_of(tomllib.loads(written(load(name))))) if "did you mean" in line
+        line for line in list_warnings(build_scenario(tomllib.loads(to_full_toml(load(name))))) if "did you mean" in line
     ]
 
 

@@ -28,6 +28,6 @@ def test_a_follower_that_leaves_its_cam_does_not_end_the_run(rpm, step):
     system = assembly.at_start(scenario, assembly.system_of(scenario))
     units = {name: in_process(name, instance) for name, instance in system.instances.items()}
     recorder = Recorder()
-    simulate(system, units, scenario.made_master(), step, 60.0 / rpm, [recorder])
+    simulate(system, units, scenario.build_master(), step, 60.0 / rpm, [recorder])
     assert recorder.times[-1] == 60.0 / rpm
     assert (recorder["contact.load"].min() == 0.0) == (rpm > 3500)

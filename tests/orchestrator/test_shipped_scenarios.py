@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.scenario.files import shipped
+from orchestrator.scenario.files import list_shipped
 
 from .commands import called
 
@@ -16,7 +16,7 @@ LENGTHY = {"engine-ehl", "valve-train-ehl", "valve-train-ehl-sweep", "engine-16v
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", sorted(set(shipped()) - LENGTHY))
+@pytest.mark.parametrize("name", sorted(set(list_shipped()) - LENGTHY))
 def test_a_run_is_within_its_tolerance_of_the_reference(name: str, tmp_path: Path, record) -> None:
     done = called("run", name, "--no-figures", "--out", str(tmp_path / name))
     assert done.returncode == 0, done.stderr

@@ -19,7 +19,7 @@ from fmus.build import build
 from orchestrator.assessment.summary import Summary
 from orchestrator.errors import MistakeError, StalledError
 from orchestrator.masters import GaussSeidel
-from orchestrator.participants import fmu, in_process
+from orchestrator.participants import open_fmu, in_process
 from orchestrator.run.simulation import simulate
 from orchestrator.run.watchdog import GRACE_SECONDS, Watchdog
 from orchestrator.run.watchdog_process import CALLS
@@ -85,7 +85,7 @@ def test_python_code_that_stalls_is_interrupted_and_named(stall, tmp_path):
 def test_an_fmu_that_sleeps_is_interrupted_and_named(tmp_path):
     """The signal arrives in the FMU's own Python code, which makes fmi2Fatal of it."""
     with pytest.raises(StalledError, match=r"second: the step did not return within 0\.5 s"):
-        run(tmp_path, 0.5, lambda instance: fmu("second", small_fmu("sleeping", tmp_path), instance))
+        run(tmp_path, 0.5, lambda instance: open_fmu("second", small_fmu("sleeping", tmp_path), instance))
 
 
 METHODS = {

@@ -11,7 +11,7 @@ import pytest
 from interop.processes import explain_missing
 from models.oscillators.exact import two_masses
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
-from orchestrator.command_line.fmu import built
+from orchestrator.command_line.fmu import build_fmu
 from orchestrator.masters import Jacobi
 from orchestrator.run.assembly import fmu_files, participants_of, system_of
 from orchestrator.run.simulation import simulate
@@ -88,7 +88,7 @@ def scenario() -> Scenario:
 @pytest.fixture(scope="module")
 def package(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("package") / "two-masses.ssp"
-    export(scenario, path, built)
+    export(scenario, path, build_fmu)
     return path
 
 
@@ -96,7 +96,7 @@ def package(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Pat
 def expected(scenario: Scenario) -> list[float]:
     """After these steps of Jacobi's master with held inputs, over our own FMUs."""
     system, recorder = system_of(scenario), Recorder()
-    units = participants_of(scenario, system, fmu_files(scenario, built), lambda name, make: make())
+    units = participants_of(scenario, system, fmu_files(scenario, build_fmu), lambda name, make: make())
     try:
         simulate(system, units, Jacobi("hold"), STEP, STEPS * STEP, [recorder])
     finally:

@@ -12,9 +12,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from orchestrator.command_line.fmu import built
-from orchestrator.scenario import Scenario, scenario_of
-from orchestrator.scenario.files import contents, load, override, shipped
+from orchestrator.command_line.fmu import build_fmu
+from orchestrator.scenario import Scenario, build_scenario
+from orchestrator.scenario.files import read_contents, load, override, list_shipped
 from orchestrator.ssp import export
 from tests.foreign.c_fmus import fmu
 from tests.foreign.runs import ran
@@ -24,11 +24,11 @@ from .schemas import assert_valid
 
 # They find an equilibrium of many instances, or of a pressure field.
 SLOW = ("valve-train-16v", "engine-16v", "valve-train-ehl", "valve-train-ehl-sweep", "engine-ehl")
-NAMES = [pytest.param(name, marks=pytest.mark.long if name in SLOW else ()) for name in shipped()]
+NAMES = [pytest.param(name, marks=pytest.mark.long if name in SLOW else ()) for name in list_shipped()]
 
 
 def round_trip(scenario: Scenario, folder: Path) -> Scenario:
-    export(scenario, folder / "made.ssp", built)
+    export(scenario, folder / "made.ssp", build_fmu)
     return load(folder / "made.ssp")
 
 
@@ -85,12 +85,12 @@ TABLES = st.fixed_dictionaries(
 def test_whatever_is_changed_comes_back_to_the_last_bit(
     changes: dict[str, Any], first: dict[str, Any], second: dict[str, Any], tmp_path: Path
 ) -> None:
-    content: dict[str, Any] = contents(shipped()["two-masses"]) | changes
+    content: dict[str, Any] = read_contents(list_shipped()["two-masses"]) | changes
     content.pop("step_control", None)
     for name, table in (("first", first), ("second", second)):
         own = content["components"][name]
         content["components"][name] = own | {"participant": "in-process"} | table
-    scenario = scenario_of(content)
+    scenario = build_scenario(content)
     assert round_trip(scenario, tmp_path) == scenario
 
 
@@ -129,7 +129,7 @@ def test_fmus_from_elsewhere_go_and_come_back(version: int, tmp_path: Path) -> N
 def test_the_same_scenario_is_the_same_file(tmp_path: Path) -> None:
     digests = set()
     for name in ("one.ssp", "other.ssp"):
-        export(load("two-masses"), tmp_path / name, built)
+        export(load("two-masses"), tmp_path / name, build_fmu)
         digests.add(hashlib.sha256((tmp_path / name).read_bytes()).hexdigest())
     assert len(digests) == 1
 
@@ -137,7 +137,7 @@ def test_the_same_scenario_is_the_same_file(tmp_path: Path) -> None:
 def test_a_value_changed_in_the_package_is_changed_in_the_scenario(tmp_path: Path) -> None:
     """What other tools edit: values and connections are those of the standard's files, not a copy of ours."""
     made, edited = tmp_path / "made.ssp", tmp_path / "edited.ssp"
-    export(load("two-masses"), made, built)
+    export(load("two-masses"), made, build_fmu)
     with zipfile.ZipFile(made) as archive, zipfile.ZipFile(edited, "w") as target:
         for name in archive.namelist():
             content = archive.read(name)
@@ -151,7 +151,7 @@ def test_a_value_changed_in_the_package_is_changed_in_the_scenario(tmp_path: Pat
 def test_another_fmu_in_the_package_is_taken_for_what_it_is(tmp_path: Path) -> None:
     """By its checksum; the component's own is built anew."""
     made, edited = tmp_path / "made.ssp", tmp_path / "edited.ssp"
-    export(load("two-masses"), made, built)
+    export(load("two-masses"), made, build_fmu)
     with zipfile.ZipFile(made) as archive, zipfile.ZipFile(edited, "w") as target:
         for name in archive.namelist():
             content = archive.read(name)
@@ -165,16 +165,16 @@ def test_another_fmu_in_the_package_is_taken_for_what_it_is(tmp_path: Path) -> N
 
 
 def test_settings_are_changed_as_those_of_a_scenario(tmp_path: Path) -> None:
-    export(load("two-masses"), tmp_path / "made.ssp", built)
+    export(load("two-masses"), tmp_path / "made.ssp", build_fmu)
     changed = load(tmp_path / "made.ssp", ["macro_step=1 ms", "components.first.parameters.mass=7 kg"])
-    expected = contents(shipped()["two-masses"])
+    expected = read_contents(list_shipped()["two-masses"])
     for text in ("macro_step=1 ms", "components.first.parameters.mass=7 kg"):
         override(expected, text)
-    assert changed == scenario_of(expected)
+    assert changed == build_scenario(expected)
 
 
 def test_settings_are_readable_json(tmp_path: Path) -> None:
-    export(load("valve-train"), tmp_path / "made.ssp", built)
+    export(load("valve-train"), tmp_path / "made.ssp", build_fmu)
     with zipfile.ZipFile(tmp_path / "made.ssp") as archive:
         text = archive.read("SystemStructure.ssd").decode()
     start, end = text.index("<tribocosim:Settings>") + 21, text.index("</tribocosim:Settings>")

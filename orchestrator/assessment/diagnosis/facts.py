@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from ...scenario import Scenario, ends
+from ...scenario import Scenario, parse_ends
 from ...scenario.fmu_limits import FmuLimits
 from .numbers import Diagnosis
 from .steps import Steps
@@ -23,7 +23,7 @@ class Facts:
     @cached_property
     def master(self) -> Any:
         """With the tolerance that it ran with."""
-        return self.scenario.made_master()
+        return self.scenario.build_master()
 
     @cached_property
     def limits(self) -> FmuLimits:
@@ -34,7 +34,7 @@ class Facts:
     def targets(self) -> dict[str, list[str]]:
         """The inputs that each output drives."""
         found: dict[str, list[str]] = {}
-        for source, target in map(ends, self.scenario.connections):
+        for source, target in map(parse_ends, self.scenario.connections):
             found.setdefault(source, []).append(target)
         return found
 
@@ -42,7 +42,7 @@ class Facts:
     def drives(self) -> dict[str, set[str]]:
         """The participants that each participant drives."""
         found: dict[str, set[str]] = {name: set() for name in self.scenario.components}
-        for source, target in map(ends, self.scenario.connections):
+        for source, target in map(parse_ends, self.scenario.connections):
             found[source.split(".")[0]].add(target.split(".")[0])
         return found
 

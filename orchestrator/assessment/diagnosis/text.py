@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from ...scenario.units import time_unit
+from ...scenario.units import choose_time_unit
 from .facts import Facts
 from .numbers import Diagnosis
 
@@ -58,7 +58,7 @@ def full(facts: Facts, suggestions: Sequence[str], message: str) -> list[str]:
         for reason, share in d.reasons.items()
     ]
     lines += _table(("what set the step", "steps", "time", "rejected"), rows)
-    unit, _ = time_unit(d.end - d.start)
+    unit, _ = choose_time_unit(d.end - d.start)
     if d.limits:
         lines += [
             "",
@@ -75,7 +75,7 @@ def full(facts: Facts, suggestions: Sequence[str], message: str) -> list[str]:
 
 
 def _limits(facts: Facts) -> list[tuple[str, str, str, str]]:
-    _, factor = time_unit(facts.diagnosis.end - facts.diagnosis.start)
+    _, factor = choose_time_unit(facts.diagnosis.end - facts.diagnosis.start)
     rows = []
     for name, limit in list(facts.diagnosis.limits.items())[:SHOWN]:
         shown = sorted(limit.spans, key=lambda span: span[0] - span[1])[:SHOWN]
@@ -101,7 +101,7 @@ def _work(d: Diagnosis) -> list[str]:
     dense = [interval for interval in d.densest if interval.density > EVEN]
     if not dense:
         return ["work: spread evenly over the time"]
-    unit, factor = time_unit(d.end - d.start)
+    unit, factor = choose_time_unit(d.end - d.start)
     return [
         f"work: {percent(i.work)} of it in {percent(i.time)} of the time, {factor * i.start:.6g} to "
         f"{factor * i.end:.6g} {unit} ({i.density:.3g} times the mean)"

@@ -14,7 +14,7 @@ from ...errors import MistakeError
 from ...plots.data import parameters_of
 from ...run.output_folder import RESULT, SCENARIO
 from ...run.report import Reporter
-from ...scenario import Scenario, ScenarioError, ends
+from ...scenario import Scenario, ScenarioError, parse_ends
 from ...scenario.files import load
 from ...store.result_file import open_result
 from .cycle import OF_CAM, OF_CONTACT, last_revolution, wear
@@ -108,7 +108,7 @@ def _scenario(folder: Path) -> Scenario:
 def cams_of(scenario: Scenario) -> dict[str, str]:
     """The cam of each contact: what drives its sliding velocity and has an angle of its own."""
     found = {}
-    for source, target in map(ends, scenario.connections):
+    for source, target in map(parse_ends, scenario.connections):
         cam, contact = source.split(".")[0], target.split(".")[0]
         if target.endswith(".sliding_velocity") and scenario.components[cam].component == "camshaft":
             found[contact] = cam

@@ -14,7 +14,7 @@ from ...engine.signals import DEGREES
 from ...engine.step import Step
 from ...errors import RunError
 from ...masters import MASTERS
-from ...participants import Participant, fmu
+from ...participants import Participant, open_fmu
 from ...run.assembly import FmuFile
 from ...run.simulation import Statistics, simulate
 from ...stepping import ControlledSteps, StepControl, Stepper
@@ -120,7 +120,7 @@ def _run(
     participants: dict[str, Participant] = {}
     try:
         for name, instance in problem.system.instances.items():
-            participants[name] = fmu(name, files[name].path, instance)
+            participants[name] = open_fmu(name, files[name].path, instance)
         steps = method.steps(problem, setting)
         return simulate(problem.system, participants, master, steps, problem.duration, observers)
     finally:
