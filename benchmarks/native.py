@@ -43,7 +43,9 @@ def stepped(
     steps: Callable[[], Stepper] = lambda: FixedSteps(STEP),
 ) -> float:
     """Macro steps of our master per second of processor time."""
-    participants = {name: open_fmu(name, paths[name], instance) for name, instance in system.instances.items()}
+    participants = {
+        name: open_fmu(name, paths[name], instance) for name, instance in system.instances.items()
+    }
     clock = Clock()
     statistics = simulate(system, participants, master(), steps(), STEPS * STEP, [clock])
     for participant in participants.values():

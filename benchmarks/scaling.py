@@ -12,7 +12,7 @@ import numpy as np
 from fmus.build import build
 from models.core.system import System
 from orchestrator.masters import GaussSeidel
-from orchestrator.participants import open_fmu, in_process
+from orchestrator.participants import in_process, open_fmu
 from orchestrator.run.simulation import simulate
 
 from .many_valves import valve_trains

@@ -28,7 +28,9 @@ def load(name: str) -> Analysis:
         from ..scenario.files import list_shipped
 
         close = suggestion(name, names())
-        if not close.startswith("did you mean") and "did you mean" in (other := suggestion(name, list_shipped())):
+        if not close.startswith("did you mean") and "did you mean" in (
+            other := suggestion(name, list_shipped())
+        ):
             close = f"{other} (a scenario)"
         raise MistakeError(
             f"no analysis {name!r}; {close} (or name an analysis of your own as module:object)"

@@ -101,7 +101,9 @@ def fmu_build(
         sizes = dict(map(_parse_size, structure)) if structure else None
         with _report_unwritable(out), _report_replacement(name, out):
             print(
-                _build_native(name, out, sizes, platform, fmi) if native else _build_python(name, out, sizes, libpython)
+                _build_native(name, out, sizes, platform, fmi)
+                if native
+                else _build_python(name, out, sizes, libpython)
             )
 
 
@@ -270,7 +272,11 @@ def fmu_cross_check(
     for name in _check_options(names, None, native, platform, fmi, None):
         with _report_unwritable(out), tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
             made = Path(folder)
-            file = _build_native(name, made, None, platform, fmi) if native else _build_python(name, made, None, None)
+            file = (
+                _build_native(name, made, None, platform, fmi)
+                if native
+                else _build_python(name, made, None, None)
+            )
             tool = "tribocosim-native" if native else "tribocosim-python"
             try:
                 for place in lay_out(name, file, tool, out):

@@ -20,16 +20,16 @@ from .transformed import Transformed as transformed
 
 __all__ = [
     "FmuParticipant",
-    "ThirdPartyComponent",
     "InOwnProcess",
     "Participant",
-    "read_component",
-    "open_fmu",
+    "ThirdPartyComponent",
     "collect_settings",
-    "open_in_own_process",
+    "find_missing",
     "in_process",
     "is_made_here",
-    "find_missing",
+    "open_fmu",
+    "open_in_own_process",
+    "read_component",
     "substepped",
     "transformed",
 ]
@@ -38,7 +38,9 @@ __all__ = [
 NO_STRINGS: Mapping[str, str] = {}
 
 
-def open_fmu(name: str, path: Path, instance: Instance, texts: Mapping[str, str] = NO_STRINGS) -> FmuParticipant:
+def open_fmu(
+    name: str, path: Path, instance: Instance, texts: Mapping[str, str] = NO_STRINGS
+) -> FmuParticipant:
     """The FMU at `path` in the place of `instance`, which knows no texts."""
     return FmuParticipant(name, path, collect_settings(instance, texts))
 

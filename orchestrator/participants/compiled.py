@@ -80,7 +80,9 @@ def _call_step3(typing: Any, function: Any, component: Any, time: Any, step: Any
     """fmi3DoStep."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        called = _build_function(builder, arguments[0], "address", "double", "double", "int", *["address"] * 4)
+        called = _build_function(
+            builder, arguments[0], "address", "double", "double", "int", *["address"] * 4
+        )
         places = [builder.add(arguments[5], ir.IntType(64)(offset)) for offset in (0, 1, 2, 8)]
         return builder.call(called, [*arguments[1:5], *places])
 

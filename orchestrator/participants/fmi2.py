@@ -40,7 +40,7 @@ _LOGGER = fmi2CallbackLoggerTYPE(_pass_message)
 
 
 class Fmi2(BoundCalls):
-    """Implements `Standard`."""
+    """Implements `FmiInstance`."""
 
     real_types = ("Real",)
     warned = 0

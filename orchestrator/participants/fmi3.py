@@ -17,8 +17,8 @@ from fmpy.fmi3 import FMU3Slave
 from models.core.quantities import Vector
 
 from ..errors import ParticipantError
-from .bound_calls import BoundCalls, ArrayLayout
-from .description import REALS, BOOLEANS, Description, Variable
+from .bound_calls import ArrayLayout, BoundCalls
+from .description import BOOLEANS, REALS, Description, Variable
 from .fmi_instance import DISCARD, WARNING
 
 # As fmi3Int64 is called by what holds it.
@@ -32,7 +32,7 @@ ROUNDING = 1e-12
 
 
 class Fmi3(BoundCalls):
-    """Implements `Standard`."""
+    """Implements `FmiInstance`."""
 
     real_types = ("Float64",)
     warned = 0

@@ -217,7 +217,7 @@ class FmuParticipant(ErrorReporter):
         self._rates[self.rated] = values[count:]
 
     def initialise(self, start_time: float, stop_time: float) -> None:
-        with self._naming("initialise"):
+        with self._name_errors("initialise"):
             self._fmi.set_up(start_time, stop_time)
             self._assign(self._asked.values)
             for name, text in self._asked.texts.items():
@@ -236,7 +236,7 @@ class FmuParticipant(ErrorReporter):
                 self._fmi.set(whole, [values.get(v.name, v.start or 0.0) for v in whole])
 
     def finish_initialisation(self) -> None:
-        with self._naming("initialise"):
+        with self._name_errors("initialise"):
             self._fmi.exit_initialization()
         self._stepping = True
 
@@ -287,7 +287,7 @@ class FmuParticipant(ErrorReporter):
             self._reading_failed(status)
 
     def read_all(self, values: Vector) -> None:
-        with self._naming("reading the outputs"):
+        with self._name_errors("reading the outputs"):
             values[:] = self._all.values()
 
     def linearisable(self, names: Iterable[str]) -> bool:
@@ -308,7 +308,7 @@ class FmuParticipant(ErrorReporter):
     def jacobian(self, unknown: Sequence[str], known: Sequence[str]) -> Vector:
         """d unknown / d known (rows x columns), at the present point, by directional derivatives."""
         of, by = ([self._variable(name) for name in names] for names in (unknown, known))
-        with self._naming("directional derivatives"):
+        with self._name_errors("directional derivatives"):
             columns = [self._fmi.directional(of, one) for one in by] if of else []
         return np.array(columns).T.reshape(len(of), len(by))
 
@@ -334,11 +334,11 @@ class FmuParticipant(ErrorReporter):
             raise CannotSerializeError(
                 f"{self.name}: the FMU cannot serialise its state (canSerializeFMUstate = false)"
             )
-        with self._naming("serialising the state"):
+        with self._name_errors("serialising the state"):
             return self._fmi.serialise(saved)
 
     def from_bytes(self, data: bytes) -> ctypes.c_void_p:
-        with self._naming("taking a serialised state"):
+        with self._name_errors("taking a serialised state"):
             return self._fmi.deserialise(data)
 
     def release(self, saved: ctypes.c_void_p) -> None:

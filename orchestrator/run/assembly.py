@@ -20,17 +20,17 @@ from ..energy.counting import counting_structure
 from ..energy.estimate import EstimatedComponent, Estimating, without_estimates
 from ..participants import (
     Participant,
+    find_missing,
+    in_process,
     open_fmu,
     open_in_own_process,
-    in_process,
-    find_missing,
     substepped,
     transformed,
 )
 from ..participants.transformed import Linear
 from ..scenario import BUILT_KINDS, ComponentTable, Line, Scenario, ScenarioError, parse_line
 from ..scenario.capabilities import check_capabilities, check_third_party
-from ..scenario.conversion import replace_units, find_transformations
+from ..scenario.conversion import find_transformations, replace_units
 from ..scenario.values import to_numbers
 
 # Gives the FMU of a catalogue component with structural sizes, of a kind that is built ("fmu", "native").

@@ -221,7 +221,6 @@ class Watched:
     def __init__(self, participant: Participant, watchdog: Watchdog, index: int) -> None:
         self.name, self.restorable = participant.name, participant.restorable
         self._participant, self._watchdog, self._index = participant, watchdog, index
-        self.signal_degrees = participant.signal_degrees
         enclosed, marked = watchdog.enclosed, watchdog.marked
         self.signal_degrees = participant.signal_degrees
         self.initialise = enclosed(index, "initialisation", participant.initialise)

@@ -8,7 +8,7 @@ from .fields import Written
 from .master_table import MasterTable
 from .messages import list_messages
 from .revolutions import DURATIONS
-from .scenario import EnergyTable, Scenario, ScenarioError, find_tables, build_scenario
+from .scenario import EnergyTable, Scenario, ScenarioError, build_scenario, find_tables
 from .step_control_table import CONVERGED
 
 __all__ = [
@@ -22,9 +22,9 @@ __all__ = [
     "Scenario",
     "ScenarioError",
     "Written",
+    "build_scenario",
     "find_tables",
+    "list_messages",
     "parse_ends",
     "parse_line",
-    "list_messages",
-    "build_scenario",
 ]

@@ -50,7 +50,9 @@ def check_capabilities(scenario: Scenario) -> None:
         if table.participant.endswith(".fmu")
     }
     for name, path in files.items():
-        if fault := _find_library_fault(path, read_description(path)) or _find_fault(scenario, name, read_description(path)):
+        if fault := _find_library_fault(path, read_description(path)) or _find_fault(
+            scenario, name, read_description(path)
+        ):
             raise ScenarioError(f"components.{name}.participant: {path}: {fault}")
     shared = Counter(path.resolve() for name, path in files.items() if not scenario.components[name].apart)
     for name, path in files.items():

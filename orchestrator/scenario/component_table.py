@@ -10,7 +10,7 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 from models.core.component import Component
 
 from ..errors import one_of
-from ..participants import ThirdPartyComponent, read_component, is_made_here
+from ..participants import ThirdPartyComponent, is_made_here, read_component
 from .fields import Table, Written
 from .third_party_values import convert_enumerations, select_strings
 from .values import Faults, Value, build_component, parse_values
@@ -112,7 +112,9 @@ class ComponentTable(Table):
         assert info.field_name
         layout, told = layouts.pop(info.field_name), dict[str, Value]()
         if isinstance(component, ThirdPartyComponent):
-            told = convert_enumerations(component, {key: value for key, value in values.items() if key in layout})
+            told = convert_enumerations(
+                component, {key: value for key, value in values.items() if key in layout}
+            )
             if info.field_name == "parameters":
                 told |= select_strings(component, values)
         others = {key: value for key, value in values.items() if key not in told}

@@ -29,7 +29,9 @@ def write_page(names: Sequence[str] = ()) -> str:
         if name not in CATALOGUE:
             raise MistakeError(f"no component {name!r}; {suggestion(name, CATALOGUE)}")
     parts = [INTRODUCTION] * (not names)
-    return "\n".join([*parts, *("\n".join(_write_component(CATALOGUE[name]())) for name in names or CATALOGUE)])
+    return "\n".join(
+        [*parts, *("\n".join(_write_component(CATALOGUE[name]())) for name in names or CATALOGUE)]
+    )
 
 
 def _write_component(component: Component) -> Iterator[str]:

@@ -64,7 +64,9 @@ def replace_units(
             own = instances[target.instance].component.inputs.field(target.variable).quantity
             changed.setdefault(target.instance, {})[target.variable] = replace(own, unit=unit)
     return {
-        name: replace(i, component=replace(i.component, inputs=_replace_quantities(i.component.inputs, changed[name])))
+        name: replace(
+            i, component=replace(i.component, inputs=_replace_quantities(i.component.inputs, changed[name]))
+        )
         if name in changed
         else i
         for name, i in instances.items()

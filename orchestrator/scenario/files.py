@@ -18,7 +18,7 @@ from models.core.system import suggestion
 
 from ..masters import MASTERS
 from ..ssp import read_package as contents_of_package
-from . import Scenario, ScenarioError, find_tables, build_scenario
+from . import Scenario, ScenarioError, build_scenario, find_tables
 from .values import to_value
 
 SHIPPED = Path(__file__).parent / "shipped"
@@ -41,8 +41,8 @@ def find(name: str | Path, beside: Path | None = None) -> Path:
     if path.suffix in (".toml", ".ssp"):
         raise ScenarioError(f"{path}: no such scenario file; {_suggest_near(path)}")
     raise ScenarioError(
-        f"no scenario {str(name)!r}; {suggestion(str(name), list_shipped())} (or give the path of a .toml or .ssp "
-        "file)"
+        f"no scenario {str(name)!r}; {suggestion(str(name), list_shipped())} (or give the path of a .toml or "
+        ".ssp file)"
     )
 
 
@@ -57,7 +57,9 @@ def _suggest_in_folder(folder: Path) -> str:
 
 def _suggest_near(path: Path) -> str:
     """What to give instead of a file that is not there."""
-    near = {file.stem: str(file) for file in path.parent.glob("*.toml")} | {name: name for name in list_shipped()}
+    near = {file.stem: str(file) for file in path.parent.glob("*.toml")} | {
+        name: name for name in list_shipped()
+    }
     close = difflib.get_close_matches(path.stem, near, n=1, cutoff=0.75)
     return f"did you mean {near[close[0]]}?" if close else f"shipped scenarios: {', '.join(list_shipped())}"
 

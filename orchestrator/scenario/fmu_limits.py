@@ -36,7 +36,8 @@ class FmuLimits:
                 except (DescriptionError, OSError):
                     continue
         self._connections = [
-            Connection(*(Port(*end.split(".", 1)) for end in parse_ends(line))) for line in scenario.connections
+            Connection(*(Port(*end.split(".", 1)) for end in parse_ends(line)))
+            for line in scenario.connections
         ]
 
     @property
@@ -110,7 +111,9 @@ def list_limit_warnings(scenario: Scenario) -> list[str]:
             f"step and has no slope then: this value and all that follows may be wrong altogether; {remedy}"
         )
     if scenario.step_control and scenario.step_control.maximum_step is None:
-        blind = [n for n, table in scenario.components.items() if isinstance(table.made(), ThirdPartyComponent)]
+        blind = [
+            n for n, table in scenario.components.items() if isinstance(table.made(), ThirdPartyComponent)
+        ]
         if blind:
             found.append(
                 f"{', '.join(blind)}: the FMUs tell of no events: a contact that is made and lost within one "

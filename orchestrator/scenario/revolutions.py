@@ -23,7 +23,10 @@ def convert_to_seconds(content: Mapping[str, Any]) -> dict[str, Any]:
     angles = {key: angle for key in DURATIONS if (angle := _parse_angle(content.get(key))) is not None}
     try:
         # Twelve digits: 2 revolutions at 1000 r/min are 0.12 s, and no macro step more.
-        return {**content, **{key: float(f"{angle / _find_speed(content):.12g}") for key, angle in angles.items()}}
+        return {
+            **content,
+            **{key: float(f"{angle / _find_speed(content):.12g}") for key, angle in angles.items()},
+        }
     except ArithmeticError:
         raise Faults(*((key, f" = {content[key]!r}: {REMEDY}") for key in angles)) from None
 

@@ -178,7 +178,9 @@ class Scenario(Table):
 
     @field_validator("step_control")
     @classmethod
-    def _check_step_control(cls, control: StepControlTable | None, info: ValidationInfo) -> StepControlTable | None:
+    def _check_step_control(
+        cls, control: StepControlTable | None, info: ValidationInfo
+    ) -> StepControlTable | None:
         longest = info.data.get("macro_step", math.inf)
         if control is not None and control.minimum_step > longest:
             raise Faults(

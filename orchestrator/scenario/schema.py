@@ -33,7 +33,10 @@ def build_schema() -> dict[str, Any]:
         "description": component["description"],
     }
     table["allOf"] = [
-        {"if": {"properties": {"component": {"const": name}}, "required": ["component"]}, "then": _describe_component(name)}
+        {
+            "if": {"properties": {"component": {"const": name}}, "required": ["component"]},
+            "then": _describe_component(name),
+        }
         for name in CATALOGUE
     ]
     made["$defs"]["MasterTable"] = _describe_masters()

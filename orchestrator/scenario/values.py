@@ -121,5 +121,7 @@ def parse_values(
 def to_numbers(layout: Layout, values: Mapping[str, Value]) -> dict[str, float]:
     """What `models` wants of values that `meanings` returned, without those that are only texts."""
     return {
-        name: to_number(layout.field(name).quantity, value) for name, value in values.items() if name in layout
+        name: to_number(layout.field(name).quantity, value)
+        for name, value in values.items()
+        if name in layout
     }

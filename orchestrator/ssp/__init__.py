@@ -3,4 +3,4 @@
 from .exported import export
 from .imported import read_package, unpack_package
 
-__all__ = ["read_package", "export", "unpack_package"]
+__all__ = ["export", "read_package", "unpack_package"]

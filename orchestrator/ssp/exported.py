@@ -20,11 +20,11 @@ from models.core.quantities import Quantity
 from models.core.system import Instance, System
 
 from ..participants import collect_settings
-from ..participants.description import REALS, STRING, BOOLEANS, Description, Variable, read_description
+from ..participants.description import BOOLEANS, REALS, STRING, Description, Variable, read_description
 from ..run import assembly
 from ..scenario import ComponentTable, Scenario, parse_line
 from ..store.atomic_write import replace
-from .names import FMU_TYPE, OMSIMULATOR, OSP, OURS, RESOURCES, STRUCTURE, VALUES_TYPE, to_bytes, add_element
+from .names import FMU_TYPE, OMSIMULATOR, OSP, OURS, RESOURCES, STRUCTURE, VALUES_TYPE, add_element, to_bytes
 
 # So that the same scenario gives the same bytes.
 _DATE = (1980, 1, 1, 0, 0, 0)
@@ -268,7 +268,9 @@ def _write_omsimulator(system: Any, scenario: Scenario) -> None:
 
 def _write_osp(experiment: Any, scenario: Scenario) -> None:
     annotation = add_element(add_element(experiment, "ssd:Annotations"), "ssc:Annotation", type=OSP)
-    add_element(add_element(annotation, "osp:Algorithm"), "osp:FixedStepAlgorithm", baseStepSize=scenario.macro_step)
+    add_element(
+        add_element(annotation, "osp:Algorithm"), "osp:FixedStepAlgorithm", baseStepSize=scenario.macro_step
+    )
 
 
 def _collect_settings(scenario: Scenario, fmus: Mapping[str, PackedFmu]) -> dict[str, Any]:

@@ -52,7 +52,7 @@ def read_package(path: Path) -> dict[str, Any]:
 
 
 def unpack_package(path: Path, folder: Path) -> dict[str, Any]:
-    """As `contents`, with the FMUs unpacked into `folder`."""
+    """As `read_package`, with the FMUs unpacked into `folder`."""
     _unpack(path, folder)
     return _read_folder(path.name, folder)
 
@@ -202,7 +202,9 @@ def _find_step(found: Structure, about: list[Description]) -> float:
     return min((one.step for one in about if one.step), default=0.0)
 
 
-def _set_values(table: dict[str, Any], component: Component, stated: Mapping[str, StatedValue], where: str) -> None:
+def _set_values(
+    table: dict[str, Any], component: Component, stated: Mapping[str, StatedValue], where: str
+) -> None:
     """Put values where a scenario has them."""
     layouts = {"parameters": component.parameters, "inputs": component.inputs, "start": component.state}
     foreign = isinstance(component, ThirdPartyComponent)

@@ -103,7 +103,9 @@ class _SystemReader:
         self._read_connectors(system, path)
         dictionaries = outer | {
             one.get("name"): ".".join((*path, one.get("name")))
-            for one in system.findall(f"{expand_tag('ssd:SignalDictionaries')}/{expand_tag('ssd:SignalDictionary')}")
+            for one in system.findall(
+                f"{expand_tag('ssd:SignalDictionaries')}/{expand_tag('ssd:SignalDictionary')}"
+            )
         }
         # Elements that stand for the connectors of something else.
         places: dict[str, Path] = {}
@@ -212,7 +214,9 @@ def read_units(root: Any) -> dict[str, Unit]:
 def read_enumerations(root: Any) -> dict[str, dict[str, int]]:
     """The enumerations that a file defines: items and their values."""
     return {
-        one.get("name"): {item.get("name"): int(item.get("value")) for item in one.iter(expand_tag("ssc:Item"))}
+        one.get("name"): {
+            item.get("name"): int(item.get("value")) for item in one.iter(expand_tag("ssc:Item"))
+        }
         for one in root.iter(expand_tag("ssc:Enumeration"))
         if one.find(expand_tag("ssc:Item")) is not None
     }

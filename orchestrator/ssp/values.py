@@ -14,11 +14,11 @@ from .structure import (
     Path,
     Port,
     Structure,
-    read_enumerations,
-    resolve_source,
     parse_xml,
+    read_enumerations,
     read_transformation,
     read_units,
+    resolve_source,
 )
 
 Number = float | bool | str
@@ -56,7 +56,9 @@ def read_values(found: Structure, files: Files, where: str, ignored: str) -> Val
     return values
 
 
-def _read_binding(binding: Any, found: Structure, files: Files, where: str) -> Iterator[tuple[str, StatedValue]]:
+def _read_binding(
+    binding: Any, found: Structure, files: Files, where: str
+) -> Iterator[tuple[str, StatedValue]]:
     kind, source = binding.get("type", VALUES_TYPE), binding.get("source")
     if kind != VALUES_TYPE:
         raise ScenarioError(f"{where}: parameters of type {kind}; give a parameter set (SSV)")

@@ -9,7 +9,7 @@ from ..analyses._evaluate import made, results_in
 from ..errors import MistakeError
 from ..run import assembly
 from ..run.report import Reporter
-from ..scenario.files import load, list_shipped
+from ..scenario.files import list_shipped, load
 from ..scenario.units import UnitError, to_unit
 from .findings import Survey
 from .sources import linearisations

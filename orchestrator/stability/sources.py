@@ -9,7 +9,7 @@ from pathlib import Path
 
 from models.core.system import System
 
-from ..participants import FmuParticipant, Participant, open_fmu, in_process
+from ..participants import FmuParticipant, Participant, in_process, open_fmu
 from ..run.assembly import Builder, check_analysable
 from ..scenario import Scenario, ScenarioError
 from .directional import Directional

@@ -16,7 +16,7 @@ from models.core.system import suggestion
 from ..errors import MistakeError
 from ..run.assembly import Builder
 from ..scenario import Written, list_messages
-from ..scenario.files import read_contents, find, put
+from ..scenario.files import find, put, read_contents
 from ..scenario.values import Value
 from .points import POINT, Grid, Points, Rows, Sobol, Table, expanded, keys_of, kind_of
 from .subjects import AnalysisSubject, Subject, analysis_of

@@ -24,8 +24,8 @@ from ..run.assembly import Builder
 from ..run.output_folder import RESULT
 from ..run.pipeline import run
 from ..run.report import Reporter
-from ..scenario import DURATIONS, Scenario, parse_ends, build_scenario
-from ..scenario.files import split_path, put, to_full_toml
+from ..scenario import DURATIONS, Scenario, build_scenario, parse_ends
+from ..scenario.files import put, split_path, to_full_toml
 from ..scenario.values import Value, parse_value
 from ..scenario.warnings import list_warnings
 from ..store.result_file import open_result

@@ -15,7 +15,7 @@ from models.catalogue import CATALOGUE
 from models.core.component import Component
 from models.core.quantities import Vector
 from models.core.system import Instance
-from orchestrator.participants import Participant, open_fmu, in_process
+from orchestrator.participants import Participant, in_process, open_fmu
 
 from .reference import joined, wave
 
@@ -97,7 +97,9 @@ def test_rates_that_are_not_wanted(kind: str, fmu_files: dict[str, Path]) -> Non
     instance = Instance(CATALOGUE["camshaft"]())
     found = []
     for rated in (True, False):
-        made = open_fmu("cam", fmu_files["camshaft"], instance) if kind == "fmu" else in_process("cam", instance)
+        made = (
+            open_fmu("cam", fmu_files["camshaft"], instance) if kind == "fmu" else in_process("cam", instance)
+        )
         unit = Bound(made, instance.component, 2, rated)
         assert unit.given == [rated] * len(unit.names)
         unit.run(0, 5)

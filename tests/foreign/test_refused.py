@@ -12,7 +12,7 @@ import pytest
 from fmus.fmi.validate import validate
 from orchestrator.run.assembly import system_of
 from orchestrator.scenario import ScenarioError, build_scenario
-from orchestrator.scenario.files import read_contents, list_shipped
+from orchestrator.scenario.files import list_shipped, read_contents
 from orchestrator.stability.sources import linearisations
 
 from .c_fmus import fmu

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from models.core.system import Instance
-from orchestrator.participants import Participant, open_fmu, in_process
+from orchestrator.participants import Participant, in_process, open_fmu
 
 
 class Alone:

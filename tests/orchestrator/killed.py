@@ -14,6 +14,7 @@ import signal
 import sys
 import time as clock
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -47,9 +48,11 @@ def main(out: Path, seed: int, kills: int, scenario: str, overrides: list[str]) 
     quiet = Reporter(Console(quiet=True))
     for n in range(10 * kills):
         if not (out / "scenario.toml").exists():
-            work: Callable[[], Any] = lambda: run(loaded, out, build_fmu, quiet, overwrite=True, figures=False)  # noqa: E731
+            work: Callable[[], Any] = partial(
+                run, loaded, out, build_fmu, quiet, overwrite=True, figures=False
+            )
         else:
-            work = lambda: resume(out, build_fmu, quiet, figures=False)  # noqa: E731
+            work = partial(resume, out, build_fmu, quiet, figures=False)
         child = os.fork()
         if child == 0:
             if n < kills and n % 3 == 1:

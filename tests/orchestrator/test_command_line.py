@@ -19,7 +19,7 @@ from orchestrator.command_line import app
 from orchestrator.command_line.reported import report_errors
 from orchestrator.run.assembly import system_of
 from orchestrator.scenario import build_scenario
-from orchestrator.scenario.files import load, list_shipped
+from orchestrator.scenario.files import list_shipped, load
 from orchestrator.store.result_file import open_result
 
 from .commands import IN_PROCESS, ROOT, SHORT, called, said, tribocosim

@@ -13,7 +13,7 @@ from fmus.native.machine_code import this_platform
 from models.core.system import Instance
 from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel
-from orchestrator.participants import read_component, open_fmu
+from orchestrator.participants import open_fmu, read_component
 from orchestrator.stability.behaviour import Behaviour, largest_stable
 from orchestrator.stability.directional import Directional
 from orchestrator.stability.linearisation import Equations

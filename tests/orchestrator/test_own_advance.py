@@ -13,7 +13,7 @@ from models.monolithic import solve
 from orchestrator.energy import Ledger, counted, estimated
 from orchestrator.energy.estimate import Estimating, without_estimates
 from orchestrator.masters import GaussSeidel, Iterated, Newton
-from orchestrator.participants import Participant, open_fmu, in_process
+from orchestrator.participants import Participant, in_process, open_fmu
 from orchestrator.run.simulation import simulate
 from orchestrator.store.json_codec import from_text
 from tests.fmus.packed import packed

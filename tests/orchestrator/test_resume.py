@@ -112,7 +112,9 @@ def test_a_run_killed_again_and_again_ends_as_one_that_was_not(
 def test_a_run_that_failed_at_its_start_is_not_resumed_and_says_why(tmp_path: Path) -> None:
     out = tmp_path / "out"
     tilted = ["components.slider_crank.start.psi=0.02", "components.flywheel.start.angle=90 deg"]
-    summary = run(load("slider-crank", ["start=equilibrium", *tilted]), out, build_fmu, _quiet(), figures=False)
+    summary = run(
+        load("slider-crank", ["start=equilibrium", *tilted]), out, build_fmu, _quiet(), figures=False
+    )
     assert summary.message.startswith("incomplete: slider_crank.psi = 0.02 rad")
     with pytest.raises(OutputFolderError) as error:
         resume(out, build_fmu, _quiet())

@@ -12,7 +12,7 @@ from orchestrator.participants import in_process
 from orchestrator.run.assembly import at_start, system_of
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import Scenario, ScenarioError, build_scenario, schema
-from orchestrator.scenario.files import load, list_shipped, to_full_toml
+from orchestrator.scenario.files import list_shipped, load, to_full_toml
 from orchestrator.scenario.warnings import list_warnings
 
 
@@ -300,14 +300,18 @@ def test_a_slip_of_the_unit_is_doubted_with_both_readings(setting: str) -> None:
 
 
 def test_a_number_with_its_unit_is_not_doubted() -> None:
-    assert list_warnings(load("valve-train", ["components.flywheel.parameters.initial_speed=14000 rpm"])) == []
+    assert (
+        list_warnings(load("valve-train", ["components.flywheel.parameters.initial_speed=14000 rpm"])) == []
+    )
 
 
 @pytest.mark.parametrize("name", sorted(list_shipped()))
 def test_no_value_of_a_shipped_scenario_is_doubted(name: str) -> None:
     """Nor any default: written out, the numbers have no units."""
     assert not [
-        line for line in list_warnings(build_scenario(tomllib.loads(to_full_toml(load(name))))) if "did you mean" in line
+        line
+        for line in list_warnings(build_scenario(tomllib.loads(to_full_toml(load(name)))))
+        if "did you mean" in line
     ]
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from orchestrator.engine.signals import move_origin
 from orchestrator.errors import DiscardedStepError, RecoverableError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import open_fmu, in_process, substepped
+from orchestrator.participants import in_process, open_fmu, substepped
 from orchestrator.run.simulation import simulate
 
 from .faulty import Faulty, after, at_random, every, longer_than

@@ -19,7 +19,7 @@ from fmus.build import build
 from orchestrator.assessment.summary import Summary
 from orchestrator.errors import MistakeError, StalledError
 from orchestrator.masters import GaussSeidel
-from orchestrator.participants import open_fmu, in_process
+from orchestrator.participants import in_process, open_fmu
 from orchestrator.run.simulation import simulate
 from orchestrator.run.watchdog import GRACE_SECONDS, Watchdog
 from orchestrator.run.watchdog_process import CALLS

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from orchestrator.command_line.fmu import build_fmu
 from orchestrator.scenario import Scenario, build_scenario
-from orchestrator.scenario.files import read_contents, load, override, list_shipped
+from orchestrator.scenario.files import list_shipped, load, override, read_contents
 from orchestrator.ssp import export
 from tests.foreign.c_fmus import fmu
 from tests.foreign.runs import ran

@@ -13,7 +13,7 @@ from fmus.build import build
 from models.core.quantities import Vector
 from models.core.system import System
 from orchestrator.masters import GaussSeidel, Jacobi, Master
-from orchestrator.participants import Participant, open_fmu, in_process
+from orchestrator.participants import Participant, in_process, open_fmu
 from orchestrator.run.pipeline import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
@@ -65,7 +65,9 @@ def agree(
     instances = system.instances.items()
     here = ran({name: in_process(name, instance) for name, instance in instances}, master(), stop)
     for kind, paths in files.items():
-        found = ran({name: open_fmu(name, paths[name], instance) for name, instance in instances}, master(), stop)
+        found = ran(
+            {name: open_fmu(name, paths[name], instance) for name, instance in instances}, master(), stop
+        )
         quantity = f"coupled valve train, FMUs {kind}, {stop:g} s: all outputs"
         record("FMUs", quantity, found, here, "components in process", tolerance=0)
     return here
