@@ -1,4 +1,4 @@
-"""Other tools run our FMUs: `python -m interop` writes the tables of docs/tools.md.
+"""Other tools run our FMUs: `python -m interop` writes the tables of docs/reference/tools.md.
 
 A tool is a file in `tools/`. It runs with the interpreter of the tool's own environment, which can import
 only the tool's packages and this folder. It has

@@ -1,7 +1,7 @@
 """`python -m interop [TOOL ...] [--fmu NAME ...] [--install]` runs our FMUs in other tools.
 
 Without names it runs every tool that is installed. --install first makes an environment for each tool.
---fmu limits the run to these FMUs. docs/tools.md keeps its results of other FMUs and other tools.
+--fmu limits the run to these FMUs. docs/reference/tools.md keeps its results of other FMUs and other tools.
 """
 
 from __future__ import annotations

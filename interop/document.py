@@ -1,4 +1,4 @@
-"""docs/tools.md: a section for each tool; sections of tools that did not run stay as they are."""
+"""docs/reference/tools.md: a section for each tool; sections of tools that did not run stay as they are."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from .comparison import KINDS, STEPS
 from .processes import NAMES, ROOT, Answer, load_tool
 
-FILE = ROOT / "docs" / "tools.md"
+FILE = ROOT / "docs" / "reference" / "tools.md"
 PAGE = Path(__file__).with_name("page.md")  # the text before the tables
 LOADS_NOT, STOPS, NOT_TRIED = "does not load", "stops", "not tried"
 DIFFERENCE, RATE = "difference", "steps/s"
@@ -59,7 +59,7 @@ class Section:
             "",
             f"{VERSION}{self.version}",
             "",
-            f"Its user needs {this.USE}. {MADE}{self.machine}.",
+            f"Also needs: {this.USE}. {MADE}{self.machine}.",
             "",
             *format_table(head, rows),
             *(["", FAILED, "", *said] if said else []),

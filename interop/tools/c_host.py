@@ -12,7 +12,7 @@ from ..case import Case, RefusedError
 
 TITLE = "program in C"
 REQUIREMENTS = ("fmpy", "ziglang")
-USE = "nothing; FMUs in Python need [libpython3.x.so](how-to/use-the-fmus.md#prepare-the-host)"
+USE = "nothing; for FMUs in Python, [libpython3.x.so](../how-to/use-the-fmus.md#prepare-the-host)"
 
 
 def version() -> str:

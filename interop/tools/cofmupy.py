@@ -13,14 +13,11 @@ TITLE = "CoFmuPy"
 REQUIREMENTS = ("cofmupy",)
 USE = "a stream or connection for every input"
 FINDINGS = (
-    "It reads one Real of every output, whatever its type and size (`Fmu2Handler.step`, "
-    "`Fmu3Handler.step`). Native FMUs answer with an error, as the standard asks, pythonfmu's C layer "
-    "with a number: native ones with other outputs [need to lose "
-    "them](#outputs-that-are-not-single-reals).",
-    "Inputs that nothing is connected to are set to 0, whatever their start value "
-    "(`DefaultMaster.init_simulation`).",
-    "It records a step too early: `DefaultMaster.do_step` notes the time before the step and the "
-    "outputs after it.",
+    "It reads every output as one Real (`Fmu2Handler.step`, `Fmu3Handler.step`). Native FMUs answer with an "
+    "error, as the standard demands. [Remove other "
+    "outputs](../how-to/use-the-fmus.md#remove-outputs-that-are-not-single-reals).",
+    "It sets unconnected inputs to 0, whatever their start value (`DefaultMaster.init_simulation`).",
+    "It records outputs one step too early: `DefaultMaster.do_step` gives them the time before the step.",
 )
 
 

@@ -11,7 +11,7 @@ from ..case import Case, report_loaded
 
 TITLE = "FMPy"
 REQUIREMENTS = ("fmpy",)
-USE = "nothing else"
+USE = "nothing"
 
 
 def version() -> str:

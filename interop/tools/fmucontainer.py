@@ -16,7 +16,7 @@ from . import fmpy
 
 TITLE = "FMUContainer"
 REQUIREMENTS = ("fmu-manipulation-toolbox", "fmpy")
-USE = "nothing else"
+USE = "nothing"
 PROGRAM = Path(sys.executable).with_name("fmucontainer")
 
 

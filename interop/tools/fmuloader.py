@@ -11,10 +11,10 @@ from ..case import Case, report_loaded
 
 TITLE = "fmuloader"
 REQUIREMENTS = ("fmuloader",)
-USE = "to write the loop"
+USE = "a loop of your own"
 FINDINGS = (
-    "`Fmi2Slave` looks for all functions of the standard, those of model exchange too, which FMUs for "
-    "co-simulation alone (those in Python) need not have.",
+    "`Fmi2Slave` requires the functions of model exchange too. FMUs in Python are for co-simulation only and "
+    "do not have them.",
 )
 
 

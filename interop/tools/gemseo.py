@@ -11,10 +11,10 @@ from ..case import Case, report_loaded
 
 TITLE = "GEMSEO"
 REQUIREMENTS = ("gemseo-fmu",)
-USE = "nothing else"
+USE = "nothing"
 FINDINGS = (
-    "It records the outputs after a step with the inputs of the next one already set (it sets them in "
-    "FMPy's `step_finished`, after which FMPy 0.3.19 samples): compared here with the component's so.",
+    "It sets the inputs of the next step before it records the outputs of the last one. The comparison does "
+    "the same.",
 )
 NEXT_INPUTS = True
 

@@ -12,11 +12,11 @@ from ..case import Case, RefusedError, report_loaded
 
 TITLE = "libcosim"
 REQUIREMENTS = ("libcosimpy",)
-USE = "nothing else"
+USE = "nothing"
 FMI = (2,)
 FINDINGS = (
-    "It does not know FMI 3.0. `CosimExecution.add_local_slave` takes a slave that could not be made "
-    "and ends the process with SIGSEGV; `CosimLocalSlave.ptr()` says whether it was made.",
+    "No FMI 3.0. `CosimExecution.add_local_slave` crashes with a slave that could not be made; "
+    "`CosimLocalSlave.ptr()` tells whether it was.",
 )
 
 SECOND = 1_000_000_000  # it counts nanoseconds

@@ -11,13 +11,12 @@ from ..case import Case, report_loaded
 
 TITLE = "PathSim"
 REQUIREMENTS = ("pathsim-fmi", "pathsim", "fmpy")
-USE = "nothing else"
+USE = "nothing"
 FINDINGS = (
-    "It reads one Real of every output, whatever its type and size (`FMUWrapper.get_outputs_as_array`). "
-    "Native FMUs answer with an error, as the standard asks, pythonfmu's C layer with a number: native "
-    "ones with other outputs [need to lose them](#outputs-that-are-not-single-reals).",
-    "It records a step too early: outputs at the end of a step stand at the time of its beginning, "
-    "where the block makes the step before they are sampled.",
+    "It reads every output as one Real (`FMUWrapper.get_outputs_as_array`). Native FMUs answer with an "
+    "error, as the standard demands. [Remove other "
+    "outputs](../how-to/use-the-fmus.md#remove-outputs-that-are-not-single-reals).",
+    "It records outputs one step too early: those at the end of a step have the time of its beginning.",
 )
 
 

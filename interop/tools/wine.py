@@ -18,9 +18,8 @@ REQUIREMENTS = ("fmpy", "ziglang")
 USE = "Debian's wine64, or Windows"
 PLATFORM = "x86_64-windows"
 FINDINGS = (
-    "Differences are those of the system's C library, here wine's (`ucrtbase.dll`; nothing of one is inside "
-    "the FMUs): its `sin`, `cos`, `exp`, `pow`, `erfc` and `tanh` are now and then one to three units of the "
-    "last place from glibc's. Rates, which are differences along the motion, multiply that.",
+    "Differences come from the system's C library, here wine's `ucrtbase.dll`. Its elementary functions "
+    "differ from glibc's by up to three units in the last place, and rates amplify that.",
     "FMUs in Python need a Python for Windows.",
 )
 

@@ -1,5 +1,7 @@
-"""Other tools, of which docs/tools.md has the whole table, run the packaged files with the numbers of the
-component; and a C program does."""
+"""Other tools and a C program run the packaged files and give the numbers of the component.
+
+docs/reference/tools.md has the whole table.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +47,7 @@ def test_other_masters(tool: str, name: str, kind: str, record) -> None:
 @pytest.mark.parametrize("name", ["valve_spring", "slider_crank"])
 @pytest.mark.parametrize("tool", sorted({*NAMES_OF_TOOLS} - {*TOOLS}))
 def test_tools_that_are_not_always_here(tool: str, name: str, kind: str) -> None:
-    """What docs/tools.md says of them."""
+    """What docs/reference/tools.md says of them."""
     if why := explain_missing(tool):
         pytest.skip(why)
     said = read_sections()[tool].rows[name][2 * list(KINDS).index(kind)]

@@ -1,4 +1,4 @@
-"""Command lines of other tools run our FMUs: the commands of docs/tools.md as they stand there, with the
+"""Command lines of other tools run our FMUs: the commands of the how-to as they stand there, with the
 inputs in files, give the numbers of the component."""
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from fmpy import read_model_description
 from interop.c_program import find_libpython
 from interop.case import Case, list_equal_steps
 from interop.comparison import KINDS, compute_expected, make_case
-from interop.document import FILE
 from interop.processes import ask
 
 NAME = "valve_spring"
 DOCUMENTED = f"{NAME}-native.fmu"
 STEP = 1e-5
-COMMANDS = [line for line in FILE.read_text("utf-8").splitlines() if "-native.fmu" in line]
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "use-the-fmus.md"
+COMMANDS = [line for line in PAGE.read_text("utf-8").splitlines() if "-native.fmu" in line]
 
 
 def command(program: str, word: str) -> str:

@@ -1,4 +1,4 @@
-"""docs/tools.md is what its program writes, and its tables say what they are made of."""
+"""docs/reference/tools.md is what its program writes, and its tables say what they are made of."""
 
 from __future__ import annotations
 
