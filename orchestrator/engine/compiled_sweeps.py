@@ -64,7 +64,7 @@ class FmuPass:
         for turn, i, fmu in zip(self._turns, order, fmus, strict=True):
             turn["number"], turn["first"], turn["last"] = i, e.slices[i].start, e.slices[i].stop
             turn["first_given"], turn["first_taken"] = given, taken
-            fmu.describe(turn, memory["given"][given:], memory["taken"][taken:])
+            fmu.fill_record(turn, memory["given"][given:], memory["taken"][taken:])
             given, taken = given + turn["given_count"], taken + turn["taken_count"]
 
     def __call__(self, time: float, step: float) -> None:
@@ -76,7 +76,7 @@ class FmuPass:
             turn, call, status = self._sweep(self._turns, self._memory.record, known, time, step, done)
             if call != STEP:
                 break
-            self._fmus[turn].failed(call, status, time, step)
+            self._fmus[turn].raise_error(call, status, time, step)
             # It asks for the end at that of its step, which the others make too.
             self._exchange.ended = True
             self._exchange.calls[self._turns[turn]["number"]] += 1
@@ -84,7 +84,7 @@ class FmuPass:
         if call == NOT_FINITE:
             self._exchange.refuse(slice(0, len(self._exchange.sources)))
         elif call != FINE:
-            self._fmus[turn].failed(call, status, time, step)
+            self._fmus[turn].raise_error(call, status, time, step)
 
 
 @numba.njit(cache=True)

@@ -39,22 +39,22 @@ NO_STRINGS: Mapping[str, str] = {}
 
 
 def open_fmu(
-    name: str, path: Path, instance: Instance, texts: Mapping[str, str] = NO_STRINGS
+    name: str, path: Path, instance: Instance, strings: Mapping[str, str] = NO_STRINGS
 ) -> FmuParticipant:
     """The FMU at `path` in the place of `instance`, which knows no texts."""
-    return FmuParticipant(name, path, collect_settings(instance, texts))
+    return FmuParticipant(name, path, collect_settings(instance, strings))
 
 
 def open_in_own_process(
-    name: str, path: Path, instance: Instance, texts: Mapping[str, str] = NO_STRINGS
+    name: str, path: Path, instance: Instance, strings: Mapping[str, str] = NO_STRINGS
 ) -> InOwnProcess:
     """As `fmu`, in a process of its own."""
-    return InOwnProcess(name, path, collect_settings(instance, texts))
+    return InOwnProcess(name, path, collect_settings(instance, strings))
 
 
-def collect_settings(instance: Instance, texts: Mapping[str, str] = NO_STRINGS) -> FmuSettings:
+def collect_settings(instance: Instance, strings: Mapping[str, str] = NO_STRINGS) -> FmuSettings:
     """What the FMU in the place of `instance` is asked for and given."""
     component = instance.component
     own = isinstance(component, ThirdPartyComponent)
     starts = {k if own else component.state.field(k).suffixed("_start"): v for k, v in instance.start.items()}
-    return FmuSettings(component.outputs.names, {**instance.parameters, **starts}, instance.inputs, texts)
+    return FmuSettings(component.outputs.names, {**instance.parameters, **starts}, instance.inputs, strings)

@@ -67,11 +67,11 @@ class Elements:
 
     def setting(self, fail: Fail, memory: Vector | None = None) -> Bound:
         """To set them; `memory`, if they are plain, is where their values are."""
-        return Bound(self, self.fmi.setter, fail, memory, self._set_slow)
+        return Bound(self, self.fmi.bind_setter, fail, memory, self._set_slow)
 
     def getting(self, fail: Fail, memory: Vector | None = None) -> Bound:
         """To get them, as `setting`."""
-        return Bound(self, self.fmi.getter, fail, memory, self._get_slow)
+        return Bound(self, self.fmi.bind_getter, fail, memory, self._get_slow)
 
     def _set_slow(self, values: Vector) -> None:
         for whole, rest, wanted in self.slow.values():

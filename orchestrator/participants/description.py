@@ -110,16 +110,16 @@ class Description:
     step: float | None
 
     @property
-    def made_here(self) -> bool:
+    def is_own(self) -> bool:
         """Whether the file says that this program made it."""
         return self.tool.startswith(OWN_TOOL)
 
     @property
-    def texts(self) -> list[str]:
+    def strings(self) -> list[str]:
         """The parameters that are single texts (String)."""
         return [v.name for v in self.variables.values() if v.settable and v.type == STRING and v.size == 1]
 
-    def named(self, causality: str) -> Iterator[Variable]:
+    def list_variables(self, causality: str) -> Iterator[Variable]:
         """The numeric variables of this causality."""
         return (v for v in self.variables.values() if v.causality == causality and v.numeric)
 
@@ -132,7 +132,7 @@ def is_made_here(path: Path) -> bool:
 
 @functools.lru_cache(maxsize=256)
 def _is_made_here(path: Path, changed: int, size: int) -> bool:
-    return sealed(path) and read_description(path).made_here
+    return sealed(path) and read_description(path).is_own
 
 
 class DescriptionError(ValueError):

@@ -89,8 +89,8 @@ class ErrorReporter:
         """
         what = f"{self.name}: step from t = {time:.9g} s by {step:g} s returned {status_name(DISCARD)}"
         said = self._said()
-        reached = self._fmi.reached()
-        if self._fmi.ended():
+        reached = self._fmi.get_reached_time()
+        if self._fmi.is_ended():
             when = time if reached is None else reached
             if when >= time + step * (1.0 - WHOLE):
                 self._fmi.ended_in.append(time)

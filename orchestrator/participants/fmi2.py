@@ -53,7 +53,7 @@ class Fmi2(BoundCalls):
             instanceName=name,
         )
         # Python FMUs, and ours, say whole texts, in which a percent sign is one.
-        self._formats = not (description.made_here or Path(folder, "resources", "slavemodule.txt").is_file())
+        self._formats = not (description.is_own or Path(folder, "resources", "slavemodule.txt").is_file())
         self._heard: tuple[object, ...] = ()
         self.ended_in: list[float] = []
 
@@ -93,7 +93,7 @@ class Fmi2(BoundCalls):
         else:
             self._slave.setInteger(reference, [int(value) for value in values])
 
-    def set_text(self, variable: Variable, text: str) -> None:
+    def set_string(self, variable: Variable, text: str) -> None:
         self._slave.setString([variable.reference], [text])
 
     def get(self, variables: Sequence[Variable]) -> list[float]:
@@ -121,31 +121,31 @@ class Fmi2(BoundCalls):
         for key in self._heard:
             _listeners.pop(key, None)
 
-    def addresses(self) -> dict[str, int]:
+    def get_addresses(self) -> dict[str, int]:
         return self._addresses("fmi2SetReal", "fmi2DoStep", "fmi2GetReal") | {"fmi3": 0, "told": 0}
 
-    def setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
+    def bind_setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
         return self._transfer("fmi2SetReal", references, values=values, fail=fail)
 
-    def getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
+    def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
         return self._transfer("fmi2GetReal", references, values=values, fail=fail)
 
-    def input_derivatives(
+    def bind_input_derivatives(
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
     ) -> Callable[[], None]:
         return self._transfer("fmi2SetRealInputDerivatives", references, orders, values=values, fail=fail)
 
-    def output_derivatives(
+    def bind_output_derivatives(
         self, references: Any, values: Vector, fail: Callable[[int], None]
     ) -> Callable[[], None]:
         orders = np.ones(len(references), dtype=np.intc)
         return self._transfer("fmi2GetRealOutputDerivatives", references, orders, values=values, fail=fail)
 
-    def directional(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
+    def differentiate(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
         references = [v.reference for v in unknown]
         return list(self._slave.getDirectionalDerivative(references, [known.reference], [1.0]))
 
-    def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
+    def bind_step(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         call, handle, yes = self._function("fmi2DoStep"), self._handle, ctypes.c_int(1)
         begin, duration, ended_in = ctypes.c_double(), ctypes.c_double(), self.ended_in
 
@@ -162,12 +162,12 @@ class Fmi2(BoundCalls):
 
         return advance
 
-    def reached(self) -> float | None:
+    def get_reached_time(self) -> float | None:
         value = ctypes.c_double()
         status = self._function("fmi2GetRealStatus")(self._handle, LAST_SUCCESSFUL_TIME, ctypes.byref(value))
         return value.value if status <= WARNING else None
 
-    def ended(self) -> bool:
+    def is_ended(self) -> bool:
         # pythonfmu's C layer says so of every discarded step, so that its answer means nothing.
         if self._in_python:
             return False

@@ -71,7 +71,7 @@ class Fmi3(BoundCalls):
         memory[:] = [make(value) for value in values]
         call(self._slave.component, references, len(references), memory, len(memory))
 
-    def set_text(self, variable: Variable, text: str) -> None:
+    def set_string(self, variable: Variable, text: str) -> None:
         self._slave.setString([variable.reference], [text])
 
     def get(self, variables: Sequence[Variable]) -> list[float]:
@@ -103,26 +103,26 @@ class Fmi3(BoundCalls):
     def free(self) -> None:
         self._slave.freeInstance()
 
-    def addresses(self) -> dict[str, int]:
+    def get_addresses(self) -> dict[str, int]:
         if self._early:  # which compiled code does not go on from
             return {}
         found = self._addresses("fmi3SetFloat64", "fmi3DoStep", "fmi3GetFloat64")
         return found | {"fmi3": 1, "told": self._told.ctypes.data}
 
-    def setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
+    def bind_setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
         size = (ctypes.c_size_t(values.size),)
         return self._transfer("fmi3SetFloat64", references, values=values, after=size, fail=fail)
 
-    def getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
+    def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
         size = (ctypes.c_size_t(values.size),)
         return self._transfer("fmi3GetFloat64", references, values=values, after=size, fail=fail)
 
-    def input_derivatives(
+    def bind_input_derivatives(
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
     ) -> Callable[[], None]:
         raise NotImplementedError("FMI 3 has no such call")
 
-    def output_derivatives(
+    def bind_output_derivatives(
         self, references: Any, values: Vector, fail: Callable[[int], None]
     ) -> Callable[[], None]:
         orders, size = np.ones(len(references), dtype=np.int32), (ctypes.c_size_t(values.size),)
@@ -130,14 +130,14 @@ class Fmi3(BoundCalls):
             "fmi3GetOutputDerivatives", references, orders, values=values, after=size, fail=fail
         )
 
-    def directional(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
+    def differentiate(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
         whole = ArrayLayout(unknown)
         seed = [float(place == known.place) for place in range(known.size)]
         references = list(whole.references)
         found = self._slave.getDirectionalDerivative(references, [known.reference], seed, whole.size)
         return [found[place] for place in whole.places]
 
-    def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
+    def bind_step(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         call, handle = self._function("fmi3DoStep"), self._handle
         yes, begin, duration = ctypes.c_bool(True), ctypes.c_double(), ctypes.c_double()
         told, at, ended_in = self._told, self._told.ctypes.data, self.ended_in
@@ -176,8 +176,8 @@ class Fmi3(BoundCalls):
 
         return advance
 
-    def reached(self) -> float | None:
+    def get_reached_time(self) -> float | None:
         return float(self._told[1])
 
-    def ended(self) -> bool:
+    def is_ended(self) -> bool:
         return bool(self._told[:1].view(np.uint8)[ENDED])

@@ -46,39 +46,39 @@ class FmiInstance(Protocol):
         """Set these scalars: all of one type, or all elements of one array."""
         ...
 
-    def set_text(self, variable: Variable, text: str) -> None: ...
+    def set_string(self, variable: Variable, text: str) -> None: ...
 
     def get(self, variables: Sequence[Variable]) -> list[float]:
         """As `set`."""
         ...
 
-    def setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
+    def bind_setter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
         """A function that sets the variables of these references (unsigned int) to what is in `values`."""
         ...
 
-    def getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
+    def bind_getter(self, references: Any, values: Vector, fail: Callable[[int], None]) -> Callable[[], None]:
         """As `setter`, the other way."""
         ...
 
-    def input_derivatives(
+    def bind_input_derivatives(
         self, references: Any, orders: Any, values: Vector, fail: Callable[[int], None]
     ) -> Callable[[], None]:
         """A function that sets the inputs' derivatives of these orders (int) to what is in `values`; for FMUs
         that say that they interpolate."""
         ...
 
-    def output_derivatives(
+    def bind_output_derivatives(
         self, references: Any, values: Vector, fail: Callable[[int], None]
     ) -> Callable[[], None]:
         """A function that gets the first derivatives of outputs by time into `values`, those of arrays whole;
         for FMUs that say that they give them, after initialisation."""
         ...
 
-    def directional(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
+    def differentiate(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
         """The derivatives of these unknown scalars by a known one; for FMUs that say that they give them."""
         ...
 
-    def steps(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
+    def bind_step(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         """A function that steps from a time by a length; `fail` gets these as well, after the status.
 
         To ask for the end of the simulation is to discard the step (see `ended`), and so is every step that
@@ -86,15 +86,15 @@ class FmiInstance(Protocol):
         """
         ...
 
-    def reached(self) -> float | None:
+    def get_reached_time(self) -> float | None:
         """Last successful time after a discarded step, where the FMU says it."""
         ...
 
-    def ended(self) -> bool:
+    def is_ended(self) -> bool:
         """After a discarded step: whether the FMU asks to end the simulation."""
         ...
 
-    def addresses(self) -> dict[str, int]:
+    def get_addresses(self) -> dict[str, int]:
         """What compiled code needs to call the functions itself (see `compiled`); empty: it cannot."""
         ...
 

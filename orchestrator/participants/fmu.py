@@ -37,7 +37,7 @@ class FmuSettings:
     outputs: Sequence[str]
     values: Mapping[str, float] = field(default_factory=dict)
     inputs: Mapping[str, float] = field(default_factory=dict)
-    texts: Mapping[str, str] = field(default_factory=dict)
+    strings: Mapping[str, str] = field(default_factory=dict)
 
 
 class FmuParticipant(ErrorReporter):
@@ -86,7 +86,7 @@ class FmuParticipant(ErrorReporter):
             self.close()
             raise
         # What runs in every step are such functions themselves, not methods around them.
-        self.advance = self._fmi.steps(self._not_advanced)
+        self.advance = self._fmi.bind_step(self._not_advanced)
 
     def _variable(self, name: str) -> Variable:
         if name not in self._variables:
@@ -131,7 +131,7 @@ class FmuParticipant(ErrorReporter):
         )
         rated = self._bind_read(output_names, outputs, rates)
         plain = elements.plain and self._get.plain and not self._interpolated and not self._called
-        self.compilable = bool(self._fmi.addresses()) and plain
+        self.compilable = bool(self._fmi.get_addresses()) and plain
         return rated
 
     def _interpolate(self, names: Sequence[str], inputs: Vector) -> None:
@@ -150,7 +150,7 @@ class FmuParticipant(ErrorReporter):
         references = np.array([self._variable(names[c]).reference for c in columns] * count, dtype=np.uintc)
         orders = np.repeat(np.arange(1, count + 1, dtype=np.intc), len(columns))
         slopes = np.zeros(len(references))
-        send = self._fmi.input_derivatives(references, orders, slopes, self._setting_failed)
+        send = self._fmi.bind_input_derivatives(references, orders, slopes, self._setting_failed)
         write = self.write
 
         def write_all() -> None:
@@ -192,7 +192,7 @@ class FmuParticipant(ErrorReporter):
             return
         whole = ArrayLayout(wanted[i] for i in self._called)
         references, found = np.array(whole.references, dtype=np.uintc), np.zeros(whole.size)
-        get = self._fmi.output_derivatives(references, found, self._reading_failed)
+        get = self._fmi.bind_output_derivatives(references, found, self._reading_failed)
         read = self.read
 
         def read_called() -> None:
@@ -220,8 +220,8 @@ class FmuParticipant(ErrorReporter):
         with self._name_errors("initialise"):
             self._fmi.set_up(start_time, stop_time)
             self._assign(self._asked.values)
-            for name, text in self._asked.texts.items():
-                self._fmi.set_text(self._variable(name), text)
+            for name, text in self._asked.strings.items():
+                self._fmi.set_string(self._variable(name), text)
             self._fmi.enter_initialization(start_time, stop_time)
             self._assign(self._asked.inputs)
 
@@ -254,30 +254,30 @@ class FmuParticipant(ErrorReporter):
             self._fail(status, f"step from t = {time:.9g} s by {step:g} s")
         self._discarded(time, step)
 
-    def describe(self, record: Any, given: Vector, taken: Vector) -> None:
+    def fill_record(self, record: Any, given: Vector, taken: Vector) -> None:
         """Fill the record (see `compiled`); what is given and taken begins there."""
         self._records.append(record)
-        for name, address in self._fmi.addresses().items():
+        for name, address in self._fmi.get_addresses().items():
             record[name] = address
         record["given"], record["taken"] = given.ctypes.data, taken.ctypes.data
         for name, references in (("given", self.given), ("taken", self.taken)):
             record[f"{name}_references"] = references.ctypes.data
             record[f"{name}_count"] = len(references)
 
-    def reading(self, names: Sequence[str], memory: Vector) -> tuple[Any, Any] | None:
+    def bind_reader(self, names: Sequence[str], memory: Vector) -> tuple[Any, Any] | None:
         """A record (see `compiled`) with which `take` puts these outputs into `memory`, and the references
         that it points to, to be kept; None where compiled code cannot read them."""
         elements = Elements(self._fmi, self._variables, map(self._variable, names))
         if not (self.compilable and elements.plain) or numba.config.DISABLE_JIT:
             return None
         record = np.zeros(1, dtype=CALLS)
-        for name, address in self._fmi.addresses().items():
+        for name, address in self._fmi.get_addresses().items():
             record[name] = address
         record["taken"], record["taken_count"] = memory.ctypes.data, len(memory)
         record["taken_references"] = elements.references.ctypes.data
         return record, elements.references
 
-    def failed(self, call: int, status: int, time: float, step: float) -> None:
+    def raise_error(self, call: int, status: int, time: float, step: float) -> None:
         """Raise the error of a call (see `compiled`) that compiled code made; a step may be made, too."""
         if call == SET:
             self._setting_failed(status)
@@ -309,7 +309,7 @@ class FmuParticipant(ErrorReporter):
         """d unknown / d known (rows x columns), at the present point, by directional derivatives."""
         of, by = ([self._variable(name) for name in names] for names in (unknown, known))
         with self._name_errors("directional derivatives"):
-            columns = [self._fmi.directional(of, one) for one in by] if of else []
+            columns = [self._fmi.differentiate(of, one) for one in by] if of else []
         return np.array(columns).T.reshape(len(of), len(by))
 
     def save(self) -> ctypes.c_void_p:

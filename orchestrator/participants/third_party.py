@@ -68,7 +68,7 @@ def _read_component(path: Path, changed: int, size: int) -> Component:
     except DescriptionError as error:
         raise ValueError(f"{path}: {error}; give another file") from None
     outputs = [v for v in about.variables.values() if v.causality == "output" and v.numeric]
-    inputs = list(about.named("input"))
+    inputs = list(about.list_variables("input"))
     every = tuple(v.name for v in inputs)
     return ThirdPartyComponent(
         name=about.model,

@@ -196,7 +196,7 @@ def parameters_of(scenario: Scenario) -> dict[str, float]:
     """The value of every parameter by "instance.parameter", in its unit; of a choice its number."""
     found = {}
     for name, table in scenario.components.items():
-        layout = table.made().parameters
+        layout = table.resolve().parameters
         values = {field.name: field.start for field in layout.fields} | to_numbers(layout, table.parameters)
         found |= {f"{name}.{parameter}": value for parameter, value in values.items()}
     return found

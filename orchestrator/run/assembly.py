@@ -56,7 +56,7 @@ def system_of(scenario: Scenario) -> System:
             "miss nothing; use the master jacobi, or leave the correction out"
         )
     for name, table in scenario.components.items():
-        if table.participant.endswith(".fmu") and not table.foreign:
+        if table.participant.endswith(".fmu") and not table.third_party:
             check_file(name, Path(table.participant), variables_used(name, system, scenario.start))
     check_capabilities(scenario)
     return system
@@ -72,7 +72,7 @@ def check_analysable(scenario: Scenario) -> None:
     """ScenarioError where the system's equations do not know all: FMUs from elsewhere, connections that
     change values."""
     for name, table in scenario.components.items():
-        if table.foreign:
+        if table.third_party:
             raise ScenarioError(
                 f"components.{name}: an FMU from elsewhere, whose equations are not known here, is not "
                 "analysed; tribocosim run with several macro steps shows what they do"
@@ -90,7 +90,7 @@ def check_analysable(scenario: Scenario) -> None:
 def check_master(scenario: Scenario) -> None:
     """ScenarioError unless the master's order, if it has one, names every component once, and what it is to
     iterate are components."""
-    master = scenario.master.made()
+    master = scenario.master.build()
     order = getattr(master, "order", ())
     if order and sorted(order) != sorted(scenario.components):
         raise ScenarioError(
@@ -131,7 +131,7 @@ def check_energy_estimator(scenario: Scenario, system: System) -> None:
 
 
 def _instance(table: ComponentTable) -> Instance:
-    component = table.made()
+    component = table.resolve()
     return Instance(
         component,
         parameters=to_numbers(component.parameters, table.parameters),
@@ -198,7 +198,7 @@ def fmu_files(scenario: Scenario, build: Builder) -> dict[str, FmuFile]:
         if table.participant == "in-process":
             continue
         own = table.participant in BUILT_KINDS
-        counts = scenario.energy.ledger and table.made().samples
+        counts = scenario.energy.ledger and table.resolve().samples
         structure = counting_structure(table.structure) if counts else table.structure
         path = Path(table.participant)
         if own and table.component:
@@ -260,8 +260,8 @@ def participants_of(
     try:
         for name, instance in system.instances.items():
             if name in files:
-                kind = open_in_own_process if scenario.components[name].apart else open_fmu
-                texts = scenario.components[name].texts
+                kind = open_in_own_process if scenario.components[name].own_process else open_fmu
+                texts = scenario.components[name].strings
                 make = partial(kind, name, files[name].path, without_estimates(instance), texts)
             else:
                 make = partial(in_process, name, without_estimates(instance))

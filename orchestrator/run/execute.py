@@ -45,7 +45,9 @@ def run_coupled(
     scenario, every, stop = job.scenario, job.scenario.record_every, job.scenario.stop_time
     quantities = assembly.output_quantities(system)
     # An FMU that may end this process at any moment must not take records along.
-    exposed = [name for name, table in scenario.components.items() if table.unknown and not table.apart]
+    exposed = [
+        name for name, table in scenario.components.items() if table.untrusted and not table.own_process
+    ]
     held_for = 0.0 if exposed else FLUSH_SECONDS
     not_numbers, contacts = NotNumbers(every, stop), ContactObserver(system)
     recorders: list[Observer] = [ResultRecorder(job.folder, quantities, every, held_for, stop), not_numbers]

@@ -106,7 +106,7 @@ def _kept(job: Job) -> Summary:
         "an FMU that cannot be serialised); the result is what it had recorded"
     )
     if names := [
-        name for name, table in job.scenario.components.items() if table.unknown and not table.apart
+        name for name, table in job.scenario.components.items() if table.untrusted and not table.own_process
     ]:
         summary.message += (
             f"; if one of its FMUs ended it ({', '.join(names)}), components.{names[0]}.process = 'own' says "

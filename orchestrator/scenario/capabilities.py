@@ -30,7 +30,7 @@ def check_third_party(scenario: Scenario) -> None:
                     f"{wanted[0]}: the connection {str(line)!r} changes values, which the equations of the "
                     f"system do not know; {wanted[1]}, or connect variables as they are"
                 )
-    foreign = [name for name, table in scenario.components.items() if table.foreign]
+    foreign = [name for name, table in scenario.components.items() if table.third_party]
     if not foreign:
         return
     named = f"{', '.join(foreign)}: FMUs from elsewhere, whose equations are not known here"
@@ -54,7 +54,9 @@ def check_capabilities(scenario: Scenario) -> None:
             scenario, name, read_description(path)
         ):
             raise ScenarioError(f"components.{name}.participant: {path}: {fault}")
-    shared = Counter(path.resolve() for name, path in files.items() if not scenario.components[name].apart)
+    shared = Counter(
+        path.resolve() for name, path in files.items() if not scenario.components[name].own_process
+    )
     for name, path in files.items():
         if shared[path.resolve()] > 1 and read_description(path).once_per_process:
             raise ScenarioError(
@@ -83,7 +85,7 @@ def _find_library_fault(path: Path, about: Description) -> str:
 def _find_fault(scenario: Scenario, name: str, about: Description) -> str:
     """What keeps the FMU from taking part, with the remedy; empty if nothing does."""
     table = scenario.components[name]
-    if scenario.master.made().implicit:
+    if scenario.master.build().implicit:
         varied = f"the master {scenario.master.name}", "take the master jacobi or gauss_seidel"
     elif scenario.step_control:
         varied = "[step_control]", "leave it out"

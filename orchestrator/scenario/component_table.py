@@ -121,28 +121,28 @@ class ComponentTable(Table):
         return parse_values(layout, others, kinds[info.field_name], layouts) | told
 
     @property
-    def foreign(self) -> bool:
+    def third_party(self) -> bool:
         """Whether it is an FMU that stands for itself."""
         return self.component is None
 
     @property
-    def apart(self) -> bool:
+    def own_process(self) -> bool:
         """Whether its FMU runs in a process of its own."""
-        return self.process == "own" or (self.process is None and self.unknown)
+        return self.process == "own" or (self.process is None and self.untrusted)
 
     @property
-    def unknown(self) -> bool:
+    def untrusted(self) -> bool:
         """Whether it is an FMU that is not as this program made it."""
         return self.participant.endswith(".fmu") and not is_made_here(Path(self.participant))
 
     @property
-    def texts(self) -> dict[str, str]:
+    def strings(self) -> dict[str, str]:
         """Its parameters that are texts, of an FMU from elsewhere."""
-        component = self.made()
-        known = component.about.texts if isinstance(component, ThirdPartyComponent) else []
+        component = self.resolve()
+        known = component.about.strings if isinstance(component, ThirdPartyComponent) else []
         return {name: str(value) for name, value in self.parameters.items() if name in known}
 
-    def made(self) -> Component:
+    def resolve(self) -> Component:
         """The component with these sizes, or the one that the FMU is."""
         return _resolve(self.participant, self.component, self.structure)
 

@@ -211,8 +211,8 @@ def to_full_toml(scenario: Scenario) -> str:
 
     content = scenario.model_dump(exclude_none=True)
     for name, table in scenario.components.items():
-        if not table.foreign:  # whose file stands for its own defaults
-            layout = table.made().parameters
+        if not table.third_party:  # whose file stands for its own defaults
+            layout = table.resolve().parameters
             values = {f.name: to_value(f.quantity, f.start) for f in layout.fields}
             content["components"][name]["parameters"] = values | table.parameters
         for empty in ("structure", "parameters", "start", "inputs"):

@@ -51,21 +51,21 @@ class FmuLimits:
         return self.restorable and all(about.variable_step for about in self._about.values())
 
     @property
-    def held(self) -> list[Port]:
+    def held_inputs(self) -> list[Port]:
         """The inputs that are driven and held over a macro step."""
         return [c.target for c in self._connections if self._get_degree(c.target) == 0]
 
     @property
-    def highest(self) -> int:
+    def highest_degree(self) -> int:
         """The highest degree that a signal has here, whatever the scenario's."""
         return max(self._find_degrees().values(), default=HIGHEST)
 
     @property
-    def lowest(self) -> int:
+    def lowest_degree(self) -> int:
         """The degree that every signal can have."""
         return min(self._find_degrees().values(), default=HIGHEST)
 
-    def differentiated(self, degree: int) -> Iterator[tuple[Port, Port]]:
+    def find_differentiated(self, degree: int) -> Iterator[tuple[Port, Port]]:
         """Outputs that are time derivatives of inputs, and the inputs, whose signal has no slope."""
         degrees = self._find_degrees()
         sources = {c.source for c in self._connections}
@@ -98,12 +98,12 @@ def _differentiates(about: Description, output: Port, target: Port) -> bool:
 
 def list_limit_warnings(scenario: Scenario) -> list[str]:
     """A line for each thing that FMUs can't take of the scenario's signals and steps."""
-    limits, master = FmuLimits(scenario), scenario.master.made()
-    found = [_describe_held(scenario.master.name, master, limits.held)] if limits.held else []
-    for output, target in dict.fromkeys(limits.differentiated(master.degree)):
+    limits, master = FmuLimits(scenario), scenario.master.build()
+    found = [_describe_held(scenario.master.name, master, limits.held_inputs)] if limits.held_inputs else []
+    for output, target in dict.fromkeys(limits.find_differentiated(master.degree)):
         remedy = (
             "take extrapolation = 'linear' or a higher one"
-            if limits.highest > 0
+            if limits.highest_degree > 0
             else "take an FMU that takes the slope of this input (_der1)"
         )
         found.append(
@@ -112,7 +112,7 @@ def list_limit_warnings(scenario: Scenario) -> list[str]:
         )
     if scenario.step_control and scenario.step_control.maximum_step is None:
         blind = [
-            n for n, table in scenario.components.items() if isinstance(table.made(), ThirdPartyComponent)
+            n for n, table in scenario.components.items() if isinstance(table.resolve(), ThirdPartyComponent)
         ]
         if blind:
             found.append(

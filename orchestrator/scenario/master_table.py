@@ -28,7 +28,7 @@ class MasterTable(BaseModel):
             raise ValueError(f"{name!r}: {one_of(MASTERS, name)}")
         return name
 
-    def made(self) -> Any:
+    def build(self) -> Any:
         """The master with its options; ValidationError or ValueError if they do not fit."""
         kind = MASTERS[self.name]
         options = dict(self.model_extra or {})

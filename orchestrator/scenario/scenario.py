@@ -171,7 +171,7 @@ class Scenario(Table):
     @classmethod
     def _check_master(cls, master: MasterTable) -> MasterTable:
         try:
-            master.made()
+            master.build()
         except ValidationError as error:
             raise Faults(*map(_split_message, list_messages(error))) from None
         return master
@@ -191,9 +191,9 @@ class Scenario(Table):
                 )
             )
         if control is not None and "master" in info.data:
-            master = info.data["master"].made()
+            master = info.data["master"].build()
             try:
-                made = control.made(master.implicit, EVENT_TOLERANCE)
+                made = control.build(master.implicit, EVENT_TOLERANCE)
                 ESTIMATORS[made.estimator]().check(master)
             except ValueError as error:
                 raise Faults(("", f".{error}")) from None
@@ -202,7 +202,7 @@ class Scenario(Table):
     def build_master(self) -> Any:
         """The master. With step control an iterated one converges to 0.3 of the step's tolerance,
         unless its own is given."""
-        master = self.master.made()
+        master = self.master.build()
         if self.step_control and master.implicit and "tolerance" not in (self.master.model_extra or {}):
             return replace(master, tolerance=CONVERGED * self.step_control.relative)
         return master
@@ -213,7 +213,7 @@ class Scenario(Table):
             return FixedSteps(self.macro_step, self.event_tolerance)
         tolerance = self.event_tolerance or EVENT_TOLERANCE
         return ControlledSteps(
-            self.macro_step, self.step_control.made(self.master.made().implicit, tolerance)
+            self.macro_step, self.step_control.build(self.master.build().implicit, tolerance)
         )
 
     @property

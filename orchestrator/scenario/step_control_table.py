@@ -40,7 +40,7 @@ class StepControlTable(Table):
             raise ValueError(f"{name!r}: {one_of(ESTIMATORS, name)}")
         return name
 
-    def made(self, implicit: bool, event_tolerance: float) -> StepControl:
+    def build(self, implicit: bool, event_tolerance: float) -> StepControl:
         """For a master that iterates (`implicit`), or one that doesn't."""
         return StepControl(
             estimator=self.estimator or ("predictor_corrector" if implicit else "step_doubling"),

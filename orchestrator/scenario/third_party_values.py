@@ -20,7 +20,7 @@ def select_strings(component: ThirdPartyComponent, values: Mapping[str, Value]) 
         variable = component.about.variables.get(name)
         if variable is None or variable.numeric or not variable.settable:
             continue
-        if name not in component.about.texts:
+        if name not in component.about.strings:
             kind = "an array of texts" if variable.type == STRING else f"of type {variable.type}"
             faults.append(
                 (name, f": is {kind}, which cannot be given; leave it out (it starts as its file says)")

@@ -38,7 +38,7 @@ def _list_doubtful(scenario: Scenario) -> list[str]:
     """Numbers without a unit that are plausible in another unit only."""
     found = []
     for name, table in scenario.components.items():
-        component = table.made()
+        component = table.resolve()
         for key, layout, values in (
             ("parameters", component.parameters, table.parameters),
             ("start", component.state, table.start),
@@ -62,7 +62,7 @@ def _list_other_units(scenario: Scenario) -> list[str]:
     """Numbers without a unit, for FMUs from elsewhere whose unit is not SI's."""
     found = []
     for name, table in scenario.components.items():
-        component = table.made()
+        component = table.resolve()
         if isinstance(component, ThirdPartyComponent):
             tables = {"parameters": table.parameters, "start": table.start, "inputs": table.inputs}
             found += [f"components.{name}.{value}" for value in list_bare_numbers(component, tables)]

@@ -208,7 +208,7 @@ def _set_values(
     """Put values where a scenario has them."""
     layouts = {"parameters": component.parameters, "inputs": component.inputs, "start": component.state}
     foreign = isinstance(component, ThirdPartyComponent)
-    texts = component.about.texts if isinstance(component, ThirdPartyComponent) else []
+    texts = component.about.strings if isinstance(component, ThirdPartyComponent) else []
     for variable, one in stated.items():
         if one.plain != (variable in texts):
             here, there = ("a String", "not") if one.plain else ("no String", "one")

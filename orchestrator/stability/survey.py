@@ -84,7 +84,7 @@ def survey(
 
 def _methods(scenario: Scenario, system: System, surveyor: _Surveyor) -> list[Master]:
     """The scenario's own master, then every master with every signal, in the best order."""
-    own = scenario.master.made()
+    own = scenario.master.build()
     order, stiff = surveyor.order(), surveyor.partition.stiff
     if getattr(own, "order", None) == () and order == tuple(system.instances):
         own = replace(own, order=order)

@@ -100,7 +100,7 @@ class ScenarioSubject:
         return {
             f"{name}.{field.name}": field.quantity
             for name, table in self.scenario.components.items()
-            for field in table.made().outputs.fields
+            for field in table.resolve().outputs.fields
         }
 
     def _compared(self) -> list[str]:
@@ -120,7 +120,7 @@ class ScenarioSubject:
         table = self.scenario.components.get(keys[1])
         if table is None:
             return None
-        component = table.made()
+        component = table.resolve()
         layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
         layout = layouts[keys[2]]
         return layout.field(keys[3]).quantity if keys[3] in layout else None

@@ -61,7 +61,7 @@ def test_nothing_is_advised_that_the_fmus_cannot_take(tmp_path: Path) -> None:
     summary, _ = ran(one, tmp_path / "out")
     assert not any("extrapolation" in said for said in summary.suggestions)
     limits = FmuLimits(one)
-    assert (limits.lowest, limits.restorable, limits.controllable) == (0, True, True)
+    assert (limits.lowest_degree, limits.restorable, limits.controllable) == (0, True, True)
     facts = Facts(summary.steps, None, one)  # type: ignore[arg-type]
     assert "extrapolation" not in (coupling.held_inputs(facts) or "")
 

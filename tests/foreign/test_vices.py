@@ -88,7 +88,7 @@ def test_a_process_of_its_own_is_for_all_but_what_is_as_we_made_it(tmp_path: Pat
     said = changed(ours, tmp_path / "changed.fmu", 'author="tribocosim', 'author="no tribocosim')
     claim = 'generationTool="tribocosim 1.0" modelName'
     claiming = changed(fmu("crashing", 2, tmp_path), tmp_path / "claiming.fmu", "modelName", claim)
-    apart = {path.name: case(path, None).components["decay"].apart for path in (ours, said, claiming)}
+    apart = {path.name: case(path, None).components["decay"].own_process for path in (ours, said, claiming)}
     assert apart == {"flywheel.fmu": False, "changed.fmu": True, "claiming.fmu": True}
     summary, _ = ran(case(claiming, None), tmp_path / "out")
     assert re.search(VICES["crashing"], summary.message)
@@ -202,7 +202,7 @@ def test_only_fmus_that_are_not_ours_have_processes_of_their_own_by_default(tmp_
         (ours, None, False),
         (ours, "own", True),
     ):
-        assert case(path, process).components["decay"].apart is apart
+        assert case(path, process).components["decay"].own_process is apart
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="call_time_limit needs a POSIX system")

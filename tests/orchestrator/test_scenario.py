@@ -195,7 +195,7 @@ def test_a_start_outside_the_walls_is_one_message(start: str) -> None:
     system = system_of(load("slider-crank", [*changes, "start=equilibrium"]))
     units = {name: in_process(name, instance) for name, instance in system.instances.items()}
     with pytest.raises(ParticipantError, match=said):
-        simulate(system, units, scenario.master.made(), 1e-4, 1e-3)
+        simulate(system, units, scenario.master.build(), 1e-4, 1e-3)
 
 
 BAD_CONNECTIONS = {
@@ -463,6 +463,6 @@ def test_a_wrong_speed_is_the_fault_and_not_the_duration() -> None:
 
 def test_another_master_keeps_the_options_that_it_has() -> None:
     first = load("valve-train", ["master.name=iterated", "master.tolerance=1e-8"])
-    assert first.master.made().tolerance == 1e-8
+    assert first.master.build().tolerance == 1e-8
     second = load("valve-train", ["master.name=iterated", "master.tolerance=1e-8", "master.name=jacobi"])
-    assert second.master.made().extrapolation == load("valve-train").master.made().extrapolation
+    assert second.master.build().extrapolation == load("valve-train").master.build().extrapolation

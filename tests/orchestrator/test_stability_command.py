@@ -77,7 +77,7 @@ def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_
     assert "already holds a result" in CliRunner().invoke(app, arguments).output
     scenario = load(masses)
     system = assembly.system_of(scenario)
-    master = MasterTable(**options, **({"order": order} if order else {})).made()
+    master = MasterTable(**options, **({"order": order} if order else {})).build()
     found = recorded(system, master, step, scenario.stop_time)
     truth = course(system, found.times, 1e-10).outputs[:, system.outputs.names.index("first.force")]
     assert difference(found["first.force"], truth).relative_rms <= scenario.tolerance["first.force"]

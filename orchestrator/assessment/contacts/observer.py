@@ -46,7 +46,7 @@ class ContactObserver:
             unit, row = units[name], self._accumulator.seen[i]
             if (
                 isinstance(unit, FmuParticipant)
-                and (reading := unit.reading(OUTPUTS, row[: len(OUTPUTS)])) is not None
+                and (reading := unit.bind_reader(OUTPUTS, row[: len(OUTPUTS)])) is not None
             ):
                 self._fmus.append(unit)
                 records.append(reading[0])
@@ -69,7 +69,7 @@ class ContactObserver:
         a = self._accumulator
         failed, call, status = observe(self._records, a.memory.record, a.courses, time)
         if call != FINE:
-            self._fmus[failed].failed(call, status, time, step.length)
+            self._fmus[failed].raise_error(call, status, time, step.length)
 
     def courses(self) -> Courses:
         """What is known so far."""
