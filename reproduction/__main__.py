@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from models.core.system import suggestion
-from orchestrator.command_line.reported import report_errors
+from orchestrator.command_line.error_report import report_errors
 from orchestrator.errors import MistakeError
 
 from . import SOURCES, publication

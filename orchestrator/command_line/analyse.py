@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
+from .error_report import report_errors
 from .fmu import build_fmu
-from .reported import report_errors
 
 
 @report_errors

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from .reported import report_errors
+from .error_report import report_errors
 
 
 @report_errors

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from .reported import report_errors, say
+from .error_report import report_errors, say
 from .without_cache import build_without_cache
 
 

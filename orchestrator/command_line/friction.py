@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .reported import report_errors
+from .error_report import report_errors
 
 # m2/N: boundary-lubricated steel has 1e-18 to 1e-16.
 COEFFICIENT = 1e-17

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .error_report import INTERRUPTED, report_errors, say
 from .fmu import build_fmu, check_native
-from .reported import INTERRUPTED, report_errors, say
 
 if TYPE_CHECKING:
     from ..assessment.summary import Summary

@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
+from .error_report import report_errors
 from .fmu import build_fmu
-from .reported import report_errors
 
 # What the extra `studies` installs.
 PACKAGES = ("distributed", "zarr", "cryptography")

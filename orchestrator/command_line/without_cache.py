@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from .reported import say
+from .error_report import say
 
 
 def build_without_cache(

@@ -19,7 +19,7 @@ from models.core.component import Component
 from models.core.quantities import Vector
 
 from ..participants import Participant
-from ..participants.remembering import StatefulWrapper
+from ..participants.wrapping import StatefulWrapper
 
 
 def bond_inputs(component: Component) -> list[str]:

@@ -20,7 +20,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, System
 
 from ..participants import Participant
-from ..participants.remembering import StatefulWrapper
+from ..participants.wrapping import StatefulWrapper
 from .bonds import exchanged_bonds
 
 

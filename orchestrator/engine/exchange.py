@@ -15,7 +15,7 @@ from models.core.system import Connection, Port, System
 from ..consistency import agree
 from ..errors import NotFiniteError
 from ..participants import Participant
-from ..participants.offers import HIGHEST
+from ..participants.capabilities import HIGHEST
 from ..participants.signal_degrees import find_highest_degrees
 from .signals import History, finite
 from .sweeps import Pass, settled

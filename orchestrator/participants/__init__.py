@@ -8,11 +8,11 @@ from pathlib import Path
 
 from models.core.system import Instance
 
+from .capabilities import find_missing
 from .description import is_made_here
 from .fmu import FmuParticipant, FmuSettings
 from .in_own_process import InOwnProcess
 from .in_process import InProcessParticipant as in_process
-from .offers import find_missing
 from .protocol import Participant
 from .substeps import Substepped as substepped
 from .third_party import ThirdPartyComponent, read_component

@@ -20,13 +20,13 @@ from models.core.system import suggestion
 from ..errors import CannotSerializeError, ParticipantError, RefusedError
 from .binding import Elements, find_array
 from .bound_calls import ArrayLayout
+from .capabilities import name_derivative, signal_degrees
 from .compiled import CALLS, SET, STEP
 from .description import REALS, Variable, read_description
 from .failures import ErrorReporter
 from .fmi2 import Fmi2
 from .fmi3 import Fmi3
 from .fmi_instance import DISCARD, WARNING, FmiInstance
-from .offers import name_derivative, signal_degrees
 
 
 @dataclass(frozen=True)

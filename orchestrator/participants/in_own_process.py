@@ -25,10 +25,10 @@ from models.core.quantities import Vector
 
 from .. import errors
 from ..errors import DiscardedStepError, EndedError, LostParticipantError, ParticipantError
+from .capabilities import signal_degrees
 from .description import read_description
 from .fmu import FmuSettings
 from .messages import ADVANCE, CALL, FAILED, READ, TIMES, receive, send
-from .offers import signal_degrees
 
 # How long a process may take to end by itself (s), once it has nothing left to do.
 PATIENCE_S = 5.0

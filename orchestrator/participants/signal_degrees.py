@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 
 from models.core.system import Connection, Port
 
-from .offers import HIGHEST
+from .capabilities import HIGHEST
 
 
 def find_highest_degrees(connections: Sequence[Connection], followed: Mapping[Port, int]) -> dict[Port, int]:

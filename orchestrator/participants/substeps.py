@@ -14,7 +14,7 @@ from models.core.quantities import Vector
 
 from ..engine.signals import move_origin
 from ..errors import DiscardedStepError, RecoverableError
-from .offers import HIGHEST
+from .capabilities import HIGHEST
 from .protocol import Participant
 from .wrapping import StatelessWrapper
 

@@ -1,18 +1,21 @@
-"""Participants that wrap another."""
+"""Base classes of participants that wrap another."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
+from models.core.quantities import Vector
+
 from .protocol import Participant
 
 
 class ParticipantWrapper:
-    """Passes on to `participant` what no wrapping concerns.
+    """Passes calls on to `participant`; a subclass adds the rest of the `Participant` protocol.
 
-    To be completed to a `Participant` with what it does otherwise. What isn't changed are the participant's
-    own functions, not methods around them.
+    Calls that stay the same are the participant's own functions, without a method around them.
     """
 
     def __init__(self, participant: Participant) -> None:
@@ -28,7 +31,7 @@ class ParticipantWrapper:
 
 
 class StatelessWrapper(ParticipantWrapper):
-    """Has no state of its own. To be completed with connect, write, advance, read."""
+    """Has no state of its own. A subclass adds connect, write, advance and read."""
 
     def __init__(self, participant: Participant) -> None:
         super().__init__(participant)
@@ -42,3 +45,27 @@ class StatelessWrapper(ParticipantWrapper):
 
     def from_bytes(self, data: bytes) -> Any:
         return self._participant.from_bytes(data)
+
+
+class StatefulWrapper(ParticipantWrapper):
+    """Saves the vector `_own` with the participant's state. A subclass adds connect, write, advance, read and
+    read_all."""
+
+    _own: Vector
+
+    def save(self) -> tuple[Any, Vector]:
+        return self._participant.save(), self._own.copy()
+
+    def restore(self, saved: tuple[Any, Vector]) -> None:
+        self._participant.restore(saved[0])
+        self._own[:] = saved[1]
+
+    def release(self, saved: tuple[Any, Vector]) -> None:
+        self._participant.release(saved[0])
+
+    def to_bytes(self, saved: tuple[Any, Vector]) -> bytes:
+        return saved[1].tobytes() + self._participant.to_bytes(saved[0])
+
+    def from_bytes(self, data: bytes) -> tuple[Any, Vector]:
+        size = self._own.nbytes
+        return self._participant.from_bytes(data[size:]), np.frombuffer(data[:size]).copy()

@@ -9,8 +9,8 @@ from typing import Any
 from models.core.system import Connection, Port
 
 from ..participants import ThirdPartyComponent
+from ..participants.capabilities import HIGHEST, name_derivative, signal_degrees
 from ..participants.description import Description, DescriptionError, read_description
-from ..participants.offers import HIGHEST, name_derivative, signal_degrees
 from ..participants.signal_degrees import find_highest_degrees
 from . import Scenario, parse_ends
 

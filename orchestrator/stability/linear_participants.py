@@ -14,7 +14,7 @@ from models.core.system import Port, System
 from ..engine.exchange import Exchange
 from ..engine.signals import NEEDED, POINTS
 from ..masters import Master
-from ..participants.offers import HIGHEST
+from ..participants.capabilities import HIGHEST
 from ..participants.signal_degrees import find_highest_degrees
 from .batched import Copies, LinearParticipant, numbered
 from .extrapolation_error import HERMITE, ends, shapes

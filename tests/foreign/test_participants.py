@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 from fmpy import simulate_fmu
-from orchestrator.participants.open_fmu import FmuParticipant, FmuSettings
-from orchestrator.participants.open_in_own_process import InOwnProcess
 
 from orchestrator.engine.compiled_sweeps import FmuPass
 from orchestrator.engine.exchange import Exchange
 from orchestrator.participants import read_component
+from orchestrator.participants.fmu import FmuParticipant, FmuSettings
+from orchestrator.participants.in_own_process import InOwnProcess
 from orchestrator.store.result_file import open_result
 
 from .c_fmus import fmu

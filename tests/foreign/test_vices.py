@@ -14,11 +14,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from orchestrator.participants.open_fmu import FmuSettings
-from orchestrator.participants.open_in_own_process import InOwnProcess
 
 from fmus.build import build
 from orchestrator.errors import MistakeError
+from orchestrator.participants.fmu import FmuSettings
+from orchestrator.participants.in_own_process import InOwnProcess
 from orchestrator.run.pipeline import run
 from orchestrator.run.report import Reporter
 from orchestrator.scenario.files import to_short_toml

@@ -16,7 +16,7 @@ import pytest
 import typer
 
 from orchestrator.command_line import app
-from orchestrator.command_line.reported import report_errors
+from orchestrator.command_line.error_report import report_errors
 from orchestrator.run.assembly import system_of
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import list_shipped, load

@@ -20,11 +20,28 @@ from models.core.quantities import Quantity
 from models.core.system import Instance, System
 
 from ..participants import collect_settings
-from ..participants.description import BOOLEANS, REALS, STRING, Description, Variable, read_description
+from ..participants.description import (
+    BOOLEANS,
+    REALS,
+    STRING,
+    Description,
+    Variable,
+    read_description,
+)
 from ..run import assembly
 from ..scenario import ComponentTable, Scenario, parse_line
 from ..store.atomic_write import replace
-from .names import FMU_TYPE, OMSIMULATOR, OSP, OURS, RESOURCES, STRUCTURE, VALUES_TYPE, add_element, to_bytes
+from .names import (
+    FMU_TYPE,
+    OMSIMULATOR,
+    OSP,
+    OURS,
+    RESOURCES,
+    STRUCTURE,
+    VALUES_TYPE,
+    add_element,
+    to_bytes,
+)
 
 # So that the same scenario gives the same bytes.
 _DATE = (1980, 1, 1, 0, 0, 0)

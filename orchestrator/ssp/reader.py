@@ -21,12 +21,12 @@ from ..participants.description import Description, DescriptionError, read_descr
 from ..scenario import Line, ScenarioError
 from ..scenario.conversion import convert_units
 from ..scenario.values import WithUnit, build_component
-from .exported import START
 from .names import NAMESPACES, OURS, STRUCTURE
 from .schema import find_schema_fault
 from .structure import Path as Place
 from .structure import Port, Structure, read_structure, trace_back
 from .values import StatedValue, read_values
+from .writer import START
 
 # Steps of a run whose length nothing states.
 STEPS = 1000
