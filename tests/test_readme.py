@@ -14,7 +14,7 @@ import pytest
 import typer
 
 from orchestrator.command_line import app
-from orchestrator.scenario.files import load, shipped
+from orchestrator.scenario.files import list_shipped, load
 from reproduction import SOURCES
 
 ROOT = Path(__file__).parent.parent
@@ -81,5 +81,5 @@ def test_every_command_is_understood(line: str) -> None:
         name, command, words = command.resolve_command(context, words)
         assert command is not None
         context = command.make_context(name, words[:], parent=context, resilient_parsing=not words)
-    if name == "run" and "NAME" not in line and context.params["scenario"] in shipped():
+    if name == "run" and "NAME" not in line and context.params["scenario"] in list_shipped():
         load(context.params["scenario"], context.params["set_"] or [])
