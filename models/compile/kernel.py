@@ -101,3 +101,12 @@ def _shaped(context: Any, vector: Any, shape: Any) -> Any:
 
 # shaped(vector, shape), in kernels only.
 shaped: Any = numba.extending.intrinsic(_shaped) if COMPILED else lambda vector, shape: vector.reshape(shape)
+
+
+@kernel
+def borrow(array: Any) -> Any:
+    """The same array without a count of its references, which costs time where records of arrays are passed.
+
+    It is valid as long as the caller's array is.
+    """
+    return shaped(array, array.shape)

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..compile.kernel import kernel
+from ..compile.kernel import borrow, kernel
+from .dormand_prince import Workspace, make_runge_kutta
 from .quadrature import make_quadrature
 from .quantities import Layout
 
@@ -80,72 +81,6 @@ def make_derivative_along(derivative: Any) -> Any:
     return derivative_along
 
 
-def make_runge_kutta(derivative_along: Any, n: int, tolerance: float = TOLERANCE) -> Any:
-    """One Dormand-Prince step from x: the new state in `xn`, the scaled error returned.
-
-    k[0:n] must hold the derivative at the start; k[6n:7n] is the derivative at the end (first same as
-    last).
-    """
-
-    @kernel
-    def runge_kutta(
-        t: float, s: float, h: float, x: Any, U: Any, u: Any, p: Any, scale: Any, k: Any, xt: Any, xn: Any
-    ) -> float:
-        k1, k2, k3, k4 = k[0:n], k[n : 2 * n], k[2 * n : 3 * n], k[3 * n : 4 * n]
-        k5, k6, k7 = k[4 * n : 5 * n], k[5 * n : 6 * n], k[6 * n : 7 * n]
-        for i in range(n):
-            xt[i] = x[i] + h * (k1[i] / 5.0)
-        derivative_along(t, s + h / 5.0, xt, U, u, p, k2)
-        for i in range(n):
-            xt[i] = x[i] + h * (3.0 / 40.0 * k1[i] + 9.0 / 40.0 * k2[i])
-        derivative_along(t, s + 0.3 * h, xt, U, u, p, k3)
-        for i in range(n):
-            xt[i] = x[i] + h * (44.0 / 45.0 * k1[i] - 56.0 / 15.0 * k2[i] + 32.0 / 9.0 * k3[i])
-        derivative_along(t, s + 0.8 * h, xt, U, u, p, k4)
-        for i in range(n):
-            xt[i] = x[i] + h * (
-                19372.0 / 6561.0 * k1[i]
-                - 25360.0 / 2187.0 * k2[i]
-                + 64448.0 / 6561.0 * k3[i]
-                - 212.0 / 729.0 * k4[i]
-            )
-        derivative_along(t, s + 8.0 / 9.0 * h, xt, U, u, p, k5)
-        for i in range(n):
-            xt[i] = x[i] + h * (
-                9017.0 / 3168.0 * k1[i]
-                - 355.0 / 33.0 * k2[i]
-                + 46732.0 / 5247.0 * k3[i]
-                + 49.0 / 176.0 * k4[i]
-                - 5103.0 / 18656.0 * k5[i]
-            )
-        derivative_along(t, s + h, xt, U, u, p, k6)
-        for i in range(n):
-            xn[i] = x[i] + h * (
-                35.0 / 384.0 * k1[i]
-                + 500.0 / 1113.0 * k3[i]
-                + 125.0 / 192.0 * k4[i]
-                - 2187.0 / 6784.0 * k5[i]
-                + 11.0 / 84.0 * k6[i]
-            )
-        derivative_along(t, s + h, xn, U, u, p, k7)
-        worst = 0.0
-        for i in range(n):
-            error = h * (
-                71.0 / 57600.0 * k1[i]
-                - 71.0 / 16695.0 * k3[i]
-                + 71.0 / 1920.0 * k4[i]
-                - 17253.0 / 339200.0 * k5[i]
-                + 22.0 / 525.0 * k6[i]
-                - 1.0 / 40.0 * k7[i]
-            )
-            ratio = abs(error) / (tolerance * (scale[i] + max(abs(x[i]), abs(xn[i]))))
-            if ratio > worst or ratio != ratio:  # nan must reject the step, and stays
-                worst = ratio
-        return worst
-
-    return runge_kutta
-
-
 def make_advance(
     derivative: Any, state: Layout, inputs: Layout, sample: Any = None, tolerance: float = TOLERANCE
 ) -> Any:
@@ -161,9 +96,10 @@ def make_advance(
 
     @kernel
     def advance(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any) -> int:
-        k, xt, xn = work[0 : 7 * n], work[7 * n : 8 * n], work[8 * n : 9 * n]
-        u = work[9 * n : 9 * n + m]
-        start = work[9 * n + m : 10 * n + m]
+        room = borrow(work)
+        u, start = room[9 * n : 9 * n + m], room[9 * n + m : 10 * n + m]
+        k, xt, xn = room[0 : 7 * n], room[7 * n : 8 * n], room[8 * n : 9 * n]
+        w = Workspace(t, borrow(x), borrow(U), borrow(p), borrow(scale), room, u, k, xt, xn)
         copy(start, x)
         s, micro, tried = 0.0, h, 0
         derivative_along(t, 0.0, x, U, u, p, k[0:n])
@@ -175,9 +111,9 @@ def make_advance(
             last = s + micro >= h
             if last:
                 micro = h - s
-            error = runge_kutta(t, s, micro, x, U, u, p, scale, k, xt, xn)
+            error = runge_kutta(s, micro, w)
             if error <= 1.0:
-                quadrature(t, s, micro, x, xn, k, U, u, p, xt, work)
+                quadrature(s, micro, w)
                 s = h if last else s + micro
                 for i in range(n):
                     x[i] = xn[i]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
 from ...core.component import Events
@@ -138,6 +138,127 @@ def speed_scale(v: Coordinates, m: Machine) -> float:
     return m.crank_radius * abs(v.theta) + m.rod_length * abs(v.eta) + size * abs(v.chi)
 
 
+@kernel
+def open_all(x: Any, m: Machine) -> None:
+    """Write the place into the state and open all corners."""
+    place = placed(x, m)
+    x.offset = place.offset
+    x.offset_rate = place.offset_rate
+    x.tilt = place.tilt
+    x.tilt_rate = place.tilt_rate
+    for i in range(CORNERS):
+        x.closed[i] = 0.0
+
+
+@kernel
+def close_pressed(x: Any, s: Motion, p: Any, touching: Touching, m: Machine) -> None:
+    """Of the corners that touch and do not part, close those that are pressed."""
+    a, b = rows(touching, ratios_of(touching, s, p, m), s, m)
+    forces = complementary(a, b, needed(touching, s, m))
+    if forces.first > 0.0:
+        x.closed[touching.first] = 1.0
+    if forces.second > 0.0:
+        x.closed[touching.second] = 1.0
+
+
+@kernel
+def count_event(t: float, x: Any) -> None:
+    x.event_count += 1.0
+    x.last_event_time = t
+
+
+@kernel
+def release(corner: int, other: int, x: Any, s: Motion, p: Any, m: Machine) -> None:
+    """A wall would have to pull at a corner: of it and the other one, now open, close what is pressed."""
+    close_pressed(x, s, p, Touching(corner, other), m)
+    # To rounding both may be pressed still.
+    if x.closed[corner] != 0.0 and (other < 0 or x.closed[other] != 0.0):
+        x.closed[corner] = 0.0
+    move_inside(x, Touching(other, corner) if other >= 0 else Touching(corner, -1), m)
+
+
+class Impact(NamedTuple):
+    """Impulses of the walls on two corners, and whether the bounces of each end with them."""
+
+    touching: Touching
+    impulses: Pair
+    ratios: Pair
+    first_ends: bool
+    second_ends: bool
+
+
+@kernel
+def solve_impact(
+    touching: Touching, rates: Pair, second_closed: bool, s: Motion, p: Any, m: Machine
+) -> Impact:
+    """The impact of corners that approach their walls with these gap rates; the second may have rested."""
+    i, j = touching.first, touching.second
+    e = p.restitution
+    w = Pair(with_restitution(rates.first, e), with_restitution(rates.second, e))
+    ratios = impact_ratios(touching, w, p.wall_friction, s, m)
+    found = impulses(touching, ratios, w, s, m)
+    still = STILL * speed_scale(s.v, m)
+    after_i, after_j = rate_after(i, touching, found, ratios, s, m), 1.0
+    if j >= 0:
+        after_j = rate_after(j, touching, found, ratios, s, m)
+    i_ends = ends(i, j if after_j <= still else -1, after_i - still, s, p, m)
+    j_ends = ends(j, i if after_i <= still else -1, after_j - still, s, p, m)
+    if i_ends or (j_ends and not second_closed):
+        w = Pair(
+            with_restitution(rates.first, 0.0 if i_ends else e),
+            with_restitution(rates.second, 0.0 if j_ends else e),
+        )
+        ratios = impact_ratios(touching, w, p.wall_friction, s, m)
+        found = impulses(touching, ratios, w, s, m)
+    if i_ends and j_ends and parting(touching, found, ratios, s, m) > still:
+        # One corner would lift the other: the limit of bounces that rock between them.
+        ratios = ratios_of(touching, s, p, m)
+        a, b = rows(touching, ratios, s, m)
+        found = held(a, b, rates)
+    return Impact(touching, found, ratios, i_ends, j_ends)
+
+
+@kernel
+def apply_impact(t: float, x: Any, impact: Impact, s: Motion, m: Machine) -> tuple[Coordinates, Coordinates]:
+    """Give the piston its jump of the rates and count it; returns the jump and the walls' impulse."""
+    touching, found = impact.touching, impact.impulses
+    v = after(touching, found, impact.ratios, s.v, s, m)
+    jump = add(v, -1.0, s.v)
+    mean = add(s.v, 0.5, jump)
+    walls = reaction(touching, found, impact.ratios, s, m)
+    place = placed(x, m)
+    fastest = 0.0
+    for i in range(CORNERS):
+        impulse = force_on(i, touching, found)
+        if impulse != 0.0:
+            towards = -approach(i, place, m)
+            x.impact_impulse[i] += impulse
+            if towards > STILL * speed_scale(s.v, m):
+                x.impact_count[i] += 1.0
+            fastest = max(fastest, towards)
+    x.last_impact_time = t
+    x.last_impact_velocity = fastest
+    x.impact_loss -= dot(walls, mean)
+    x.offset_rate += dot(across_row(0.0, 0.0, s.q, m), jump)
+    x.tilt_rate += jump.chi
+    return jump, walls
+
+
+@kernel
+def rest_after(x: Any, impact: Impact, still: float, s: Motion, p: Any, m: Machine) -> None:
+    """Close the corners whose bounces have ended and that are pressed; s is the motion after the impact."""
+    touching, place = impact.touching, placed(x, m)
+    resting = chosen(
+        touching,
+        impact.first_ends and approach(touching.first, place, m) <= still,
+        impact.second_ends and approach(touching.second, place, m) <= still,
+    )
+    close_pressed(x, s, p, resting, m)
+    if touching.second >= 0 and x.closed[touching.second] != 0.0:
+        touching = Touching(touching.second, touching.first)
+    move_inside(x, touching, m)
+
+
 def contact_events(motion: Any, give: Any) -> Events:
     """Events of a component: each corner's gap while open, its wall force while closed.
 
@@ -158,127 +279,34 @@ def contact_events(motion: Any, give: Any) -> Events:
                 g[touching.second] = forces.second
 
     @kernel
-    def open_all(x: Any, m: Machine) -> None:
-        """Write the place into the state and open all corners."""
+    def strike(t: float, x: Any, u: Any, p: Any, touching: Touching, second_closed: bool) -> None:
+        """The first of two corners has reached its wall; all are open in the state."""
+        m, s = machine(p), motion(x, u, p)
         place = placed(x, m)
-        x.offset = place.offset
-        x.offset_rate = place.offset_rate
-        x.tilt = place.tilt
-        x.tilt_rate = place.tilt_rate
-        for i in range(CORNERS):
-            x.closed[i] = 0.0
-
-    @kernel
-    def close_pressed(x: Any, u: Any, p: Any, touching: Touching, m: Machine) -> None:
-        """Of the corners that touch and do not part, close those that are pressed."""
-        s = motion(x, u, p)
-        a, b = rows(touching, ratios_of(touching, s, p, m), s, m)
-        forces = complementary(a, b, needed(touching, s, m))
-        if forces.first > 0.0:
-            x.closed[touching.first] = 1.0
-        if forces.second > 0.0:
-            x.closed[touching.second] = 1.0
-
-    @kernel
-    def count(t: float, x: Any) -> None:
-        """An event has happened."""
-        x.event_count += 1.0
-        x.last_event_time = t
-
-    @kernel
-    def release(k: int, t: float, x: Any, u: Any, p: Any, m: Machine) -> None:
-        """A wall would have to pull: open what the accelerations open."""
-        count(t, x)
-        before = closed(x)
-        other = before.second if before.first == k else before.first
-        open_all(x, m)
-        close_pressed(x, u, p, Touching(k, other), m)
-        # To rounding both may be pressed still.
-        if x.closed[k] != 0.0 and (other < 0 or x.closed[other] != 0.0):
-            x.closed[k] = 0.0
-        move_inside(x, Touching(other, k) if other >= 0 else Touching(k, -1), m)
-
-    @kernel
-    def book(
-        t: float, x: Any, u: Any, p: Any, s: Motion, touching: Touching, found: Pair, ratios: Pair, m: Machine
-    ) -> None:
-        """Apply an impact's impulses to rates and books."""
-        v = after(touching, found, ratios, s.v, s, m)
-        jump = add(v, -1.0, s.v)
-        mean = add(s.v, 0.5, jump)
-        walls = reaction(touching, found, ratios, s, m)
-        place = placed(x, m)
-        fastest = 0.0
-        for i in range(CORNERS):
-            impulse = force_on(i, touching, found)
-            if impulse != 0.0:
-                towards = -approach(i, place, m)
-                x.impact_impulse[i] += impulse
-                if towards > STILL * speed_scale(s.v, m):
-                    x.impact_count[i] += 1.0
-                fastest = max(fastest, towards)
-        x.last_impact_time = t
-        x.last_impact_velocity = fastest
-        x.impact_loss -= dot(walls, mean)
-        x.offset_rate += dot(across_row(0.0, 0.0, s.q, m), jump)
-        x.tilt_rate += jump.chi
-        give(x, u, s, jump, walls, m)
-
-    @kernel
-    def strike(k: int, t: float, x: Any, u: Any, p: Any, m: Machine) -> None:
-        """A corner has reached its wall."""
-        place = placed(x, m)
-        touching = touching_with(k, x, place, m)
-        i, j = touching.first, touching.second
-        j_closed = j >= 0 and x.closed[j] != 0.0
-        open_all(x, m)
-        s = motion(x, u, p)
-        rate_i, rate_j = approach(i, place, m), approach(j, place, m)
-        if rate_i >= 0.0:  # found outside a wall, and leaving already
-            if j_closed:
-                close_pressed(x, u, p, Touching(-1, j), m)
-            move_inside(x, Touching(j, i) if j_closed else touching, m)
+        rates = Pair(approach(touching.first, place, m), approach(touching.second, place, m))
+        if rates.first >= 0.0:  # found outside a wall, and leaving already
+            if second_closed:
+                close_pressed(x, s, p, Touching(-1, touching.second), m)
+                touching = Touching(touching.second, touching.first)
+            move_inside(x, touching, m)
             return
-        count(t, x)
-        e = p.restitution
-        w = Pair(with_restitution(rate_i, e), with_restitution(rate_j, e))
-        ratios = impact_ratios(touching, w, p.wall_friction, s, m)
-        found = impulses(touching, ratios, w, s, m)
-        still = STILL * speed_scale(s.v, m)
-        after_i, after_j = rate_after(i, touching, found, ratios, s, m), 1.0
-        if j >= 0:
-            after_j = rate_after(j, touching, found, ratios, s, m)
-        i_ends = ends(i, j if after_j <= still else -1, after_i - still, s, p, m)
-        j_ends = ends(j, i if after_i <= still else -1, after_j - still, s, p, m)
-        if i_ends or (j_ends and not j_closed):
-            w = Pair(
-                with_restitution(rate_i, 0.0 if i_ends else e), with_restitution(rate_j, 0.0 if j_ends else e)
-            )
-            ratios = impact_ratios(touching, w, p.wall_friction, s, m)
-            found = impulses(touching, ratios, w, s, m)
-        if i_ends and j_ends and parting(touching, found, ratios, s, m) > still:
-            # One corner would lift the other: the limit of bounces that rock between them.
-            ratios = ratios_of(touching, s, p, m)
-            a, b = rows(touching, ratios, s, m)
-            found = held(a, b, Pair(rate_i, rate_j))
-        book(t, x, u, p, s, touching, found, ratios, m)
-        place = placed(x, m)
-        resting = chosen(
-            touching,
-            i_ends and approach(i, place, m) <= still,
-            j_ends and approach(j, place, m) <= still,
-        )
-        close_pressed(x, u, p, resting, m)
-        if j >= 0 and x.closed[j] != 0.0:
-            touching = Touching(j, i)
-        move_inside(x, touching, m)
+        count_event(t, x)
+        impact = solve_impact(touching, rates, second_closed, s, p, m)
+        jump, walls = apply_impact(t, x, impact, s, m)
+        give(x, u, s, jump, walls, m)
+        rest_after(x, impact, STILL * speed_scale(s.v, m), motion(x, u, p), p, m)
 
     @kernel
     def transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
-        m = machine(p)
+        m, before = machine(p), closed(x)
         if x.closed[k] != 0.0:
-            release(k, t, x, u, p, m)
+            count_event(t, x)
+            open_all(x, m)
+            release(k, before.second if before.first == k else before.first, x, motion(x, u, p), p, m)
         else:
-            strike(k, t, x, u, p, m)
+            touching = touching_with(k, x, placed(x, m), m)
+            second_closed = touching.second >= 0 and x.closed[touching.second] != 0.0
+            open_all(x, m)
+            strike(t, x, u, p, touching, second_closed)
 
     return Events(CORNERS, guards, transition)
