@@ -25,7 +25,7 @@ from orchestrator.engine.observer import Observer
 from orchestrator.engine.step import Step
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import open_fmu
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 

@@ -17,7 +17,7 @@ import tomli_w
 
 from models.core.system import Instance, System
 from models.monolithic import solve
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import SHIPPED, load
 from orchestrator.scenario.values import build_component

@@ -13,7 +13,7 @@ from fmus.native.machine_code import this_platform
 from models.core.system import System
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Master, Newton
 from orchestrator.participants import open_fmu
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.stepping import FixedSteps, Stepper

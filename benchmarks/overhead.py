@@ -19,7 +19,7 @@ from fmus.build import build
 from models.core.system import System
 from orchestrator.masters import GaussSeidel, Jacobi
 from orchestrator.participants import open_fmu
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 

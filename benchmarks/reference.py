@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from models.monolithic import solve
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.scenario.files import load
 
 

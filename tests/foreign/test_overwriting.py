@@ -8,7 +8,7 @@ import pytest
 
 from orchestrator.assessment.summary import Summary
 from orchestrator.errors import MistakeError
-from orchestrator.run.pipeline import execute as coupled_run
+from orchestrator.run import execute as coupled_run
 from orchestrator.run.pipeline import run
 from orchestrator.run.report import Reporter
 from orchestrator.scenario import Scenario

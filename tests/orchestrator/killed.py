@@ -21,7 +21,8 @@ from typing import Any
 from rich.console import Console
 
 from orchestrator.command_line.fmu import build_fmu
-from orchestrator.run.pipeline import checkpoint, run
+from orchestrator.run import checkpoint
+from orchestrator.run.pipeline import run
 from orchestrator.run.report import Reporter
 from orchestrator.run.resume import resume
 from orchestrator.scenario.files import load

@@ -14,7 +14,7 @@ from models.contact.ehl_contact import TABLE_3
 from orchestrator.assessment.contacts import courses_of_rows, lines
 from orchestrator.assessment.contacts.accumulation import SEEN
 from orchestrator.assessment.contacts.course import Accumulator
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.scenario.files import load
 from orchestrator.store.json_codec import from_text, to_text
 

@@ -12,7 +12,7 @@ from models.core.system import System
 from models.monolithic import difference, solve
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import open_fmu
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.store.json_codec import from_text

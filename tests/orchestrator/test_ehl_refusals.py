@@ -14,7 +14,7 @@ from models.contact.ehl_contact import FILM_IS_SOLVED, ehl_contact
 from models.core.system import ModelError, System
 from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load

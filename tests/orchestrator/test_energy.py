@@ -12,7 +12,7 @@ from orchestrator.energy import Ledger, Trimmed, counted, lines
 from orchestrator.energy.correction import Compensated, bond_inputs
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load

@@ -17,7 +17,7 @@ from orchestrator.energy.bonds import bonds_of
 from orchestrator.engine.exchange import Exchange
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.scenario.files import load
 from orchestrator.stepping.estimators import ESTIMATORS
 

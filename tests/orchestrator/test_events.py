@@ -17,7 +17,7 @@ from models.slider_crank.slider_crank import slider_crank
 from orchestrator.engine.step import REASONS
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import in_process
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.stepping import ControlledSteps, FixedSteps, StepControl

@@ -14,7 +14,7 @@ from models.oscillators.quarter_car import quarter_car_chassis, quarter_car_whee
 from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process, open_fmu
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.scenario.files import load
 from orchestrator.stability.behaviour import Behaviour, largest_stable
 from orchestrator.stability.linear import Linear

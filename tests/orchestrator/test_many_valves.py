@@ -11,7 +11,7 @@ from benchmarks.many_valves import ENGINE, FILE, FIRING_ORDER, content, engine, 
 from models.core.system import System
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import in_process
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 

@@ -14,7 +14,7 @@ import pytest
 from models.oscillators.exact import quarter_car
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
 from orchestrator.participants import in_process
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.stepping import ControlledSteps, StepControl

@@ -17,7 +17,7 @@ from models.valve_train.valve_spring import valve_spring
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.scenario.files import load
 from orchestrator.stability.batched import LinearParticipant
 from orchestrator.stability.behaviour import Behaviour, Benches, hardest, largest_stable

@@ -15,7 +15,7 @@ from orchestrator.command_line import app
 from orchestrator.engine.signals import DEGREES
 from orchestrator.masters import MASTERS
 from orchestrator.plots.stability import figure
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.scenario import MasterTable
 from orchestrator.scenario.files import load
 from orchestrator.stability.analyse import analyse_scenario

@@ -16,7 +16,7 @@ from models.monolithic import difference, equilibrium, solve
 from models.monolithic.difference import time_weights
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import in_process
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.stepping import ControlledSteps, StepControl

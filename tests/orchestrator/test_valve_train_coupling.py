@@ -15,7 +15,7 @@ from models.monolithic import difference, equilibrium, solve
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 

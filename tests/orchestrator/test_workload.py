@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from orchestrator.engine.step import Step
-from orchestrator.run.pipeline import workload
+from orchestrator.run import workload
 from orchestrator.run.workload import Forecast, Workload, announce
 from orchestrator.scenario.files import load
 

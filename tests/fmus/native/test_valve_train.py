@@ -14,7 +14,7 @@ from models.core.quantities import Vector
 from models.core.system import System
 from orchestrator.masters import GaussSeidel, Jacobi, Master
 from orchestrator.participants import Participant, in_process, open_fmu
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from tests.orchestrator.recorder import Recorder
