@@ -1,4 +1,4 @@
-"""Runs an FMU, ours or foreign, with its reference inputs, and compares with its reference results.
+"""Runs an FMU, ours or third-party, with its reference inputs, and compares with its reference results.
 
 Co-simulation is fmpy's; model exchange `exchange`'s, over fmpy's calls.
 """

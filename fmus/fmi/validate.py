@@ -1,4 +1,4 @@
-"""Checks of a packaged FMU, ours or foreign, without unpacking or running it.
+"""Checks of a packaged FMU, ours or third-party, without unpacking or running it.
 
 `validate` lists what is wrong, in one line each; an empty list means nothing was found. `info` says what
 an FMU is.

@@ -1,4 +1,4 @@
-"""A component of an FMU from elsewhere: variables, units and ranges as its description states them.
+"""A component of a third-party FMU: variables, units and ranges as its description states them.
 
 Its equations are its own, so that it has no reference, no equilibrium and no energy account.
 """
@@ -44,7 +44,7 @@ class NamedLayout(Layout):
 
 @dataclass(frozen=True, eq=False)
 class ThirdPartyComponent(Component):
-    """The component of an FMU from elsewhere; `about` is what its file says."""
+    """The component of a third-party FMU; `about` is what its file says."""
 
     about: Description = None  # type: ignore[assignment]  # given always, after fields with defaults
 
@@ -119,4 +119,4 @@ def _clip_start(variable: Variable) -> float:
 
 
 def _refuse_equations(*arguments: Any) -> NoReturn:
-    raise ModelError("the equations of an FMU from elsewhere are its own")
+    raise ModelError("the equations of a third-party FMU are its own")

@@ -69,12 +69,12 @@ def _written(scenario: Scenario) -> tuple[dict[str, Instance], list[Line]]:
 
 
 def check_analysable(scenario: Scenario) -> None:
-    """ScenarioError where the system's equations do not know all: FMUs from elsewhere, connections that
+    """ScenarioError where the system's equations do not know all: third-party FMUs, connections that
     change values."""
     for name, table in scenario.components.items():
         if table.third_party:
             raise ScenarioError(
-                f"components.{name}: an FMU from elsewhere, whose equations are not known here, is not "
+                f"components.{name}: a third-party FMU, whose equations are not known here, is not "
                 "analysed; tribocosim run with several macro steps shows what they do"
             )
     changed = find_transformations(*_written(scenario))

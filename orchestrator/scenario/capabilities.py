@@ -30,10 +30,10 @@ def check_third_party(scenario: Scenario) -> None:
                     f"{wanted[0]}: the connection {str(line)!r} changes values, which the equations of the "
                     f"system do not know; {wanted[1]}, or connect variables as they are"
                 )
-    foreign = [name for name, table in scenario.components.items() if table.third_party]
-    if not foreign:
+    third_party = [name for name, table in scenario.components.items() if table.third_party]
+    if not third_party:
         return
-    named = f"{', '.join(foreign)}: FMUs from elsewhere, whose equations are not known here"
+    named = f"{', '.join(third_party)}: third-party FMUs, whose equations are not known here"
     if scenario.reference.enabled:
         raise ScenarioError(
             f"reference.enabled = true: {named}, so that there is no reference; set reference.enabled = false"

@@ -137,7 +137,7 @@ class ComponentTable(Table):
 
     @property
     def strings(self) -> dict[str, str]:
-        """Its parameters that are texts, of an FMU from elsewhere."""
+        """Its parameters that are texts, of a third-party FMU."""
         component = self.resolve()
         known = component.about.strings if isinstance(component, ThirdPartyComponent) else []
         return {name: str(value) for name, value in self.parameters.items() if name in known}

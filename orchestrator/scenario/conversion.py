@@ -81,7 +81,7 @@ def _replace_quantities(layout: Layout, quantities: Mapping[str, Quantity]) -> L
 
 
 def _get_units(instance: Instance) -> Mapping[str, Unit] | None:
-    """Those that an FMU from elsewhere defines; None of a component that is none."""
+    """Those that a third-party FMU defines; None of a component that is none."""
     component = instance.component
     return component.about.units if isinstance(component, ThirdPartyComponent) else None
 

@@ -1,4 +1,4 @@
-"""Values for FMUs from elsewhere that their variables' types say more about than a quantity can."""
+"""Values for third-party FMUs that their variables' types say more about than a quantity can."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def _list_doubtful(scenario: Scenario) -> list[str]:
 
 
 def _list_other_units(scenario: Scenario) -> list[str]:
-    """Numbers without a unit, for FMUs from elsewhere whose unit is not SI's."""
+    """Numbers without a unit, for third-party FMUs whose unit is not SI's."""
     found = []
     for name, table in scenario.components.items():
         component = table.resolve()

@@ -207,7 +207,7 @@ def _set_values(
 ) -> None:
     """Put values where a scenario has them."""
     layouts = {"parameters": component.parameters, "inputs": component.inputs, "start": component.state}
-    foreign = isinstance(component, ThirdPartyComponent)
+    third_party = isinstance(component, ThirdPartyComponent)
     texts = component.about.strings if isinstance(component, ThirdPartyComponent) else []
     for variable, one in stated.items():
         if one.plain != (variable in texts):
@@ -222,7 +222,7 @@ def _set_values(
             (key, name)
             for key, layout in layouts.items()
             for name in layout.variables
-            if variable == (name if foreign or key != "start" else layout.field(name).suffixed("_start"))
+            if variable == (name if third_party or key != "start" else layout.field(name).suffixed("_start"))
         ]
         if not places:
             raise ScenarioError(f"{where}: no parameter, input or start value {variable!r}; correct its name")

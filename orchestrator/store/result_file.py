@@ -127,7 +127,7 @@ class ResultFile:
 
 
 def _stored(name: str) -> str:
-    """A variable's name in the file, where / begins a group: FMUs from elsewhere may have it."""
+    """A variable's name in the file, where / begins a group: third-party FMUs may have it."""
     return name.replace("/", "\N{DIVISION SLASH}")
 
 

@@ -159,9 +159,9 @@ class ScenarioSubject:
         return list_warnings(self.at(values))
 
     def content(self) -> str:
-        return to_full_toml(self.scenario) + "".join(self._foreign_fmus())
+        return to_full_toml(self.scenario) + "".join(self._list_third_party_fmus())
 
-    def _foreign_fmus(self) -> Iterator[str]:
+    def _list_third_party_fmus(self) -> Iterator[str]:
         for name, table in self.scenario.components.items():
             path = Path(table.participant)
             if path.suffix == ".fmu" and path.is_file():

@@ -125,15 +125,15 @@ def without_rates(path: Path, target: Path, removed: str) -> Path:
 
 
 @pytest.fixture
-def foreign(fmu_files: dict[str, Path], tmp_path: Path) -> Iterator[Path]:
+def third_party(fmu_files: dict[str, Path], tmp_path: Path) -> Iterator[Path]:
     """A valve spring that does not declare the rate of its velocity."""
-    yield without_rates(fmu_files["valve_spring"], tmp_path / "foreign.fmu", "der(velocity)")
+    yield without_rates(fmu_files["valve_spring"], tmp_path / "third-party.fmu", "der(velocity)")
     shutil.rmtree(tmp_path, ignore_errors=True)
 
 
-def test_only_declared_rates_are_given(foreign: Path, fmu_files: dict[str, Path]) -> None:
+def test_only_declared_rates_are_given(third_party: Path, fmu_files: dict[str, Path]) -> None:
     """What is not given stays as it is; what is given does not move to another place."""
-    packaged, direct = both("valve_spring", foreign, 2)
+    packaged, direct = both("valve_spring", third_party, 2)
     assert dict(zip(packaged.names, packaged.given, strict=True)) == {
         name: name != "velocity" for name in packaged.names
     }

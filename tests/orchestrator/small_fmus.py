@@ -1,6 +1,6 @@
 """Small FMUs made with pythonfmu: the second mass of `two_masses`, with its force held, and its vices.
 
-They know nothing of this project, as an FMU from elsewhere. The mass on its spring and damper under a
+They know nothing of this project, as a third-party FMU. The mass on its spring and damper under a
 constant force is solved exactly, so that what is seen is the exchange.
 """
 

@@ -20,7 +20,7 @@ from orchestrator.stability.linearisation import Equations
 from orchestrator.stability.points import point_at
 from orchestrator.stability.trajectory import fed, shown
 
-from ..foreign.c_fmus import fmu as c_fmu
+from ..third_party.c_fmus import fmu as c_fmu
 from .coupled import grown
 from .test_linearisation import SCENARIO, SPACING, along, flexible, quarter_car, sources  # noqa: F401
 from .two_masses import two_masses
@@ -87,14 +87,14 @@ def test_native_fmus_of_a_loaded_valve_train_do(flexible, name, fmi, tolerance):
 
 
 def stiff():
-    """Two masses whose second one is the foreign FMU's; the start is the first one's."""
+    """Two masses whose second one is the third-party FMU's; the start is the first one's."""
     system = two_masses(coupling_stiffness=400.0)
     second = replace(system.instances["second"], parameters={"mass": 1.0, "stiffness": 10.0, "damping": 0.5})
     return system.with_instances({**system.instances, "second": second})
 
 
 @pytest.mark.parametrize("version", [2, 3])
-def test_a_foreign_fmu_has_the_matrices_of_its_law(version, tmp_path):
+def test_a_third_party_fmu_has_the_matrices_of_its_law(version, tmp_path):
     """m a = f - k x - d v: to the rounding of its own differences, of values below 10. It holds its input."""
     system = stiff()
     where = along(system, 0.2, SPACING)
@@ -106,7 +106,7 @@ def test_a_foreign_fmu_has_the_matrices_of_its_law(version, tmp_path):
     np.testing.assert_array_equal(found.taken[:4, 0], [1.0, 0.0, 0.0, 0.0])
 
 
-def test_a_run_of_a_foreign_fmu_grows_beyond_the_limit_predicted_by_its_derivatives(tmp_path):
+def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_derivatives(tmp_path):
     """As with responses: 4 % to both sides, over steps enough for a factor of exp(10). The FMU cannot be
     brought back to a saved state, which this way of linearisation does not need."""
     system, path, master = stiff(), c_fmu("sprung", 2, tmp_path), GaussSeidel("linear")

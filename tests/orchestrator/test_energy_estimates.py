@@ -141,7 +141,7 @@ def test_estimates_go_back_and_through_bytes_to_the_same_bits():
         np.testing.assert_array_equal(step(5), wanted)
 
 
-def test_a_foreign_fmu_has_its_bond_booked(tmp_path):
+def test_a_third_party_fmu_has_its_bond_booked(tmp_path):
     """It holds its force, so that what it took is the sum of force times way; the estimate knows velocities
     at the ends of steps and is off by the trapezoidal rule's remainder, F v'' H^3 / 12 for each."""
     step = 5e-3

@@ -94,10 +94,10 @@ def test_the_same_bits_and_calls_as_in_python(kind, signal, compiled):
 @pytest.mark.parametrize("signal", ["hold", "quadratic", "hermite"])
 def test_an_fmu_that_holds_its_inputs_and_gives_no_rates(signal, tmp_path, compiled):
     """Of ours only some numbers are taken then, and only some go to it."""
-    foreign = small_fmu("sound", tmp_path)
-    found = run(GaussSeidel(signal), foreign, lambda unit: unit)
+    third_party = small_fmu("sound", tmp_path)
+    found = run(GaussSeidel(signal), third_party, lambda unit: unit)
     assert compiled.made == 30  # such an FMU cannot be rolled back
-    np.testing.assert_array_equal(found[0], run(GaussSeidel(signal), foreign, Wrapped)[0])
+    np.testing.assert_array_equal(found[0], run(GaussSeidel(signal), third_party, Wrapped)[0])
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

@@ -161,7 +161,9 @@ def foreign(system, tmp_path_factory):
 
 
 @pytest.mark.parametrize("master", [Jacobi("linear"), GaussSeidel("quadratic")], ids=str)
-def test_a_run_of_a_foreign_fmu_grows_beyond_the_limit_predicted_by_its_responses(master, tmp_path_factory):
+def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_responses(
+    master, tmp_path_factory
+):
     """Observed 4 % to both sides, over steps enough for a factor of exp(10). The FMU holds its input, which
     its responses tell: the limit of the component in its place is another."""
     system = two_masses(coupling_stiffness=400.0)

@@ -16,9 +16,9 @@ from orchestrator.command_line.fmu import build_fmu
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import list_shipped, load, override, read_contents
 from orchestrator.ssp import export
-from tests.foreign.c_fmus import fmu
-from tests.foreign.runs import ran
-from tests.foreign.runs import scenario as foreign_scenario
+from tests.third_party.c_fmus import fmu
+from tests.third_party.runs import ran
+from tests.third_party.runs import scenario as foreign_scenario
 
 from .schemas import assert_valid
 
@@ -95,7 +95,7 @@ def test_whatever_is_changed_comes_back_to_the_last_bit(
 
 
 @pytest.mark.parametrize("version", [2, 3])
-def test_fmus_from_elsewhere_go_and_come_back(version: int, tmp_path: Path) -> None:
+def test_third_party_fmus_go_and_come_back(version: int, tmp_path: Path) -> None:
     """Each file once, byte for byte; factors, starts, elements, and the results."""
     one = fmu("dahlquist", version, tmp_path)
     tables = {

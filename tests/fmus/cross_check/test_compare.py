@@ -14,7 +14,7 @@ from fmus.cross_check.apart import compared
 from fmus.cross_check.compare import compare
 from fmus.cross_check.files import CrossCheckError, Options, csv_text, read_csv
 from fmus.cross_check.inside import FOLDER, folder_of
-from tests.foreign.c_fmus import fmu as foreign
+from tests.third_party.c_fmus import fmu as third_party
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -107,9 +107,9 @@ def test_a_reference_beside_the_file_is_taken_first(fmu_files: dict[str, Path], 
 
 
 @pytest.mark.parametrize("version", [2, 3])
-def test_an_fmu_from_elsewhere_against_its_closed_form(version: int, tmp_path: Path) -> None:
+def test_a_third_party_fmu_against_its_closed_form(version: int, tmp_path: Path) -> None:
     """x' = -x in C, exact in its steps; a reference without inputs, at instants between its steps too."""
-    path = Path(foreign("dahlquist", version, tmp_path))
+    path = Path(third_party("dahlquist", version, tmp_path))
     times = np.arange(21) * 0.05
     rows = np.column_stack([times, np.exp(-times)]).tolist()
     (path.parent / f"{path.stem}_ref.csv").write_text(csv_text(["time", "x"], rows))
@@ -124,7 +124,7 @@ def test_an_fmu_from_elsewhere_against_its_closed_form(version: int, tmp_path: P
 
 
 def test_a_crash_is_an_answer_and_the_next_file_is_run(fmu_files: dict[str, Path], tmp_path: Path) -> None:
-    paths = [Path(foreign("crashing", 2, tmp_path)), fmu_files["falling_mass"], tmp_path / "none.fmu"]
+    paths = [Path(third_party("crashing", 2, tmp_path)), fmu_files["falling_mass"], tmp_path / "none.fmu"]
     (tmp_path / f"{paths[0].stem}_ref.csv").write_text('"time","x"\n0,1\n1,0\n')
     (tmp_path / f"{paths[0].stem}_ref.opt").write_text(
         "StartTime, 0\nStopTime, 1\nStepSize, 0.1\nRelTol, 1e-3\n"
@@ -171,7 +171,7 @@ def test_what_cannot_be_compared_is_said_in_one_line(
 
 def test_what_is_no_number_is_not_compared(tmp_path: Path) -> None:
     """An array of FMI 3.0."""
-    path = Path(foreign("vector", 3, tmp_path))
+    path = Path(third_party("vector", 3, tmp_path))
     (path.parent / f"{path.stem}_ref.csv").write_text('"time","y"\n0,1\n1,0\n')
     (path.parent / f"{path.stem}_ref.opt").write_text(Options(0.0, 1.0, 0.1, 1e-3).text())
     with pytest.raises(CrossCheckError, match="y, which its reference files name, is no single number"):

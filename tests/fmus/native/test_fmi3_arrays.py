@@ -12,7 +12,7 @@ from fmpy import fmi3
 from fmpy.fmi1 import FMICallException
 
 from fmus.cross_check.compare import compare
-from tests.foreign.runs import ran, scenario
+from tests.third_party.runs import ran, scenario
 
 from ..instance import Instance, Instance3
 

@@ -1,4 +1,4 @@
-"""SSPs of other tools with FMUs from elsewhere run here, and mean what the standard says."""
+"""SSPs of other tools with third-party FMUs run here, and mean what the standard says."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from orchestrator.scenario.files import load
-from tests.foreign.c_fmus import fmu
-from tests.foreign.runs import ran
 from tests.orchestrator.commands import tribocosim
+from tests.third_party.c_fmus import fmu
+from tests.third_party.runs import ran
 
 from .packages import (
     binding,

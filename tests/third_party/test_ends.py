@@ -1,4 +1,4 @@
-"""An FMU from elsewhere that asks to end the simulation: records go to the time that it reached."""
+"""A third-party FMU that asks to end the simulation: records go to the time that it reached."""
 
 from __future__ import annotations
 

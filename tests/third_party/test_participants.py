@@ -1,4 +1,4 @@
-"""FMUs from elsewhere, of both versions of FMI, take part as what they are, here or in their own process."""
+"""Third-party FMUs, of both versions of FMI, take part as what they are, here or in their own process."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Texts as parameters of FMUs from elsewhere: they arrive as they are, before the initialisation."""
+"""Texts as parameters of third-party FMUs: they arrive as they are, before the initialisation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values for FMUs from elsewhere: numbers in the FMU's unit, items of enumerations, names of other tables."""
+"""Values for third-party FMUs: numbers in the FMU's unit, items of enumerations, names of other tables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs of scenarios with FMUs from elsewhere."""
+"""Runs of scenarios with third-party FMUs."""
 
 from __future__ import annotations
 

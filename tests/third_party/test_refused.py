@@ -1,4 +1,4 @@
-"""What FMUs from elsewhere cannot do, or only equations could say, is refused before the run."""
+"""What third-party FMUs cannot do, or only equations could say, is refused before the run."""
 
 from __future__ import annotations
 
@@ -72,11 +72,11 @@ def test_what_the_equations_do_not_know_is_refused_with_them(changes: dict[str, 
 
 
 def test_what_an_analysis_does_not_know_is_refused(tmp_path: Path) -> None:
-    foreign = scenario({"one": {"participant": fmu("dahlquist", 2, tmp_path)}})
+    third_party = scenario({"one": {"participant": fmu("dahlquist", 2, tmp_path)}})
     content = read_contents(list_shipped()["two-masses"]) | {"reference": {"enabled": False}}
     changed = build_scenario(content | {"connections": ["first.force * 2 -> second.force"]})
     for one, said in (
-        (foreign, r"components\.one: an FMU from elsewhere, .* is not analysed"),
+        (third_party, r"components\.one: a third-party FMU, .* is not analysed"),
         (changed, r"second\.force: its connection .* not known to the analysis"),
     ):
         with pytest.raises(ScenarioError, match=said), linearisations(one, system_of(one), None):

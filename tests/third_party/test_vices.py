@@ -1,4 +1,4 @@
-"""An FMU from elsewhere that fails is named, and what was recorded before is kept, whatever it does."""
+"""A third-party FMU that fails is named, and what was recorded before is kept, whatever it does."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ def test_an_exit_before_the_first_step_is_told(tmp_path: Path) -> None:
 def test_a_process_whose_runs_have_ended_ends_as_it_likes(last: str, status: int, tmp_path: Path) -> None:
     path = fmu("dahlquist", 2, tmp_path)
     runs = [f"ran(case(Path({str(path)!r}), 'shared'), Path({str(tmp_path / name)!r}))" for name in "ab"]
-    names = ["from pathlib import Path", "from tests.foreign.test_vices import case, ran"]
+    names = ["from pathlib import Path", "from tests.third_party.test_vices import case, ran"]
     code = "; ".join([*names, *runs, last])
     assert subprocess.run([sys.executable, "-c", code], check=False, timeout=300).returncode == status
 
@@ -195,10 +195,10 @@ def test_a_file_that_cannot_be_instantiated_is_a_mistake(process: str, version: 
 
 def test_only_fmus_that_are_not_ours_have_processes_of_their_own_by_default(tmp_path: Path) -> None:
     """Ours do too where it is asked for."""
-    foreign, ours = fmu("dahlquist", 3, tmp_path), build("sprung_mass", tmp_path)
+    third_party, ours = fmu("dahlquist", 3, tmp_path), build("sprung_mass", tmp_path)
     for path, process, apart in (
-        (foreign, None, True),
-        (foreign, "shared", False),
+        (third_party, None, True),
+        (third_party, "shared", False),
         (ours, None, False),
         (ours, "own", True),
     ):
