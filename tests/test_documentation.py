@@ -3,19 +3,34 @@
 from __future__ import annotations
 
 import inspect
+import math
 import re
+import sys
+import textwrap
+from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
+import numpy as np
 import pytest
 
 from fmus.build import build
+from models.core.quantities import Quantity
 from orchestrator.engine.exchange import Exchange
 from orchestrator.masters.acceleration import ACCELERATIONS
+from orchestrator.participants import in_process
+from orchestrator.plots.data import FigureData
+from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.schema import build_schema
 from orchestrator.stepping.estimators import ESTIMATORS
 
+from .orchestrator.recorder import Recorder
+from .orchestrator.two_masses import exact, two_masses
+
 DOCS = Path(__file__).parent.parent / "docs"
+
 PAGE = (DOCS / "reference" / "scenarios.md").read_text(encoding="utf-8")
 CODE = re.findall(r"```\w*\n(.+?)```|`([^`\n]+)`", PAGE, re.DOTALL)
 PAGES = (
@@ -77,3 +92,37 @@ def test_the_files_named_for_extensions_exist() -> None:
     paths = [path for path in named if path.split("/")[0] in rooms and "NAME" not in path]
     assert len(paths) > 10
     assert [path for path in paths if not (root / path).exists()] == []
+
+
+def run_example(word: str, package: str) -> dict[str, Any]:
+    """The names of the example with that word, run as a module of the package."""
+    examples = re.findall(r"```python\n(.+?)\n *```", EXTENDING, re.DOTALL)
+    (example,) = (textwrap.dedent(text) for text in examples if word in text)
+    module = ModuleType(f"{package}.example")
+    module.__dict__["__package__"] = package
+    sys.modules[module.__name__] = module  # where dataclass looks for annotations
+    exec(compile(example, module.__name__, "exec"), module.__dict__)
+    return module.__dict__
+
+
+def test_the_example_of_a_master_is_of_second_order_with_linear_signals() -> None:
+    master = run_example("class Alternating", "orchestrator.masters")["Alternating"]("linear")
+    errors = []
+    for step in (2e-3, 1e-3):
+        system, recorder = two_masses(), Recorder()
+        units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+        simulate(system, units, master, step, 2.0, [recorder])
+        errors.append(np.abs(recorder["first.position"] - exact(recorder.times)[:, 0]).max())
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)  # as for the other masters
+
+
+def test_the_example_of_a_figure_draws_the_tyre_force() -> None:
+    names = run_example("tyre_force", "orchestrator.plots")
+    time, force = np.linspace(0.0, 1.0, 11), np.arange(11.0)
+    data = FigureData(
+        "a car", time, {"wheel.tyre_force": force}, time, {}, {"wheel.tyre_force": Quantity("N", "force")}
+    )
+    assert names["applies"](data)
+    assert not names["applies"](replace(data, coupled={}))
+    (axes,) = names["figure"](data).axes
+    assert np.array_equal(axes.lines[0].get_ydata(), force)
