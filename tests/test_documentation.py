@@ -105,6 +105,13 @@ def run_example(word: str, package: str) -> dict[str, Any]:
     return module.__dict__
 
 
+def test_the_example_of_a_film_has_the_exponents_that_it_states() -> None:
+    film = run_example("def film(", "models.contact.films")["film"]
+    at = (500.0, 2.0, 0.03, 12e-3, 1e-11, 0.036, 1.8e-8)
+    assert film(at[0], 2.0 * at[1], *at[2:]) / film(*at) == pytest.approx(2.0 ** (8 / 11), rel=1e-12)
+    assert film(2.0 * at[0], *at[1:]) / film(*at) == pytest.approx(2.0 ** (-1 / 11), rel=1e-12)
+
+
 def test_the_example_of_a_master_is_of_second_order_with_linear_signals() -> None:
     master = run_example("class Alternating", "orchestrator.masters")["Alternating"]("linear")
     errors = []
