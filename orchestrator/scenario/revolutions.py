@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 from models.flywheel import PRESCRIBED
@@ -33,10 +34,14 @@ def convert_to_seconds(content: Mapping[str, Any]) -> dict[str, Any]:
 
 def _parse_angle(value: Any) -> float | None:
     """In rad; None for what is no angle."""
-    try:
-        return to_unit(value, "rad") if isinstance(value, str) and not is_bare(value) else None
-    except UnitError:
+    if not isinstance(value, str) or is_bare(value):
         return None
+    with suppress(UnitError):
+        to_unit(value, "s")
+        return None
+    with suppress(UnitError):
+        return to_unit(value, "rad")
+    return None
 
 
 def _find_speed(content: Mapping[str, Any]) -> float:

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from orchestrator.scenario.units import UnitError, to_unit
+from orchestrator.scenario.units import FACTORS, UnitError, _find_factor, to_unit
 
 
 @pytest.mark.parametrize(
@@ -52,3 +52,8 @@ def test_what_does_not_fit_is_named(text: str, unit: str, named: tuple[str, ...]
     with pytest.raises(UnitError) as error:
         to_unit(text, unit)
     assert all(word in str(error.value) for word in named)
+
+
+@pytest.mark.parametrize("pair", FACTORS, ids=" to ".join)
+def test_factors_without_pint_are_pints(pair: tuple[str, str]) -> None:
+    assert FACTORS[pair] == _find_factor("1", *pair)
