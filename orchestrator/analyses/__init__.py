@@ -1,4 +1,4 @@
-"""Analyses by name: each file of this folder that holds an `ANALYSIS` is one."""
+"""Analyses by name: each file of this folder whose name has no underscore holds an `ANALYSIS`."""
 
 from __future__ import annotations
 
@@ -13,17 +13,20 @@ from .protocol import Analysis, Parameter, Result
 
 __all__ = ["Analysis", "Parameter", "Result", "load", "names"]
 
+# Analyses of one table: module and object.
+SHARED = {"phase": ("_motion", "PHASE"), "trace": ("_motion", "TRACE")}
+
 
 def names() -> list[str]:
     """The analyses that come with the program."""
     files = (path.stem for path in Path(__file__).parent.glob("*.py"))
-    return sorted(name for name in files if not name.startswith("_") and name != "protocol")
+    return sorted([*SHARED, *(name for name in files if not name.startswith("_") and name != "protocol")])
 
 
 def load(name: str) -> Analysis:
     """The analysis of that name, or the Analysis at `module:object`; MistakeError if there is none."""
     if ":" in name:
-        return _foreign(name)
+        return _load_own(name)
     if name not in names():
         from ..scenario.files import list_shipped
 
@@ -35,11 +38,12 @@ def load(name: str) -> Analysis:
         raise MistakeError(
             f"no analysis {name!r}; {close} (or name an analysis of your own as module:object)"
         )
-    analysis: Analysis = import_module(f"{__name__}.{name}").ANALYSIS
+    module, attribute = SHARED.get(name, (name, "ANALYSIS"))
+    analysis: Analysis = getattr(import_module(f"{__name__}.{module}"), attribute)
     return analysis
 
 
-def _foreign(name: str) -> Analysis:
+def _load_own(name: str) -> Analysis:
     module, _, attribute = name.partition(":")
     if "" not in sys.path:  # a user's own module lies where the command is called
         sys.path.insert(0, "")

@@ -41,12 +41,6 @@ def coordinate(values: Mapping[str, Any], letter: str) -> xarray.Variable:
     return column(letter, found, MACHINE[name].unit, MACHINE[name].description)
 
 
-def fixed(values: Mapping[str, Any], *letters: str) -> dict[str, Any]:
-    """The machine's parameters that are not varied, for a figure's title."""
-    varied = {values[letter] for letter in letters}
-    return {name: values[name] for name in MACHINE if name not in varied}
-
-
 @contextmanager
 def mistakes() -> Iterator[None]:
     """What a machine refuses is the user's mistake, and so is a device that is not there."""

@@ -101,9 +101,3 @@ def binned(found: Distribution, unit: str, place: str, meaning: str) -> xarray.D
             "lower": column("bin", found.lower, "1", f"{meaning}, lower wall"),
         }
     )
-
-
-def edges_of(data: xarray.Dataset) -> Vector:
-    """The inverse of `binned`."""
-    edges: Vector = np.append(data["start"].values, data["end"].values[-1])
-    return edges

@@ -1,4 +1,4 @@
-"""The table of a motion, for the analyses that draw it."""
+"""Time trace and phase portrait: one table, two figures."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import xarray
 from models.slider_crank.motions.portrait import portrait
 
 from ._machine import MACHINE, START, duration, motion_of
-from ._table import column
-from .protocol import Parameter, Result
+from ._table import column, draw_by, evaluate_by
+from .protocol import Analysis, Parameter, Result
 
 PARAMETERS = {
     **MACHINE,
@@ -46,3 +46,19 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
         },
         coords={"theta": theta},
     )
+
+
+def _declare(name: str, description: str) -> Analysis:
+    return Analysis(
+        name=name,
+        description=description,
+        parameters=PARAMETERS,
+        results=RESULTS,
+        evaluate=evaluate_by(table),
+        table=table,
+        draw=draw_by(f"motion.{name}", f"plot_{name}"),
+    )
+
+
+PHASE = _declare("phase", "Phase portrait: rate over deviation, cut at impacts")
+TRACE = _declare("trace", "Time trace: the rod's deviation over crank angle, between its walls")

@@ -1,10 +1,15 @@
-"""Tables with units."""
+"""Tables with units, and what an analysis derives from its table."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 import xarray
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def column(dimensions: str | tuple[str, ...], values: Any, unit: str, meaning: str) -> xarray.Variable:
@@ -12,6 +17,23 @@ def column(dimensions: str | tuple[str, ...], values: Any, unit: str, meaning: s
     return xarray.Variable(dimensions, values, {"units": unit, "long_name": meaning})
 
 
-def scalars(table: xarray.Dataset) -> dict[str, float | str]:
-    """The results in a table: its variables without dimension."""
-    return {str(name): variable.item() for name, variable in table.data_vars.items() if not variable.ndim}
+def evaluate_by(
+    table: Callable[[Mapping[str, Any]], xarray.Dataset],
+) -> Callable[[Mapping[str, Any]], dict[str, float | str]]:
+    """The `evaluate` of an analysis whose results are the variables without dimension of its table."""
+
+    def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
+        found = table(values).data_vars.items()
+        return {str(name): variable.item() for name, variable in found if not variable.ndim}
+
+    return evaluate
+
+
+def draw_by(module: str, function: str) -> Callable[[xarray.Dataset, Mapping[str, Any]], Figure]:
+    """The `draw` of an analysis: a function in `plots`, imported on the first call."""
+
+    def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+        figure: Figure = getattr(import_module(f"orchestrator.plots.{module}"), function)(data, values)
+        return figure
+
+    return draw

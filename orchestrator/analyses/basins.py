@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray
@@ -13,11 +13,8 @@ from models.slider_crank.motions.basins import LEAST, basins
 from ._axes import mistakes
 from ._machine import MACHINE, machine_of
 from ._progress import progress
-from ._table import column, scalars
+from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
@@ -44,21 +41,6 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     )
 
 
-def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-    return scalars(table(values))
-
-
-def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    from ..plots.maps.basins import draw_basins
-    from ..plots.motion.titles import titled
-
-    found = data.sizes["number"]
-    title = f"Basins of {found} attractors" if found > 1 else "All starts end on one attractor"
-    figure, axes = titled(title, values, width=6.8, height=4.6)
-    draw_basins(figure, axes, data)
-    return figure
-
-
 ANALYSIS = Analysis(
     name="basins",
     description="Basins of attraction: where starts between the walls end",
@@ -72,7 +54,7 @@ ANALYSIS = Analysis(
         "attractors": Result("1", "attractors found"),
         "largest_share": Result("1", "part of the starts that end on the most common one"),
     },
-    evaluate=evaluate,
+    evaluate=evaluate_by(table),
     table=table,
-    draw=draw,
+    draw=draw_by("maps.basins", "plot_basins"),
 )

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray
 
 from models.slider_crank.motions.bifurcation import RECORDS, followed, from_rest
 
-from ._axes import along, axis, fixed, mistakes
+from ._axes import along, axis, mistakes
 from ._machine import MACHINE, duration, machine_of
 from ._progress import progress
-from ._table import column, scalars
+from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 STARTS = ("followed", "from_rest")
 UNITS = {"impact_rate": "1", "impact_angle": "rad", "strobe_psi": "rad"}
@@ -49,20 +46,6 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     )
 
 
-def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-    return scalars(table(values))
-
-
-def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    from ..plots.maps.bifurcation import draw_bifurcation
-    from ..plots.motion.titles import legend, titled
-
-    figure, axes = titled("Bifurcation diagram", fixed(values, "x"), width=6.8, height=4.2)
-    draw_bifurcation(axes, data, values["x"], values["record"])
-    legend(figure, axes)
-    return figure
-
-
 ANALYSIS = Analysis(
     name="bifurcation",
     description="Bifurcation diagram over any parameter",
@@ -79,7 +62,7 @@ ANALYSIS = Analysis(
         **duration(50, 200),
     },
     results={"points": Result("1", "points of the diagram")},
-    evaluate=evaluate,
+    evaluate=evaluate_by(table),
     table=table,
-    draw=draw,
+    draw=draw_by("maps.bifurcation", "plot_bifurcation"),
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray
@@ -13,11 +13,8 @@ from models.slider_crank.motions.classification import classify, finite_time_exp
 
 from ._axes import mistakes
 from ._machine import MACHINE, START, machine_of
-from ._table import column, scalars
+from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # Cycles shown in the figure, at most, and windows of finite-time exponents in it.
 MOST_SHOWN, WINDOWS = 10_000, 150
@@ -51,20 +48,6 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     )
 
 
-def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-    return scalars(table(values))
-
-
-def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    from ..plots.maps.classification import draw_classification
-    from ..plots.motion.titles import titled
-
-    title = f"Classification: {data['kind'].item()}"
-    figure, axes = titled(title, values, width=6.8, height=4.4, mosaic="A;B", sharex=True)
-    draw_classification([axes["A"], axes["B"]], data)
-    return figure
-
-
 ANALYSIS = Analysis(
     name="classification",
     description="Periodic, chaotic or transiently chaotic, with the evidence",
@@ -82,7 +65,7 @@ ANALYSIS = Analysis(
         "impacts_per_cycle": Result("1", "impacts per crank cycle in the end"),
         "evidence": Result("1", "what the classification rests on", text=True),
     },
-    evaluate=evaluate,
+    evaluate=evaluate_by(table),
     table=table,
-    draw=draw,
+    draw=draw_by("maps.classification", "plot_classification"),
 )

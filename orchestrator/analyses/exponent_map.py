@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray
 
 from models.slider_crank.motions.maps import exponent_map, exponent_map_on_device
 
-from ._axes import along, axis, coordinate, fixed, mistakes
+from ._axes import along, axis, coordinate, mistakes
 from ._machine import MACHINE, duration, machine_of
 from ._progress import progress
-from ._table import column, scalars
+from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
@@ -41,19 +38,6 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     )
 
 
-def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-    return scalars(table(values))
-
-
-def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    from ..plots.maps.exponents import draw_exponents
-    from ..plots.motion.titles import titled
-
-    figure, axes = titled("Largest Lyapunov exponent", fixed(values, "x", "y"), width=6.4, height=4.6)
-    draw_exponents(figure, axes, data, values["x"], values["y"])
-    return figure
-
-
 ANALYSIS = Analysis(
     name="exponent_map",
     description="Largest Lyapunov exponent over two parameters, every point from rest in the middle",
@@ -69,7 +53,7 @@ ANALYSIS = Analysis(
         "sliding_share": Result("1", "part of the points whose motion slides"),
         "highest": Result("1/rad", "highest of the largest exponents"),
     },
-    evaluate=evaluate,
+    evaluate=evaluate_by(table),
     table=table,
-    draw=draw,
+    draw=draw_by("maps.exponents", "plot_exponent_map"),
 )

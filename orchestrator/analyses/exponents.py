@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray
 
 from ._machine import MACHINE, START, duration, motion_of
-from ._table import column
+from ._table import column, draw_by
 from .protocol import Analysis, Result
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # Windows of the table at most.
 WINDOWS = 200
@@ -49,15 +46,6 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     )
 
 
-def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    from ..plots.maps.convergence import draw_convergence
-    from ..plots.motion.titles import titled
-
-    figure, axes = titled("Lyapunov exponents", values, width=6.8, height=3.4)
-    draw_convergence(axes, data)
-    return figure
-
-
 ANALYSIS = Analysis(
     name="exponents",
     description="Lyapunov exponents of the slider-crank with clearance",
@@ -74,5 +62,5 @@ ANALYSIS = Analysis(
     },
     evaluate=evaluate,
     table=table,
-    draw=draw,
+    draw=draw_by("maps.convergence", "plot_exponents"),
 )

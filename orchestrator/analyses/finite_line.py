@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray
@@ -17,7 +17,7 @@ from models.core.quantities import Vector
 from models.core.system import ModelError
 
 from ..errors import MistakeError
-from ._table import column
+from ._table import column, draw_by
 from ._tappet import (
     COMPLIANCE,
     CONTACT,
@@ -30,9 +30,6 @@ from ._tappet import (
     yielding,
 )
 from .protocol import Analysis, Parameter, Result
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ALIGNMENTS = ("aligned", "misaligned")
 # What is shown: lines along the length, which is a hundred half widths, and nodes across.
@@ -123,12 +120,6 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     )
 
 
-def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    from ..plots.finite_line import draw_finite_line
-
-    return draw_finite_line(data, values)
-
-
 ANALYSIS = Analysis(
     name="finite_line",
     description="The cam's contact as a finite line: end peaks, axial profiles, misalignment",
@@ -155,5 +146,5 @@ ANALYSIS = Analysis(
     },
     evaluate=evaluate,
     table=table,
-    draw=draw,
+    draw=draw_by("finite_line", "draw_finite_line"),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray
@@ -19,12 +19,9 @@ from models.core.system import ModelError
 
 from ..errors import MistakeError
 from ._progress import progress
-from ._table import column
+from ._table import column, draw_by
 from ._tappet import DRY, PARAMETERS, finite_line, resolution, running, yielding
 from .protocol import Analysis, Parameter, Result
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ALIGNMENTS = ("aligned", "misaligned")
 # What a passage holds that is shown, with its unit and meaning.
@@ -167,12 +164,6 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     )
 
 
-def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    from ..plots.finite_line_cycle import draw_finite_line_cycle
-
-    return draw_finite_line_cycle(data, values)
-
-
 ANALYSIS = Analysis(
     name="finite_line_cycle",
     description="The cam's contact as a finite line through the cycle, quasi-static: end peaks and end films",
@@ -200,5 +191,5 @@ ANALYSIS = Analysis(
     },
     evaluate=evaluate,
     table=table,
-    draw=draw,
+    draw=draw_by("finite_line_cycle", "draw_finite_line_cycle"),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray
@@ -15,11 +15,8 @@ from models.slider_crank.motions.regions import holding_intervals, region, sign_
 
 from ..errors import MistakeError
 from ._machine import MECHANISM, machine_of
-from ._table import column, scalars
+from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 TURN = 2.0 * math.pi
 
@@ -50,21 +47,6 @@ def _share(machine: Machine, side: float) -> float:
     return sum(interval.end - interval.start for interval in holding_intervals(machine, side)) / TURN
 
 
-def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-    return scalars(table(values))
-
-
-def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    from ..plots.motion.force import draw_force
-    from ..plots.motion.titles import legend, titled
-
-    figure, axes = titled("Constraint forces", values, width=6.8, height=3.0)
-    columns = (data[name].values for name in ("theta", "upper", "lower"))
-    draw_force(axes, *columns, window=(values["start"], values["end"]))
-    legend(figure, axes)
-    return figure
-
-
 ANALYSIS = Analysis(
     name="force",
     description="Constraint force: what holds a resting slider at each wall, over crank angle (F 2.6)",
@@ -81,7 +63,7 @@ ANALYSIS = Analysis(
         "upper_share": Result("1", "part of the cycle in which the upper wall can hold the slider"),
         "lower_share": Result("1", "part of the cycle in which the lower wall can hold the slider"),
     },
-    evaluate=evaluate,
+    evaluate=evaluate_by(table),
     table=table,
-    draw=draw,
+    draw=draw_by("motion.force", "plot_force"),
 )

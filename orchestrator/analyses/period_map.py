@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray
 
 from models.slider_crank.motions.maps import period_map
 
-from ._axes import along, axis, coordinate, fixed, mistakes
+from ._axes import along, axis, coordinate, mistakes
 from ._machine import MACHINE, machine_of
 from ._progress import progress
-from ._table import column, scalars
+from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
@@ -35,19 +32,6 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     )
 
 
-def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-    return scalars(table(values))
-
-
-def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    from ..plots.maps.periods import draw_periods
-    from ..plots.motion.titles import titled
-
-    figure, axes = titled("Period", fixed(values, "x", "y"), width=6.4, height=4.6)
-    draw_periods(figure, axes, data, values["x"], values["y"], values["cycles"])
-    return figure
-
-
 ANALYSIS = Analysis(
     name="period_map",
     description="Period of the motion over two parameters, every point from rest in the middle",
@@ -62,7 +46,7 @@ ANALYSIS = Analysis(
         "simple_share": Result("1", "part of the points that repeat every cycle"),
         "longest": Result("1", "longest period found, in cycles"),
     },
-    evaluate=evaluate,
+    evaluate=evaluate_by(table),
     table=table,
-    draw=draw,
+    draw=draw_by("maps.periods", "plot_period_map"),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import xarray
 
@@ -12,11 +12,8 @@ from models.slider_crank.flight.bouncing import LOWER, UPPER
 
 from ._impacts import COUNTS, counts, first_impacts
 from ._machine import MACHINE, START, duration
-from ._table import column, scalars
+from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
@@ -34,33 +31,6 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
             **counts(impacts, cycles),
         }
     )
-
-
-def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-    return scalars(table(values))
-
-
-def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    from ..plots.motion.poincare import draw_poincare, magnified
-    from ..plots.motion.titles import titled
-
-    theta, rate = data["theta"].values, data["psi_rate"].values
-    if not theta.size:
-        figure, axes = titled(f"Poincaré map, {values['wall']} wall: no impacts", values, 6.0, 4.0)
-        draw_poincare(axes, theta, rate)
-        return figure
-    figure, axes = titled(
-        f"Poincaré map, {values['wall']} wall", values, 9.6, 4.4,
-        mosaic=[["all", "all", "first"], ["all", "all", "second"]],
-    )  # fmt: skip
-    centre, by = (values["centre_angle"], values["centre_rate"]), values["magnification"]
-    first, second = (magnified(theta, rate, centre, factor) for factor in (by, by * by))
-    draw_poincare(axes["all"], theta, rate, marks=[first])
-    draw_poincare(axes["first"], theta, rate, first, marks=[second], label=False)
-    draw_poincare(axes["second"], theta, rate, second, label=False)
-    for name, factor in (("first", by), ("second", by * by)):
-        axes[name].set_title(f"× {factor:g}", fontsize=9, loc="left")
-    return figure
 
 
 ANALYSIS = Analysis(
@@ -83,7 +53,7 @@ ANALYSIS = Analysis(
         "seen": Result("1", "crank cycles that they took"),
         **COUNTS,
     },
-    evaluate=evaluate,
+    evaluate=evaluate_by(table),
     table=table,
-    draw=draw,
+    draw=draw_by("motion.poincare", "plot_poincare"),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray
@@ -12,11 +12,8 @@ import xarray
 from models.slider_crank.motions.regions import region, thresholds
 
 from ._machine import MECHANISM, machine_of
-from ._table import column, scalars
+from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
@@ -39,26 +36,6 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     )
 
 
-def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-    return scalars(table(values))
-
-
-def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    from ..plots.motion.regions import draw_regions
-    from ..plots.motion.titles import titled
-
-    shown = {name: value for name, value in values.items() if name not in ("damping", "gap")}
-    figure, axes = titled("Regions of sliding", shown, width=5.6, height=3.8)
-    columns = [data[name].values for name in ("gap", "upper", "lower")]
-    highest = 1.4 * max(columns[1].max(), columns[2].max(), values["damping"])
-    draw_regions(axes, *columns, damping=(0.0, highest))
-    axes.plot(values["damping"], values["gap"], "o", color="#3a444e", ms=4.5)
-    axes.annotate(
-        "this machine", (values["damping"], values["gap"]), (6, -3), textcoords="offset points", fontsize=7.5
-    )
-    return figure
-
-
 ANALYSIS = Analysis(
     name="regions",
     description="Regions I-III of sliding over friction and clearance (F 2.10)",
@@ -75,7 +52,7 @@ ANALYSIS = Analysis(
         "lower_threshold": Result("1", "lambda from which on the lower wall holds nowhere"),
         "limit": Result("1", "both for vanishing clearance: threshold of permanent sliding"),
     },
-    evaluate=evaluate,
+    evaluate=evaluate_by(table),
     table=table,
-    draw=draw,
+    draw=draw_by("motion.regions", "plot_regions"),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray
@@ -18,11 +18,8 @@ from models.slider_crank.motions.transients import (
 
 from ._machine import MACHINE, machine_of
 from ._progress import progress
-from ._table import column, scalars
+from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
@@ -47,20 +44,6 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     )
 
 
-def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-    return scalars(table(values))
-
-
-def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    from ..plots.maps.escape import draw_escape
-    from ..plots.motion.titles import legend, titled
-
-    figure, axes = titled("Length of transients", values, width=6.0, height=3.8)
-    draw_escape(axes, data, ORDINARY_TRANSIENT)
-    legend(figure, axes)
-    return figure
-
-
 ANALYSIS = Analysis(
     name="transient",
     description="Length of transient chaos: distribution over random starts, mean escape time",
@@ -78,7 +61,7 @@ ANALYSIS = Analysis(
         "median": Result("1", "median length in cycles"),
         "longest": Result("1", "longest length in cycles"),
     },
-    evaluate=evaluate,
+    evaluate=evaluate_by(table),
     table=table,
-    draw=draw,
+    draw=draw_by("maps.escape", "plot_transient"),
 )

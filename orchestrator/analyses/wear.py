@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import xarray
 
@@ -16,13 +16,10 @@ from models.slider_crank.motions.statistics import (
     uniformity,
 )
 
-from ._impacts import COUNTS, binned, counts, edges_of, impacts_of, parameters
+from ._impacts import COUNTS, binned, counts, impacts_of, parameters
 from ._machine import machine_of
-from ._table import column, scalars
+from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Result
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # The number of bins is also taken smaller and larger, to show what depends on it.
 FACTORS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
@@ -49,25 +46,6 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     return worn.assign(**counts(impacts, values["cycles"]))
 
 
-def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-    return scalars(table(values))
-
-
-def draw(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    from ..plots.motion.distribution import draw_profile
-    from ..plots.motion.titles import legend, titled
-    from ..plots.motion.wear import draw_worn_share
-
-    mosaic = [["profile", "profile", "share"]]
-    figure, axes = titled("Wear: energy that impacts take", values, 9.2, 3.4, mosaic=mosaic)
-    draw_profile(axes["profile"], edges_of(data), data["upper"].values, -data["lower"].values)
-    axes["profile"].set_ylabel("energy per cycle / (M l² Ω²)")
-    shares = {wall: data[f"{wall}_worn_share"].values for wall in WALLS if data[f"{wall}_energy"] > 0.0}
-    draw_worn_share(axes["share"], data["bins"].values, shares)
-    legend(figure, axes["profile"])
-    return figure
-
-
 def _results(wall: str) -> dict[str, Result]:
     return {
         f"{wall}_energy": Result("1", f"energy taken by the {wall} wall per cycle over M l^2 Omega^2"),
@@ -84,7 +62,7 @@ ANALYSIS = Analysis(
     description="Wear: energy that impacts take along the walls, and how evenly",
     parameters=parameters(3000, 100),
     results={**_results("upper"), **_results("lower"), **COUNTS},
-    evaluate=evaluate,
+    evaluate=evaluate_by(table),
     table=table,
-    draw=draw,
+    draw=draw_by("motion.wear", "plot_wear"),
 )

@@ -11,8 +11,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..masters import name_of
-from ..stability.findings import Survey, Surveyed
-from ..stability.report import shown_time
+from ..stability.report import format_time
+from ..stability.survey import AssessedMethod, Survey
 from .style import SIGNALS, headed, subplots
 
 STABLE = "#dfeadf"
@@ -54,7 +54,7 @@ def figure(found: Survey) -> Figure:
 def _entries(found: Survey) -> list[Artist]:
     """What colours, lines and marks mean; only of signals that were surveyed."""
     used = {method.master.extrapolation for method in found.methods}
-    step = shown_time(found.scenario.macro_step)
+    step = format_time(found.scenario.macro_step)
     return [
         *(Line2D([], [], color=colour, label=f"signals: {n}") for n, colour in SIGNALS.items() if n in used),
         Line2D([], [], color="0.3", marker="o", ms=4.5, ls="", label="limit of stability"),
@@ -65,11 +65,11 @@ def _entries(found: Survey) -> list[Artist]:
     ]
 
 
-def _radius(axes: Axes, method: Surveyed) -> None:
+def _radius(axes: Axes, method: AssessedMethod) -> None:
     """Dashed beyond the limit, where only few steps were sampled."""
     signal = method.master.extrapolation
     colour = SIGNALS[signal]
-    seen = [(at.step, at.radius) for at in method.seen if math.isfinite(at.radius)]
+    seen = [(at.step, at.radius) for at in method.samples if math.isfinite(at.radius)]
     limit = [(method.limit, 1.0)] if math.isfinite(method.limit) else []
     stable = [point for point in seen if point[0] <= method.limit] + limit
     beyond = limit + [point for point in seen if point[0] > method.limit]
@@ -79,7 +79,7 @@ def _radius(axes: Axes, method: Surveyed) -> None:
         axes.plot(*limit[0], "o", ms=4.5, color=colour)
 
 
-def _error(axes: Axes, found: Survey, method: Surveyed) -> None:
+def _error(axes: Axes, found: Survey, method: AssessedMethod) -> None:
     allowed = found.scenario.tolerance
     points = [
         (step, max(e / allowed[n] for n, e in errors.items())) for step, errors in method.errors.items()

@@ -1,1 +1,1 @@
-"""Before the run: how each master, signal and order would behave on a scenario, from its linearisation."""
+"""Stability and errors of every master, signal and order on a scenario, predicted from its linearisation."""

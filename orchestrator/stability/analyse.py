@@ -1,4 +1,4 @@
-"""`tribocosim analyse SCENARIO`: what a scenario's coupling will do, before the run."""
+"""`tribocosim analyse SCENARIO`: predict how a scenario's coupling behaves."""
 
 from __future__ import annotations
 
@@ -11,15 +11,14 @@ from ..run import assembly
 from ..run.report import Reporter
 from ..scenario.files import list_shipped, load
 from ..scenario.units import UnitError, to_unit
-from .findings import Survey
-from .sources import linearisations
-from .survey import survey
+from .linearisation import open_linearisations
+from .survey import Survey, survey
 
 FILE = "stability"
 
 
 def is_scenario(name: str) -> bool:
-    """The name is that of a shipped scenario, or the path of a file."""
+    """Whether the name is that of a shipped scenario or the path of a file."""
     return name in list_shipped() or name.endswith(".toml") or Path(name).is_dir()
 
 
@@ -35,35 +34,33 @@ def analyse_scenario(
 ) -> Survey:
     """Survey, print and write into `out` (default: results/NAME-stability).
 
-    `settings` change the scenario ("path=value"); `at` are further instants to linearise at, with a unit
-    or in seconds. FMU files are linearised by their responses, with `responses` all participants, as they
-    would take part in a run (own FMUs made by `build`).
-    Raises ScenarioError, ModelError, MistakeError or OutputFolderError.
+    `settings` change the scenario ("path=value"). `at` are further instants to linearise at, in seconds or
+    with a unit. With `responses`, all participants are linearised by their responses, our FMUs built by
+    `build`. Raises ScenarioError, ModelError, MistakeError or OutputFolderError.
     """
-    from .files import write
-    from .report import sentences, table
+    from .report import build_table, describe, write_survey
 
     reporter = reporter or Reporter()
     scenario = load(name, settings)
-    instants = [_instant(text, scenario.stop_time) for text in at]
+    instants = [_parse_instant(text, scenario.stop_time) for text in at]
     folder = out or Path("results") / f"{scenario.name}-{FILE}"
     held = results_in(folder, FILE, overwrite)
     with made(folder):
-        with reporter.stage("linearisation, stability and errors of every method") as bar:
+        with reporter.stage("stability and errors of every method") as bar:
             system = assembly.at_start(scenario, assembly.system_of(scenario))
-            with linearisations(scenario, system, build, responses) as sources:
+            with open_linearisations(scenario, system, build, responses) as sources:
                 found = survey(scenario, system, instants, bar.show, sources)
         for file in held:
             file.unlink()
-        files = write(found, folder)
-    reporter.console.print(table(found))
-    for line in sentences(found):
+        files = write_survey(found, folder)
+    reporter.console.print(build_table(found))
+    for line in describe(found):
         reporter.line(line)
     reporter.line(f"results in {folder}: {', '.join(file.name for file in files)}")
     return found
 
 
-def _instant(text: str, stop: float) -> float:
+def _parse_instant(text: str, stop: float) -> float:
     try:
         time = to_unit(text, "s")
     except UnitError as error:

@@ -1,4 +1,4 @@
-"""What a signal's extrapolation misses of a true value: amounts of a few shapes."""
+"""The error of a signal's extrapolation over a step, as amounts of a few polynomial shapes."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .linear import ROWS
 HERMITE = DEGREES["hermite"]
 
 
-def missed_by(
+def compute_extrapolation_error(
     values: Vector, rates: Vector, step: float, degree: int, middles: Vector | None = None
 ) -> Vector:
-    """What the values (instants x sources, a macro step apart) miss their extrapolation by: amounts of the
-    `shapes` (instants x shapes x sources).
+    """Values minus their extrapolation: amounts of the `shapes`, (instants x shapes x sources).
 
-    `middles` are the values in the middle of the steps, row n of the one that ends at instant n + 1. Row n
-    is for the step that ends at instant n; rows without a full past are zero.
+    `values` and `rates` (instants x sources) are a macro step apart; row n of the result is for the step that
+    ends at instant n, and zero without a full past. `middles` are values halfway, row n for the step that
+    ends at instant n + 1.
     """
     missed = np.zeros((len(values), len(shapes(step, degree)), values.shape[1]))
     if degree != HERMITE:
@@ -37,7 +37,7 @@ def missed_by(
     missed[2:, 0] = end - guess
     missed[2:, 1] = slopes[2:] - guessed_slope
     if middles is None:
-        # Of a fourth-order polynomial.
+        # Exact for a polynomial of fourth order.
         missed[2:, 2] = missed[2:, 0] / 64.0
     else:
         missed[2:, 2] = middles[1 : len(values) - 1] - (
@@ -48,11 +48,11 @@ def missed_by(
 
 @cache
 def shapes(step: float, degree: int) -> Vector:
-    """Taylor coefficients (shapes x ROWS), at the start of a step, of what a signal of `degree` misses.
+    """Taylor coefficients (shapes x ROWS), at the start of a step, of the error of a signal of `degree`.
 
-    The polynomial that vanishes at all that the signal knows and is one at the end of the step. Of Hermite
-    signals, which know rates that may have a jump next to them, three cubics and quartics: one at the end,
-    with a rate of one (per step) at the end, and one in the middle with neither.
+    The shape vanishes at the signal's known values and is one at the end of the step. Hermite signals have
+    three shapes, because rates may jump: value one at the end, rate one (per step) at the end, and one in the
+    middle with neither.
     """
     s = Polynomial([0.0, 1.0 / step])
     if degree == HERMITE:

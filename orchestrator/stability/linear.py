@@ -1,12 +1,16 @@
-"""What is exactly linear: x' = A x + B u, y = C x + D u about a point of a participant."""
+"""Linear systems x' = A x + B u, y = C x + D u, and eigenvalues of large sparse matrices."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from scipy.linalg import expm
+from scipy.sparse.csgraph import connected_components
 
 from models.core.quantities import Vector
 
@@ -16,11 +20,10 @@ ROWS = 5
 
 @dataclass(frozen=True, eq=False)
 class Linear:
-    """Matrices about a point, and the variables at which the point is a kink.
+    """A participant's matrices about a point, and the variables that have a kink there.
 
-    At a kink the slope is that of the side where it is larger: the stiffer one. `scale` are the states'
-    nominal sizes. `taken` (ROWS x inputs) says which Taylor coefficients of its inputs the participant
-    makes use of; None: all.
+    At a kink the matrices hold the steeper slope. `scale` are the states' nominal sizes. `followed`
+    (ROWS x inputs) is 1 for the Taylor coefficients of its inputs that the participant uses; None: all.
     """
 
     A: Vector
@@ -29,25 +32,25 @@ class Linear:
     D: Vector
     scale: Vector
     kinks: tuple[str, ...] = ()
-    taken: Vector | None = None
+    followed: Vector | None = None
     _steps: dict[float, tuple[Vector, Vector, Vector]] = field(default_factory=dict, repr=False)
 
     def step(self, h: float) -> tuple[Vector, Vector, Vector]:
-        """(Phi, Gamma, E) for inputs u(s) = sum over k of U[k] s^k/k!, with the rows of U one after another.
+        """(Phi, Gamma, E) for inputs u(s) = sum over k of U[k] s^k/k!, the rows of U one after another.
 
-        x(h) = Phi x(0) + Gamma U, and E U are u(h) and u'(h). Exact: from the matrix exponential of the
-        state with the inputs' derivatives as further states (Van Loan 1978).
+        x(h) = Phi x(0) + Gamma U, and E U are u(h) and u'(h). Exact: the matrix exponential takes the inputs'
+        derivatives as further states (Van Loan 1978).
         """
         if h not in self._steps:
             n, inputs = self.B.shape
-            # Inputs without effect on the states would only make the exponential larger.
+            # Inputs that do not act on the states are left out of the exponential.
             moving = np.flatnonzero(np.any(self.B, axis=0))
             m = moving.size
             whole = np.zeros((n + ROWS * m, n + ROWS * m))
             whole[:n, :n] = h * self.A
             if m:
                 whole[:n, n : n + m] = h * self.B[:, moving]
-                # The chain of derivatives has U[k] h^k as states, which keeps it free of powers of h.
+                # The states of the chain are U[k] h^k, so that it needs no powers of h.
                 whole[n:-m, n + m :] = np.eye((ROWS - 1) * m)
             made = expm(whole) if np.any(whole) else np.eye(len(whole))
             gamma = np.zeros((n, ROWS, inputs))
@@ -57,3 +60,26 @@ class Linear:
             ends = np.kron(np.array(chain), np.eye(inputs))
             self._steps[h] = made[:n, :n].copy(), gamma.reshape(n, ROWS * inputs), ends
         return self._steps[h]
+
+
+def circles(matrix: Vector) -> Iterator[Any]:
+    """Indices of each strongly connected part; ordered by parts, the matrix is block triangular."""
+    count, labels = connected_components(matrix != 0.0, directed=True, connection="strong")
+    order = np.argsort(labels, kind="stable")
+    ends = np.searchsorted(labels[order], np.arange(count + 1))
+    for first, last in pairwise(ends):
+        yield order[first:last]
+
+
+def eigenvalues(matrix: Vector) -> Vector:
+    """All eigenvalues, part by part."""
+    found = [
+        np.linalg.eigvals(matrix[np.ix_(part, part)]) if len(part) > 1 else matrix[part, part]
+        for part in circles(matrix)
+    ]
+    return np.concatenate(found) if found else np.zeros(0)
+
+
+def spectral_radius(matrix: Vector) -> float:
+    """The largest absolute value of an eigenvalue."""
+    return float(np.max(np.abs(eigenvalues(matrix)), initial=0.0))

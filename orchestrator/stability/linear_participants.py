@@ -1,30 +1,178 @@
-"""Linear participants, exchanged by a master's signals, whose evolving data can be set and read."""
+"""Linear participants coupled by a master, in many copies, with evolving data that can be set and read.
+
+A coupled run of linear participants is a linear map from one macro step to the next. `macro_step` reads its
+matrix off the master itself, with one copy for each column.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import cast
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 
 from models.core.component import Component
 from models.core.quantities import Vector
-from models.core.system import Port, System
+from models.core.system import Connection, Instance, Port, System
 
 from ..engine.exchange import Exchange
 from ..engine.signals import NEEDED, POINTS
 from ..masters import Master
 from ..participants.capabilities import HIGHEST
 from ..participants.signal_degrees import find_highest_degrees
-from .batched import Copies, LinearParticipant, numbered
 from .extrapolation_error import HERMITE, ends, shapes
-from .linear import Linear
+from .linear import ROWS, Linear
 
 
-class Bench:
-    """`count` copies of a system for signals of one degree; `about` gives the participants their matrices.
+def name_copies(name: str, count: int) -> list[str]:
+    """A variable's names in `count` copies; unchanged for one copy."""
+    return [name] if count == 1 else [f"{name}#{k}" for k in range(count)]
 
-    Of each exchanged value, the copies are next to each other.
+
+class BatchedSystem:
+    """`count` copies of a system as an exchange sees it: outputs load#0, load#1, ..."""
+
+    def __init__(self, system: System, count: int) -> None:
+        self.instances: dict[str, Any] = {}
+        self.nominal: list[float] = []
+        self.order, self.torn = system.order, system.torn
+        self.outputs = self
+        self._numbers: dict[Port, int] = {}
+        for name, instance in system.instances.items():
+            layout = instance.component.outputs
+            names = [copy for own in layout.names for copy in name_copies(own, count)]
+            # The matrices hold the direct feedthrough.
+            component = SimpleNamespace(outputs=SimpleNamespace(names=names), feedthrough={})
+            self.instances[name] = SimpleNamespace(component=component)
+            for variable, nominal in zip(names, np.repeat(layout.nominal, count), strict=True):
+                self._numbers[Port(name, variable)] = len(self.nominal)
+                self.nominal.append(float(nominal))
+        self.connections = tuple(
+            Connection(Port(c.source.instance, out), Port(c.target.instance, into))
+            for c in system.connections
+            for out, into in zip(
+                name_copies(c.source.variable, count), name_copies(c.target.variable, count), strict=True
+            )
+        )
+
+    def index(self, port: Port) -> int:
+        """The index of an output among all outputs."""
+        return self._numbers[port]
+
+
+class LinearParticipant:
+    """Implements `Participant` for `count` copies of a linearised instance.
+
+    Inputs and outputs are course plus deviation; the states `x` (states x copies) are deviations. The course
+    is at rest unless `LinearCoupling.add_extrapolation_error` changes it for the next step.
+    """
+
+    restorable = True
+
+    def __init__(self, name: str, instance: Instance, linear: Linear, count: int = 1) -> None:
+        self.name, self.count = name, count
+        self._component = instance.component
+        inputs, outputs = linear.B.shape[1], linear.C.shape[0]
+        self._U = np.zeros((ROWS, inputs, count))
+        self.course = np.zeros((ROWS, inputs, count))
+        self.course_end = np.zeros((2, outputs, count))
+        # Deviation of the inputs and its rate; outputs and rates of the course.
+        self._u = np.zeros((2, inputs, count))
+        self._y = np.zeros((2, outputs, count))
+        self.set_matrices(linear)
+
+    def set_matrices(self, linear: Linear) -> None:
+        """Take these matrices, with all deviations zero."""
+        self._linear = linear
+        self.x = np.zeros((linear.A.shape[0], self.count))
+        self.reset()
+
+    def reset(self) -> None:
+        """Set all deviations to zero."""
+        for memory in (self.x, self._U, self._u, self._y, self.course, self.course_end):
+            memory[:] = 0.0
+
+    def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
+        return [ROWS - 2] * len(input_names)
+
+    def connect(
+        self,
+        input_names: Sequence[str],
+        inputs: Vector,
+        output_names: Sequence[str],
+        outputs: Vector,
+        rates: Vector,
+    ) -> Sequence[bool]:
+        c = self._component
+        self._into = _find_columns(c.inputs.names, input_names, self.count)
+        self._out = _find_columns(c.outputs.names, output_names, self.count)
+        self._inputs, self._outputs, self._rates = inputs, outputs, rates
+        return [True] * len(output_names)
+
+    def initialise(self, start_time: float, stop_time: float) -> None:
+        pass
+
+    def finish_initialisation(self) -> None:
+        pass
+
+    def write(self) -> None:
+        given = self._U.reshape(ROWS, -1)
+        given[: len(self._inputs), self._into] = self._inputs
+        if self._linear.followed is not None:
+            self._U *= self._linear.followed[:, :, None]
+        self._u[:] = self._U[:2] - self.course[:2]
+
+    def advance(self, time: float, step: float) -> None:
+        phi, gamma, ends = self._linear.step(step)
+        deviation = (self._U - self.course).reshape(-1, self.count)
+        self.x[:] = phi @ self.x + gamma @ deviation
+        self._u[:] = (ends @ deviation).reshape(self._u.shape)
+        self._y[:] = self.course_end
+
+    def read(self) -> None:
+        m = self._linear
+        y = self._y[0] + m.C @ self.x + m.D @ self._u[0]
+        np.take(y.ravel(), self._out, out=self._outputs)
+        if self._rates.size:
+            rate = self._y[1] + m.C @ (m.A @ self.x + m.B @ self._u[0]) + m.D @ self._u[1]
+            np.take(rate.ravel(), self._out, out=self._rates)
+
+    def read_all(self, values: Vector) -> None:
+        values[:] = (self._y[0] + self._linear.C @ self.x + self._linear.D @ self._u[0]).ravel()
+
+    def save(self) -> tuple[Vector, ...]:
+        return self.x.copy(), self._u.copy(), self._y.copy()
+
+    def restore(self, saved: tuple[Vector, ...]) -> None:
+        self.x[:], self._u[:], self._y[:] = saved
+
+    def release(self, saved: tuple[Vector, ...]) -> None:
+        pass
+
+    def to_bytes(self, saved: tuple[Vector, ...]) -> bytes:
+        raise NotImplementedError("linear participants end with their process")
+
+    def from_bytes(self, data: bytes) -> tuple[Vector, ...]:
+        raise NotImplementedError("linear participants end with their process")
+
+    def close(self) -> None:
+        pass
+
+
+def _find_columns(known: Sequence[str], names: Sequence[str], count: int) -> Any:
+    """Positions of named copies in the flattened (variables x copies)."""
+    places = []
+    for name in names:
+        own, _, copy = name.partition("#")
+        places.append(known.index(own) * count + int(copy or 0))
+    return np.array(places, dtype=np.int64)
+
+
+class LinearCoupling:
+    """`count` copies of a system of linear participants, coupled by signals of one degree.
+
+    `configure` sets the matrices. The copies of an exchanged value are adjacent.
     """
 
     def __init__(
@@ -38,66 +186,66 @@ class Bench:
         self._linears: Mapping[str, Linear] | None = None
         self._master: Master | None = None
         names = {
-            name: [copy for variable in variables for copy in numbered(variable, count)]
+            name: [copy for variable in variables for copy in name_copies(variable, count)]
             for name, variables in (watched or {}).items()
         }
         self.units = {
-            name: LinearParticipant(name, instance, _nothing(instance.component), count)
+            name: LinearParticipant(name, instance, _build_static(instance.component), count)
             for name, instance in system.instances.items()
         }
-        # Of the system an exchange looks at no more than its copies have.
-        self.exchange = Exchange(cast(System, Copies(system, count)), self.units, degree, names)
+        # BatchedSystem has all of a System that an exchange uses.
+        self.exchange = Exchange(cast(System, BatchedSystem(system, count)), self.units, degree, names)
         self.exchange.initialise(0.0, 1.0)
         self.sources = len(self.exchange.sources) // count
         self.nominal = self.exchange.nominal[::count]
         self.rated, self.rows = degree == HERMITE, NEEDED[degree]
-        self.degrees = np.full(self.sources, degree)  # of the signals through the exchanged values
+        self.degrees = np.full(self.sources, degree)  # of the exchanged values' signals
 
-    def about(self, linears: Mapping[str, Linear], master: Master) -> None:
-        """To be stepped by `master` with these matrices."""
+    def configure(self, linears: Mapping[str, Linear], master: Master) -> None:
+        """Set the matrices and the master."""
         if self._linears is not linears:
             self._linears = linears
             for name, unit in self.units.items():
-                unit.become(linears[name])
-            self._limit(linears)
+                unit.set_matrices(linears[name])
+            self._limit_degrees(linears)
             self.scales = {name: linears[name].scale[:, None] for name in self.units}
             self.states = sum(len(scale) for scale in self.scales.values())
         if self._master is not master:
             self._master, self.exchange.parts = master, None
 
-    def _limit(self, linears: Mapping[str, Linear]) -> None:
-        """Let no signal have a higher degree than participants follow."""
-        followed = {c.target: self._followed(linears, c.target) for c in self.system.connections}
+    def _limit_degrees(self, linears: Mapping[str, Linear]) -> None:
+        """Limit each signal to the degree that its participants follow."""
+        followed = {c.target: self._highest_degree(linears, c.target) for c in self.system.connections}
         self.degrees[:] = self.degree
         degrees = find_highest_degrees(self.system.connections, followed)
         self.highest = max(degrees.values(), default=HIGHEST)
         for port, degree in degrees.items():
-            first = Port(port.instance, numbered(port.variable, self.count)[0])
+            first = Port(port.instance, name_copies(port.variable, self.count)[0])
             source = self.exchange.number[first] // self.count
             self.degrees[source] = min(self.degree, degree)
         self.exchange.history.degrees[:] = np.repeat(self.degrees, self.count)
 
-    def _followed(self, linears: Mapping[str, Linear], target: Port) -> int:
-        taken = linears[target.instance].taken
-        if taken is None:
+    def _highest_degree(self, linears: Mapping[str, Linear], target: Port) -> int:
+        followed = linears[target.instance].followed
+        if followed is None:
             return HIGHEST
         column = self.system.instances[target.instance].component.inputs.index(target.variable)
-        return int(np.argmin(np.append(taken[1 : HIGHEST + 1, column] > 0.0, False)))
+        return int(np.argmin(np.append(followed[1 : HIGHEST + 1, column] > 0.0, False)))
 
     @property
     def size(self) -> int:
-        """How many numbers evolve."""
+        """The size of the evolving data."""
         return self.states + self.rows * self.sources * (2 if self.rated else 1)
 
-    def put(self, data: Vector, step: float) -> None:
-        """The evolving data (size x copies) before a step from t = 0; zero in the copies that are left.
+    def set_state(self, data: Vector, step: float) -> None:
+        """Set the evolving data (size x copies) before a step from t = 0, with the course at rest.
 
-        The true solution is at rest.
+        Copies beyond `data` get zeros.
         """
         e, given = self.exchange, data.shape[1]
         first = 0
         for name, unit in self.units.items():
-            unit.rest()
+            unit.reset()
             scale = self.scales[name]
             unit.x[:, :given] = data[first : first + len(scale)] * scale
             first += len(scale)
@@ -114,8 +262,8 @@ class Bench:
         e.values[:], e.rates[:] = h.values[0], h.rates[0]
         e.carried = {}
 
-    def after(self, master: Master, step: float) -> Vector:
-        """The evolving data (size x copies) after a step of `master`; NonConvergenceError of an iteration."""
+    def step(self, master: Master, step: float) -> Vector:
+        """Step by `master`; return the evolving data (size x copies). May raise NonConvergenceError."""
         e = self.exchange
         master.step(e, 0.0, step)
         e.accept(step)
@@ -128,10 +276,11 @@ class Bench:
             parts.append(e.history.rates.reshape(shape)[:block] * step / tiled)
         return np.concatenate(parts)
 
-    def follow(self, amounts: Vector, step: float) -> None:
-        """Let the true solution, from rest at the point, miss the signals by `amounts` in the next step.
+    def add_extrapolation_error(self, amounts: Vector, step: float) -> None:
+        """Let the course deviate from the extrapolated signals by `amounts` in the next step.
 
-        In nominal units, (shapes after shapes of exchanged values, x copies). To be called after `put`.
+        Amounts are in nominal units, (shapes after shapes of exchanged values) x copies. Call after
+        `set_state`.
         """
         e, given = self.exchange, amounts.shape[1]
         for number in np.flatnonzero(np.any(amounts, axis=1)):
@@ -139,7 +288,7 @@ class Bench:
             missing, at_end = shapes(step, self.degrees[source]), ends(step, self.degrees[source])
             port = e.sources[source * self.count]
             variable = port.variable.partition("#")[0]
-            if kind >= len(missing):  # of a signal of lower degree than others
+            if kind >= len(missing):  # this signal's degree is lower than others'
                 continue
             missed = self.nominal[source] * amounts[number]
             unit = self.units[port.instance]
@@ -152,7 +301,7 @@ class Bench:
                     course[:, into, :given] += missing[kind][:, None] * missed
 
 
-def _nothing(component: Component) -> Linear:
-    """Matrices of a participant that does not move."""
+def _build_static(component: Component) -> Linear:
+    """Matrices of a participant with constant outputs."""
     n, m = component.outputs.size, component.inputs.size
     return Linear(np.zeros((0, 0)), np.zeros((0, m)), np.zeros((n, 0)), np.zeros((n, m)), np.zeros(0))

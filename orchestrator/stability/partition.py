@@ -1,7 +1,7 @@
-"""Which connections form loops, and in which orders a Gauss-Seidel sweep may follow them.
+"""Loops of connections, and candidate orders of a Gauss-Seidel sweep.
 
-A connection counts if what it brings in has an effect: at some point of the course a slope that is not
-zero. A load torque on a flywheel whose motion is prescribed closes no loop.
+A connection counts if its input acts on an output, by a nonzero slope at some point of the course. The load
+torque on a flywheel with prescribed motion closes no loop.
 """
 
 from __future__ import annotations
@@ -17,17 +17,16 @@ from models.core.quantities import Vector
 from models.core.system import Connection, Port, System
 
 from .linear import Linear
-from .points import Point
+from .linearisation import Point
 
-# All orders of a loop with so many participants are compared; of a longer one those that suggest themselves.
+# All orders of a loop of up to this many participants are compared; of a longer one, three.
 PERMUTED = 5
 
 
 class Partition:
     """The loops of a system about its points, and the order in which its parts drive one another.
 
-    `counting`: the connections that have an effect, perhaps through others, on a loop or on what is
-    `watched`.
+    `counting` are the connections that act, directly or through others, on a loop or on a `watched` output.
     """
 
     def __init__(self, system: System, points: Sequence[Point], watched: Sequence[Port]) -> None:
@@ -60,7 +59,7 @@ class Partition:
         return bool(effect[c.outputs.index(following.source.variable), c.inputs.index(one.target.variable)])
 
     def _shows(self, connection: Connection, watched: Sequence[Port]) -> bool:
-        """What it brings in has an effect on an output that is looked at."""
+        """Whether its input acts on a watched output."""
         name = connection.target.instance
         c = self.system.instances[name].component
         column = self._effects[name][:, c.inputs.index(connection.target.variable)]
@@ -68,8 +67,7 @@ class Partition:
 
     @property
     def participants(self) -> list[list[str]]:
-        """The participants of each group that drives itself in a circle, in the order of driving; one that
-        is in no circle is a group alone."""
+        """Groups of participants in a common loop, in the order of driving; others are groups of one."""
         n = len(self.names)
         drives = np.zeros((n, n), dtype=bool)
         for c in self.counting:
@@ -87,14 +85,14 @@ class Partition:
 
     @property
     def stiff(self) -> tuple[str, ...]:
-        """The participants worth iterating, if they are one group that is smaller than the whole."""
+        """The participants worth iterating: those of the only loop, if it is not the whole system."""
         circling = [group for group in self.participants if len(group) > 1]
         return tuple(circling[0]) if len(circling) == 1 and len(circling[0]) < len(self.names) else ()
 
-    def orders(self) -> Iterator[tuple[str, ...]]:
-        """Orders worth a comparison: what drives first, and every sequence within a loop.
+    def list_orders(self) -> Iterator[tuple[str, ...]]:
+        """Orders to compare: driving parts first, with the sequences within a loop.
 
-        Loops of the same components in the same places are ordered alike: an engine has one for each valve.
+        Loops of the same components are ordered alike (an engine has one for each valve).
         """
         kinds = [tuple(self.system.instances[n].component.name for n in group) for group in self.participants]
         choices = [self._sequences(group) for group in self.participants]
@@ -117,7 +115,7 @@ class Partition:
 
 
 def _effect(linear: Linear) -> Vector:
-    """Which inputs (columns) have an effect on which outputs, at once or through the states."""
+    """Which inputs (columns) act on which outputs, directly or through the states."""
     A, B, C, D = (np.asarray(part != 0.0) for part in (linear.A, linear.B, linear.C, linear.D))
     reached = B
     for _ in range(len(A)):

@@ -14,11 +14,9 @@ from models.core.system import Instance
 from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import open_fmu, read_component
-from orchestrator.stability.behaviour import Behaviour, largest_stable
-from orchestrator.stability.directional import Directional
-from orchestrator.stability.linearisation import Equations
-from orchestrator.stability.points import point_at
-from orchestrator.stability.trajectory import fed, shown
+from orchestrator.stability.behaviour import Behaviour, find_stability_limit
+from orchestrator.stability.linearisation import Directional, Equations, linearise_at
+from orchestrator.stability.trajectory import connected_inputs, continuous_outputs
 
 from ..third_party.c_fmus import fmu as c_fmu
 from .coupled import grown
@@ -30,7 +28,7 @@ def both(system, name, where, row, path):
     """An FMU by its directional derivatives, and the component by its equations."""
     unit = open_fmu(name, path, system.instances[name])
     try:
-        assert unit.linearisable([*fed(name, system), *shown(name, system)])
+        assert unit.linearisable([*connected_inputs(name, system), *continuous_outputs(name, system)])
         found = Directional(name, unit, system).about(where, row, sources(system, name))
     finally:
         unit.close()
@@ -42,7 +40,7 @@ def assert_alike(found, expected, system, name, tolerance):
     without modes, as the FMU has them, and the inputs that are driven."""
     component = system.instances[name].component
     smooth = [i for i, field in enumerate(component.state.fields) if not field.quantity.discrete]
-    driven = [component.inputs.index(variable) for variable in fed(name, system)]
+    driven = [component.inputs.index(variable) for variable in connected_inputs(name, system)]
     x, u, y = expected.scale[smooth], component.inputs.nominal[driven], component.outputs.nominal[:, None]
     np.testing.assert_array_equal(found.scale, x)
     pairs = [
@@ -69,8 +67,8 @@ def test_native_fmus_have_the_matrices_of_their_equations(system, fmi):
     for name, instance in system.instances.items():
         found, expected = both(system, name, where, 40, native(instance.component, fmi))
         assert_alike(found, expected, system, name, 1e-8)
-        fed_to = instance.component.inputs.index(fed(name, system)[0])
-        np.testing.assert_array_equal(found.taken[:, fed_to], 1.0)
+        fed_to = instance.component.inputs.index(connected_inputs(name, system)[0])
+        np.testing.assert_array_equal(found.followed[:, fed_to], 1.0)
 
 
 @pytest.mark.parametrize(
@@ -103,7 +101,7 @@ def test_a_third_party_fmu_has_the_matrices_of_its_law(version, tmp_path):
     np.testing.assert_allclose(found.B, [[0.0], [1.0]], atol=1e-13)
     np.testing.assert_array_equal(found.C, np.eye(2))
     np.testing.assert_array_equal(found.D, 0.0)
-    np.testing.assert_array_equal(found.taken[:4, 0], [1.0, 0.0, 0.0, 0.0])
+    np.testing.assert_array_equal(found.followed[:4, 0], [1.0, 0.0, 0.0, 0.0])
 
 
 def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_derivatives(tmp_path):
@@ -114,11 +112,11 @@ def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_deri
     unit = open_fmu("second", path, system.instances["second"])
     assert not unit.restorable
     made = {"first": Equations(system, "first"), "second": Directional("second", unit, system)}
-    behaviour = Behaviour(point_at(system, where, 20, [], made), master)
+    behaviour = Behaviour(linearise_at(system, where, 20, [], made), master)
     unit.close()
-    limit = largest_stable(behaviour, 1e-4, 0.5, [])
+    limit = find_stability_limit(behaviour, 1e-4, 0.5, [])
     for share in (0.96, 1.04):
-        rate = np.log(behaviour.at(share * limit).radius)
+        rate = np.log(behaviour.evaluate(share * limit).radius)
         units = {name: open_fmu(name, native(i.component, 2), i) for name, i in system.instances.items()}
         units["second"].close()
         units["second"] = open_fmu("second", path, system.instances["second"])

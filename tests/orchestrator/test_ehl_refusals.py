@@ -18,7 +18,7 @@ from orchestrator.run import assembly
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
-from orchestrator.stability.sources import linearisations
+from orchestrator.stability.linearisation import open_linearisations
 
 from .alone import Alone, two_alike
 from .coupled import in_processes, recorded
@@ -111,7 +111,7 @@ def test_the_coupling_of_a_field_is_not_analysed() -> None:
     system = assembly.system_of(scenario)
     with (
         pytest.raises(ScenarioError, match=r"components\.contact: its field .*film_model=dowson_higginson"),
-        linearisations(scenario, system, None),
+        open_linearisations(scenario, system, None),
     ):
         pass
     changes = [
@@ -119,7 +119,7 @@ def test_the_coupling_of_a_field_is_not_analysed() -> None:
         "components.contact.parameters.film_model=dowson_higginson",
     ]
     formula = load("valve-train-ehl", changes)
-    with linearisations(formula, assembly.system_of(formula), None) as made:
+    with open_linearisations(formula, assembly.system_of(formula), None) as made:
         assert set(made) == set(formula.components)
 
 

@@ -16,12 +16,10 @@ from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process, open_fmu
 from orchestrator.run import assembly
 from orchestrator.scenario.files import load
-from orchestrator.stability.behaviour import Behaviour, largest_stable
+from orchestrator.stability.behaviour import Behaviour, find_stability_limit
 from orchestrator.stability.linear import Linear
-from orchestrator.stability.linearisation import Equations
-from orchestrator.stability.points import point_at, points_at
-from orchestrator.stability.realisation import continuous, realised
-from orchestrator.stability.responses import Responses
+from orchestrator.stability.linearisation import Equations, linearise_at, linearise_points
+from orchestrator.stability.responses import Responses, realise, to_continuous
 from orchestrator.stability.trajectory import NotLinearError
 
 from .coupled import grown
@@ -135,10 +133,10 @@ def test_both_ways_of_linearisation_give_one_spectral_radius(master):
     system = two_masses()
     where = along(system, 0.2, SPACING)
     made = {n: Responses(n, in_process(n, i), system, SPACING) for n, i in system.instances.items()}
-    by_responses = Behaviour(point_at(system, where, 20, [], made), master)
-    by_equations = Behaviour(point_at(system, where, 20, []), master)
+    by_responses = Behaviour(linearise_at(system, where, 20, [], made), master)
+    by_equations = Behaviour(linearise_at(system, where, 20, []), master)
     for h in (1e-2, 5e-2, 0.2):
-        assert by_responses.at(h).radius == pytest.approx(by_equations.at(h).radius, rel=1e-5)
+        assert by_responses.evaluate(h).radius == pytest.approx(by_equations.evaluate(h).radius, rel=1e-5)
 
 
 class HeldInputs:
@@ -177,14 +175,14 @@ def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_resp
         "first": Equations(system, "first"),
         "second": (measured := Responses("second", unit, system, SPACING)),
     }
-    behaviour = Behaviour(point_at(system, where, 20, [], made), master)
+    behaviour = Behaviour(linearise_at(system, where, 20, [], made), master)
     unit.close()
-    assert measured.held == ["force"]
-    limit = largest_stable(behaviour, 1e-4, 0.5, [])
-    component = largest_stable(Behaviour(point_at(system, where, 20, []), master), 1e-4, 0.5, [])
+    assert measured.held_inputs == ["force"]
+    limit = find_stability_limit(behaviour, 1e-4, 0.5, [])
+    component = find_stability_limit(Behaviour(linearise_at(system, where, 20, []), master), 1e-4, 0.5, [])
     assert not 0.9 < limit / component < 1.1
     for share in (0.96, 1.04):
-        rate = np.log(behaviour.at(share * limit).radius)
+        rate = np.log(behaviour.evaluate(share * limit).radius)
         units = {
             "first": in_process("first", system.instances["first"]),
             "second": foreign(system, tmp_path_factory),
@@ -212,7 +210,7 @@ def test_a_participant_that_is_no_linear_system_is_named():
     unit = Noisy(in_process("second", system.instances["second"]))
     made = {"first": Equations(system, "first"), "second": Responses("second", unit, system, SPACING)}
     with pytest.raises(NotLinearError, match=r"second: its responses .*residual .*'in-process'"):
-        points_at(system, where, [0, 20], [], made)
+        linearise_points(system, where, [0, 20], [], made)
 
 
 @pytest.mark.parametrize("states", [1, 3, 6])
@@ -230,7 +228,7 @@ def test_a_linear_system_is_found_again_from_its_responses(states):
         pulses.append(C @ state)
         state = phi @ state
     pulses[0] = pulses[0] + D
-    found = realised(np.array(pulses), D, 0.02, np.ones(2), np.full((3, 2), 1e-14))
+    found = realise(np.array(pulses), D, 0.02, np.ones(2), np.full((3, 2), 1e-14))
     assert found.residual < 1e-6
     poles, truth = (np.sort_complex(np.linalg.eigvals(m)) for m in (found.linear.A, A))
     np.testing.assert_allclose(poles, truth, atol=1e-4 * np.abs(truth).max())
@@ -239,7 +237,7 @@ def test_a_linear_system_is_found_again_from_its_responses(states):
 def test_continuous_time_of_a_double_integrator_is_one():
     """A Jordan block: its logarithm is exact."""
     h = 0.1
-    A, B = continuous(np.array([[1.0, h], [0.0, 1.0]]), np.array([[0.5 * h * h], [h]]), h)
+    A, B = to_continuous(np.array([[1.0, h], [0.0, 1.0]]), np.array([[0.5 * h * h], [h]]), h)
     np.testing.assert_allclose(A, [[0.0, 1.0], [0.0, 0.0]], atol=1e-12)
     np.testing.assert_allclose(B, [[0.0], [1.0]], atol=1e-12)
 

@@ -15,12 +15,10 @@ from orchestrator.run.assembly import Builder, system_of
 from orchestrator.run.pipeline import run
 from orchestrator.run.report import Reporter
 from orchestrator.scenario import Scenario, build_scenario
-from orchestrator.stability.course import course_of
-from orchestrator.stability.linearisation import Equations
+from orchestrator.stability.linearisation import Equations, open_linearisations
 from orchestrator.stability.responses import Responses
-from orchestrator.stability.slopes import rates_along
-from orchestrator.stability.sources import linearisations
 from orchestrator.stability.survey import survey
+from orchestrator.stability.trajectory import compute_rates, solve_course
 from tests.models.fluid_layer import fluid_layer
 
 from .dragged import LINES, SPRING, START, dragged
@@ -67,13 +65,13 @@ def test_the_course_of_a_coupled_system_is_that_of_its_equations() -> None:
     """Outputs and rates. The layer's steps of 10 us are of second order: 5e-10 of its force."""
     times, quiet = np.arange(401) * 1e-5, lambda share: None
     equations, steps = dragged(SHEETS), dragged(SHEETS, {"ode": False})
-    one, other = course_of(equations, times, 1e-13, quiet), course_of(steps, times, 1e-13, quiet)
+    one, other = solve_course(equations, times, 1e-13, quiet), solve_course(steps, times, 1e-13, quiet)
     assert list(other.states) == ["plate"]
     names = ["plate.position", "plate.velocity", "layer.force"]
     columns = [equations.outputs.names.index(name) for name in names]
     for first, second in (
         (one.outputs, other.outputs),
-        (rates_along(one, equations), rates_along(other, steps)),
+        (compute_rates(one, equations), compute_rates(other, steps)),
     ):
         size = np.abs(first[:, columns]).max(axis=0)
         assert np.all(np.abs(first - second)[:, columns].max(axis=0) <= 1e-9 * size)
@@ -85,9 +83,9 @@ def test_a_survey_goes_by_the_responses_of_what_has_no_equations() -> None:
     for layer in ("fluid_layer", "stepped_layer"):
         one = scenario(layer)
         system = system_of(one)
-        with linearisations(one, system, None) as sources:
+        with open_linearisations(one, system, None) as sources:
             kinds = {name: type(source) for name, source in sources.items()}
-            found.append(survey(one, system, made=sources).own)
+            found.append(survey(one, system, linearisations=sources).own)
         assert kinds == {"plate": Equations, "layer": Equations if layer == "fluid_layer" else Responses}
     # Responses are a linear system's to 1e-2 at worst (DOUBTFUL).
     assert found[1].limit == pytest.approx(found[0].limit, rel=1e-2)
@@ -96,7 +94,7 @@ def test_a_survey_goes_by_the_responses_of_what_has_no_equations() -> None:
 
 
 def test_equations_of_a_component_that_has_none_are_refused() -> None:
-    with pytest.raises(ModelError, match=r"layer: fluid_layer has no form .* by its responses"):
+    with pytest.raises(ModelError, match=r"layer: fluid_layer has no ordinary .* by its responses"):
         Equations(dragged(changes={"ode": False}), "layer")
 
 

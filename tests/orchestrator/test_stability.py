@@ -19,15 +19,13 @@ from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
 from orchestrator.run import assembly
 from orchestrator.scenario.files import load
-from orchestrator.stability.batched import LinearParticipant
-from orchestrator.stability.behaviour import Behaviour, Benches, hardest, largest_stable
-from orchestrator.stability.equations import linearised
-from orchestrator.stability.error import predicted, sampled
-from orchestrator.stability.extrapolation_error import ends, missed_by, shapes
-from orchestrator.stability.linear import ROWS
+from orchestrator.stability.behaviour import Behaviour, Couplings, find_hardest_point, find_stability_limit
+from orchestrator.stability.extrapolation_error import compute_extrapolation_error, ends, shapes
+from orchestrator.stability.linear import ROWS, spectral_radius
+from orchestrator.stability.linear_participants import LinearParticipant
+from orchestrator.stability.linearisation import Point, linearise, linearise_at
+from orchestrator.stability.macro_step import predict_errors, sample_course
 from orchestrator.stability.partition import Partition
-from orchestrator.stability.points import Point, point_at
-from orchestrator.stability.spectra import spectral_radius
 
 from .coupled import grown, in_processes, recorded
 from .two_masses import two_masses
@@ -36,7 +34,7 @@ SIGNALS = ("hold", "linear", "quadratic", "hermite")
 
 
 def point(system, row=0, stop=1.0, watched=()):
-    return point_at(system, course(system, np.linspace(0.0, stop, 11), 1e-9), row, watched)
+    return linearise_at(system, course(system, np.linspace(0.0, stop, 11), 1e-9), row, watched)
 
 
 def step_by_hand(h, degree, gauss_seidel, **parameters):
@@ -89,7 +87,9 @@ def test_the_macro_step_read_out_of_a_master_has_the_spectral_radius_of_the_one_
     for h in (1e-2, 5e-2, 0.2):
         by_hand = radius(step_by_hand(h, int(signal == "linear"), kind is GaussSeidel))
         quantity, source = "spectral radius of a macro step, two masses", "derived by hand"
-        record("Coupling", f"{quantity}, {h:g} s", behaviour.at(h).radius, by_hand, source, relative=1e-7)
+        record(
+            "Coupling", f"{quantity}, {h:g} s", behaviour.evaluate(h).radius, by_hand, source, relative=1e-7
+        )
 
 
 @pytest.mark.parametrize("kind", [Jacobi, GaussSeidel])
@@ -97,7 +97,7 @@ def test_the_macro_step_read_out_of_a_master_has_the_spectral_radius_of_the_one_
 def test_the_largest_stable_step_is_where_the_radius_derived_by_hand_crosses_one(kind, signal, record):
     """To the bisection of the scan's interval, 1.03^(1/64) in the step."""
     behaviour = Behaviour(point(two_masses()), kind(signal))
-    limit = largest_stable(behaviour, 1e-2, 1.0, [])
+    limit = find_stability_limit(behaviour, 1e-2, 1.0, [])
 
     def excess(h):
         return radius(step_by_hand(h, int(signal == "linear"), kind is GaussSeidel)) - 1.0
@@ -120,9 +120,9 @@ def test_runs_of_the_masses_grow_beyond_the_predicted_limit_and_decay_below_it(m
     start and begins at its rounding or truncation."""
     system = two_masses(coupling_stiffness=400.0)
     behaviour = Behaviour(point(system), master)
-    limit = largest_stable(behaviour, 1e-3, 0.5, [])
+    limit = find_stability_limit(behaviour, 1e-3, 0.5, [])
     for share in (0.96, 1.04):
-        rate = np.log(behaviour.at(share * limit).radius)
+        rate = np.log(behaviour.evaluate(share * limit).radius)
         factor = grown(system, in_processes(system), master, share * limit, int(10.0 / abs(rate)))
         assert (factor > 1.0) == (share > 1.0)
 
@@ -138,14 +138,14 @@ def test_the_limit_is_where_stability_first_ends_though_it_returns():
     system, master = system.with_instances(instances), Iterated("linear")
     behaviour = Behaviour(point(system), master)
     for step, radius in ((0.0985, 1.007), (0.18, 1.026), (0.35, 1.289)):
-        assert behaviour.at(step).radius == pytest.approx(radius, abs=5e-4)
+        assert behaviour.evaluate(step).radius == pytest.approx(radius, abs=5e-4)
     seen = []
-    limit = largest_stable(behaviour, 1e-3, 0.5, seen)
-    assert behaviour.at(0.12).stable
+    limit = find_stability_limit(behaviour, 1e-3, 0.5, seen)
+    assert behaviour.evaluate(0.12).stable
     assert limit < 0.0985
     assert all(at.stable for at in seen if at.step <= limit)
     for step in (0.99 * limit, 0.0985):
-        count = int(10.0 / abs(np.log(behaviour.at(step).radius)))
+        count = int(10.0 / abs(np.log(behaviour.evaluate(step).radius)))
         assert (grown(system, in_processes(system), master, step, count) > 1.0) == (step > limit)
 
 
@@ -153,10 +153,10 @@ def estimate(system, master, step, stop, watched=(), row=0):
     """Estimated and measured relative RMS error, of the watched or of all exchanged values."""
     where = course(system, 0.5 * step * np.arange(2 * round(stop / step) + 1), 1e-11)
     names = {n: [p.variable for p in watched if p.instance == n] for n in system.instances}
-    behaviour = Behaviour(point_at(system, where, row, watched), master, Benches(system, names))
+    behaviour = Behaviour(linearise_at(system, where, row, watched), master, Couplings(system, names))
     sources = behaviour.sources
-    track = sampled(where, system, sources)
-    expected = predicted(behaviour.operator(step), track, 2, behaviour.nominal)
+    track = sample_course(where, system, sources)
+    expected = predict_errors(behaviour.macro_step(step), track, 2, behaviour.nominal)
     run = recorded(system, master, step, stop)
     truth = where.outputs[::2, [system.outputs.index(port) for port in sources]]
     seen = [difference(run[str(port)], truth[:, i]).relative_rms for i, port in enumerate(sources)]
@@ -195,8 +195,8 @@ def lift(valve_train):
 def test_the_valve_train_runs_below_the_predicted_limit_and_runs_away_beyond(valve_train, lift, master):
     """Observed at 0.8 and 1.25 of the limit. Jacobi's contact ends in bouncing, which the run's guard may
     bear: an error of the load's own size is a runaway too."""
-    points = [point_at(valve_train, lift, row, []) for row in range(0, 901, 90)]
-    _, limit = hardest(points, master, 1e-6, 1e-4)
+    points = [linearise_at(valve_train, lift, row, []) for row in range(0, 901, 90)]
+    _, limit = find_hardest_point(points, master, 1e-6, 1e-4)
 
     def error(step):
         found = recorded(valve_train, master, step, LIFT)
@@ -259,14 +259,14 @@ def test_at_a_kink_the_steeper_side_is_taken_and_named():
     component = valve_spring(2)
     instance = Instance(component, {"seat_stiffness": 1e7})
     x, u = component.state.vector(), component.inputs.vector()
-    found = linearised(instance, 0.0, x, u, ["position"])
+    found = linearise(instance, 0.0, x, u, ["position"])
     p = component.parameters.vector(instance.parameters)
     values = dict(zip(component.parameters.names, p, strict=True))
     row, column = component.state.index("velocity"), component.state.index("position")
     stiffness = 8.0 / 3.0 * values["spring_rate"] + 1e7
     assert found.A[row, column] == pytest.approx(-stiffness / values["valve_mass"], rel=1e-6)
     assert "position" in found.kinks
-    lifted = linearised(instance, 0.0, component.state.vector({"position": 1e-3}), u, ["position"])
+    lifted = linearise(instance, 0.0, component.state.vector({"position": 1e-3}), u, ["position"])
     assert lifted.kinks == ()
 
 
@@ -290,7 +290,9 @@ def test_what_a_signal_misses_is_a_polynomial_known_in_closed_form(signal):
 
     def amounts(power):
         values, rates = times**power, power * times ** max(0, power - 1)
-        return missed_by(values[:, None], rates[:, None], h, degree, (middles**power)[:, None])
+        return compute_extrapolation_error(
+            values[:, None], rates[:, None], h, degree, (middles**power)[:, None]
+        )
 
     for power in range(degree + 1):
         np.testing.assert_allclose(amounts(power)[4:], 0.0, atol=1e-14)
@@ -306,7 +308,7 @@ def test_what_a_signal_misses_is_a_polynomial_known_in_closed_form(signal):
 def test_the_loop_of_the_valve_train_is_contact_and_valve(valve_train, lift):
     """A prescribed flywheel feels no load, so that the drive closes no loop; a free one does."""
     watched = [Port("contact", "load")]
-    partition = Partition(valve_train, [point_at(valve_train, lift, 600, watched)], watched)
+    partition = Partition(valve_train, [linearise_at(valve_train, lift, 600, watched)], watched)
     assert [sorted({c.source.instance for c in loop}) for loop in partition.loops] == [
         ["contact", "valve_spring"]
     ]
@@ -318,7 +320,7 @@ def test_the_loop_of_the_valve_train_is_contact_and_valve(valve_train, lift):
     )
     free = valve_train.with_instances(instances)
     where = course(free, np.linspace(0.0, 0.03, 301), 1e-9)
-    loops = Partition(free, [point_at(free, where, 200, watched)], watched).loops
+    loops = Partition(free, [linearise_at(free, where, 200, watched)], watched).loops
     assert [len({c.source.instance for c in loop}) for loop in loops] == [4]
 
 
@@ -335,7 +337,7 @@ def test_growth_of_the_system_itself_is_not_blamed_on_its_coupling():
     )
     assert grows.growth > 5.0
     behaviour = Behaviour(grows, GaussSeidel("quadratic"))
-    assert spectral_radius(behaviour.operator(1e-2).matrix) == pytest.approx(
+    assert spectral_radius(behaviour.macro_step(1e-2).matrix) == pytest.approx(
         np.exp(1e-2 * grows.growth), rel=1e-3
     )
-    assert behaviour.at(1e-2).stable
+    assert behaviour.evaluate(1e-2).stable

@@ -19,7 +19,7 @@ from orchestrator.run import assembly
 from orchestrator.scenario import MasterTable
 from orchestrator.scenario.files import load
 from orchestrator.stability.analyse import analyse_scenario
-from orchestrator.stability.steps import rounded_down
+from orchestrator.stability.survey import round_down
 
 from .coupled import recorded
 
@@ -113,4 +113,4 @@ def test_mistakes_are_named_and_nothing_is_written(arguments, said, tmp_path):
 
 @pytest.mark.parametrize(("step", "written"), [(1.99e-5, 1.5e-5), (2e-5, 2e-5), (9.9e-4, 8e-4), (0.0, 0.0)])
 def test_advised_steps_are_round(step, written):
-    assert rounded_down(step) == written
+    assert round_down(step) == written

@@ -17,7 +17,7 @@ from orchestrator.run.report import Reporter
 from orchestrator.scenario import Scenario
 from orchestrator.scenario.fmu_limits import FmuLimits
 from orchestrator.scenario.warnings import list_warnings
-from orchestrator.stability.sources import linearisations
+from orchestrator.stability.linearisation import open_linearisations
 from orchestrator.stability.survey import survey
 
 from .c_fmus import fmu
@@ -71,8 +71,8 @@ def test_the_estimated_error_has_that_of_held_inputs(tmp_path: Path) -> None:
     more: dict[str, Any] = {"tolerance": {"second.position": 0.3}, "reference": {"enabled": True}}
     one = masses(tmp_path, **more)
     system = system_of(one)
-    with linearisations(one, system, None) as made:
-        found = survey(one, system, made=made)
+    with open_linearisations(one, system, None) as made:
+        found = survey(one, system, linearisations=made)
     assert {method.master.extrapolation for method in found.methods} <= {
         "hold",
         "linear",

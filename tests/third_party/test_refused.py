@@ -13,7 +13,7 @@ from fmus.fmi.validate import validate
 from orchestrator.run.assembly import system_of
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import list_shipped, read_contents
-from orchestrator.stability.sources import linearisations
+from orchestrator.stability.linearisation import open_linearisations
 
 from .c_fmus import fmu
 from .runs import changed, ran, scenario
@@ -79,7 +79,7 @@ def test_what_an_analysis_does_not_know_is_refused(tmp_path: Path) -> None:
         (third_party, r"components\.one: a third-party FMU, .* is not analysed"),
         (changed, r"second\.force: its connection .* not known to the analysis"),
     ):
-        with pytest.raises(ScenarioError, match=said), linearisations(one, system_of(one), None):
+        with pytest.raises(ScenarioError, match=said), open_linearisations(one, system_of(one), None):
             pass
 
 

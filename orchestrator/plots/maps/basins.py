@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray
@@ -10,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
+from ..motion.titles import titled
 from .labels import edges
 
 COLOURS = ("#0b5fa5", "#e9b44c", "#d1495b", "#2a9d5c", "#7b5ea7", "#5aa2d8", "#eb9aa5")
@@ -50,3 +53,11 @@ def _name(data: xarray.Dataset, n: int) -> str:
     else:
         words = "chaotic" if exponent > 3.0 * error else "no period found"
     return f"{words}\n{share:.1%}"
+
+
+def plot_basins(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    found = data.sizes["number"]
+    title = f"Basins of {found} attractors" if found > 1 else "All starts end on one attractor"
+    figure, axes = titled(title, values, width=6.8, height=4.6)
+    draw_basins(figure, axes, data)
+    return figure

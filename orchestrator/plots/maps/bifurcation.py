@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from ..motion.angles import in_pi
+from ..motion.titles import drop_varied, legend, titled
 from ..style import COUPLED, REFERENCE
 from .labels import LABELS
 
@@ -40,3 +45,10 @@ def draw_bifurcation(axes: Axes, data: xarray.Dataset, x: str, record: str) -> N
         axes.set_ylim(0.0, 2.0 * np.pi)
         axes.yaxis.set_major_locator(MultipleLocator(np.pi / 2.0))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda angle, _: in_pi(angle)))
+
+
+def plot_bifurcation(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    figure, axes = titled("Bifurcation diagram", drop_varied(values, "x"), width=6.8, height=4.2)
+    draw_bifurcation(axes, data, values["x"], values["record"])
+    legend(figure, axes)
+    return figure

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray
+from matplotlib.figure import Figure
 
+from ..motion.titles import titled
 from ..style import ACCENT, COUPLED, MUTED, REFERENCE
 
 
@@ -36,3 +39,10 @@ def draw_classification(axes: Any, data: xarray.Dataset) -> None:
         exponents.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
     exponents.set_ylabel("finite-time\nexponent (1/rad)")
     exponents.set_xlabel("cycle")
+
+
+def plot_classification(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    title = f"Classification: {data['kind'].item()}"
+    figure, axes = titled(title, values, width=6.8, height=4.4, mosaic="A;B", sharex=True)
+    draw_classification([axes["A"], axes["B"]], data)
+    return figure

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from ..motion.titles import titled
 from ..style import ACCENT, COUPLED, REFERENCE
 
 
@@ -43,3 +48,9 @@ def draw_convergence(axes: Axes, data: xarray.Dataset) -> None:
     axes.set_xlabel("cycles")
     axes.set_ylabel("Lyapunov exponent (1/rad)")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
+
+
+def plot_exponents(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    figure, axes = titled("Lyapunov exponents", values, width=6.8, height=3.4)
+    draw_convergence(axes, data)
+    return figure

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from models.slider_crank.motions.transients import ORDINARY_TRANSIENT
+
+from ..motion.titles import legend, titled
 from ..style import COUPLED, REFERENCE
 
 
-def draw_escape(axes: Axes, data: xarray.Dataset, after: float) -> None:
+def draw_escape(axes: Axes, data: xarray.Dataset) -> None:
     """`data` has length and period (0: not settled) of every start, mean_escape and its error."""
-    lengths = data["length"].values
+    after, lengths = ORDINARY_TRANSIENT, data["length"].values
     settled = np.sort(lengths[data["period"].values > 0])
     left = 1.0 - np.arange(len(settled) + 1) / len(lengths)
     axes.step(
@@ -32,3 +39,10 @@ def draw_escape(axes: Axes, data: xarray.Dataset, after: float) -> None:
     axes.set_xlim(left=0.0)
     axes.set_xlabel("cycles")
     axes.set_ylabel("part not yet on its orbit")
+
+
+def plot_transient(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    figure, axes = titled("Length of transients", values, width=6.0, height=3.8)
+    draw_escape(axes, data)
+    legend(figure, axes)
+    return figure

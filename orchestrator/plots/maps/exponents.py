@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from ..motion.titles import drop_varied, titled
 from .labels import LABELS, edges
 
 SLIDING = "#b4bac1"
@@ -35,3 +39,9 @@ def draw_exponents(figure: Figure, axes: Axes, data: xarray.Dataset, x: str, y: 
             loc="upper right",
             bbox_to_anchor=(0.995, 1.0),
         )
+
+
+def plot_exponent_map(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    figure, axes = titled("Largest Lyapunov exponent", drop_varied(values, "x", "y"), width=6.4, height=4.6)
+    draw_exponents(figure, axes, data, values["x"], values["y"])
+    return figure

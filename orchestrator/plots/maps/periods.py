@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
+from ..motion.titles import drop_varied, titled
 from .labels import LABELS, edges
 
 # None, 1 to 8, 9 to 16, 17 to 100, longer. Periods n and 2n have shades of one colour.
@@ -34,3 +38,9 @@ def draw_periods(figure: Figure, axes: Axes, data: xarray.Dataset, x: str, y: st
     bar.set_label(f"period (cycles; none: not within {cycles})")
     axes.set_xlabel(LABELS[x])
     axes.set_ylabel(LABELS[y])
+
+
+def plot_period_map(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    figure, axes = titled("Period", drop_varied(values, "x", "y"), width=6.4, height=4.6)
+    draw_periods(figure, axes, data, values["x"], values["y"], values["cycles"])
+    return figure

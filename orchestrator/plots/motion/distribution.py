@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
+import xarray
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from models.core.quantities import Vector
 
+from ..motion.titles import legend, titled
 from ..style import ACCENT, COUPLED, MUTED
 from .angles import in_pi
+
+
+def bin_edges(data: xarray.Dataset) -> Vector:
+    """Edges of the bins of a table."""
+    edges: Vector = np.append(data["start"].values, data["end"].values[-1])
+    return edges
 
 
 def draw_profile(axes: Axes, edges: Vector, upper: Vector, lower: Vector, label: bool = True) -> None:
@@ -53,3 +64,21 @@ def draw_spectrum(axes: PolarAxes, edges: Vector, values: Vector, colour: str = 
 def _eighth(angle: float) -> str:
     quarters = round(4.0 * angle / math.pi)
     return in_pi(angle) if quarters % 2 == 0 else f"{'' if quarters == 1 else quarters}π/4"
+
+
+def plot_profile(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    figure, axes = titled("Impact distribution profile", values, width=6.8, height=3.2)
+    draw_profile(axes, bin_edges(data), data["upper"].values, data["lower"].values)
+    axes.set_ylabel(f"⟨{'ψ′' if values['velocity'] == 'psi_rate' else 'approach'}⟩ per {values['per']}")
+    legend(figure, axes)
+    return figure
+
+
+def plot_spectrum(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    polar = {"projection": "polar"}
+    figure, axes = titled("Impact spectra", values, 7.2, 3.7, mosaic=[["upper", "lower"]], subplot_kw=polar)
+    for wall, colour in (("upper", COUPLED), ("lower", ACCENT)):
+        draw_spectrum(axes[wall], bin_edges(data), data[wall].values, colour)
+        none = "" if data[wall].values.any() else ": no impacts"
+        axes[wall].set_title(f"{wall} wall{none}", fontsize=9)
+    return figure

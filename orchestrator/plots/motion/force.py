@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
+import xarray
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
+from ..motion.titles import legend, titled
 from ..style import ACCENT, COUPLED, MUTED
 from .angles import turns
 
@@ -32,3 +37,11 @@ def draw_force(
     turns(axes, *window)
     if label:
         axes.set_ylabel("force f / (M l Ω²)")
+
+
+def plot_force(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    figure, axes = titled("Constraint forces", values, width=6.8, height=3.0)
+    columns = (data[name].values for name in ("theta", "upper", "lower"))
+    draw_force(axes, *columns, window=(values["start"], values["end"]))
+    legend(figure, axes)
+    return figure

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
+import xarray
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
+from ..motion.titles import titled
 from ..style import ACCENT, COUPLED, MUTED
 from .trace import MILLI
 
@@ -37,3 +43,11 @@ def draw_phase(
     if label:
         axes.set_xlabel("ψ (mrad)")
         axes.set_ylabel("ψ′")
+
+
+def plot_phase(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    figure, axes = titled("Phase portrait", values, width=5.2, height=4.2)
+    columns = (data[name].values for name in ("theta", "psi", "psi_rate", "side"))
+    wall = data["upper"].values
+    draw_phase(axes, *columns, walls=(float(wall.min()), float(wall.max())))
+    return figure

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
+import xarray
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from models.core.quantities import Vector
 
+from ..motion.titles import titled
 from ..style import COUPLED, REFERENCE
 from .angles import turns
 
@@ -64,3 +68,23 @@ def magnified(theta: Vector, rate: Vector, centre: tuple[float, float], by: floa
     i = int(np.argmin(distances))
     half = (0.5 * width / by, 0.5 * height / by)
     return theta[i] - half[0], theta[i] + half[0], rate[i] - half[1], rate[i] + half[1]
+
+
+def plot_poincare(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    theta, rate = data["theta"].values, data["psi_rate"].values
+    if not theta.size:
+        figure, axes = titled(f"Poincaré map, {values['wall']} wall: no impacts", values, 6.0, 4.0)
+        draw_poincare(axes, theta, rate)
+        return figure
+    figure, axes = titled(
+        f"Poincaré map, {values['wall']} wall", values, 9.6, 4.4,
+        mosaic=[["all", "all", "first"], ["all", "all", "second"]],
+    )  # fmt: skip
+    centre, by = (values["centre_angle"], values["centre_rate"]), values["magnification"]
+    first, second = (magnified(theta, rate, centre, factor) for factor in (by, by * by))
+    draw_poincare(axes["all"], theta, rate, marks=[first])
+    draw_poincare(axes["first"], theta, rate, first, marks=[second], label=False)
+    draw_poincare(axes["second"], theta, rate, second, label=False)
+    for name, factor in (("first", by), ("second", by * by)):
+        axes[name].set_title(f"× {factor:g}", fontsize=9, loc="left")
+    return figure

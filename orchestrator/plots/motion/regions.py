@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
+import xarray
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
+from ..motion.titles import titled
 from ..style import ACCENT, COUPLED, MUTED, REFERENCE
 
 INK = "#3a444e"
@@ -60,3 +66,16 @@ def _name_between(axes: Axes, gap: Vector, upper: Vector, lower: Vector, span: f
         name, (middle, y), (30.0, 0.0), textcoords="offset points", va="center", fontsize=13,
         fontweight="bold", color=INK, arrowprops={"arrowstyle": "-", "color": INK, "lw": 0.8},
     )  # fmt: skip
+
+
+def plot_regions(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    shown = {name: value for name, value in values.items() if name not in ("damping", "gap")}
+    figure, axes = titled("Regions of sliding", shown, width=5.6, height=3.8)
+    columns = [data[name].values for name in ("gap", "upper", "lower")]
+    highest = 1.4 * max(columns[1].max(), columns[2].max(), values["damping"])
+    draw_regions(axes, *columns, damping=(0.0, highest))
+    axes.plot(values["damping"], values["gap"], "o", color="#3a444e", ms=4.5)
+    axes.annotate(
+        "this machine", (values["damping"], values["gap"]), (6, -3), textcoords="offset points", fontsize=7.5
+    )
+    return figure

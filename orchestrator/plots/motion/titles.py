@@ -45,6 +45,12 @@ def legend(figure: Figure, axes: Axes) -> None:
     )
 
 
+def drop_varied(values: Mapping[str, Any], *axes: str) -> dict[str, Any]:
+    """The values without the parameters that vary along these axes."""
+    varied = {values[axis] for axis in axes}
+    return {name: value for name, value in values.items() if name not in varied}
+
+
 def machine_in_words(values: Mapping[str, Any]) -> str:
     """λ = 0.05, ρ = 0.01, e = 0.9, corrected."""
     parts = [f"{symbol} = {values[name]:g}" for name, symbol in SYMBOLS.items() if name in values]

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
+import xarray
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
+from ..motion.titles import legend, titled
 from ..style import ACCENT, COUPLED, MUTED
 from .angles import from_first_turn, turns
 
@@ -33,3 +39,11 @@ def draw_walls(axes: Axes, angle: Vector, upper: Vector, lower: Vector) -> None:
     """Both walls in psi over crank angle."""
     for n, wall in enumerate((upper, lower)):
         axes.plot(angle, MILLI * wall, color=MUTED, lw=0.9, ls=(0, (5, 3)), label="walls" if n == 0 else None)
+
+
+def plot_trace(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    figure, axes = titled("Time trace", values, width=6.8, height=3.0)
+    columns = (data[name].values for name in ("theta", "psi", "side", "upper", "lower"))
+    draw_trace(axes, *columns)
+    legend(figure, axes)
+    return figure

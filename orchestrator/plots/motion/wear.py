@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
+import xarray
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter, ScalarFormatter
 
 from models.core.quantities import Vector
 
+from ..motion.titles import legend, titled
 from ..style import ACCENT, COUPLED, MUTED
+from .distribution import bin_edges, draw_profile
 
 COLOURS = {"upper": COUPLED, "lower": ACCENT}
 
@@ -31,3 +36,14 @@ def draw_worn_share(axes: Axes, bins: Vector, shares: Mapping[str, Vector], labe
         axes.annotate("dotted: spots", (0.06, 0.05), xycoords="axes fraction", fontsize=7.5, color=MUTED)
         axes.set_xlabel("bins")
         axes.set_ylabel("worn share of the wall")
+
+
+def plot_wear(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
+    mosaic = [["profile", "profile", "share"]]
+    figure, axes = titled("Wear: energy that impacts take", values, 9.2, 3.4, mosaic=mosaic)
+    draw_profile(axes["profile"], bin_edges(data), data["upper"].values, -data["lower"].values)
+    axes["profile"].set_ylabel("energy per cycle / (M l² Ω²)")
+    shares = {wall: data[f"{wall}_worn_share"].values for wall in COLOURS if data[f"{wall}_energy"] > 0.0}
+    draw_worn_share(axes["share"], data["bins"].values, shares)
+    legend(figure, axes["profile"])
+    return figure
