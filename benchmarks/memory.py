@@ -28,16 +28,16 @@ ROLLBACKS = """
 import sys
 from pathlib import Path
 from fmus.build import build
-from orchestrator import assembly
+from orchestrator.run import assembly
 from orchestrator.engine.exchange import Exchange
 from orchestrator.masters import GaussSeidel
-from orchestrator.participants import fmu
+from orchestrator.participants import open_fmu
 from orchestrator.scenario.files import load
 STEPS, STEP = int(sys.argv[1]), 1e-6
 scenario = load("quarter-car")
 system = assembly.at_start(scenario, assembly.system_of(scenario))
 participants = {
-    n: fmu(n, build(i.component.name, structure=i.component.structure), i)
+    n: open_fmu(n, build(i.component.name, structure=i.component.structure), i)
     for n, i in system.instances.items()
 }
 master = GaussSeidel("quadratic")
