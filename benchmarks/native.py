@@ -7,53 +7,43 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 
-from fmus.build import build
 from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
 from models.core.system import System
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Master, Newton
-from orchestrator.participants import open_fmu
 from orchestrator.run import assembly
-from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.stepping import FixedSteps, Stepper
 
-from .measure import Clock, medians
+from .loops import STEP, STEPS, build_files, run_master
+from .measure import medians
 
-STEPS, STEP = 10_000, 2e-6
 PYTHON, NATIVE = "in Python", "native"
 
 
-def files(system: System) -> dict[str, dict[str, Path]]:
+def list_files(system: System) -> dict[str, dict[str, Path]]:
     """The FMU of every instance, by kind."""
     parts = {name: instance.component for name, instance in system.instances.items()}
     here = [this_platform()]
     return {
-        PYTHON: {name: build(c.name, structure=c.structure) for name, c in parts.items()},
+        PYTHON: build_files(system),
         NATIVE: {
             name: build_native(c.name, structure=c.structure, platforms=here) for name, c in parts.items()
         },
     }
 
 
-def stepped(
+def measure_rate(
     system: System,
     paths: Mapping[str, Path],
     master: Callable[[], Master],
     steps: Callable[[], Stepper] = lambda: FixedSteps(STEP),
 ) -> float:
     """Macro steps of our master per second of processor time."""
-    participants = {
-        name: open_fmu(name, paths[name], instance) for name, instance in system.instances.items()
-    }
-    clock = Clock()
-    statistics = simulate(system, participants, master(), steps(), STEPS * STEP, [clock])
-    for participant in participants.values():
-        participant.close()
-    return statistics.macro_steps / clock.elapsed
+    return 1.0 / run_master(system, master(), files=paths, steps=steps)
 
 
-def in_ecos(system: System, paths: Mapping[str, Path]) -> float:
+def run_ecos(system: System, paths: Mapping[str, Path]) -> float:
     """Macro steps per second of ecos: Jacobi, inputs held, at the FMUs' own start values."""
     from ecospy import EcosSimulation, EcosSimulationStructure
 
@@ -75,16 +65,16 @@ def rows() -> Iterator[tuple[str, str]]:
     """Figures and their values: rates, and how many times faster native ones are."""
     scenario, controlled = load("valve-train"), load("valve-train-controlled")
     system = assembly.at_start(scenario, assembly.system_of(scenario))
-    found = files(system)
+    found = list_files(system)
     ways: dict[str, Callable[[Mapping[str, Path]], float]] = {
-        "gauss_seidel, hold": partial(stepped, system, master=lambda: GaussSeidel("hold")),
-        "gauss_seidel, quadratic": partial(stepped, system, master=lambda: GaussSeidel("quadratic")),
-        "jacobi, quadratic": partial(stepped, system, master=lambda: Jacobi("quadratic")),
-        "iterated, quadratic": partial(stepped, system, master=lambda: Iterated("quadratic")),
-        "iterated, hermite": partial(stepped, system, master=lambda: Iterated("hermite")),
-        "newton, quadratic": partial(stepped, system, master=lambda: Newton("quadratic")),
+        "gauss_seidel, hold": partial(measure_rate, system, master=lambda: GaussSeidel("hold")),
+        "gauss_seidel, quadratic": partial(measure_rate, system, master=lambda: GaussSeidel("quadratic")),
+        "jacobi, quadratic": partial(measure_rate, system, master=lambda: Jacobi("quadratic")),
+        "iterated, quadratic": partial(measure_rate, system, master=lambda: Iterated("quadratic")),
+        "iterated, hermite": partial(measure_rate, system, master=lambda: Iterated("hermite")),
+        "newton, quadratic": partial(measure_rate, system, master=lambda: Newton("quadratic")),
         "step control of valve-train-controlled": partial(
-            stepped,
+            measure_rate,
             assembly.at_start(controlled, assembly.system_of(controlled)),
             master=controlled.build_master,
             steps=controlled.build_steps,
@@ -93,7 +83,7 @@ def rows() -> Iterator[tuple[str, str]]:
     try:
         import ecospy  # noqa: F401
 
-        ways["ecos, hold"] = partial(in_ecos, system)
+        ways["ecos, hold"] = partial(run_ecos, system)
     except (ImportError, OSError):
         yield "macro steps/s of valve-train in ecos", "not measured: ecospy or its libtbb12 is missing"
     for way, measured in ways.items():

@@ -16,11 +16,12 @@ import numpy as np
 
 from models.core.system import System
 from models.monolithic import solve
-from orchestrator.run.pipeline import assembly
+from orchestrator.run import assembly
 from orchestrator.scenario.files import load
 
+from .loops import run_master
 from .measure import medians
-from .native import NATIVE, PYTHON, files, stepped
+from .native import NATIVE, PYTHON, list_files
 
 COMMAND = "import sys; from orchestrator.command_line import main; sys.exit(main())"
 ROUNDS = 3
@@ -47,14 +48,14 @@ def rows() -> list[tuple[str, str]]:
     """Figures for the report."""
     scenario = load("valve-train")
     system = assembly.at_start(scenario, assembly.system_of(scenario))
-    paths = files(system)
+    paths = list_files(system)
     steps = round(scenario.stop_time / scenario.macro_step)
     times = np.linspace(0.0, scenario.stop_time, round(scenario.stop_time / scenario.output_step) + 1)
     reference = "monolithic reference"
     candidates: dict[str, Callable[[], float]] = {reference: lambda: solve_reference(system, times)}
     for kind, options in ((PYTHON, ()), (NATIVE, ("--native",))):
         candidates[f"stepping alone, FMUs {kind}"] = lambda kind=kind: (
-            steps / stepped(system, paths[kind], scenario.build_master)
+            steps * run_master(system, scenario.build_master(), files=paths[kind])
         )
         candidates[f"run valve-train, FMUs {kind}"] = lambda options=options: run_command(*options)
     found = medians(candidates, ROUNDS)

@@ -11,10 +11,13 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from fmpy import read_model_description
+
+from models.core.system import System
 
 from ....run.assembly import FmuFile
 from ..problem import CouplingProblem
@@ -34,7 +37,7 @@ PATIENCE_S = 120.0
 
 def measured(problem: CouplingProblem, files: Mapping[str, FmuFile], name: str) -> Iterator[Row]:
     """The peer's runs over the problem's macro steps; one row with a note if it is not there."""
-    jobs = [job(problem, files, step) for step in problem.held_ladder]
+    jobs = [describe_job(problem, files, step) for step in problem.held_ladder]
     module = f"{__name__}.{PEERS[name]}"
     process = subprocess.run(
         [sys.executable, "-P", "-m", module],
@@ -77,13 +80,11 @@ def _row(problem: CouplingProblem, name: str, step: float, answer: Mapping[str, 
     return Row(**common, **errors_of(problem, problem.times, values))
 
 
-def job(problem: CouplingProblem, files: Mapping[str, FmuFile], step: float) -> dict[str, Any]:
-    """A run in plain data: every instance's file, and by the FMU's variable names, with their types, the
-    values that are not those the file starts with."""
-    system = problem.system
+def describe_system(system: System, paths: Mapping[str, Path]) -> dict[str, Any]:
+    """A system of FMUs as plain data: files, connections, and values other than the files' own, by name."""
     values: dict[str, dict[str, Any]] = {}
     for name, instance in system.instances.items():
-        known = {v.name: v for v in read_model_description(str(files[name].path)).modelVariables}
+        known = {v.name: v for v in read_model_description(str(paths[name])).modelVariables}
         component = instance.component
         starts = {component.state.field(k).suffixed("_start"): v for k, v in instance.start.items()}
         given = {**instance.parameters, **starts, **instance.inputs}
@@ -93,9 +94,16 @@ def job(problem: CouplingProblem, files: Mapping[str, FmuFile], step: float) -> 
             if value != _number(known[key].start)
         }
     return {
-        "files": {name: str(file.path) for name, file in files.items()},
+        "files": {name: str(path) for name, path in paths.items()},
         "values": values,
         "connections": [(str(c.source), str(c.target)) for c in system.connections],
+    }
+
+
+def describe_job(problem: CouplingProblem, files: Mapping[str, FmuFile], step: float) -> dict[str, Any]:
+    """A run of the problem as plain data."""
+    return {
+        **describe_system(problem.system, {name: file.path for name, file in files.items()}),
         "outputs": list(problem.outputs),
         "step": step,
         "every": round(problem.spacing / step),

@@ -15,7 +15,8 @@ from fmpy.fmi2 import FMU2Slave
 from .answering import answer
 
 
-def simulate(job: dict[str, Any]) -> tuple[list[list[float]], float]:
+def open_slaves(job: dict[str, Any]) -> tuple[dict[str, FMU2Slave], dict[str, dict[str, int]], list[str]]:
+    """Slaves in initialization mode with their values set, value references by name, and their folders."""
     slaves, references, folders = {}, {}, []
     for name, path in job["files"].items():
         description = read_model_description(path)
@@ -32,6 +33,11 @@ def simulate(job: dict[str, Any]) -> tuple[list[list[float]], float]:
         slaves[name].enterInitializationMode()
         for key, value in job["values"][name].items():
             _set(slaves[name], references[name][key], value)
+    return slaves, references, folders
+
+
+def simulate(job: dict[str, Any]) -> tuple[list[list[float]], float]:
+    slaves, references, folders = open_slaves(job)
 
     def port(text: str) -> tuple[str, int]:
         name, _, variable = text.partition(".")

@@ -1,0 +1,158 @@
+"""Loops over the FMUs of a system: a plain fmpy script, a bare ctypes loop, and our masters.
+
+All call the same FMUs in the same order (Gauss-Seidel: set, step, get) and return processor seconds per macro
+step, which other programs disturb less than wall time.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fmpy.fmi2 import FMU2Slave
+
+from fmus.build import build
+from models.core.system import System
+from orchestrator.engine.observer import Observer
+from orchestrator.masters import Master
+from orchestrator.participants import open_fmu
+from orchestrator.run.simulation import simulate
+from orchestrator.stepping import FixedSteps, Stepper
+from orchestrator.study.work_precision.peers import describe_system
+from orchestrator.study.work_precision.peers.fmpy_script import open_slaves
+
+from .measure import Clock
+
+STEPS, STEP = 10_000, 2e-6
+
+
+@dataclass
+class Unit:
+    """An initialised FMU with the references of what it exchanges."""
+
+    slave: FMU2Slave
+    folder: str
+    inputs: list[int]
+    sources: list[tuple[str, int]]
+    outputs: list[int]
+
+    def close(self) -> None:
+        self.slave.terminate()
+        self.slave.freeInstance()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def build_files(system: System) -> dict[str, Path]:
+    """The FMU in Python of every instance."""
+    parts = {name: instance.component for name, instance in system.instances.items()}
+    return {name: build(c.name, structure=c.structure) for name, c in parts.items()}
+
+
+def open_units(system: System) -> dict[str, Unit]:
+    """The system's FMUs as a script would set them up."""
+    slaves, references, folders = open_slaves(describe_system(system, build_files(system)))
+    exchanged = {
+        name: sorted({c.source.variable for c in system.connections if c.source.instance == name})
+        for name in slaves
+    }
+    units = {}
+    for (name, slave), folder in zip(slaves.items(), folders, strict=True):
+        slave.exitInitializationMode()
+        feeding = [c for c in system.connections if c.target.instance == name]
+        ports = [c.source for c in feeding]
+        units[name] = Unit(
+            slave,
+            folder,
+            [references[name][c.target.variable] for c in feeding],
+            [(port.instance, exchanged[port.instance].index(port.variable)) for port in ports],
+            [references[name][variable] for variable in exchanged[name]],
+        )
+    return units
+
+
+def run_script(system: System) -> float:
+    """A loop as a user of fmpy writes it: setReal, doStep and getReal, inputs held."""
+    units = open_units(system)
+    values = {name: unit.slave.getReal(unit.outputs) for name, unit in units.items()}
+    began = time.process_time()
+    for n in range(STEPS):
+        for name, unit in units.items():
+            if unit.inputs:
+                unit.slave.setReal(unit.inputs, [values[other][i] for other, i in unit.sources])
+            unit.slave.doStep(currentCommunicationPoint=n * STEP, communicationStepSize=STEP)
+            values[name] = unit.slave.getReal(unit.outputs)
+    elapsed = time.process_time() - began
+    for unit in units.values():
+        unit.close()
+    return elapsed / STEPS
+
+
+def _prepare_calls(units: dict[str, Unit], now: ctypes.c_double) -> list[tuple[Any, ...]]:
+    """For each FMU its three functions with their arguments, its input memory, and its inputs' sources."""
+    length, yes = ctypes.c_double(STEP), ctypes.c_int(1)
+    outputs = {name: np.zeros(len(unit.outputs)) for name, unit in units.items()}
+    calls = []
+    for name, unit in units.items():
+        # Like our participants: no release of the interpreter at every call of a Python FMU's library.
+        library = ctypes.PyDLL(None, handle=unit.slave.dll._handle)
+        handle, inputs = ctypes.c_void_p(unit.slave.component), np.zeros(len(unit.inputs))
+        transfers = []
+        for references, memory in ((unit.inputs, inputs), (unit.outputs, outputs[name])):
+            wanted = (ctypes.c_uint * len(references))(*references)
+            pointer = ctypes.c_void_p(memory.ctypes.data)
+            transfers.append((handle, wanted, ctypes.c_size_t(len(references)), pointer))
+        sources = [(outputs[other], i) for other, i in unit.sources]
+        step = (handle, now, length, yes)
+        functions = (library[f] for f in ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal"))
+        calls.append((*functions, transfers[0], step, transfers[1], inputs, sources))
+    return calls
+
+
+def run_bare(system: System, moving: bool = True) -> float:
+    """A loop of ctypes calls with prepared arguments, with or without moving values."""
+    units, now = open_units(system), ctypes.c_double()
+    calls = _prepare_calls(units, now)
+    for set_real, _, get_real, given, _, taken, inputs, sources in calls * len(calls):
+        for k, (buffer, i) in enumerate(sources):
+            inputs[k] = buffer[i]
+        set_real(*given)
+        get_real(*taken)
+    began = time.process_time()
+    for n in range(STEPS):
+        now.value = n * STEP
+        for set_real, do_step, get_real, given, step, taken, inputs, sources in calls:
+            if moving:
+                for k, (buffer, i) in enumerate(sources):
+                    inputs[k] = buffer[i]
+            set_real(*given)
+            do_step(*step)
+            get_real(*taken)
+    elapsed = time.process_time() - began
+    for unit in units.values():
+        unit.close()
+    return elapsed / STEPS
+
+
+def run_master(
+    system: System,
+    master: Master,
+    observers: Sequence[Observer] = (),
+    files: Mapping[str, Path] | None = None,
+    steps: Callable[[], Stepper] = lambda: FixedSteps(STEP),
+) -> float:
+    """Our master, by default on the FMUs in Python."""
+    paths = files or build_files(system)
+    participants = {n: open_fmu(n, paths[n], instance) for n, instance in system.instances.items()}
+    clock = Clock()
+    try:
+        statistics = simulate(system, participants, master, steps(), STEPS * STEP, [clock, *observers])
+    finally:
+        for participant in participants.values():
+            participant.close()
+    return clock.elapsed / statistics.macro_steps
