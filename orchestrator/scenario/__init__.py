@@ -1,4 +1,4 @@
-"""The scenario: everything that a run depends on. `scenario_files` reads it, `assembly` builds it."""
+"""Scenarios: tables, files, units, checks, warnings and the JSON schema."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a scenario asks of its FMU files, and what they say that they can do."""
+"""Checks that FMU files have the capabilities that the scenario needs."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import fmpy
 from ..participants.description import Description, read_description
 from . import Scenario, ScenarioError, parse_line
 
-# Part of a step by which a time may miss a whole number of steps: far more than rounding.
+# Tolerance, in steps, of "a whole number of steps": far more than rounding.
 WHOLE_STEPS = 1e-6
 
 
 def check_third_party(scenario: Scenario) -> None:
-    """ScenarioError where FMUs that stand for themselves, or connections that change values, are asked for
-    what only a system's equations give."""
+    """ScenarioError where a reference or an equilibrium is wanted but the equations are not known: with
+    third-party FMUs, and with connections that change values."""
     wanted = (
         ("reference.enabled = true", "set reference.enabled = false")
         if scenario.reference.enabled
@@ -28,15 +28,15 @@ def check_third_party(scenario: Scenario) -> None:
             if line.factor is not None or line.offset is not None:
                 raise ScenarioError(
                     f"{wanted[0]}: the connection {str(line)!r} changes values, which the equations of the "
-                    f"system do not know; {wanted[1]}, or connect variables as they are"
+                    f"system do not know; {wanted[1]}, or connect without factor and offset"
                 )
     third_party = [name for name, table in scenario.components.items() if table.third_party]
     if not third_party:
         return
-    named = f"{', '.join(third_party)}: third-party FMUs, whose equations are not known here"
+    named = f"{', '.join(third_party)}: third-party FMUs, whose equations are unknown"
     if scenario.reference.enabled:
         raise ScenarioError(
-            f"reference.enabled = true: {named}, so that there is no reference; set reference.enabled = false"
+            f"reference.enabled = true: {named}, so there is no reference; set reference.enabled = false"
         )
     if scenario.start == "equilibrium":
         raise ScenarioError(f"start = 'equilibrium': {named}; set start = 'given'")
@@ -60,13 +60,13 @@ def check_capabilities(scenario: Scenario) -> None:
     for name, path in files.items():
         if shared[path.resolve()] > 1 and read_description(path).once_per_process:
             raise ScenarioError(
-                f"components.{name}.participant: {path}: can be there only once in a process "
+                f"components.{name}.participant: {path}: allows one instance per process "
                 f"(canBeInstantiatedOnlyOncePerProcess); set components.{name}.process = 'own'"
             )
 
 
 def _find_library_fault(path: Path, about: Description) -> str:
-    """What there is instead of a library for this platform; empty if there is one."""
+    """A message if the archive has no library for this platform, with what it has instead; else empty."""
     here = fmpy.platform_tuple if about.version == "3.0" else fmpy.platform
     with zipfile.ZipFile(path) as archive:
         names = archive.namelist()
@@ -83,7 +83,7 @@ def _find_library_fault(path: Path, about: Description) -> str:
 
 
 def _find_fault(scenario: Scenario, name: str, about: Description) -> str:
-    """What keeps the FMU from taking part, with the remedy; empty if nothing does."""
+    """The first capability that the FMU lacks, with the remedy; empty if it lacks none."""
     table = scenario.components[name]
     if scenario.master.build().implicit:
         varied = f"the master {scenario.master.name}", "take the master jacobi or gauss_seidel"
@@ -95,8 +95,8 @@ def _find_fault(scenario: Scenario, name: str, about: Description) -> str:
         varied = None
     if varied and not about.restorable:
         return (
-            f"cannot be taken back (canGetAndSetFMUstate = false), as {varied[0]} has to; {varied[1]}, or "
-            "give another file"
+            f"cannot restore its state (canGetAndSetFMUstate = false), but {varied[0]} repeats steps; "
+            f"{varied[1]}, or give another file"
         )
     lengths = (
         "[step_control]" if scenario.step_control else "",
@@ -107,20 +107,20 @@ def _find_fault(scenario: Scenario, name: str, about: Description) -> str:
     if not about.variable_step:
         if cause:
             return (
-                "takes steps of one length only (canHandleVariableCommunicationStepSize = false), and "
-                f"{cause} makes others; leave it out"
+                "takes steps of one length only (canHandleVariableCommunicationStepSize = false), but "
+                f"{cause} varies the length; leave it out"
             )
         if _leaves_remainder(scenario.stop_time, scenario.macro_step):
             return (
                 "takes steps of one length only (canHandleVariableCommunicationStepSize = false), and "
-                f"stop_time = {scenario.stop_time:g} s is no whole number of macro_step = "
+                f"stop_time = {scenario.stop_time:g} s is no whole multiple of macro_step = "
                 f"{scenario.macro_step:g} s; change one of them"
             )
     return ""
 
 
 def list_unsynchronised(scenario: Scenario) -> list[str]:
-    """A line for each FMU whose own steps (fixedInternalStepSize) do not end where macro steps do."""
+    """A warning for each FMU whose internal steps (fixedInternalStepSize) do not fit into macro steps."""
     found = []
     for name, table in scenario.components.items():
         if not table.participant.endswith(".fmu"):
@@ -128,9 +128,8 @@ def list_unsynchronised(scenario: Scenario) -> list[str]:
         own, step = read_description(Path(table.participant)).fixed_step, scenario.macro_step / table.substeps
         if own and (scenario.step_control or _leaves_remainder(step, own)):
             found.append(
-                f"components.{name}: moves by steps of {own:g} s (fixedInternalStepSize), which macro steps "
-                "do not end with, so that its outputs may be those of an earlier time; take a macro_step "
-                "that is a multiple of it"
+                f"components.{name}: its internal steps of {own:g} s (fixedInternalStepSize) do not fit into "
+                "macro steps, so its outputs may lag behind; take a macro_step that is a multiple of them"
             )
     return found
 

@@ -20,7 +20,7 @@ KINDS = (*BUILT_KINDS, "in-process")
 
 
 class ComponentTable(Table):
-    """One component of the system. Values are in SI units, or texts with a unit ("8 mm")."""
+    """One component of the system. Values are in SI units, or strings with a unit ("8 mm")."""
 
     participant: str = Field(
         "fmu",
@@ -57,7 +57,7 @@ class ComponentTable(Table):
     @model_validator(mode="before")
     @classmethod
     def _check_file(cls, table: Any) -> Any:
-        """A file in place of a component is looked at first: all else depends on what it is."""
+        """Read a third-party FMU first: the other keys depend on its variables."""
         if isinstance(table, dict) and table.get("component") is None:
             file = table.get("participant")
             if isinstance(file, str) and file.endswith(".fmu"):
@@ -78,7 +78,7 @@ class ComponentTable(Table):
     @classmethod
     def _check_process(cls, process: str | None, info: ValidationInfo) -> str | None:
         if process == "own" and info.data.get("participant") == "in-process":
-            raise ValueError("'own': participant = 'in-process' is in this process; take participant = 'fmu'")
+            raise ValueError("'own': participant = 'in-process' needs no process; take participant = 'fmu'")
         return process
 
     @field_validator("component")
@@ -98,14 +98,14 @@ class ComponentTable(Table):
         if name is not None:
             build_component(name, tuple(sorted(structure.items())))
         elif structure and "component" in info.data:
-            raise ValueError("an FMU that stands for itself has the sizes it was made with; leave it out")
+            raise ValueError("a third-party FMU has fixed sizes; leave it out")
         return structure
 
     @field_validator("parameters", "start", "inputs")
     @classmethod
     def _parse_values(cls, values: dict[str, Value], info: ValidationInfo) -> dict[str, Value]:
         if not {"participant", "component", "structure"} <= set(info.data):
-            return values  # the fault is already known
+            return values  # an earlier check has failed
         component = _resolve(info.data["participant"], info.data["component"], info.data["structure"])
         layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
         kinds = {"parameters": "parameter", "start": "state", "inputs": "input"}
@@ -122,28 +122,28 @@ class ComponentTable(Table):
 
     @property
     def third_party(self) -> bool:
-        """Whether it is an FMU that stands for itself."""
+        """Whether it is a third-party FMU."""
         return self.component is None
 
     @property
     def own_process(self) -> bool:
-        """Whether its FMU runs in a process of its own."""
+        """Whether its FMU runs in its own process."""
         return self.process == "own" or (self.process is None and self.untrusted)
 
     @property
     def untrusted(self) -> bool:
-        """Whether it is an FMU that is not as this program made it."""
+        """Whether it is an FMU file that this program did not build, or that was changed since."""
         return self.participant.endswith(".fmu") and not is_made_here(Path(self.participant))
 
     @property
     def strings(self) -> dict[str, str]:
-        """Its parameters that are texts, of a third-party FMU."""
+        """The String parameters of a third-party FMU."""
         component = self.resolve()
         known = component.about.strings if isinstance(component, ThirdPartyComponent) else []
         return {name: str(value) for name, value in self.parameters.items() if name in known}
 
     def resolve(self) -> Component:
-        """The component with these sizes, or the one that the FMU is."""
+        """The catalogue's component with these sizes, or the third-party FMU's."""
         return _resolve(self.participant, self.component, self.structure)
 
 

@@ -1,4 +1,4 @@
-"""The lines of `connections`: instance.output -> instance.input, with a factor and an offset if need be."""
+"""The lines of `connections`: instance.output [* factor] [+ offset] -> instance.input."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _SOURCE = re.compile(
 
 @dataclass(frozen=True)
 class Line:
-    """factor * source + offset goes to target; None: the value as it is, in the target's unit."""
+    """target = factor * source + offset; without both, units are converted."""
 
     source: str
     target: str
@@ -29,7 +29,7 @@ class Line:
 
 
 def parse_line(text: str) -> Line:
-    """The connection that a line says; ValueError if it says none."""
+    """Parse a line; ValueError if it is no connection."""
     left, arrow, target = (part.strip() for part in text.partition("->"))
     match = _SOURCE.fullmatch(left)
     if not arrow or match is None or "." not in match["port"] or "." not in target:

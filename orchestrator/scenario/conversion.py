@@ -1,4 +1,4 @@
-"""What connections do to values on their way: units that differ, factors and offsets."""
+"""Linear transformations of connected values: unit conversions, factors and offsets."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Transformations = dict[str, dict[str, Linear]]
 
 
 def find_transformations(instances: Mapping[str, Instance], lines: Sequence[Line]) -> Transformations:
-    """The inputs that do not get what they are connected to as it is, by instance and variable.
+    """The transformations of inputs, by instance and variable.
 
-    Units are converted where both ends state them and an FMU that stands for itself is at one of them; a
-    line with a factor or an offset means the numbers as they are. ScenarioError for kinds that do not fit.
+    Units are converted if a third-party FMU is at one end and both ends state a unit. A line with a factor
+    or an offset applies to the numbers themselves. ScenarioError for types that do not fit.
     """
     found: Transformations = {}
     for line in lines:
@@ -52,7 +52,7 @@ def find_transformations(instances: Mapping[str, Instance], lines: Sequence[Line
 def replace_units(
     instances: Mapping[str, Instance], lines: Sequence[Line], made: Transformations
 ) -> dict[str, Instance]:
-    """The instances as they are seen through these transformations: inputs in their sources' units."""
+    """The instances with transformed inputs in the units of their sources."""
     changed: dict[str, dict[str, Quantity]] = {}
     for line in lines:
         source, target = (
@@ -74,14 +74,14 @@ def replace_units(
 
 
 def _replace_quantities(layout: Layout, quantities: Mapping[str, Quantity]) -> Layout:
-    """The layout with other quantities for these."""
+    """A copy of the layout with these quantities."""
     made = copy.copy(layout)
     made.fields = tuple(replace(f, quantity=quantities.get(f.name, f.quantity)) for f in layout.fields)
     return made
 
 
 def _get_units(instance: Instance) -> Mapping[str, Unit] | None:
-    """Those that a third-party FMU defines; None of a component that is none."""
+    """The units that a third-party FMU defines; None for other components."""
     component = instance.component
     return component.about.units if isinstance(component, ThirdPartyComponent) else None
 
@@ -89,7 +89,7 @@ def _get_units(instance: Instance) -> Mapping[str, Unit] | None:
 def _convert(
     given: str, given_units: Mapping[str, Unit] | None, wanted: str, wanted_units: Mapping[str, Unit] | None
 ) -> Linear | None:
-    """None where the system has to judge, which knows one spelling of each unit."""
+    """The conversion; None between two of our components, whose units the system compares."""
     if given_units is None and wanted_units is None:
         return None
     return convert_units(given, given_units or {}, wanted, wanted_units or {})
@@ -98,10 +98,10 @@ def _convert(
 def convert_units(
     given: str, given_units: Mapping[str, Unit], wanted: str, wanted_units: Mapping[str, Unit]
 ) -> Linear | None:
-    """From one unit to the other, each by these definitions or as it is generally known; None where they
-    do not fit, or are not known."""
+    """The conversion between two units, by these definitions or the common ones; None if they do not fit or
+    are unknown."""
     if not given or not wanted:
-        return Linear()  # an FMU that does not say what it means
+        return Linear()  # no unit is stated
     one, other = _find_unit(given, given_units), _find_unit(wanted, wanted_units)
     if one is None or other is None or one.exponents != other.exponents:
         return None

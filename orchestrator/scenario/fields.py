@@ -20,10 +20,10 @@ from .values import Faults, Value, WithUnit
 
 
 def _parse_time(value: Any) -> float:
-    """A time in seconds; a text may have another unit."""
+    """A time in seconds, from a number or a string with a unit."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         shown = str(value).lower() if isinstance(value, bool) else repr(value)
-        raise Faults(("", f" = {shown}: must be a time: a number of seconds, or a text such as '2 us'"))
+        raise Faults(("", f" = {shown}: must be a time: a number of seconds, or a string such as '2 us'"))
     return to_unit(value, "s") if isinstance(value, str) else float(value)
 
 
@@ -45,13 +45,13 @@ def _parse_time_or_0(value: Any) -> Any:
 
 def _check_scalar(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
     if not isinstance(value, (bool, int, float, str)):
-        raise ValueError("must be a number, a text with a unit, a choice's name, true or false")
+        raise ValueError("must be a number, a string with a unit, a choice's name, true or false")
     return value if isinstance(value, WithUnit) else validate(value)
 
 
 Seconds = Annotated[float, BeforeValidator(_parse_positive_time, json_schema_input_type=float | str)]
 SecondsOr0 = Annotated[float, BeforeValidator(_parse_time_or_0, json_schema_input_type=float | str)]
-# How a number was written is of no matter once it is written out.
+# Written files state plain numbers.
 _Plain = PlainSerializer(lambda value: float(value) if isinstance(value, WithUnit) else value)
 Written = Annotated[Value, WrapValidator(_check_scalar), _Plain]
 Tolerance = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]

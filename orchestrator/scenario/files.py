@@ -1,8 +1,8 @@
-"""Scenario files: found, extended, overridden, read and written.
+"""Find, read, extend, override and write scenario files.
 
-A file may extend another (`extends = "valve-train"`, a shipped scenario or a path beside the file): its
-tables are merged into the other's, its connections are added, and what has no meaning any more is dropped:
-options of a master that is replaced, and with [step_control] the other's `output_step`.
+A file may extend another: `extends = "valve-train"`, a shipped scenario or a relative path. Its tables are
+merged into the other's and its connections are added. Options of a replaced master are dropped, and with
+[step_control] the other's `output_step`.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ SHIPPED = Path(__file__).parent / "shipped"
 
 
 def list_shipped() -> dict[str, Path]:
-    """The scenarios that come with the program, by name."""
+    """The shipped scenarios by name."""
     return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
 
 
 def find(name: str | Path, beside: Path | None = None) -> Path:
-    """The file of a shipped scenario or a path; ScenarioError if there is neither."""
+    """The file of a shipped scenario, or the path itself; ScenarioError if there is no such file."""
     if str(name) in list_shipped():
         return list_shipped()[str(name)]
     path = (beside or Path()) / Path(name).expanduser()
@@ -47,7 +47,7 @@ def find(name: str | Path, beside: Path | None = None) -> Path:
 
 
 def _suggest_in_folder(folder: Path) -> str:
-    """What to give instead of a folder."""
+    """Suggest a file in place of a folder."""
     found = [*sorted(folder.glob("*.toml")), *sorted(folder.glob("*/scenario.toml"))]
     files = [str(file) for file in found if file.name != "pyproject.toml"]
     if files:
@@ -56,7 +56,7 @@ def _suggest_in_folder(folder: Path) -> str:
 
 
 def _suggest_near(path: Path) -> str:
-    """What to give instead of a file that is not there."""
+    """Suggest a file of a similar name."""
     near = {file.stem: str(file) for file in path.parent.glob("*.toml")} | {
         name: name for name in list_shipped()
     }
@@ -70,18 +70,18 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
     content = read_contents(path)
     for text in overrides:
         override(content, text)
-    _resolve_paths(content, Path.cwd())  # those that were set; the file's own are absolute
+    _resolve_paths(content, Path.cwd())  # of the overrides; those of the file are absolute
     try:
         return build_scenario(content)
     except ScenarioError as error:
-        own = list_faults(read_contents(path))  # without what was set
+        own = list_faults(read_contents(path))  # without the overrides
         lines = str(error).split("\n")
         marked = (f"{f'{path.name}:' if line in own else '--set'} {line}" for line in lines)
         raise ScenarioError("\n".join(marked)) from None
 
 
 def list_faults(content: dict[str, Any]) -> list[str]:
-    """A line for each fault of a file's content."""
+    """The faults of a file's content, a line each."""
     try:
         build_scenario(content)
     except ScenarioError as error:
@@ -90,7 +90,7 @@ def list_faults(content: dict[str, Any]) -> list[str]:
 
 
 def read_contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
-    """The tables of a file, with what it extends merged in."""
+    """The tables of a file, merged into those of the file that it extends."""
     path = path.resolve()
     if path in chain:
         raise ScenarioError(f"{path.name}: extends itself ({' -> '.join(p.name for p in (*chain, path))})")
@@ -118,7 +118,7 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _resolve_paths(content: dict[str, Any], folder: Path) -> None:
-    """Paths of .fmu files are relative to the scenario file."""
+    """Make paths of .fmu files, which are relative to `folder`, absolute."""
     components = content.get("components")
     for table in components.values() if isinstance(components, dict) else ():
         kind = table.get("participant") if isinstance(table, dict) else None
@@ -127,7 +127,7 @@ def _resolve_paths(content: dict[str, Any], folder: Path) -> None:
 
 
 def merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    """`over` on top of `base`: tables are merged, connections added, other values replaced."""
+    """Merge `over` into `base`: tables are merged, connections added, other values replaced."""
     result = dict(base)
     for key, value in over.items():
         below = result.get(key)
@@ -143,16 +143,16 @@ def merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def drop_other_options(table: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """A [master] table for the master `name`: options that it does not have are dropped."""
+    """The [master] table for the master `name`, without the options that it does not have."""
     if name not in MASTERS:
-        return {"name": name}  # the scenario's check says so
+        return {"name": name}  # which the scenario's check refuses
     known = {field.name for field in fields(MASTERS[name])}
     same = table.get("name") == name
     return {key: value for key, value in table.items() if same or key in known} | {"name": name}
 
 
 def override(content: dict[str, Any], text: str) -> None:
-    """Apply "path=value", e.g. components.camshaft.parameters.lift=9 mm. The value is TOML, or a text."""
+    """Apply "path=value", e.g. components.camshaft.parameters.lift=9 mm. The value is TOML, or a string."""
     path, equals, written = text.partition("=")
     path = path.strip()
     if not equals or not path:
@@ -186,15 +186,14 @@ def put(content: dict[str, Any], path: str, value: Any, said: str = "") -> None:
 
 
 def split_path(path: str) -> list[str]:
-    """The keys of a path: components.NAME.parameters.VARIABLE; anything else has one table at most, whose
-    keys may have dots."""
+    """The keys of a path: components.NAME.parameters.VARIABLE, else TABLE.KEY; the last key may have dots."""
     keys = path.split(".")
     depth = min(3 if keys[0] == "components" else 1, len(keys) - 1)
     return [*keys[:depth], ".".join(keys[depth:])]
 
 
 def to_short_toml(scenario: Scenario, folder: Path) -> str:
-    """The scenario as TOML with what differs from the defaults; its FMUs are named from `folder` on."""
+    """The scenario as TOML, without default values; paths of FMUs are relative to `folder`."""
     import tomli_w
 
     content = scenario.model_dump(exclude_defaults=True)
@@ -206,12 +205,12 @@ def to_short_toml(scenario: Scenario, folder: Path) -> str:
 
 
 def to_full_toml(scenario: Scenario) -> str:
-    """The scenario as TOML with all parameters; reading it gives the same run, bit for bit."""
+    """The scenario as TOML with all parameters; it gives the same run, bit for bit."""
     import tomli_w
 
     content = scenario.model_dump(exclude_none=True)
     for name, table in scenario.components.items():
-        if not table.third_party:  # whose file stands for its own defaults
+        if not table.third_party:  # its file holds its defaults
             layout = table.resolve().parameters
             values = {f.name: to_value(f.quantity, f.start) for f in layout.fields}
             content["components"][name]["parameters"] = values | table.parameters

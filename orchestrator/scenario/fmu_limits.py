@@ -1,4 +1,4 @@
-"""What the FMU files of a scenario can't take of its signals and steps."""
+"""Limits that the FMU files of a scenario set on signals and steps."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..participants.description import Description, DescriptionError, read_descr
 from ..participants.signal_degrees import find_highest_degrees
 from . import Scenario, parse_ends
 
-# Which value a held input gets over a macro step.
+# The value that a held input gets for a macro step, by master.
 GIVEN = {
     "jacobi": "at the step's start",
     "gauss_seidel": "at the step's end from participants that come before, else that at its start",
@@ -24,7 +24,7 @@ GIVEN = {
 
 
 class FmuLimits:
-    """What the given .fmu files say of themselves; a file that can't be read says nothing."""
+    """The limits of the given .fmu files, by their descriptions; unreadable files are left out."""
 
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
@@ -42,31 +42,31 @@ class FmuLimits:
 
     @property
     def restorable(self) -> bool:
-        """All can be taken back: steps can be iterated, and controlled."""
+        """Whether all can restore a state, as iteration and step control need."""
         return all(about.restorable for about in self._about.values())
 
     @property
     def controllable(self) -> bool:
-        """All can be taken back and take steps of any length."""
+        """Whether all can restore a state and take steps of any length."""
         return self.restorable and all(about.variable_step for about in self._about.values())
 
     @property
     def held_inputs(self) -> list[Port]:
-        """The inputs that are driven and held over a macro step."""
+        """The connected inputs that FMUs hold over a macro step."""
         return [c.target for c in self._connections if self._get_degree(c.target) == 0]
 
     @property
     def highest_degree(self) -> int:
-        """The highest degree that a signal has here, whatever the scenario's."""
+        """The highest degree that some signal can have."""
         return max(self._find_degrees().values(), default=HIGHEST)
 
     @property
     def lowest_degree(self) -> int:
-        """The degree that every signal can have."""
+        """The highest degree that all signals can have."""
         return min(self._find_degrees().values(), default=HIGHEST)
 
     def find_differentiated(self, degree: int) -> Iterator[tuple[Port, Port]]:
-        """Outputs that are time derivatives of inputs, and the inputs, whose signal has no slope."""
+        """Outputs that are time derivatives of held inputs, each with its input."""
         degrees = self._find_degrees()
         sources = {c.source for c in self._connections}
         for c in self._connections:
@@ -90,14 +90,14 @@ class FmuLimits:
 
 
 def _differentiates(about: Description, output: Port, target: Port) -> bool:
-    """The output is declared the input's derivative, or depends on the variable that takes it."""
+    """Whether the output is declared the input's derivative or depends on the input's slope."""
     variable = about.variables.get(output.variable)
     declared = variable is not None and variable.derivative == target.variable
     return declared or name_derivative(target.variable, 1) in about.depends.get(output.variable, ())
 
 
 def list_limit_warnings(scenario: Scenario) -> list[str]:
-    """A line for each thing that FMUs can't take of the scenario's signals and steps."""
+    """A warning for each limit that the scenario exceeds."""
     limits, master = FmuLimits(scenario), scenario.master.build()
     found = [_describe_held(scenario.master.name, master, limits.held_inputs)] if limits.held_inputs else []
     for output, target in dict.fromkeys(limits.find_differentiated(master.degree)):
@@ -108,7 +108,7 @@ def list_limit_warnings(scenario: Scenario) -> list[str]:
         )
         found.append(
             f"{output}: is the time derivative of the input {target.variable}, which is held over a macro "
-            f"step and has no slope then: this value and all that follows may be wrong altogether; {remedy}"
+            f"step and so has no slope: this value and all that depends on it may be wrong; {remedy}"
         )
     if scenario.step_control and scenario.step_control.maximum_step is None:
         blind = [
@@ -116,16 +116,16 @@ def list_limit_warnings(scenario: Scenario) -> list[str]:
         ]
         if blind:
             found.append(
-                f"{', '.join(blind)}: the FMUs tell of no events: a contact that is made and lost within one "
-                "step is not seen; step_control.maximum_step limits the steps"
+                f"{', '.join(blind)}: these FMUs report no events, so a contact that begins and ends within "
+                "one step is missed; step_control.maximum_step limits the steps"
             )
     return found
 
 
 def _describe_held(name: str, master: Any, held: Sequence[Port]) -> str:
-    signal = f"not extrapolation = {master.extrapolation!r}, nor have other values in a loop with them"
+    signal = f"not extrapolation = {master.extrapolation!r}; so do all values in a loop with them"
     return (
         f"{', '.join(map(str, held))}: the FMUs hold these inputs over a macro step (no _der1, no "
         f"canInterpolateInputs): with {name} they get the value {GIVEN[name]}"
-        f"{', ' + signal if master.degree else ''}; the error falls with the first power of macro_step only"
+        f"{', ' + signal if master.degree else ''}; the error is of first order in macro_step"
     )

@@ -29,7 +29,7 @@ class MasterTable(BaseModel):
         return name
 
     def build(self) -> Any:
-        """The master with its options; ValidationError or ValueError if they do not fit."""
+        """The master with its options; ValidationError or ValueError for wrong options."""
         kind = MASTERS[self.name]
         options = dict(self.model_extra or {})
         known = [field.name for field in fields(kind)]

@@ -1,4 +1,4 @@
-"""What pydantic finds wrong, in the words of a scenario file."""
+"""Messages about wrong scenario files, from pydantic's errors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .values import Faults
 
 Location = tuple[int | str, ...]
 
-# What to write where one of these is missing.
+# Remedies for missing keys.
 REMEDIES = {
     "tolerance": "; state the largest relative RMS error of at least one output: [tolerance] "
     '"contact.load" = 1e-3',
@@ -35,17 +35,17 @@ FIXED = {
     "bool_type": "must be true or false",
     "float_type": "must be a number, without a unit",
     "too_short": "must have at least one entry",
-    "finite_number": "must be a finite number > 0, e.g. 1e-3",  # only tolerances are refused so
+    "finite_number": "must be a finite number > 0, e.g. 1e-3",  # raised for tolerances only
 }
 
 
 def list_no_keys(place: Location) -> list[str]:
-    """Where nothing is known of a table's keys."""
+    """For tables whose keys are not known."""
     return []
 
 
 def list_messages(error: ValidationError, known: Callable[[Location], list[str]] = list_no_keys) -> list[str]:
-    """What pydantic found, in the words of the file; `known` gives the keys known at a place."""
+    """A message for each error; `known` lists the valid keys at a place."""
     lines: list[str] = []
     for fault in error.errors():
         path, reason = _format_path(fault["loc"]), fault.get("ctx", {}).get("error")
@@ -63,19 +63,19 @@ def list_messages(error: ValidationError, known: Callable[[Location], list[str]]
 
 
 def _format_path(place: Location) -> str:
-    """master.order[0]: keys with dots, places in a list in brackets."""
+    """E.g. master.order[0]."""
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
 
 
 def _format_value(value: object) -> str:
-    """As it would stand in the file; not a whole table."""
+    """The value as in TOML; empty for a table."""
     if isinstance(value, dict):
         return ""
     return f" = {str(value).lower() if isinstance(value, bool) else repr(value)}"
 
 
 def _describe_allowed(fault: Any) -> str:
-    """What may stand there."""
+    """The allowed values."""
     kind, bound = fault["type"], fault.get("ctx", {})
     if kind == "literal_error":
         return one_of(re.findall("'(.*?)'", bound["expected"]), fault["input"])

@@ -1,4 +1,4 @@
-"""Durations given as angles: the time in which the drive turns so far."""
+"""Durations given as angles of a drive of constant speed."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ REMEDY = (
 
 
 def convert_to_seconds(content: Mapping[str, Any]) -> dict[str, Any]:
-    """A scenario's content with "2 revolutions" or "0.5 deg" as seconds; Faults where no speed is known."""
+    """The scenario's content with angles such as "2 revolutions" in seconds; Faults if no speed is known."""
     angles = {key: angle for key in DURATIONS if (angle := _parse_angle(content.get(key))) is not None}
     try:
-        # Twelve digits: 2 revolutions at 1000 r/min are 0.12 s, and no macro step more.
+        # Rounded to twelve digits: 2 revolutions at 1000 r/min are 0.12 s exactly.
         return {
             **content,
             **{key: float(f"{angle / _find_speed(content):.12g}") for key, angle in angles.items()},
@@ -33,7 +33,7 @@ def convert_to_seconds(content: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _parse_angle(value: Any) -> float | None:
-    """In rad; None for what is no angle."""
+    """The angle in rad; None for other values."""
     if not isinstance(value, str) or is_bare(value):
         return None
     with suppress(UnitError):
@@ -45,7 +45,7 @@ def _parse_angle(value: Any) -> float | None:
 
 
 def _find_speed(content: Mapping[str, Any]) -> float:
-    """Of the drive (rad/s); ArithmeticError if it is not constant, or not known."""
+    """The speed of the drive (rad/s); ArithmeticError if it is unknown or not constant."""
     components = content.get("components")
     tables = components.items() if isinstance(components, dict) else ()
     drives = [name for name, table in tables if isinstance(table, dict) and table.get("component") == DRIVE]

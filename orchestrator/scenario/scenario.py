@@ -1,4 +1,4 @@
-"""The scenario: its tables together, and what runs of it are made of."""
+"""The scenario: all tables of a file."""
 
 from __future__ import annotations
 
@@ -21,12 +21,11 @@ from .revolutions import convert_to_seconds
 from .step_control_table import CONVERGED, EVENT_TOLERANCE, StepControlTable
 from .values import Faults
 
-# The comparison sees this many intervals of a run at least. An RMS error estimated from n values has a
-# standard error of 1 / sqrt(2 n), here 7 %, if they are normally distributed, and nothing that lasts longer
-# than a hundredth of the run falls between two records.
+# The comparison has at least this many intervals. An RMS error from n normally distributed values has a
+# standard error of 1 / sqrt(2 n), here 7 %.
 COMPARED_INTERVALS = 100
-# A macro step is this many spacings of floating-point numbers at the stop time: rounding of the times at both
-# of its ends then changes its length by a thousandth at most.
+# A macro step is at least this many spacings of floating-point numbers at the stop time, so that rounding
+# changes its length by a thousandth at most.
 SPACINGS = 1000
 
 
@@ -137,8 +136,8 @@ class Scenario(Table):
             raise Faults(
                 (
                     "",
-                    f" = {step:g} s: must be at least {least:.2g} s with stop_time = {stop:g} s, where times "
-                    "closer to each other are not told apart; e.g. '5 us'",
+                    f" = {step:g} s: must be at least {least:.2g} s with stop_time = {stop:g} s, because "
+                    "of the rounding of times; e.g. '5 us'",
                 )
             )
         return step
@@ -200,15 +199,15 @@ class Scenario(Table):
         return control
 
     def build_master(self) -> Any:
-        """The master. With step control an iterated one converges to 0.3 of the step's tolerance,
-        unless its own is given."""
+        """The master. With step control an iterated master converges to 0.3 of the step tolerance, unless its
+        own tolerance is given."""
         master = self.master.build()
         if self.step_control and master.implicit and "tolerance" not in (self.master.model_extra or {}):
             return replace(master, tolerance=CONVERGED * self.step_control.relative)
         return master
 
     def build_steps(self) -> FixedSteps | ControlledSteps:
-        """What chooses the macro steps."""
+        """The stepper: fixed or controlled macro steps."""
         if self.step_control is None:
             return FixedSteps(self.macro_step, self.event_tolerance)
         tolerance = self.event_tolerance or EVENT_TOLERANCE
@@ -218,7 +217,7 @@ class Scenario(Table):
 
     @property
     def record_every(self) -> int:
-        """Macro steps from one record to the next; the run's end is recorded besides."""
+        """Macro steps from one record to the next; the end is always recorded."""
         if self.step_control is not None:
             return 1
         every = round((self.output_step or self.macro_step) / self.macro_step)
@@ -228,14 +227,14 @@ class Scenario(Table):
 
 
 def _split_message(line: str) -> tuple[str, str]:
-    """Key and rest of a message about a master's option."""
+    """Split a message about a master's option into key and rest."""
     option, equals, rest = line.partition(" = ")
     named = equals and option.partition("[")[0].isidentifier()
     return (option, equals + rest) if named else ("", f": {line}")
 
 
 def build_scenario(content: dict[str, Any]) -> Scenario:
-    """A Scenario of a file's content; ScenarioError with a line for each fault."""
+    """Build a scenario from a file's content; ScenarioError with a line for each fault."""
     try:
         return Scenario.model_validate(convert_to_seconds(content))
     except ValidationError as error:
@@ -245,14 +244,14 @@ def build_scenario(content: dict[str, Any]) -> Scenario:
 
 
 def _add_place(line: str) -> str:
-    """The message about an unknown key, with the place where it would be known instead of all other keys."""
+    """A message about an unknown key names the table where it is known, if there is one."""
     path, _, text = line.partition(": ")
     table, _, key = path.rpartition(".")
     fault, unknown, _ = text.partition("; known: ")
     if unknown and not table and (meant := find_tables(key)):
         return f"{path}: {fault}; did you mean {' or '.join(meant)}?"
     if unknown and table and key in Scenario.model_fields:
-        return f"{path}: {fault}; {key} has to stand above the file's first [table]"
+        return f"{path}: {fault}; put {key} above the file's first [table]"
     return line
 
 
@@ -260,7 +259,7 @@ TABLES = {"step_control": StepControlTable, "reference": ReferenceTable, "energy
 
 
 def _list_keys(location: Location) -> list[str]:
-    """The keys known where an unknown one was found."""
+    """The valid keys at the place of an unknown one."""
     if len(location) == 1:
         return [*Scenario.model_fields, "extends"]
     if location[0] == "components":
@@ -269,7 +268,7 @@ def _list_keys(location: Location) -> list[str]:
 
 
 def find_tables(key: str) -> list[str]:
-    """The tables' keys that end in `key`: what was probably meant by it alone."""
+    """The keys TABLE.KEY that `key` alone may stand for."""
     known = {name: list(table.model_fields) for name, table in TABLES.items()}
     known["master"] = [option.name for master in MASTERS.values() for option in fields(master)]
     return [f"{name}.{key}" for name, keys in known.items() if key in keys]

@@ -15,7 +15,7 @@ from .values import build_component
 
 
 def build_schema() -> dict[str, Any]:
-    """Of a scenario file, which may extend another and then need not be whole."""
+    """The schema of a scenario file; one that extends another needs no required keys."""
     made: dict[str, Any] = Scenario.model_json_schema()
     made["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     made["title"] = "tribocosim scenario"
@@ -44,7 +44,7 @@ def build_schema() -> dict[str, Any]:
 
 
 def write_schema() -> str:
-    """As published in docs/scenario.schema.json."""
+    """The text of docs/scenario.schema.json."""
     return json.dumps(build_schema(), indent=2, ensure_ascii=False) + "\n"
 
 
@@ -65,7 +65,7 @@ def _describe_component(name: str) -> dict[str, Any]:
 
 
 def _find_smallest_size(name: str, size: str) -> int:
-    """The least number that the component takes."""
+    """The smallest size that the component accepts: 0 or 1."""
     try:
         build_component(name, ((size, 0),))
     except ValueError:
@@ -74,7 +74,7 @@ def _find_smallest_size(name: str, size: str) -> int:
 
 
 def _describe_variables(layout: Layout) -> dict[str, Any]:
-    """Vectors have as many elements as the structure says: their names are patterns."""
+    """The variables' entries. Names of vector elements are patterns, as their number varies."""
     plain: dict[str, Any] = {}
     patterns: dict[str, Any] = {}
     for field in map(layout.field, layout.variables):

@@ -12,9 +12,9 @@ from ..stepping import StepControl
 from ..stepping.estimators import ESTIMATORS
 from .fields import Seconds, Table, Tolerance
 
-# How long after an event a step may end, by default (s).
+# Default tolerance of event times (s).
 EVENT_TOLERANCE = 1e-9
-# Tolerance of an iterated master over that of the step control.
+# Ratio of an iterated master's tolerance to the step tolerance.
 CONVERGED = 0.3
 
 
@@ -41,7 +41,7 @@ class StepControlTable(Table):
         return name
 
     def build(self, implicit: bool, event_tolerance: float) -> StepControl:
-        """For a master that iterates (`implicit`), or one that doesn't."""
+        """Build the step control of an iterated (`implicit`) or another master."""
         return StepControl(
             estimator=self.estimator or ("predictor_corrector" if implicit else "step_doubling"),
             relative=self.relative,

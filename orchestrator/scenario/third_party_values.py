@@ -1,4 +1,4 @@
-"""Values for third-party FMUs that their variables' types say more about than a quantity can."""
+"""Values for third-party FMUs: strings, enumerations, numbers in units other than SI."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from .values import Faults, Value, WithUnit
 
 
 def select_strings(component: ThirdPartyComponent, values: Mapping[str, Value]) -> dict[str, Value]:
-    """Those of the values that are for parameters of type String; Faults where they are no texts, and for
-    parameters of types that no value can be given."""
+    """The values of String parameters; Faults for values that are no strings, and for parameters of
+    unsupported types."""
     found: dict[str, Value] = {}
     faults = []
     for name, value in values.items():
@@ -21,12 +21,15 @@ def select_strings(component: ThirdPartyComponent, values: Mapping[str, Value]) 
         if variable is None or variable.numeric or not variable.settable:
             continue
         if name not in component.about.strings:
-            kind = "an array of texts" if variable.type == STRING else f"of type {variable.type}"
+            kind = "an array of strings" if variable.type == STRING else f"of type {variable.type}"
             faults.append(
-                (name, f": is {kind}, which cannot be given; leave it out (it starts as its file says)")
+                (
+                    name,
+                    f": is {kind}, which cannot be set; leave it out (its start value stays)",
+                )
             )
         elif not isinstance(value, str) or "\0" in value:
-            faults.append((name, f" = {value!r} (String): must be a text, without zero characters"))
+            faults.append((name, f" = {value!r} (String): must be a string without null characters"))
         else:
             found[name] = value
     if faults:
@@ -35,7 +38,7 @@ def select_strings(component: ThirdPartyComponent, values: Mapping[str, Value]) 
 
 
 def convert_enumerations(component: ThirdPartyComponent, values: Mapping[str, Value]) -> dict[str, Value]:
-    """Those of the values that are for enumerations, as numbers; Faults for neither items nor numbers."""
+    """The values of enumerations as numbers; Faults for values that are neither items nor their numbers."""
     found: dict[str, Value] = {}
     faults = []
     for name, value in values.items():
@@ -59,7 +62,7 @@ def convert_enumerations(component: ThirdPartyComponent, values: Mapping[str, Va
 
 
 def _format_numbers(numbers: list[float]) -> str:
-    """0 to 8; numbers with gaps one by one."""
+    """E.g. "0 to 8"; numbers with gaps are listed."""
     ordered = sorted(int(number) for number in numbers)
     if len(ordered) > 2 and ordered[-1] - ordered[0] == len(ordered) - 1:
         return f"{ordered[0]} to {ordered[-1]}"
@@ -67,8 +70,8 @@ def _format_numbers(numbers: list[float]) -> str:
 
 
 def list_bare_numbers(component: ThirdPartyComponent, tables: Mapping[str, Mapping[str, Value]]) -> list[str]:
-    """The values that were written without a unit and are of variables in another one than SI's, each as it
-    was taken: "start.x = 0.002 mm"."""
+    """The values without a unit of variables whose unit is not SI, as they are understood:
+    "start.x = 0.002 mm"."""
     found = []
     for table, values in tables.items():
         for name, value in values.items():

@@ -1,4 +1,4 @@
-"""Values of parameters, starts and inputs: what a scenario writes, what it means, and back."""
+"""Values of parameters, start values and inputs, in scenarios and in models."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .units import UnitError, is_bare, to_unit
 
 
 class Faults(ValueError):
-    """Faults of a table: pairs of a key ("": the table itself) and the message that follows it."""
+    """Faults of a table: pairs of a key ("" is the table) and a message."""
 
     def __init__(self, *faults: tuple[str, str]) -> None:
         super().__init__("; ".join(key + message for key, message in faults))
@@ -25,18 +25,18 @@ class Faults(ValueError):
 
 
 class WithUnit(float):
-    """A number that was written with its unit."""
+    """A number that the scenario states with its unit."""
 
 
-# A choice by name, a truth value, or a number in the quantity's unit.
+# A choice's name, a boolean, or a number in the quantity's unit.
 Value = bool | float | str
 
 
 @functools.cache
 def build_component(name: str, structure: tuple[tuple[str, int], ...] = ()) -> Component:
-    """The catalogue's component with these sizes, made once (its kernels are compiled once then).
+    """The catalogue's component with these sizes; built once, so that its kernels are compiled once.
 
-    ValueError for an unknown component, an unknown size, or one that the component refuses.
+    ValueError for an unknown component or size, and for a size that the component refuses.
     """
     if name not in CATALOGUE:
         raise ValueError(f"no component {name!r}; {suggestion(name, CATALOGUE)}")
@@ -49,9 +49,9 @@ def build_component(name: str, structure: tuple[tuple[str, int], ...] = ()) -> C
 
 
 def parse_value(quantity: Quantity, value: Any) -> Value:
-    """`value` as it is kept: a choice's name, true or false, a number in `quantity.unit`.
+    """Convert to a choice's name, a boolean, or a number in `quantity.unit`.
 
-    ValueError without the variable's name, which the caller knows.
+    ValueError without the variable's name, which the caller adds.
     """
     if quantity.choices:
         if value in quantity.choices:
@@ -73,12 +73,12 @@ def parse_value(quantity: Quantity, value: Any) -> Value:
 
 
 def to_number(quantity: Quantity, value: Value) -> float:
-    """The number behind a value that `meaning` returned."""
+    """The number of a value that `parse_value` returned."""
     return float(quantity.choices.index(value)) if isinstance(value, str) else float(value)
 
 
 def to_value(quantity: Quantity, stored: float) -> Value:
-    """The inverse of `number`."""
+    """The inverse of `to_number`."""
     if quantity.choices:
         return quantity.choices[int(stored)]
     return bool(stored) if quantity.boolean else float(stored)
@@ -87,25 +87,23 @@ def to_value(quantity: Quantity, stored: float) -> Value:
 def parse_values(
     layout: Layout, values: Mapping[str, Any], kind: str, others: Mapping[str, Layout] | None = None
 ) -> dict[str, Value]:
-    """`meaning` of every value, and of those that follow another one (`Quantity.same_as`); raises Faults.
+    """Parse all values, and add those that follow another one (`Quantity.same_as`); raises Faults.
 
-    `others` are the layouts of other tables, where a name that is not known here may belong."""
+    `others` are the layouts of other tables, for remedies."""
     found: dict[str, Value] = {}
     faults: list[tuple[str, str]] = []
     for name, value in values.items():
         if name not in layout:
             tables = [table for table, other in (others or {}).items() if name in other.variables]
             if tables:
-                remedy = f"give it in {' or '.join(tables)}, where there is one of this name"
+                remedy = f"it belongs in {' or '.join(tables)}"
             else:
                 remedy = suggestion(name, layout.variables) if layout.variables else "leave it out"
             faults.append((name, f": no such {kind}; {remedy}"))
             continue
         quantity = layout.field(name).quantity
         if quantity.internal:
-            faults.append(
-                (name, f": the {kind} is the component's own; it starts as that lets it, leave it out")
-            )
+            faults.append((name, f": the component sets this {kind} itself; leave it out"))
             continue
         try:
             found[name] = parse_value(quantity, value)
@@ -119,7 +117,7 @@ def parse_values(
 
 
 def to_numbers(layout: Layout, values: Mapping[str, Value]) -> dict[str, float]:
-    """What `models` wants of values that `meanings` returned, without those that are only texts."""
+    """The numbers of values that `parse_values` returned; strings of third-party FMUs are left out."""
     return {
         name: to_number(layout.field(name).quantity, value)
         for name, value in values.items()

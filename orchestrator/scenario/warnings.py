@@ -1,4 +1,4 @@
-"""Warnings about a scenario that can be run, but is probably not what its author meant."""
+"""Warnings about scenarios that run, but probably not as intended."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from .values import WithUnit
 
 
 def list_warnings(scenario: Scenario) -> list[str]:
-    """A line for each warning."""
+    """All warnings, a line each."""
     found = []
     if scenario.step_control and scenario.output_step is not None:
         found.append(
-            f"output_step = {scenario.output_step:g} s: is not used, for with [step_control] every step is "
-            "recorded; leave it out"
+            f"output_step = {scenario.output_step:g} s: has no effect: [step_control] records every "
+            "step; leave it out"
         )
     elif scenario.output_step is not None:
         found += _check_records(scenario, scenario.output_step)
     if scenario.energy.correction and not scenario.energy.ledger:
         found.append(
-            "energy.correction = true: nothing counts what it gives back; energy.ledger = true shows it"
+            "energy.correction = true: the energy given back is not counted; set energy.ledger = true"
         )
     return [
         *found,
@@ -35,7 +35,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
 
 
 def _list_doubtful(scenario: Scenario) -> list[str]:
-    """Numbers without a unit that are plausible in another unit only."""
+    """Warn of numbers without a unit that are plausible only in another unit."""
     found = []
     for name, table in scenario.components.items():
         component = table.resolve()
@@ -49,7 +49,7 @@ def _list_doubtful(scenario: Scenario) -> list[str]:
                     continue
                 quantity = layout.field(variable).quantity
                 if values.get(quantity.same_as) == value:
-                    continue  # the other one is doubted
+                    continue  # the other one is warned of
                 if doubt := quantity.doubt(float(value)):
                     found.append(
                         f"components.{name}.{key}.{variable} = {value:g} {quantity.unit} "
@@ -59,7 +59,7 @@ def _list_doubtful(scenario: Scenario) -> list[str]:
 
 
 def _list_other_units(scenario: Scenario) -> list[str]:
-    """Numbers without a unit, for third-party FMUs whose unit is not SI's."""
+    """Warn of numbers without a unit in units other than SI."""
     found = []
     for name, table in scenario.components.items():
         component = table.resolve()
@@ -68,16 +68,16 @@ def _list_other_units(scenario: Scenario) -> list[str]:
             found += [f"components.{name}.{value}" for value in list_bare_numbers(component, tables)]
     if not found:
         return []
-    return [f"{', '.join(found)}: numbers without a unit are in the FMU's, which is not SI's here"]
+    return [f"{', '.join(found)}: numbers without a unit are in the FMU's unit, which is not SI"]
 
 
 def _check_records(scenario: Scenario, asked: float) -> list[str]:
-    """Records at other times than asked for."""
+    """Warn of records at other times than asked for."""
     step, every = scenario.macro_step, scenario.record_every
     made = every * step
     if abs(made - asked) <= 1e-9 * asked:
         return []
-    used = f"records are made every {made:.6g} s, {every} macro step{'s' * (every > 1)}"
+    used = f"the interval is {made:.6g} s, {every} macro step{'s' * (every > 1)}"
     if asked < step:
         why = f"is shorter than macro_step = {step:g} s; {used}"
     elif every < round(asked / step):
@@ -91,7 +91,7 @@ def _check_records(scenario: Scenario, asked: float) -> list[str]:
 
 
 def _list_unloaded(scenario: Scenario) -> list[str]:
-    """Contacts whose load is an input that nothing gives."""
+    """Warn of contacts whose load is an unconnected input."""
     driven = {parse_line(connection).target for connection in scenario.connections}
     return [
         f"components.{name}.parameters.load_is_given = true: nothing drives {name}.applied_load, so the "

@@ -136,9 +136,9 @@ def test_the_same_error_after_the_same_steps(kind, vice, tmp_path, compiled):
 
 def test_the_interpreter_is_let_go_for_an_fmu_that_is_not_in_python(monkeypatch, compiled):
     """It takes it again itself, as these do whether or not it is held."""
-    addresses = Fmi2.addresses
+    addresses = Fmi2.get_addresses
     expected = run(GaussSeidel("hermite"), None, Wrapped)
-    monkeypatch.setattr(Fmi2, "addresses", lambda self: addresses(self) | {"in_python": 0})
+    monkeypatch.setattr(Fmi2, "get_addresses", lambda self: addresses(self) | {"in_python": 0})
     found = run(GaussSeidel("hermite"), None, lambda unit: unit)
     assert compiled.made >= 30
     np.testing.assert_array_equal(found[0], expected[0])

@@ -38,10 +38,10 @@ def test_a_text_arrives_in_utf_8(version: int, process: str, text: str, tmp_path
 @pytest.mark.parametrize(
     ("name", "value", "said"),
     [
-        ("table file", 8.0, r"components\.one\.parameters\.table file = 8\.0 \(String\): must be a text"),
-        ("table file", True, r"table file = True \(String\): must be a text"),
-        ("table file", "a\0b", "without zero characters"),
-        ("raw", "00ff", r"raw: is of type Binary, which cannot be given; leave it out"),
+        ("table file", 8.0, r"components\.one\.parameters\.table file = 8\.0 \(String\): must be a string"),
+        ("table file", True, r"table file = True \(String\): must be a string"),
+        ("table file", "a\0b", "without null characters"),
+        ("raw", "00ff", r"raw: is of type Binary, which cannot be set; leave it out"),
         ("scale", "much", "scale.*much"),
         ("length", "much", "length: no such parameter"),
     ],

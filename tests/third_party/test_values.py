@@ -68,8 +68,8 @@ KNOWN = r"must be one of steel, brass, other, or their numbers \(1, 2, 9\)"
         ("parameters", {"material": 3}, rf"material = 3 \(material\): {KNOWN}"),
         ("parameters", {"material": 1.5}, rf"material = 1\.5 \(material\): {KNOWN}"),
         ("parameters", {"material": True}, rf"material = True \(material\): {KNOWN}"),
-        ("start", {"material": 2}, "material: no such state; give it in parameters"),
-        ("inputs", {"length": 2}, "length: no such input; give it in start"),
+        ("start", {"material": 2}, "material: no such state; it belongs in parameters"),
+        ("inputs", {"length": 2}, "length: no such input; it belongs in start"),
         ("inputs", {"force": 2}, "force: no such input; leave it out$"),
     ],
 )
