@@ -100,6 +100,94 @@ class FlywheelOutputs:
     ] = NO_EVENT
 
 
+@kernel
+def ramp_speed(t: float, p: FlywheelParameters) -> float:
+    r = min(1.0, max(0.0, (t - p.ramp_start) / p.ramp_duration))
+    if p.ramp_shape == SMOOTH:
+        r = r * r * (3.0 - 2.0 * r)
+    return p.initial_speed + (p.final_speed - p.initial_speed) * r
+
+
+@kernel
+def ramp_acceleration(t: float, p: FlywheelParameters) -> float:
+    r = (t - p.ramp_start) / p.ramp_duration
+    if r < 0.0 or r >= 1.0:
+        return 0.0
+    slope = 6.0 * r * (1.0 - r) if p.ramp_shape == SMOOTH else 1.0
+    return (p.final_speed - p.initial_speed) * slope / p.ramp_duration
+
+
+@kernel
+def load(u: FlywheelInputs) -> float:
+    total = 0.0
+    for i in range(len(u.load_torque)):
+        total += u.load_torque[i]
+    return total
+
+
+@kernel
+def acceleration(t: float, u: FlywheelInputs, p: FlywheelParameters) -> float:
+    if p.motion == PRESCRIBED:
+        return ramp_acceleration(t, p)
+    return (u.drive_torque - load(u)) / p.inertia
+
+
+@kernel
+def shaft_speed(t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters) -> float:
+    if p.motion == PRESCRIBED:
+        return ramp_speed(t, p)
+    impulse = 0.0
+    for i in range(len(u.load_impulse)):
+        impulse += u.load_impulse[i]
+    return x.speed - impulse / p.inertia
+
+
+@kernel
+def derivative(
+    t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, dx: FlywheelState
+) -> None:
+    dx.angle = shaft_speed(t, x, u, p)
+    dx.speed = acceleration(t, u, p)
+
+
+@kernel
+def supplied_torque(t: float, u: FlywheelInputs, p: FlywheelParameters) -> float:
+    if p.motion == PRESCRIBED:
+        return p.inertia * ramp_acceleration(t, p) + load(u)
+    return u.drive_torque
+
+
+@kernel
+def next_event(t: float, p: FlywheelParameters) -> float:
+    """Nearer to an end of the ramp than the integrator's tolerance the speed is that at the end."""
+    if p.motion != PRESCRIBED or p.initial_speed == p.final_speed:
+        return NO_EVENT
+    reached = t + TOLERANCE * (abs(t) + p.ramp_duration)
+    if p.ramp_start > reached:
+        return p.ramp_start
+    end = p.ramp_start + p.ramp_duration
+    return end if end > reached else NO_EVENT
+
+
+@kernel
+def output(t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, y: FlywheelOutputs) -> None:
+    y.angle = x.angle
+    y.speed = shaft_speed(t, x, u, p)
+    y.acceleration = acceleration(t, u, p)
+    y.supplied_torque = supplied_torque(t, u, p)
+    for i in range(len(y.throw_angle)):
+        y.throw_angle[i] = x.angle - p.throw[i]
+    y.next_event = next_event(t, p)
+
+
+@kernel
+def energy(t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, e: Vector) -> None:
+    speed = shaft_speed(t, x, u, p)
+    e[0] = 0.5 * p.inertia * speed**2
+    e[1] = 0.0
+    e[2] = supplied_torque(t, u, p) * speed
+
+
 @counts_energies
 def flywheel(loads: int = 1, throws: int = 1) -> Component:
     """J w' = T_drive - sum of load torques when free; w(t) given by the ramp when prescribed.
@@ -110,87 +198,6 @@ def flywheel(loads: int = 1, throws: int = 1) -> Component:
     Crank throws turn with the shaft, each its angle `throw` behind.
     """
     check_sizes(loads=loads, throws=throws)
-
-    @kernel
-    def ramp_speed(t: float, p: FlywheelParameters) -> float:
-        r = min(1.0, max(0.0, (t - p.ramp_start) / p.ramp_duration))
-        if p.ramp_shape == SMOOTH:
-            r = r * r * (3.0 - 2.0 * r)
-        return p.initial_speed + (p.final_speed - p.initial_speed) * r
-
-    @kernel
-    def ramp_acceleration(t: float, p: FlywheelParameters) -> float:
-        r = (t - p.ramp_start) / p.ramp_duration
-        if r < 0.0 or r >= 1.0:
-            return 0.0
-        slope = 6.0 * r * (1.0 - r) if p.ramp_shape == SMOOTH else 1.0
-        return (p.final_speed - p.initial_speed) * slope / p.ramp_duration
-
-    @kernel
-    def load(u: FlywheelInputs) -> float:
-        total = 0.0
-        for i in range(loads):
-            total += u.load_torque[i]
-        return total
-
-    @kernel
-    def acceleration(t: float, u: FlywheelInputs, p: FlywheelParameters) -> float:
-        if p.motion == PRESCRIBED:
-            return ramp_acceleration(t, p)
-        return (u.drive_torque - load(u)) / p.inertia
-
-    @kernel
-    def shaft_speed(t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters) -> float:
-        if p.motion == PRESCRIBED:
-            return ramp_speed(t, p)
-        impulse = 0.0
-        for i in range(loads):
-            impulse += u.load_impulse[i]
-        return x.speed - impulse / p.inertia
-
-    @kernel
-    def derivative(
-        t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, dx: FlywheelState
-    ) -> None:
-        dx.angle = shaft_speed(t, x, u, p)
-        dx.speed = acceleration(t, u, p)
-
-    @kernel
-    def supplied_torque(t: float, u: FlywheelInputs, p: FlywheelParameters) -> float:
-        if p.motion == PRESCRIBED:
-            return p.inertia * ramp_acceleration(t, p) + load(u)
-        return u.drive_torque
-
-    @kernel
-    def next_event(t: float, p: FlywheelParameters) -> float:
-        """Nearer to an end of the ramp than the integrator's tolerance the speed is that at the end."""
-        if p.motion != PRESCRIBED or p.initial_speed == p.final_speed:
-            return NO_EVENT
-        reached = t + TOLERANCE * (abs(t) + p.ramp_duration)
-        if p.ramp_start > reached:
-            return p.ramp_start
-        end = p.ramp_start + p.ramp_duration
-        return end if end > reached else NO_EVENT
-
-    @kernel
-    def output(
-        t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, y: FlywheelOutputs
-    ) -> None:
-        y.angle = x.angle
-        y.speed = shaft_speed(t, x, u, p)
-        y.acceleration = acceleration(t, u, p)
-        y.supplied_torque = supplied_torque(t, u, p)
-        for i in range(throws):
-            y.throw_angle[i] = x.angle - p.throw[i]
-        y.next_event = next_event(t, p)
-
-    @kernel
-    def energy(t: float, x: FlywheelState, u: FlywheelInputs, p: FlywheelParameters, e: Vector) -> None:
-        speed = shaft_speed(t, x, u, p)
-        e[0] = 0.5 * p.inertia * speed**2
-        e[1] = 0.0
-        e[2] = supplied_torque(t, u, p) * speed
-
     sizes = {"loads": loads, "throws": throws}
     inputs = Layout(FlywheelInputs, sizes)
     torques = tuple(name for name in inputs.names if name.startswith("load_torque"))

@@ -8,13 +8,22 @@ and compiling takes as long for a hundred instances of a component as for one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..compile.kernel import kernel
 from .quantities import Vector
+
+
+class Tables(NamedTuple):
+    """Where the parts of a system lie: copies of outputs to inputs, parts of instances, ends of groups."""
+
+    source: Any
+    target: Any
+    bounds: Any
+    ends: Any
 
 
 class Composition:
@@ -38,52 +47,47 @@ class Composition:
         changes = [i for i in range(1, len(functions)) if functions[i] is not functions[i - 1]]
         starts = [0, *changes] if len(functions) else []
         self.ends = np.array([*starts, len(functions)], dtype=np.int64)
-        self.run = _joined([_repeated(functions[i]) for i in starts])
+        self.run = _join([_repeat(functions[i]) for i in starts])
 
     def __call__(self, t: float, x: Vector, u: Vector, p: Vector, out: Vector) -> None:
-        self.run(t, x, u, p, out, self.source, self.target, self.bounds, self.ends, 0)
+        self.run(t, x, u, p, out, Tables(self.source, self.target, self.bounds, self.ends), 0)
 
 
-def _joined(groups: Sequence[Any]) -> Any:
+def _join(groups: Sequence[Any]) -> Any:
     if not groups:
         return _nothing
     if len(groups) == 1:
         return groups[0]
     half = len(groups) // 2
-    return _both(_joined(groups[:half]), _joined(groups[half:]), half)
+    return _chain(_join(groups[:half]), _join(groups[half:]), half)
 
 
 @kernel
-def _nothing(
-    t: float, x: Any, u: Any, p: Any, out: Any, source: Any, target: Any, bounds: Any, ends: Any, n: int
-) -> None:
+def _nothing(t: float, x: Any, u: Any, p: Any, out: Any, tables: Tables, n: int) -> None:
     return
 
 
-def _both(first: Any, second: Any, groups: int) -> Any:
+def _chain(first: Any, second: Any, groups: int) -> Any:
     """`first`, of so many groups, then `second`."""
 
     @kernel
-    def run(
-        t: float, x: Any, u: Any, p: Any, out: Any, source: Any, target: Any, bounds: Any, ends: Any, n: int
-    ) -> None:
-        first(t, x, u, p, out, source, target, bounds, ends, n)
-        second(t, x, u, p, out, source, target, bounds, ends, n + groups)
+    def run(t: float, x: Any, u: Any, p: Any, out: Any, tables: Tables, n: int) -> None:
+        first(t, x, u, p, out, tables, n)
+        second(t, x, u, p, out, tables, n + groups)
 
     return run
 
 
-def _repeated(function: Any) -> Any:
+def _repeat(function: Any) -> Any:
     """`function` for each of the instances of a group."""
 
     @kernel
-    def run(
-        t: float, x: Any, u: Any, p: Any, out: Any, source: Any, target: Any, bounds: Any, ends: Any, n: int
-    ) -> None:
-        for i in range(ends[n], ends[n + 1]):
+    def run(t: float, x: Any, u: Any, p: Any, out: Any, tables: Tables, n: int) -> None:
+        source, target = tables.source, tables.target
+        for i in range(tables.ends[n], tables.ends[n + 1]):
             for k in range(source.shape[0]):
                 u[target[k]] = out[source[k]]
-            b = bounds[i]
+            b = tables.bounds[i]
             function(t, x[b[0] : b[1]], u[b[2] : b[3]], p[b[4] : b[5]], out[b[6] : b[7]])
 
     return run

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..compile.array_pointers import ArrayPointers, integer_table, integers, numbers
 from ..compile.kernel import kernel
-from .composition import Composition
+from .composition import Composition, Tables
 from .quantities import Vector
 from .system import ModelError, System, alike, bounds
 
@@ -146,18 +146,8 @@ def make_outputs(run: Any) -> Any:
         torn, nominal, guess = integers(m.torn), numbers(m.nominal), numbers(m.guess)
         for i in range(torn.shape[0]):
             guess[i] = y[torn[i]]
-        run(
-            t,
-            x,
-            u,
-            numbers(m.p),
-            y,
-            source,
-            target,
-            integer_table(m.output_bounds),
-            integers(m.output_ends),
-            0,
-        )
+        tables = Tables(source, target, integer_table(m.output_bounds), integers(m.output_ends))
+        run(t, x, u, numbers(m.p), y, tables, 0)
         closed, finite = True, True
         for i in range(torn.shape[0]):
             residual = y[torn[i]] - guess[i]
@@ -176,8 +166,9 @@ def make_derivative(run: Any) -> Any:
     @kernel
     def derivative(t: float, x: Any, memory: Any) -> None:
         m = memory[0]
-        none, table, ends = integers(m.none), integer_table(m.derivative_bounds), integers(m.derivative_ends)
-        run(t, x, numbers(m.u), numbers(m.p), numbers(m.dx), none, none, table, ends, 0)
+        none = integers(m.none)
+        tables = Tables(none, none, integer_table(m.derivative_bounds), integers(m.derivative_ends))
+        run(t, x, numbers(m.u), numbers(m.p), numbers(m.dx), tables, 0)
 
     return derivative
 

@@ -16,9 +16,9 @@ is relative to the positions. With a kink nearer than 3e-5 T the rate lies betwe
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
-from ..compile.kernel import kernel, shaped
+from ..compile.kernel import borrow, kernel, shaped
 from .quantities import Layout
 
 # Half widths of the differences, in T, sixteenfold from one to the next. Of the fifth derivative the long
@@ -27,6 +27,19 @@ _STEPS = (2.0**-19, 2.0**-15, 2.0**-11, 2.0**-7)
 # What rounding makes of an output, at most: cancellation may cost seven digits of sixteen. A contact that
 # began in the middle difference, 3e-5 T to 5e-4 T ago, makes it wrong by 1e-5 of the output.
 _ROUNDING = 1e-9
+
+
+class Tangent(NamedTuple):
+    """A straight line through a point of the motion, along its slopes, and room for a point on it."""
+
+    t: float
+    x: Any
+    u: Any
+    p: Any
+    f: Any  # slopes of the state
+    du: Any  # slopes of the inputs
+    xs: Any
+    us: Any
 
 
 def rates_work_size(state: Layout, inputs: Layout, outputs: Layout) -> int:
@@ -82,26 +95,26 @@ def make_rates(derivative: Any, output: Any, state: Layout, inputs: Layout, outp
         return fastest
 
     @kernel
-    def output_after(
-        s: float, t: float, x: Any, u: Any, du: Any, p: Any, f: Any, xs: Any, us: Any, y: Any
-    ) -> None:
+    def output_after(s: float, w: Tangent, y: Any) -> None:
         for i in range(n):
-            xs[i] = x[i] + s * f[i]
+            w.xs[i] = w.x[i] + s * w.f[i]
         for j in range(m):
-            us[j] = u[j] + s * du[j]
-        output(t + s, xs, us, p, y)
+            w.us[j] = w.u[j] + s * w.du[j]
+        output(w.t + s, w.xs, w.us, w.p, y)
 
     @kernel
     def rates(t: float, x: Any, u: Any, du: Any, p: Any, work: Any, yd: Any) -> None:
-        f, xs, us = work[0:n], work[n : 2 * n], work[2 * n : 2 * n + m]
-        rest = shaped(work[2 * n + m : 2 * n + m + 6 * count], (6, count))
+        room = borrow(work)
+        f, xs, us = room[0:n], room[n : 2 * n], room[2 * n : 2 * n + m]
+        w = Tangent(t, borrow(x), borrow(u), borrow(p), f, borrow(du), xs, us)
+        rest = shaped(room[2 * n + m : 2 * n + m + 6 * count], (6, count))
         before, size = rest[0], rest[1]
         derivative(t, x, u, p, f)
         unit = 1.0 / pace(f, du)
         for k in range(3, -1, -1):
             s, difference = _STEPS[k] * unit, rest[2 + k]
-            output_after(-s, t, x, u, du, p, f, xs, us, before)
-            output_after(s, t, x, u, du, p, f, xs, us, difference)
+            output_after(-s, w, before)
+            output_after(s, w, difference)
             for i in range(count):
                 size[i] = abs(difference[i])
                 difference[i] = (difference[i] - before[i]) / (2.0 * s)

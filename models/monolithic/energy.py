@@ -10,7 +10,7 @@ import numpy as np
 from ..compile.array_pointers import ArrayPointers, integer_table, integers, numbers
 from ..compile.kernel import kernel
 from ..core.component import DISSIPATED_POWER, IMPACT_LOSS, IMPACT_WORK, SOURCE_POWER, STORED
-from ..core.composition import Composition
+from ..core.composition import Composition, Tables
 from ..core.quantities import Vector
 from ..core.system import Port, System, alike, bounds
 
@@ -55,7 +55,7 @@ def make_powers(run: Any) -> Any:
             numbers(m.signs),
             integers(m.none),
         )
-        run(t, x, u, p, energy, none, none, integer_table(m.bounds), integers(m.ends), 0)
+        run(t, x, u, p, energy, Tables(none, none, integer_table(m.bounds), integers(m.ends)), 0)
         for i in range(rates.shape[0] // QUADRATURES):
             rates[QUADRATURES * i + DISSIPATED] = energy[3 * i + DISSIPATED_POWER]
             rates[QUADRATURES * i + SOURCED] = energy[3 * i + SOURCE_POWER]

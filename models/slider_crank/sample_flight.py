@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -39,19 +39,32 @@ def make_leave(component: Component) -> Any:
     return leave
 
 
+class Course(NamedTuple):
+    """The data of one call of `advance`: time at its start, its arguments, the flow, and scratch vectors."""
+
+    t: float
+    x: Any  # state, with the mode between two events
+    U: Any  # polynomials of the inputs
+    p: Any  # parameters
+    flow: Any
+    walls: Walls
+    scratch: Any  # of the flow's series
+    u: Any  # inputs at an instant
+    dx: Any  # derivative of the state
+    xd: Any  # state at an instant
+    work: Any  # the whole scratch vector
+
+
 @kernel
-def _nothing(
-    t: float, start: float, end: float, x: Any, U: Any, p: Any, flow: Any, walls: Walls, position: Any,
-    scratch: Any, xd: Any, u: Any, work: Any,
-) -> None:  # fmt: skip
+def _nothing(start: float, end: float, w: Course, position: Any) -> None:
     return
 
 
 def make_follow(component: Component, next_event: Any, cells: int) -> Any:
-    """follow(t, start, end, x, U, p, flow, walls, position, scratch, xd, u, work): samples from start to end
-    of a step, between two events, for a component that asks for them (see `models.core.quadrature`).
+    """follow(start, end, w, position): samples from start to end of a step, between two events, for a
+    component that asks for them (see `models.core.quadrature`).
 
-    x is the state with the mode in between; `position` is that at the start and lost, xd room for a state.
+    `position` is that at the start; it is changed, as are w.xd and w.u.
     """
     if component.sample is None:
         return _nothing
@@ -59,23 +72,20 @@ def make_follow(component: Component, next_event: Any, cells: int) -> Any:
     mode_at, speed_at = component.state.index("mode"), component.inputs.index("crank_speed")
 
     @kernel
-    def follow(
-        t: float, start: float, end: float, x: Any, U: Any, p: Any, flow: Any, walls: Walls, position: Any,
-        scratch: Any, xd: Any, u: Any, work: Any,
-    ) -> None:  # fmt: skip
-        speed = U[0, speed_at]
+    def follow(start: float, end: float, w: Course, position: Any) -> None:
+        speed = w.U[0, speed_at]
         place = position[CELL] + position[FRACTION]
         panels = int((end - start) * speed / PANEL) + 1
         half = 0.5 * (end - start) / panels
-        copy(xd, x)
+        copy(w.xd, w.x)
         for panel in range(panels):
             for node in range(len(NODES)):
                 s = start + half * (2.0 * panel + 1.0 + NODES[node])
-                if x[mode_at] == FREE:
+                if w.x[mode_at] == FREE:
                     at = place + (s - start) * speed * cells / (2.0 * math.pi)
-                    next_event(flow, walls, position, int(at), at - int(at), scratch)
-                    taylor(U, s, u)
-                    leave(position, xd, u, p)
-                sample(half * WEIGHTS[node], t, s, xd, U, u, p, work)
+                    next_event(w.flow, w.walls, position, int(at), at - int(at), w.scratch)
+                    taylor(w.U, s, w.u)
+                    leave(position, w.xd, w.u, w.p)
+                sample(half * WEIGHTS[node], w.t, s, w.xd, w.U, w.u, w.p, w.work)
 
     return follow

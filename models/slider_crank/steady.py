@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from ..compile.kernel import kernel, record_of, shaped
+from ..compile.kernel import borrow, kernel, record_of, shaped
 from ..core.hybrid import MOST_EVENTS, hybrid_work_size, make_hybrid_advance
 from ..core.integrator import OK, TOO_MANY_EVENTS, copy, taylor
 from .equations import Mechanism
@@ -37,7 +37,7 @@ from .flight.samples import sample_flow, sample_pressing
 from .flight.series import TERMS
 from .forms import NONLINEAR, offset, offset_slope, wall_rate
 from .records import WALL_FILMS, mechanism
-from .sample_flight import NODES, PANEL, WEIGHTS, make_follow, make_leave
+from .sample_flight import NODES, PANEL, WEIGHTS, Course, make_follow, make_leave
 
 if TYPE_CHECKING:
     from ..core.component import Component
@@ -99,43 +99,41 @@ def tabulate_for(form: float, m: Mechanism, gap: float, flow: Flow, key: Any, ro
     return key[7] > 0.0
 
 
-def make_fly(component: Component) -> Any:
-    """fly(t, h, x, U, p, flow, walls, position, scratch, work) -> status: exact motion over [t, t + h].
+def make_press(component: Component) -> Any:
+    """press(start, end, w): add the time integrals of the sliding forces from start to end of the step.
 
-    work: a state that is left alone, u, the derivative of the state, another state, another position.
+    A release comes after the force's zero (PAST_ZERO): a wall has not pulled before.
     """
-    leave, follow = make_leave(component), make_follow(component, either.next_event, CELLS)
-    derivative, transition = component.flat_derivative, component.flat_transition
-    n, m = component.state.size, component.inputs.size
-    mode_at = component.state.index("mode")
+    derivative = component.flat_derivative
     upper_at, lower_at = (component.state.index(f"{side}_force_integral") for side in ("upper", "lower"))
     speed_at = component.inputs.index("crank_speed")
-    width = 2.0 * math.pi / CELLS
 
     @kernel
-    def press(t: float, start: float, end: float, x: Any, U: Any, p: Any, u: Any, dx: Any) -> None:
-        """Add the time integrals of the sliding forces from start to end of the step.
-
-        A release comes after the force's zero (PAST_ZERO): a wall has not pulled before.
-        """
-        panels = int((end - start) * U[0, speed_at] / PANEL) + 1
+    def press(start: float, end: float, w: Course) -> None:
+        panels = int((end - start) * w.U[0, speed_at] / PANEL) + 1
         half = 0.5 * (end - start) / panels
         for panel in range(panels):
             for node in range(len(NODES)):
                 s = start + half * (2.0 * panel + 1.0 + NODES[node])
-                taylor(U, s, u)
-                derivative(t + s, x, u, p, dx)
-                x[upper_at] += half * WEIGHTS[node] * max(0.0, dx[upper_at])
-                x[lower_at] += half * WEIGHTS[node] * max(0.0, dx[lower_at])
+                taylor(w.U, s, w.u)
+                derivative(w.t + s, w.x, w.u, w.p, w.dx)
+                w.x[upper_at] += half * WEIGHTS[node] * max(0.0, w.dx[upper_at])
+                w.x[lower_at] += half * WEIGHTS[node] * max(0.0, w.dx[lower_at])
+
+    return press
+
+
+def make_fly(component: Component) -> Any:
+    """fly(h, w, position, before) -> status: exact motion over h; `before` is room for a position."""
+    leave, follow = make_leave(component), make_follow(component, either.next_event, CELLS)
+    press, transition = make_press(component), component.flat_transition
+    mode_at, speed_at = component.state.index("mode"), component.inputs.index("crank_speed")
+    width = 2.0 * math.pi / CELLS
 
     @kernel
-    def fly(
-        t: float, h: float, x: Any, U: Any, p: Any, flow: Any, walls: Walls, position: Any, scratch: Any,
-        work: Any,
-    ) -> int:  # fmt: skip
-        u, dx, xd = work[n : n + m], work[n + m : 2 * n + m], work[2 * n + m : 3 * n + m]
-        before = work[3 * n + m : 3 * n + m + POSITION_SIZE]
-        speed = U[0, speed_at]
+    def fly(h: float, w: Course, position: Any, before: Any) -> int:
+        x, u = w.x, w.u
+        speed = w.U[0, speed_at]
         first = position[CELL] + position[FRACTION]
         last = first + speed * h / width
         turned, elapsed, events = 0, 0.0, 0
@@ -145,18 +143,18 @@ def make_fly(component: Component) -> Any:
             k = CELLS - 1 if whole else int(left)
             started = elapsed
             copy(before, position)
-            code = either.next_event(flow, walls, position, k, 1.0 if whole else left - k, scratch)
+            code = either.next_event(w.flow, w.walls, position, k, 1.0 if whole else left - k, w.scratch)
             elapsed = (position[CELL] + position[FRACTION] + turned * CELLS - first) * width / speed
             if code == END and not whole:
                 elapsed = h
             if x[mode_at] != FREE:
-                press(t, started, elapsed, x, U, p, u, dx)
-            follow(t, started, elapsed, x, U, p, flow, walls, before, scratch, xd, u, work)
-            taylor(U, elapsed, u)
+                press(started, elapsed, w)
+            follow(started, elapsed, w, before)
+            taylor(w.U, elapsed, u)
             if code != END:
-                leave(position, x, u, p)
-                transition(code - UPPER_IMPACT, t + elapsed, x, u, p)
-                settle(walls, position, code, x[mode_at])
+                leave(position, x, u, w.p)
+                transition(code - UPPER_IMPACT, w.t + elapsed, x, u, w.p)
+                settle(w.walls, position, code, x[mode_at])
                 events += 1
                 if events > MOST_EVENTS:
                     return TOO_MANY_EVENTS
@@ -164,7 +162,7 @@ def make_fly(component: Component) -> Any:
                 position[CELL] = position[FRACTION] = 0.0
                 turned += 1
             else:
-                leave(position, x, u, p)
+                leave(position, x, u, w.p)
                 return OK
 
     return fly
@@ -182,20 +180,14 @@ def settle(walls: Walls, position: Any, code: int, mode: float) -> None:
     position[RATE_OF_Y] = -side * rebound if mode == FREE else 0.0
 
 
-def make_advance(component: Component) -> Any:
-    """advance(t, h, x, U, p, scale, work) -> status, as `integrator.make_advance`."""
-    hybrid = make_hybrid_advance(component)
-    fly = make_fly(component)
-    base, n = hybrid_work_size(component), component.state.size
-    P = component.parameters.dtype
+def make_is_uniform(component: Component) -> Any:
+    """is_uniform(h, x, U): whether the crank turns forward at constant speed and no film is on the walls."""
     names = component.inputs.names
     angle_at, speed_at = names.index("crank_angle"), names.index("crank_speed")
-    psi_at, rate_at, mode_at = (component.state.index(name) for name in ("psi", "psi_rate", "mode"))
     films_at = tuple(component.state.index(name) for name in WALL_FILMS)
 
     @kernel
-    def uniform(h: float, x: Any, U: Any) -> bool:
-        """True if the crank turns forward at constant speed and no film is on the walls."""
+    def is_uniform(h: float, x: Any, U: Any) -> bool:
         for i in films_at:
             if x[i] != 0.0:
                 return False
@@ -212,9 +204,17 @@ def make_advance(component: Component) -> Any:
                         return False
         return True
 
+    return is_uniform
+
+
+def make_enter(component: Component) -> Any:
+    """enter(x, U, p, gap, position): the position from the state and the inputs at the start."""
+    P = component.parameters.dtype
+    angle_at, speed_at = component.inputs.index("crank_angle"), component.inputs.index("crank_speed")
+    psi_at, rate_at, mode_at = (component.state.index(name) for name in ("psi", "psi_rate", "mode"))
+
     @kernel
     def enter(x: Any, U: Any, p: Any, gap: float, position: Any) -> None:
-        """The position from the state and the inputs at the start."""
         parameters = record_of(p, P)
         theta, speed, m = U[0, angle_at], U[0, speed_at], mechanism(parameters)
         place = (theta / (2.0 * math.pi) - math.floor(theta / (2.0 * math.pi))) * CELLS
@@ -229,24 +229,36 @@ def make_advance(component: Component) -> Any:
             position[Y] = min(max(offset(parameters.form, theta, psi, m), -gap), gap)
             position[RATE_OF_Y] = offset_slope(parameters.form, theta, psi, m) * off_wall / speed
 
+    return enter
+
+
+def make_advance(component: Component) -> Any:
+    """advance(t, h, x, U, p, scale, work) -> status, as `integrator.make_advance`."""
+    hybrid = make_hybrid_advance(component)
+    fly, enter, is_uniform = make_fly(component), make_enter(component), make_is_uniform(component)
+    base, n, m = hybrid_work_size(component), component.state.size, component.inputs.size
+    P, speed_at = component.parameters.dtype, component.inputs.index("crank_speed")
+
     @kernel
     def advance(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any) -> int:
-        if not uniform(h, x, U):
+        if not is_uniform(h, x, U):
             return hybrid(t, h, x, U, p, scale, work)
         parameters = record_of(p, P)
-        m = mechanism(parameters)
-        m = Mechanism(m.xi, m.alpha, m.beta, m.forcing_beta, m.damping / U[0, speed_at])
+        form, c = parameters.form, mechanism(parameters)
+        c = Mechanism(c.xi, c.alpha, c.beta, c.forcing_beta, c.damping / U[0, speed_at])
         gap = parameters.clearance / parameters.rod_length
-        extra = work[base:]
-        flow, position, scratch, key, room = parts(m.xi, extra)
-        if not tabulate_for(parameters.form, m, gap, flow, key, room):
+        room = borrow(work)
+        table, position, scratch, key, samples = parts(c.xi, room[base:])
+        if not tabulate_for(form, c, gap, table, key, samples):
             return hybrid(t, h, x, U, p, scale, work)
+        flow = EitherFlow(form, c, c.xi, table.cells, table.ends, table.bounds, table.pressing)
         walls = Walls(gap, gap, parameters.restitution, 0.0)
+        start, u, dx, xd = room[:n], room[n : n + m], room[n + m : 2 * n + m], room[2 * n + m : 3 * n + m]
+        before = room[3 * n + m : 3 * n + m + POSITION_SIZE]
+        w = Course(t, borrow(x), borrow(U), borrow(p), flow, walls, scratch, u, dx, xd, room)
         enter(x, U, p, gap, position)
-        start = work[:n]
         copy(start, x)
-        whole = EitherFlow(parameters.form, m, m.xi, flow.cells, flow.ends, flow.bounds, flow.pressing)
-        status = fly(t, h, x, U, p, whole, walls, position, scratch, work)
+        status = fly(h, w, position, before)
         if status != OK:
             copy(x, start)
         return status

@@ -62,6 +62,48 @@ def copy_state(position: Any, state: Any) -> None:
     state[0], state[1], state[2] = position[Y], position[RATE_OF_Y], position[SIDE]
 
 
+def make_follow_tangents(next_event: Any, carry: Any, kick: Any) -> Any:
+    """follow_tangents(flow, walls, position, v, cycles, growth, scratch) -> number of impacts.
+
+    Adds the logarithmic growth of two tangent vectors v over revolutions; growth[2:] (POSITION_SIZE elements)
+    is scratch. `carry` takes v from one position to another, impacts have that `kick`.
+    """
+
+    @kernel
+    def follow_tangents(
+        flow: Any, walls: Walls, position: Any, v: Any, cycles: int, growth: Any, scratch: Any
+    ) -> int:
+        last = flow.pressing.shape[0] - 1
+        start = growth[2:]
+        impacts = 0
+        for _ in range(cycles):
+            code = -1
+            while code != END:
+                for i in range(POSITION_SIZE):  # one by one: what a GPU thread can do
+                    start[i] = position[i]
+                code = next_event(flow, walls, position, last, 1.0, scratch)
+                if start[SIDE] == FREE:
+                    carry(flow, start, position, v, scratch)
+                else:
+                    v[0, 0] = v[0, 1] = v[1, 0] = v[1, 1] = 0.0
+                if code in (END, RELEASE):
+                    continue
+                side = UPPER if code == UPPER_IMPACT else LOWER
+                rate = position[RATE_OF_Y]
+                jerk = kick(flow, walls, position, side)
+                strike(flow, walls, position, side)
+                impacts += 1
+                if position[SIDE] != FREE:
+                    v[0, 0] = v[0, 1] = v[1, 0] = v[1, 1] = 0.0
+                elif rate != 0.0:
+                    across_impact(walls.restitution, jerk, rate, v)
+            begin_cycle(position)
+            orthonormalize(v, growth)
+        return impacts
+
+    return follow_tangents
+
+
 def make_histories(flight: Any, skip: Any, carry: Any, kick: Any) -> Histories:
     """The kernels for flights given by `flight` and `skip` (see `bouncing.make_next_event`), whose tangent
     vectors `carry` takes from one position to another and whose impacts have that `kick`."""
@@ -125,42 +167,7 @@ def make_histories(flight: Any, skip: Any, carry: Any, kick: Any) -> Histories:
         reach(flow, walls, position, cells - 1, 1.0, scratch)
         begin_cycle(position)
 
-    @kernel
-    def follow_tangents(
-        flow: Any, walls: Walls, position: Any, v: Any, cycles: int, growth: Any, scratch: Any
-    ) -> int:
-        """Add the logarithmic growth of two tangent vectors over revolutions; returns the impacts.
-
-        growth[2:] (POSITION_SIZE elements) is scratch.
-        """
-        last = flow.pressing.shape[0] - 1
-        start = growth[2:]
-        impacts = 0
-        for _ in range(cycles):
-            code = -1
-            while code != END:
-                for i in range(POSITION_SIZE):  # one by one: what a GPU thread can do
-                    start[i] = position[i]
-                code = next_event(flow, walls, position, last, 1.0, scratch)
-                if start[SIDE] == FREE:
-                    carry(flow, start, position, v, scratch)
-                else:
-                    v[0, 0] = v[0, 1] = v[1, 0] = v[1, 1] = 0.0
-                if code in (END, RELEASE):
-                    continue
-                side = UPPER if code == UPPER_IMPACT else LOWER
-                rate = position[RATE_OF_Y]
-                jerk = kick(flow, walls, position, side)
-                strike(flow, walls, position, side)
-                impacts += 1
-                if position[SIDE] != FREE:
-                    v[0, 0] = v[0, 1] = v[1, 0] = v[1, 1] = 0.0
-                elif rate != 0.0:
-                    across_impact(walls.restitution, jerk, rate, v)
-            begin_cycle(position)
-            orthonormalize(v, growth)
-        return impacts
-
+    follow_tangents = make_follow_tangents(next_event, carry, kick)
     return Histories(next_event, record_events, strobe, sample, follow_tangents)
 
 
