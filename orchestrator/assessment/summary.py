@@ -63,6 +63,7 @@ class Summary:
     suggestions: list[str] = field(default_factory=list)
     warnings: dict[str, Warnings] = field(default_factory=dict)
     not_numbers: dict[str, float] = field(default_factory=dict)  # since when (s) an output was NaN
+    python_sweeps: dict[str, str] = field(default_factory=dict)  # which participants cost the fast path, why
     fmus: dict[str, str] = field(default_factory=dict)
 
     def content(self) -> dict[str, Any]:

@@ -39,6 +39,9 @@ class Compensated(StatefulWrapper):
         self._corrected = set(corrected)
         self.read_all = participant.read_all
 
+    def compiled_calls(self) -> str:
+        return "[energy] corrects its inputs"
+
     def connect(
         self,
         input_names: Sequence[str],

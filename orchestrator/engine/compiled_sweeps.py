@@ -1,7 +1,6 @@
-"""Passes over FMUs alone, each in one call of compiled code.
+"""Sweeps over FMUs in one call of compiled code each.
 
-The calls, their order and the numbers are those of `passes`, which does the same in Python for any
-participants.
+The calls, their order and the numbers are those of `sweeps`, which makes them in Python for any participants.
 """
 
 from __future__ import annotations
@@ -14,11 +13,10 @@ import numpy as np
 
 from models.compile.array_pointers import ArrayPointers, integers, mark_table, marks, numbers, table
 
-from ..participants.compiled import CALLS, FINE, NOT_FINITE, STEP, advance, give, take
-from .signals import interpolate_part
+from ..participants.compiled import CALLS, FINE, NOT_FINITE, STEP, CompiledCalls, advance, give, take
+from .signals import gather, interpolate_part
 
 if TYPE_CHECKING:
-    from ..participants.fmu import FmuParticipant
     from .exchange import Exchange
 
 # An FMU in a sweep: its number, its sources, where its inputs and outputs begin, and its calls.
@@ -29,27 +27,30 @@ TURN = np.dtype(
 )
 
 
-class FmuPass:
-    """A pass over `fmus`, participants `order`, by compiled code: `sweep` is one of those below."""
+class CompiledSweep:
+    """A sweep over the participants `order`, which offer `calls`; `sweep` is one of the functions below."""
 
     def __init__(
         self,
         exchange: Exchange,
-        fmus: Sequence[FmuParticipant],
+        calls: Sequence[CompiledCalls],
         order: Sequence[int],
         sweep: Callable[..., tuple[int, int, int]],
     ) -> None:
-        self._exchange, self._fmus, self._sweep = exchange, fmus, sweep
+        self._exchange, self._order, self._sweep = exchange, order, sweep
+        self._calls = calls  # keeps the references alive
         e, h, n = exchange, exchange.history, len(exchange.sources)
-        # Where each number that is given lies in the signals, and each that is taken goes to among values and
-        # rates.
+        # Where each number that is given lies in the signals, and where among values and rates each number
+        # that is taken goes.
         origins, places = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
-        for i, fmu in zip(order, fmus, strict=True):
-            (rows, columns), own = fmu.picked, e.slices[i]
+        for i, one in zip(order, calls, strict=True):
+            (rows, columns), own = one.picked, e.slices[i]
             origins.append(n * rows + e.columns[i][columns])
-            places.append(np.concatenate([np.arange(own.start, own.stop), n + own.start + fmu.rated]))
+            places.append(np.concatenate([np.arange(own.start, own.stop), n + own.start + one.rated]))
         memory = {
             "origins": np.concatenate(origins),
+            "factors": np.concatenate([np.zeros(0), *(one.factors for one in calls)]),
+            "offsets": np.concatenate([np.zeros(0), *(one.offsets for one in calls)]),
             "given": np.zeros(sum(map(len, origins))),
             "places": np.concatenate(places),
             "taken": np.zeros(sum(map(len, places))),
@@ -58,41 +59,45 @@ class FmuPass:
             **memory, signals=e.signals, arrived=e.arrived, calls=e.calls, times=h.times, past=h.values,
             past_rates=h.rates, rated=h.rated, degrees=h.degrees, smooth=h.smooth, end_smooth=h.end_smooth,
         )  # fmt: skip
-        self._references = [(fmu.given, fmu.taken) for fmu in fmus]  # kept, as the memory: addresses do not
         self._turns = np.zeros(len(order), dtype=TURN)
         given = taken = 0
-        for turn, i, fmu in zip(self._turns, order, fmus, strict=True):
+        for turn, i, one in zip(self._turns, order, calls, strict=True):
             turn["number"], turn["first"], turn["last"] = i, e.slices[i].start, e.slices[i].stop
             turn["first_given"], turn["first_taken"] = given, taken
-            fmu.fill_record(turn, memory["given"][given:], memory["taken"][taken:])
+            one.bind(turn, memory["given"][given:], memory["taken"][taken:])
             given, taken = given + turn["given_count"], taken + turn["taken_count"]
 
     def __call__(self, time: float, step: float) -> None:
         if self._exchange.ended and step:
-            for fmu in self._fmus:
-                fmu.check_end(time, step)
+            for one in self._calls:
+                one.check_end(time, step)
         known, done = self._exchange.history.count, 0
         while True:
             turn, call, status = self._sweep(self._turns, self._memory.record, known, time, step, done)
             if call != STEP:
                 break
-            self._fmus[turn].raise_error(call, status, time, step)
-            # It asks for the end at that of its step, which the others make too.
-            self._exchange.ended = True
-            self._exchange.calls[self._turns[turn]["number"]] += 1
+            self._finish_step(turn, status, time, step)
             done = turn + 1
         if call == NOT_FINITE:
             self._exchange.refuse(slice(0, len(self._exchange.sources)))
         elif call != FINE:
-            self._fmus[turn].raise_error(call, status, time, step)
+            self._calls[turn].fail(call, status, time, step)
+
+    def _finish_step(self, turn: int, status: int, time: float, step: float) -> None:
+        """Have the participant make the step after all, or raise its error."""
+        e, i = self._exchange, self._order[turn]
+        gather(e.signals, e.columns[i], e.inputs[i])
+        self._calls[turn].fail(STEP, status, time, step)
+        e.ended = True  # it may ask for the end where this step ends, which the others reach too
+        e.calls[i] += 1
 
 
 @numba.njit(cache=True)
-def together(
+def jacobi_sweep(
     turns: Any, memory: Any, known: int, time: float, step: float, done: int
 ) -> tuple[int, int, int]:
-    """As `passes.together`, of which `done` steps are made already. The turn, the call and the status that
-    ended the pass; FINE where none did."""
+    """As `sweeps.jacobi_sweep`, `done` steps of which are made. The turn, the call and the status that ended
+    the sweep; FINE if it is complete."""
     m = memory[0]
     calls = integers(m.calls)
     for i in range(done, len(turns)):
@@ -112,8 +117,10 @@ def together(
 
 
 @numba.njit(cache=True)
-def in_turn(turns: Any, memory: Any, known: int, time: float, step: float, done: int) -> tuple[int, int, int]:
-    """As `passes.in_turn`; takes and returns the same as `together`."""
+def gauss_seidel_sweep(
+    turns: Any, memory: Any, known: int, time: float, step: float, done: int
+) -> tuple[int, int, int]:
+    """As `sweeps.gauss_seidel_sweep`; takes and returns the same as `jacobi_sweep`."""
     m = memory[0]
     calls, signals, arrived = integers(m.calls), table(m.signals), table(m.arrived)
     times, past, past_rates, rated = numbers(m.times), table(m.past), table(m.past_rates), marks(m.rated)
@@ -140,16 +147,20 @@ def in_turn(turns: Any, memory: Any, known: int, time: float, step: float, done:
 
 
 @numba.njit(cache=True)
-def settled(turns: Any, memory: Any, known: int, time: float, step: float, done: int) -> tuple[int, int, int]:
-    """As `passes.settled`; returns the same as `together`."""
+def propagate(
+    turns: Any, memory: Any, known: int, time: float, step: float, done: int
+) -> tuple[int, int, int]:
+    """As `sweeps.propagate`; takes and returns the same as `jacobi_sweep`."""
     m = memory[0]
     given, origins, arrived = numbers(m.given), integers(m.origins), table(m.arrived)
+    factors, offsets = numbers(m.factors), numbers(m.offsets)
     n = arrived.shape[1]
     for i in range(len(turns)):
         turn = turns[i]
         for j in range(turn.first_given, turn.first_given + turn.given_count):
             row = origins[j] // n
-            given[j] = arrived[row, origins[j] % n] if row < arrived.shape[0] else 0.0
+            value = arrived[row, origins[j] % n] if row < arrived.shape[0] else 0.0
+            given[j] = factors[j] * value + offsets[j]
         call, status = give(turn)
         if call != FINE:
             return i, call, status
@@ -163,16 +174,17 @@ def settled(turns: Any, memory: Any, known: int, time: float, step: float, done:
 
 @numba.njit(cache=True)
 def _give(turn: Any, m: Any) -> None:
-    """Put what the FMU is given in its place."""
+    """Compute the numbers that the FMU is given."""
     given, origins, signals = numbers(m.given), integers(m.origins), table(m.signals)
+    factors, offsets = numbers(m.factors), numbers(m.offsets)
     n = signals.shape[1]
     for j in range(turn.first_given, turn.first_given + turn.given_count):
-        given[j] = signals[origins[j] // n, origins[j] % n]
+        given[j] = factors[j] * signals[origins[j] // n, origins[j] % n] + offsets[j]
 
 
 @numba.njit(cache=True)
 def _spread(turn: Any, m: Any) -> bool:
-    """Put what was taken from the FMU in its place; True if it is finite."""
+    """Store the FMU's outputs and rates in the exchange; True if all are finite."""
     taken, places, arrived = numbers(m.taken), integers(m.places), table(m.arrived)
     n = arrived.shape[1]
     finite = True

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NoReturn, TypeVar
 
+import numba
 import numpy as np
 
 from models.core.quantities import Vector
@@ -16,9 +18,10 @@ from ..consistency import agree
 from ..errors import NotFiniteError
 from ..participants import Participant
 from ..participants.capabilities import HIGHEST
+from ..participants.compiled import IN_PROCESS, CompiledCalls
 from ..participants.signal_degrees import find_highest_degrees
 from .signals import History, finite
-from .sweeps import Pass, settled
+from .sweeps import Sweep, propagate
 
 Bound = TypeVar("Bound")
 
@@ -125,6 +128,21 @@ class Exchange:
             followed.update({c.target: degree for c, degree in zip(feeding, own, strict=True)})
         return followed
 
+    @cached_property
+    def offers(self) -> list[CompiledCalls | str]:
+        """The calls that each participant offers to compiled code, or why it offers none."""
+        if numba.config.DISABLE_JIT:
+            return ["NUMBA_DISABLE_JIT is set"] * len(self.names)
+        return [participant.compiled_calls() for participant in self.participants]
+
+    def explain_python(self) -> dict[str, str]:
+        """Why participants keep sweeps in Python; empty if none does, or if there is no FMU."""
+        reasons = {
+            n: offer for n, offer in zip(self.names, self.offers, strict=True) if isinstance(offer, str)
+        }
+        no_fmu = len(reasons) == len(self.names) and set(reasons.values()) <= {IN_PROCESS}
+        return {} if no_fmu else reasons
+
     def read(self, i: int) -> None:
         """Take the values of participant i; NotFiniteError if one is not finite."""
         self.participants[i].read()
@@ -140,8 +158,8 @@ class Exchange:
             found = self._bound[key] = kind(self, order)
         return found
 
-    def make(self, kind: Callable[[Exchange, Sequence[int]], Pass], order: Sequence[int]) -> Pass:
-        """A pass of that kind over `order` (see `passes`); to be run at once."""
+    def make(self, kind: Callable[[Exchange, Sequence[int]], Sweep], order: Sequence[int]) -> Sweep:
+        """A sweep of that kind over `order` (see `sweeps`); to be run at once."""
         self.held = None
         return self.bound(kind, order)
 
@@ -180,7 +198,7 @@ class Exchange:
 
     def propagate(self, order: Sequence[int], time: float) -> None:
         """Give the present values, and rates, to each participant in turn and read its answer."""
-        self.make(settled, order)(time, 0.0)
+        self.make(propagate, order)(time, 0.0)
 
     def accept(self, time: float) -> None:
         """The present values are those of a communication point."""

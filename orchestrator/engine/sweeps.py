@@ -1,7 +1,7 @@
-"""Passes: some participants make a step and their outputs are read, all together or one after the other.
+"""Sweeps: participants make a step and their outputs are read, all at once or one after the other.
 
-They run in every macro step, so each is bound once to all that it needs, and looks at many values in one
-call of compiled code rather than in one for each participant.
+Sweeps run in every macro step, so each is bound once to the memory that it needs. Where all participants of a
+sweep offer calls to compiled code, the sweep is one compiled function (`compiled_sweeps`); else it is Python.
 """
 
 from __future__ import annotations
@@ -9,23 +9,23 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
 
-from ..participants.fmu import FmuParticipant
-from . import compiled_sweeps as fmu_passes
+from ..participants.compiled import CompiledCalls
+from . import compiled_sweeps
+from .compiled_sweeps import CompiledSweep
 from .signals import finite, gather, gather_flat, interpolate_part, relay
 
 if TYPE_CHECKING:
     from .exchange import Exchange
 
-Pass = Callable[[float, float], None]
+Sweep = Callable[[float, float], None]
 
 
-def together(exchange: Exchange, order: Sequence[int]) -> Pass:
+def jacobi_sweep(exchange: Exchange, order: Sequence[int]) -> Sweep:
     """All advance with the signals as they are, then all are read."""
-    if fmus := _fmus(exchange, order):
-        return fmu_passes.FmuPass(exchange, fmus, order, fmu_passes.together)
+    if calls := _offered_calls(exchange, order):
+        return CompiledSweep(exchange, calls, order, compiled_sweeps.jacobi_sweep)
     e, calls = exchange, exchange.calls
     signals, values, rates, inputs = e.signals, e.values, e.rates, e.all_inputs
     n = len(e.sources)
@@ -53,10 +53,10 @@ def together(exchange: Exchange, order: Sequence[int]) -> Pass:
     return run
 
 
-def in_turn(exchange: Exchange, order: Sequence[int]) -> Pass:
+def gauss_seidel_sweep(exchange: Exchange, order: Sequence[int]) -> Sweep:
     """One after the other, the signals of each interpolating what it arrived at before the next advances."""
-    if fmus := _fmus(exchange, order):
-        return fmu_passes.FmuPass(exchange, fmus, order, fmu_passes.in_turn)
+    if calls := _offered_calls(exchange, order):
+        return CompiledSweep(exchange, calls, order, compiled_sweeps.gauss_seidel_sweep)
     e, calls = exchange, exchange.calls
     signals = e.signals
     first = (e.columns[order[0]], e.inputs[order[0]])
@@ -79,10 +79,10 @@ def in_turn(exchange: Exchange, order: Sequence[int]) -> Pass:
     return run
 
 
-def settled(exchange: Exchange, order: Sequence[int]) -> Pass:
+def propagate(exchange: Exchange, order: Sequence[int]) -> Sweep:
     """No time passes: one after the other is given the present values, and rates, and its answer is read."""
-    if fmus := _fmus(exchange, order):
-        return fmu_passes.FmuPass(exchange, fmus, order, fmu_passes.settled)
+    if calls := _offered_calls(exchange, order):
+        return CompiledSweep(exchange, calls, order, compiled_sweeps.propagate)
     e = exchange
     present = np.zeros_like(e.signals)
     arrived = e.arrived[: len(present)]
@@ -122,9 +122,8 @@ def _arrival(exchange: Exchange, i: int, following: int) -> Callable[[float], bo
     return arrived_with_rates if degree == 3 else arrived
 
 
-def _fmus(exchange: Exchange, order: Sequence[int]) -> list[FmuParticipant]:
-    """The FMUs of a pass; none where compiled code is off, or another kind is among them, one wrapped, or one
-    whose calls compiled code cannot make."""
-    units = [exchange.participants[i] for i in order]
-    fmus = [unit for unit in units if isinstance(unit, FmuParticipant) and unit.compilable]
-    return fmus if len(fmus) == len(units) and not numba.config.DISABLE_JIT else []
+def _offered_calls(exchange: Exchange, order: Sequence[int]) -> list[CompiledCalls]:
+    """The calls that compiled code can make; none if a participant of the sweep offers none."""
+    offers = [exchange.offers[i] for i in order]
+    calls = [offer for offer in offers if isinstance(offer, CompiledCalls)]
+    return calls if len(calls) == len(offers) else []

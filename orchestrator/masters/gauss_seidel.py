@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from ..engine.exchange import Exchange
 from ..engine.signals import degree_of, extrapolate
-from ..engine.sweeps import in_turn
+from ..engine.sweeps import gauss_seidel_sweep
 from .restart import repeated
 
 
@@ -53,4 +53,4 @@ def order_of(exchange: Exchange, names: tuple[str, ...]) -> list[int]:
 
 def sweep(exchange: Exchange, order: Sequence[int], time: float, step: float) -> None:
     """Advance in `order`, replacing each participant's signals by interpolation of its arrival."""
-    exchange.make(in_turn, order)(time, step)
+    exchange.make(gauss_seidel_sweep, order)(time, step)

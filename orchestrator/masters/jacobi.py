@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from ..engine.exchange import Exchange
 from ..engine.signals import degree_of, extrapolate
-from ..engine.sweeps import together
+from ..engine.sweeps import jacobi_sweep
 from .restart import repeated
 
 
@@ -39,4 +39,4 @@ class Jacobi:
 
 def parallel(exchange: Exchange, order: Sequence[int], time: float, step: float) -> None:
     """Advance all in `order` with the signals as they are, then read them."""
-    exchange.make(together, order)(time, step)
+    exchange.make(jacobi_sweep, order)(time, step)

@@ -54,9 +54,11 @@ class BoundCalls:
         return function
 
     def _addresses(self, set_real: str, do_step: str, get_real: str) -> dict[str, int]:
-        """Of these functions and of the instance."""
-        functions = {"set_real": set_real, "do_step": do_step, "get_real": get_real}
-        found = {key: ctypes.cast(self._library[name], ctypes.c_void_p) for key, name in functions.items()}
+        """Of these functions, of those of states and of the instance."""
+        names = {"set_real": set_real, "do_step": do_step, "get_real": get_real}
+        functions = {key: self._library[name] for key, name in names.items()}
+        functions |= {"save": self._save, "release": self._release}
+        found = {key: ctypes.cast(function, ctypes.c_void_p) for key, function in functions.items()}
         return {key: address.value or 0 for key, address in found.items()} | {
             "component": self._handle.value or 0,
             "in_python": int(self._in_python),

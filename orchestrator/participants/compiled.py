@@ -1,11 +1,13 @@
 """The calls of FMUs that run in every step, made by compiled code.
 
-An FMU's functions are called by their addresses: between two calls there is no Python, which would take
-longer than the call of a small FMU. `CALLS` is all that this takes, one record for each FMU.
+Compiled code calls an FMU's functions by their addresses. Between two calls there is no Python, which would
+take longer than the call of a small FMU. `CALLS` is the record that compiled code needs of each FMU.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numba
@@ -14,12 +16,16 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
+from models.core.quantities import Vector
+
 from .fmi_instance import DISCARD, WARNING
 
 # Addresses of the functions, of the component, and of the references and numbers that are given to it and
-# taken from it; how many these are. Where the FMU is in Python, the interpreter is not let go for its calls.
-# One of FMI 3 tells of its step in the memory `told`: event, end, early return (a byte each), at 8 the time.
-# Steps that return a warning are counted in `warned`.
+# taken from it; how many these are. The interpreter is released for the calls unless the FMU is in Python.
+# An FMU of FMI 3 reports on its step in the memory `told`: event, end, early return (a byte each), at 8 the
+# time. `warned` counts the steps that return a warning.
+# If `saved` is not 0, the state is saved there before a step and released after it; a step that fails leaves
+# it for its participant. If `cell` is not 0, every call first stores its mark there.
 CALLS = np.dtype(
     [
         (name, np.int64)
@@ -27,12 +33,59 @@ CALLS = np.dtype(
             "component", "in_python", "fmi3", "told", "set_real", "do_step", "get_real",
             "given", "given_references", "given_count",
             "taken", "taken_references", "taken_count", "warned",
+            "saved", "save", "release",
+            "cell", "mark_set", "mark_step", "mark_get", "mark_save", "mark_release",
         )
     ]
 )  # fmt: skip
 
+# Why a component in this process has no calls of an FMU.
+IN_PROCESS = "it is no FMU"
+
 # Which call of an FMU did not succeed.
-FINE, SET, STEP, GET, NOT_FINITE = range(5)
+FINE, SET, STEP, GET, NOT_FINITE, SAVE, RELEASE = range(7)
+
+
+@dataclass(frozen=True)
+class CompiledCalls:
+    """The calls of a macro step that a participant offers to compiled code; wrappers change their part.
+
+    The FMU is given `factors` times the bound inputs at `picked` (rows, columns) plus `offsets`, and returns
+    its outputs, then the rates of the outputs `rated`.
+    `describe(record)` fills in addresses. `fail(call, status, time, step)` raises the error of a call; it
+    returns if the step was made after all. `references(names)` are those of outputs that compiled code can
+    read, or None.
+    """
+
+    picked: tuple[Vector, Vector]
+    factors: Vector
+    offsets: Vector
+    given: Any
+    taken: Any
+    rated: Vector
+    describe: Callable[[Any], None]
+    fail: Callable[[int, int, float, float], None]
+    check_end: Callable[[float, float], None]
+    references: Callable[[Sequence[str]], Any]
+
+    def bind(self, record: Any, given: Vector, taken: Vector) -> None:
+        """Fill the record; the numbers given and taken begin in these vectors."""
+        self.describe(record)
+        record["given"], record["taken"] = given.ctypes.data, taken.ctypes.data
+        for name, references in (("given", self.given), ("taken", self.taken)):
+            record[f"{name}_references"] = references.ctypes.data
+            record[f"{name}_count"] = len(references)
+
+    def bind_reading(self, names: Sequence[str], memory: Vector) -> tuple[Any, Any] | None:
+        """A record with which `take` reads these outputs into `memory`, and the references to be kept."""
+        references = None if numba.config.DISABLE_JIT else self.references(names)
+        if references is None:
+            return None
+        record = np.zeros(1, dtype=CALLS)
+        self.describe(record[0])
+        record["taken"], record["taken_count"] = memory.ctypes.data, len(memory)
+        record["taken_references"] = references.ctypes.data
+        return record, references
 
 
 def _build_function(builder: Any, address: Any, *arguments: str) -> Any:
@@ -89,6 +142,27 @@ def _call_step3(typing: Any, function: Any, component: Any, time: Any, step: Any
     return types.int32(
         types.int64, types.int64, types.float64, types.float64, types.int32, types.int64
     ), generate
+
+
+@intrinsic
+def _call_state(typing: Any, function: Any, component: Any, state: Any) -> Any:
+    """fmi2GetFMUstate, fmi2FreeFMUstate and those of FMI 3."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.call(_build_function(builder, arguments[0], "address", "address"), arguments[1:])
+
+    return types.int32(types.int64, types.int64, types.int64), generate
+
+
+@intrinsic
+def _store(typing: Any, address: Any, value: Any) -> Any:
+    """Store 8 bytes at this address."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        builder.store(arguments[1], builder.inttoptr(arguments[0], ir.IntType(64).as_pointer()))
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64), generate
 
 
 @intrinsic
@@ -149,8 +223,25 @@ def _step(fmu: Any, time: float, step: float) -> int:
 
 
 @numba.njit(cache=True)
+def _mark(fmu: Any, mark: int) -> None:
+    if fmu.cell:
+        _store(fmu.cell, mark)
+
+
+@numba.njit(cache=True)
+def _transfer_state(fmu: Any, function: int) -> int:
+    if fmu.in_python:
+        return _call_state(function, fmu.component, fmu.saved)
+    thread = _release_interpreter()
+    status = _call_state(function, fmu.component, fmu.saved)
+    _acquire_interpreter(thread)
+    return status
+
+
+@numba.njit(cache=True)
 def give(fmu: Any) -> tuple[int, int]:
     """Set the inputs; the call that did not succeed, or FINE, and its status."""
+    _mark(fmu, fmu.mark_set)
     status = _call_transfer(fmu, fmu.set_real, fmu.given_references, fmu.given_count, fmu.given)
     if status > WARNING:
         return SET, status
@@ -163,17 +254,29 @@ def advance(fmu: Any, time: float, step: float) -> tuple[int, int]:
     call, status = give(fmu)
     if call != FINE:
         return call, status
+    if fmu.saved:
+        _mark(fmu, fmu.mark_save)
+        status = _transfer_state(fmu, fmu.save)
+        if status > WARNING:
+            return SAVE, status
+    _mark(fmu, fmu.mark_step)
     status = _step(fmu, time, step)
     if status > WARNING:
         return STEP, status
     if status == WARNING:
         fmu.warned += 1
+    if fmu.saved:
+        _mark(fmu, fmu.mark_release)
+        status = _transfer_state(fmu, fmu.release)
+        if status > WARNING:
+            return RELEASE, status
     return FINE, status
 
 
 @numba.njit(cache=True)
 def take(fmu: Any) -> tuple[int, int]:
     """Get outputs and rates; as `give`."""
+    _mark(fmu, fmu.mark_get)
     status = _call_transfer(fmu, fmu.get_real, fmu.taken_references, fmu.taken_count, fmu.taken)
     if status > WARNING:
         return GET, status

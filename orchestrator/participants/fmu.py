@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 from fmpy import extract
 
@@ -21,12 +20,19 @@ from ..errors import CannotSerializeError, ParticipantError, RefusedError
 from .binding import Elements, find_array
 from .bound_calls import ArrayLayout
 from .capabilities import name_derivative, signal_degrees
-from .compiled import CALLS, SET, STEP
+from .compiled import GET, RELEASE, SAVE, SET, STEP, CompiledCalls
 from .description import REALS, Variable, read_description
 from .failures import ErrorReporter
 from .fmi2 import Fmi2
 from .fmi3 import Fmi3
 from .fmi_instance import DISCARD, WARNING, FmiInstance
+
+FAILED_CALLS = {
+    SET: "setting the inputs",
+    GET: "reading the outputs",
+    SAVE: "saving the state",
+    RELEASE: "freeing a saved state",
+}
 
 
 @dataclass(frozen=True)
@@ -50,10 +56,6 @@ class FmuParticipant(ErrorReporter):
     their `derivative`, or which it gives by the standard's call, and of discrete outputs.
 
     `follows` says which derivatives of its inputs it makes use of, as `inputs` of `connect` has them.
-
-    For compiled code that makes the calls of a step itself, which it can where `compilable`: the references
-    `given` are set to the inputs `picked` (rows, columns); those `taken` are the outputs, then the rates of
-    the outputs `rated`.
     """
 
     def __init__(self, name: str, path: Path, given: FmuSettings, folder: Path | None = None) -> None:
@@ -115,24 +117,36 @@ class FmuParticipant(ErrorReporter):
                     rows.append(order)
                     columns.append(column)
         self._inputs = inputs
-        self.picked = np.array(rows, dtype=np.int64), np.array(columns, dtype=np.int64)
+        self._picked = np.array(rows, dtype=np.int64), np.array(columns, dtype=np.int64)
         elements = Elements(self._fmi, self._variables, found, self._asked.inputs)
-        self.given = elements.references
         # Where every derivative is taken, the bound memory is handed over as it is.
         whole = len(found) == inputs.size and elements.plain
         self._set = elements.setting(self._setting_failed, inputs.ravel() if whole else None)
         self.write = self._set.transfer if whole else self._write_picked
         self._interpolate(input_names, inputs)
         self.follows = np.zeros(inputs.shape, dtype=np.bool_)
-        self.follows[self.picked] = True
+        self.follows[self._picked] = True
         self.follows[:, self._interpolated] = True
         self._all = Elements(self._fmi, self._variables, map(self._variable, self._asked.outputs)).getting(
             self._reading_failed
         )
         rated = self._bind_read(output_names, outputs, rates)
-        plain = elements.plain and self._get.plain and not self._interpolated and not self._called
-        self.compilable = bool(self._fmi.get_addresses()) and plain
+        self._given, self._plain = elements.references, elements.plain and self._get.plain
         return rated
+
+    def compiled_calls(self) -> CompiledCalls | str:
+        if not self._plain:
+            return "it exchanges arrays, or values that are not floating-point numbers"
+        if self._interpolated or self._called:
+            return "it exchanges derivatives by calls of their own"
+        if not self._fmi.get_addresses():
+            return "it may return early from a step"
+        count = len(self._given)
+        # -0.0 leaves every number as it is, also -0.0.
+        return CompiledCalls(
+            self._picked, np.ones(count), np.full(count, -0.0), self._given, self._taken, self._rated,
+            self._describe, self._raise_failed, self.check_end, self._readable,
+        )  # fmt: skip
 
     def _interpolate(self, names: Sequence[str], inputs: Vector) -> None:
         """Have derivatives set by the standard's call for inputs without variables for them."""
@@ -169,7 +183,7 @@ class FmuParticipant(ErrorReporter):
         elements = Elements(
             self._fmi, self._variables, [*wanted, *(companions[output_names[i]] for i in rated)]
         )
-        self.taken, self.rated = elements.references, np.array(rated, dtype=np.int64)
+        self._taken, self._rated = elements.references, np.array(rated, dtype=np.int64)
         self._outputs, self._rates = outputs, rates
         direct = elements.plain and not rated
         self._get = elements.getting(self._reading_failed, outputs if direct else None)
@@ -214,7 +228,7 @@ class FmuParticipant(ErrorReporter):
     def _read_with_rates(self) -> None:
         values, count = self._get.values(), self._outputs.size
         self._outputs[:] = values[:count]
-        self._rates[self.rated] = values[count:]
+        self._rates[self._rated] = values[count:]
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         with self._name_errors("initialise"):
@@ -241,7 +255,7 @@ class FmuParticipant(ErrorReporter):
         self._stepping = True
 
     def _write_picked(self) -> None:
-        self._set.give(self._inputs[self.picked])
+        self._set.give(self._inputs[self._picked])
 
     def _setting_failed(self, status: int) -> None:
         self._fail(status, "setting the inputs")
@@ -254,37 +268,23 @@ class FmuParticipant(ErrorReporter):
             self._fail(status, f"step from t = {time:.9g} s by {step:g} s")
         self._discarded(time, step)
 
-    def fill_record(self, record: Any, given: Vector, taken: Vector) -> None:
-        """Fill the record (see `compiled`); what is given and taken begins there."""
+    def _describe(self, record: Any) -> None:
+        """Fill in the addresses (see `compiled`) and keep the record, which counts warnings."""
         self._records.append(record)
         for name, address in self._fmi.get_addresses().items():
             record[name] = address
-        record["given"], record["taken"] = given.ctypes.data, taken.ctypes.data
-        for name, references in (("given", self.given), ("taken", self.taken)):
-            record[f"{name}_references"] = references.ctypes.data
-            record[f"{name}_count"] = len(references)
 
-    def bind_reader(self, names: Sequence[str], memory: Vector) -> tuple[Any, Any] | None:
-        """A record (see `compiled`) with which `take` puts these outputs into `memory`, and the references
-        that it points to, to be kept; None where compiled code cannot read them."""
+    def _readable(self, names: Sequence[str]) -> Any:
+        """The references of these outputs, if one call of compiled code reads them; else None."""
         elements = Elements(self._fmi, self._variables, map(self._variable, names))
-        if not (self.compilable and elements.plain) or numba.config.DISABLE_JIT:
-            return None
-        record = np.zeros(1, dtype=CALLS)
-        for name, address in self._fmi.get_addresses().items():
-            record[name] = address
-        record["taken"], record["taken_count"] = memory.ctypes.data, len(memory)
-        record["taken_references"] = elements.references.ctypes.data
-        return record, elements.references
+        return elements.references if elements.plain else None
 
-    def raise_error(self, call: int, status: int, time: float, step: float) -> None:
-        """Raise the error of a call (see `compiled`) that compiled code made; a step may be made, too."""
-        if call == SET:
-            self._setting_failed(status)
-        elif call == STEP:
+    def _raise_failed(self, call: int, status: int, time: float, step: float) -> None:
+        """Raise the error of a call that compiled code made; not of a step that was made after all."""
+        if call == STEP:
             self._not_advanced(status, time, step)
         else:
-            self._reading_failed(status)
+            self._fail(status, FAILED_CALLS[call])
 
     def read_all(self, values: Vector) -> None:
         with self._name_errors("reading the outputs"):

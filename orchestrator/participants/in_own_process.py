@@ -100,6 +100,9 @@ class InOwnProcess:
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return signal_degrees(read_description(self._path), input_names)
 
+    def compiled_calls(self) -> str:
+        return "it runs in its own process"
+
     def connect(
         self,
         input_names: Sequence[str],

@@ -12,6 +12,7 @@ from models.core.system import Instance
 
 from ..errors import DiscardedStepError, ParticipantError, instead_of_discarded
 from ..store.json_codec import from_text, to_text
+from .compiled import IN_PROCESS
 
 # Time, states, inputs in effect, their slopes, outputs, whether these are yet to be computed.
 Saved = tuple[float, Vector, Vector, Vector, Vector, bool]
@@ -61,6 +62,9 @@ class InProcessParticipant:
         self._inputs, self._outputs, self._rates = inputs, outputs, rates
         self._rated = rates.size > 0
         return [self._rated] * len(output_names)
+
+    def compiled_calls(self) -> str:
+        return IN_PROCESS
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         self._t = start_time

@@ -7,6 +7,8 @@ from typing import Any, Protocol
 
 from models.core.quantities import Vector
 
+from .compiled import CompiledCalls
+
 
 class Participant(Protocol):
     """One simulation unit.
@@ -41,6 +43,10 @@ class Participant(Protocol):
         those along the motion with the inputs' slopes in effect: after `write` row 1 of `inputs`, after
         `advance` the slopes at its end. Rates that are not given stay as they are.
         """
+        ...
+
+    def compiled_calls(self) -> CompiledCalls | str:
+        """After `connect`: the calls that compiled code can make itself, or why it cannot."""
         ...
 
     def initialise(self, start_time: float, stop_time: float) -> None:

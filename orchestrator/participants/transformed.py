@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from models.core.quantities import Vector
 
+from .compiled import CompiledCalls
 from .protocol import Participant
 from .wrapping import StatelessWrapper
 
@@ -46,7 +47,27 @@ class Transformed(StatelessWrapper):
         self.read, self._write = self._participant.read, self._participant.write
         return rated
 
-    def write(self) -> None:
+    def compiled_calls(self) -> CompiledCalls | str:
+        calls = self._participant.compiled_calls()
+        if isinstance(calls, str):
+            return calls
+        rows, columns = calls.picked
+
+        def fail(call: int, status: int, time: float, step: float) -> None:
+            self._transform()
+            calls.fail(call, status, time, step)
+
+        return replace(
+            calls,
+            factors=calls.factors * self._factors[columns],
+            offsets=calls.factors * np.where(rows == 0, self._offsets[columns], -0.0) + calls.offsets,
+            fail=fail,
+        )
+
+    def _transform(self) -> None:
         np.multiply(self._given, self._factors, out=self._made)
         self._made[0] += self._offsets
+
+    def write(self) -> None:
+        self._transform()
         self._write()

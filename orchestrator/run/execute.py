@@ -88,7 +88,7 @@ def run_coupled(
             summary.not_numbers, summary.contacts = not_numbers.since, contacts.courses()
             for participant in participants.values():
                 participant.close()
-    summary.do_steps = statistics.do_steps
+    summary.do_steps, summary.python_sweeps = statistics.do_steps, dict(statistics.python_sweeps)
     summary.iterations = statistics.iterations
     summary.coupled_time_s = statistics.coupled_time_s
 

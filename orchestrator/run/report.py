@@ -109,6 +109,9 @@ class Reporter:
             self.line(
                 f"{name}: not a number (NaN) from t = {since:.6g} s on, or at times; look at its participant"
             )
+        if summary.python_sweeps:
+            reasons = ", ".join(f"{name} ({why})" for name, why in summary.python_sweeps.items())
+            self.line(f"macro steps in Python, not in compiled code, for {reasons}")
         if summary.complete:
             self.line(f"{summary.scenario}: {summary.verdict}")
         if summary.errors:

@@ -25,13 +25,17 @@ from .checkpoint import Continuing, Keeper, fitting, put_back, serialised
 
 @dataclass(frozen=True)
 class Statistics:
-    """What a run took. `do_steps` counts the steps of single participants, rejected ones too."""
+    """What a run took. `do_steps` counts the steps of single participants, rejected ones too.
+
+    `python_sweeps`: the participants that keep sweeps in Python, which is slower than compiled code, and why.
+    """
 
     macro_steps: int
     rejected_steps: int
     iterations: int
     do_steps: int
     coupled_time_s: float
+    python_sweeps: Mapping[str, str]
 
 
 class LatestOutputs:
@@ -137,7 +141,9 @@ def simulate(
         with ExitStack() as ends:  # all of them, whatever one raises
             for observer in reversed(observers):
                 ends.callback(observer.end, complete, message)
-    return Statistics(made, rejected, iterations, int(exchange.calls.sum()), elapsed)
+    return Statistics(
+        made, rejected, iterations, int(exchange.calls.sum()), elapsed, exchange.explain_python()
+    )
 
 
 def _begin(

@@ -22,9 +22,12 @@ import tempfile
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, TypeVar
+
+import numpy as np
 
 from models.core.quantities import Vector
 
@@ -32,14 +35,24 @@ from ..assessment.summary import FAILED, Summary
 from ..engine.step import Step
 from ..errors import MistakeError, StalledError
 from ..participants import Participant
+from ..participants.compiled import CompiledCalls
 from ..scenario import Scenario
 from ..store.json_codec import Plain
 from .compilation import PREPARING, noticed
-from .watchdog_process import CELLS, FRESH, MARK, STEPS, TIME, message, number_of
+from .watchdog_process import CELLS, FRESH, INTERRUPTED, MARK, STEPS, TIME, message, number_of
 
 # How long an interrupted call may take to come back: Python code does at once, code that the signal does
 # not reach never.
 GRACE_SECONDS = 2.0
+
+# The marks of calls that compiled code makes (see `participants.compiled`).
+COMPILED = {
+    "mark_set": "setting of inputs",
+    "mark_step": "step",
+    "mark_get": "reading of outputs",
+    "mark_save": "saving of its state",
+    "mark_release": "freeing of a saved state",
+}
 
 Made = TypeVar("Made")
 
@@ -115,8 +128,9 @@ class Watchdog:
             signal.signal(signal.SIGUSR1, self._previous)
 
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
-        if mark := self._cells[MARK]:
-            number = mark % FRESH
+        if self._cells[MARK]:
+            # Compiled code may have gone on to another call meanwhile.
+            number = self._cells[INTERRUPTED]
             text = message(self._names, number, self._limit, self._cells[STEPS], self._times[TIME])
             self._stalled = StalledError(text)
             raise self._stalled
@@ -191,6 +205,24 @@ class Watchdog:
 
         return exchanging
 
+    def mark_compiled(self, index: int, calls: CompiledCalls) -> CompiledCalls:
+        """The calls, with the marks that compiled code stores."""
+        cells = np.frombuffer(self._cells, dtype=np.int64)
+
+        def describe(record: Any) -> None:
+            calls.describe(record)
+            record["cell"] = cells[MARK:].ctypes.data
+            for key, call in COMPILED.items():
+                record[key] = FRESH + number_of(index, call)
+
+        def fail(*arguments: Any) -> None:
+            try:
+                calls.fail(*arguments)
+            except Exception as error:
+                raise self._cause(error)  # noqa: B904
+
+        return replace(calls, describe=describe, fail=fail)
+
     def _cause(self, error: Exception) -> Exception:
         """Of an interruption an FMU could only say that it failed."""
         return self._stalled or error
@@ -256,6 +288,10 @@ class Watched:
         self.write = self._watchdog.exchanging(self._index, "setting of inputs", self._participant.write)
         self.read = self._watchdog.exchanging(self._index, "reading of outputs", self._participant.read)
         return rated
+
+    def compiled_calls(self) -> CompiledCalls | str:
+        calls = self._participant.compiled_calls()
+        return calls if isinstance(calls, str) else self._watchdog.mark_compiled(self._index, calls)
 
 
 def _started(shared: int) -> subprocess.Popen[bytes]:

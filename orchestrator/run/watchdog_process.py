@@ -1,7 +1,8 @@
 """The process that watches a run's calls. Standard library only: run as a script it starts at once.
 
 Usage: watchdog_process.py FD, with FD a file of `CELLS` numbers of 8 bytes, shared with the run: a mark of
-the call that goes on (0: none), the macro steps made, and the time at the end of the last one (a double). A
+the call that goes on (0: none), the macro steps made, the time at the end of the last one (a double), and
+the call that this process has interrupted. A
 mark is one store for the run: the call's number, and in the upper half a one that this process takes away
 when it looks. On standard input comes a line of JSON (see `Watchdog`); when that input ends, so does this
 process.
@@ -17,7 +18,7 @@ import time as clock
 from pathlib import Path
 from typing import Any
 
-MARK, STEPS, TIME, CELLS = 0, 1, 2, 3
+MARK, STEPS, TIME, INTERRUPTED, CELLS = 0, 1, 2, 3, 4
 FRESH = 1 << 32
 # The halves of the mark, as numbers of 4 bytes.
 NUMBER, UPPER = (0, 1) if sys.byteorder == "little" else (1, 0)
@@ -67,6 +68,7 @@ def watch(shared: Any, setup: dict[str, Any]) -> None:
             _end(run, text, setup)
             return
         elif lasted > limit and not interrupted:
+            cells[INTERRUPTED] = halves[NUMBER]
             os.kill(run, signal.SIGUSR1)
             interrupted = True
 

@@ -20,6 +20,7 @@ from ..engine.exchange import Exchange
 from ..engine.signals import NEEDED, POINTS
 from ..masters import Master
 from ..participants.capabilities import HIGHEST
+from ..participants.compiled import IN_PROCESS
 from ..participants.signal_degrees import find_highest_degrees
 from .extrapolation_error import HERMITE, ends, shapes
 from .linear import ROWS, Linear
@@ -95,6 +96,9 @@ class LinearParticipant:
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return [ROWS - 2] * len(input_names)
+
+    def compiled_calls(self) -> str:
+        return IN_PROCESS
 
     def connect(
         self,

@@ -94,6 +94,9 @@ class Faulty:
         self._output_names, self._outputs = output_names, outputs
         return list(self._inner.connect(input_names, inputs, output_names, outputs, rates))
 
+    def compiled_calls(self) -> str:
+        return "its faults are in Python"
+
     def write(self) -> None:
         self._inner.write()
 

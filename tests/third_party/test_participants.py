@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 
-from orchestrator.engine.compiled_sweeps import FmuPass
+from orchestrator.engine.compiled_sweeps import CompiledSweep
 from orchestrator.engine.exchange import Exchange
 from orchestrator.participants import read_component
 from orchestrator.participants.fmu import FmuParticipant, FmuSettings
@@ -169,8 +169,10 @@ def test_both_versions_of_fmi_give_the_same(
 ) -> None:
     """The models are the same C; compiled code makes the calls of both."""
     made = []
-    run_pass = FmuPass.__call__
-    monkeypatch.setattr(FmuPass, "__call__", lambda *arguments: (made.append(1), run_pass(*arguments))[1])
+    run_pass = CompiledSweep.__call__
+    monkeypatch.setattr(
+        CompiledSweep, "__call__", lambda *arguments: (made.append(1), run_pass(*arguments))[1]
+    )
     one, other = (coupled(version, "shared", tmp_path, **MASTERS[master]) for version in VERSIONS)
     assert len(made) >= 200
     for name in one:

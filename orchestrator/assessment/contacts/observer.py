@@ -12,8 +12,8 @@ from models.core.system import System
 
 from ...engine.exchange import Exchange
 from ...engine.step import Step
-from ...participants import FmuParticipant, Participant
-from ...participants.compiled import CALLS, FINE
+from ...participants import Participant
+from ...participants.compiled import CALLS, FINE, CompiledCalls
 from ...store.json_codec import Plain
 from .accumulation import INPUTS, OUTPUTS, observe
 from .course import Accumulator, Courses, contacts
@@ -39,16 +39,15 @@ class ContactObserver:
         }
         self._accumulator = Accumulator(self._system, self._names, exchange.values, origins)
         units = dict(zip(exchange.names, exchange.participants, strict=True))
-        self._fmus: list[FmuParticipant] = []
+        self._calls: list[CompiledCalls] = []
         self._others: list[tuple[Participant, Vector, Vector, Vector]] = []
         records, self._references = [], []
         for i, name in enumerate(self._names):
             unit, row = units[name], self._accumulator.seen[i]
-            if (
-                isinstance(unit, FmuParticipant)
-                and (reading := unit.bind_reader(OUTPUTS, row[: len(OUTPUTS)])) is not None
-            ):
-                self._fmus.append(unit)
+            calls = unit.compiled_calls()
+            reading = None if isinstance(calls, str) else calls.bind_reading(OUTPUTS, row[: len(OUTPUTS)])
+            if reading is not None:
+                self._calls.append(calls)
                 records.append(reading[0])
                 self._references.append(reading[1])
             else:
@@ -69,7 +68,7 @@ class ContactObserver:
         a = self._accumulator
         failed, call, status = observe(self._records, a.memory.record, a.courses, time)
         if call != FINE:
-            self._fmus[failed].raise_error(call, status, time, step.length)
+            self._calls[failed].fail(call, status, time, step.length)
 
     def courses(self) -> Courses:
         """What is known so far."""

@@ -13,16 +13,20 @@ import pytest
 from fmus.build import build
 from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
-from orchestrator.engine import compiled_sweeps as fmu_passes
+from orchestrator.engine.compiled_sweeps import CompiledSweep
 from orchestrator.engine.signals import DEGREES
 from orchestrator.errors import RunError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import open_fmu
+from orchestrator.participants import in_process, open_fmu
 from orchestrator.participants.fmi2 import Fmi2
+from orchestrator.participants.substeps import Substepped
+from orchestrator.participants.transformed import Linear, Transformed
 from orchestrator.run.simulation import simulate
+from orchestrator.run.watchdog import Watched
 
 from .recorder import Recorder
 from .small_fmus import small_fmu
+from .test_watchdog import watchdog
 from .two_masses import two_masses
 
 STEP = 1e-2
@@ -37,20 +41,23 @@ class Wrapped:
     def __getattr__(self, name):
         return getattr(self._inner, name)
 
+    def compiled_calls(self):
+        return "it is a test"
+
 
 class Counting:
-    """Counts the passes in compiled code: `made` with a step, `settled` of no length."""
+    """Counts the compiled sweeps: `made` with a step, `settled` of no length."""
 
     def __init__(self, monkeypatch):
         self.made = self.settled = 0
-        made = fmu_passes.FmuPass.__call__
+        made = CompiledSweep.__call__
 
         def counted(self_, time, step):
             self.made += step > 0.0
             self.settled += step == 0.0
             made(self_, time, step)
 
-        monkeypatch.setattr(fmu_passes.FmuPass, "__call__", counted)
+        monkeypatch.setattr(CompiledSweep, "__call__", counted)
 
 
 @pytest.fixture
@@ -89,6 +96,65 @@ def test_the_same_bits_and_calls_as_in_python(kind, signal, compiled):
     assert expected[1] >= 60
     np.testing.assert_array_equal(found[0], expected[0])
     assert np.ptp(found[0]) > 1.0
+
+
+WRAPPERS = {
+    "retries": lambda unit, dog: Substepped(unit, halvings=2),
+    "unit conversion": lambda unit, dog: Transformed(
+        unit, {"force": Linear(1.01, 1e-3), "other_position": Linear(-0.99, 2e-3)}
+    ),
+    "call_time_limit": lambda unit, dog: Watched(unit, dog, ["first", "second"].index(unit.name)),
+    "all": lambda unit, dog: WRAPPERS["unit conversion"](
+        WRAPPERS["retries"](WRAPPERS["call_time_limit"](unit, dog), dog), dog
+    ),
+}
+
+
+@pytest.mark.parametrize("wrapper", WRAPPERS)
+@pytest.mark.parametrize("kind", [Jacobi, GaussSeidel, Iterated])
+def test_wrapped_fmus_keep_compiled_sweeps_and_their_bits(kind, wrapper, compiled, tmp_path):
+    with watchdog(tmp_path, 60.0) as dog:
+        found = run(kind("hermite"), None, lambda unit: WRAPPERS[wrapper](unit, dog))
+        assert compiled.made >= 30
+        compiled.made = 0
+        expected = run(kind("hermite"), None, lambda unit: WRAPPERS[wrapper](Wrapped(unit), dog))
+    assert compiled.made == 0
+    assert found[1:] == expected[1:]
+    np.testing.assert_array_equal(found[0], expected[0])
+
+
+@pytest.mark.parametrize("halvings", [1, 2])
+def test_a_step_that_fails_in_compiled_code_is_retried(halvings, compiled, tmp_path):
+    """The FMU refuses steps over 3 ms: it needs a quarter of the macro step."""
+    file = small_fmu("discarding", tmp_path)
+
+    def wrap(unit):
+        changed = Transformed(Substepped(unit, halvings=halvings), {"force": Linear(0.5)})
+        return changed if unit.name == "second" else unit
+
+    found = run(GaussSeidel("quadratic"), file, wrap)
+    assert compiled.made == (30 if halvings == 2 else 1)
+    expected = run(GaussSeidel("quadratic"), file, lambda unit: wrap(Wrapped(unit)))
+    assert found[2] == expected[2]
+    assert (found[2] is None) == (halvings == 2)
+    np.testing.assert_array_equal(found[0], expected[0])
+
+
+def test_the_run_says_which_participants_keep_sweeps_in_python():
+    system = two_masses()
+    mass = system.instances["first"]
+    for first, reason in (
+        (Substepped(open_fmu("first", build("coupled_mass"), mass), 3), "substeps"),
+        (in_process("first", mass), "no FMU"),
+    ):
+        second = open_fmu("second", build("sprung_mass"), system.instances["second"])
+        found = simulate(system, {"first": first, "second": second}, Jacobi(), STEP, STEP).python_sweeps
+        first.close()
+        second.close()
+        assert list(found) == ["first"]
+        assert reason in found["first"]
+    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    assert simulate(system, units, Jacobi(), STEP, STEP).python_sweeps == {}
 
 
 @pytest.mark.parametrize("signal", ["hold", "quadratic", "hermite"])
@@ -147,7 +213,7 @@ def test_the_interpreter_is_let_go_for_an_fmu_that_is_not_in_python(monkeypatch,
 def test_without_compilation_passes_are_in_python(tmp_path):
     """To what integration of both masses to 1e-10 m leaves of a force through 40 N/m in 30 steps."""
     script = (
-        "from tests.orchestrator import test_fmu_passes as tests\n"
+        "from tests.orchestrator import test_compiled_sweeps as tests\n"
         "values, steps, error = tests.run(tests.GaussSeidel('hermite'), None, lambda unit: unit)\n"
         f"tests.np.save({str(tmp_path / 'plain.npy')!r}, values)\n"
     )
