@@ -219,6 +219,6 @@ def flywheel(loads: int = 1, throws: int = 1) -> Component:
         },
         bonds=tuple(PowerBond(name, "speed", -1) for name in torques),
         structure=sizes,
-        runs_on=True,
+        resting=(),
         next_event="next_event",
     )

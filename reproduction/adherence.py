@@ -24,7 +24,7 @@ from models.core.system import ModelError, Port, System
 from models.monolithic.energy import QUADRATURES, Energies
 from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import Event, check_ode
-from models.monolithic.reference import Reference, checked_times, observe, solve_twice, uncertainties
+from models.monolithic.reference import Reference, check_times, observe, solve_twice, uncertainties
 from models.valve_train.valve_spring import lumping
 
 # Two loads (N) between which the relative acceleration is known to be affine.
@@ -52,7 +52,7 @@ def solve_adherence(
     contact, and without a massless spring, which have none here) as in `solve`.
     """
     begun = time.perf_counter()
-    times = checked_times(times, t0)
+    times = check_times(times, t0)
     start = float(times[0]) if t0 is None else float(t0)
     x = equilibrium(system, start) if x0 is None else np.asarray(x0, dtype=np.float64)
     problem = AdherenceProblem(system, massless_spring)

@@ -87,7 +87,7 @@ class KernelCache(caching._Cache):
                 own = hashlib.sha256(f"{key} {PACKAGE}".encode()).hexdigest()
                 files = [folder / f"{_plain(name)}-{digest[:32]}.nbc" for digest in (key, own)]
                 self._files[sig] = files
-                return _found(files[0], target_context) or _found(files[1], target_context)
+                return _find(files[0], target_context) or _find(files[1], target_context)
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
@@ -151,7 +151,7 @@ def _names_this_package(compiled: Any) -> bool:
 _known: dict[Path, Any] = {}
 
 
-def _found(file: Path, target_context: Any) -> Any:
+def _find(file: Path, target_context: Any) -> Any:
     """The compiled code of that name, from this process or from disk, or None."""
     known = _known.get(file)
     if known is None:

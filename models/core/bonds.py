@@ -43,11 +43,11 @@ def counts_energies(factory: Callable[..., Component]) -> Callable[..., Componen
     """A factory that makes, with `energies=1`, the component that counts its energies."""
 
     @wraps(factory)
-    def made(*sizes: Any, energies: int = 0, **named: Any) -> Component:
+    def build(*sizes: Any, energies: int = 0, **named: Any) -> Component:
         component = factory(*sizes, **named)
         return counting(component) if energies else component
 
-    return made
+    return build
 
 
 def counting(plain: Component) -> CountingComponent:

@@ -88,8 +88,8 @@ class Component:
     that of dx/dt = derivative (a pressure field that only `advance` finds): the derivative then serves rates
     of outputs (it may tell those of what steps have observed) and equilibria alone, and solvers of ODEs
     refuse the component; where `implicit` is there, the monolithic reference can have it.
-    `runs_on`: it moves while the mechanisms it drives are at rest, so that an equilibrium does not ask it to
-    stand still, but for the states in `settles`.
+    `resting`: the states that stand still in an equilibrium of the system; all where it is None. One that
+    turns while the mechanisms that it drives are at rest has ().
 
     For masters, names of outputs: `event_indicators` are continuous and change their sign where the mode
     changes (contact made or lost); `event_counter` counts the events that happened inside the component
@@ -119,8 +119,7 @@ class Component:
     ode: bool = True
     sample: Any = None
     structure: Mapping[str, int] = field(default_factory=dict)
-    runs_on: bool = False
-    settles: Sequence[str] = ()
+    resting: Sequence[str] | None = None
     tolerance: float = TOLERANCE
     event_indicators: Sequence[str] = ()
     event_counter: str = ""

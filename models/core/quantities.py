@@ -90,7 +90,8 @@ class Quantity:
             return None
         if not math.isfinite(value):
             ranged = self.allowed().replace("any finite number", "")
-            return f"{name} = {value:g}{self._said()}: must be finite{' and ' if ranged else ''}{ranged}"
+            ranged = f" and {ranged}" if ranged else ""
+            return f"{name} = {value:g}{self._describe_unit()}: must be finite{ranged}"
         return f"{name} = {value:g}{self.requirement()}"
 
     def limits(self) -> tuple[float, float]:
@@ -100,7 +101,7 @@ class Quantity:
 
     def requirement(self) -> str:
         """What follows a value in a message: its unit, its meaning and the allowed range."""
-        return f"{self._said()}: must be {self.allowed()}"
+        return f"{self._describe_unit()}: must be {self.allowed()}"
 
     def doubt(self, value: float) -> str:
         """Why `value` is probably a slip of the unit, and what it may mean; "" if it is plausible."""
@@ -109,7 +110,7 @@ class Quantity:
         reading = self.plausible.reading(value)
         return self.plausible.reason + (f"; did you mean {reading}?" if reading else ".")
 
-    def _said(self) -> str:
+    def _describe_unit(self) -> str:
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{unit} ({self.description})"
 

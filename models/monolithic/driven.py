@@ -20,7 +20,7 @@ from ..core.system import ModelError
 from .cvode import Cvode
 from .march import Method, march
 from .problem import Event
-from .reference import SHARPER, SHARPEST, checked_times, stiffness
+from .reference import SHARPER, SHARPEST, check_times, stiffness
 from .runge_kutta import RungeKutta
 
 
@@ -102,7 +102,7 @@ def solve_driven(
     """
     p = component.parameters.start.copy() if p is None else p
     x0 = component.state.start.copy() if x0 is None else x0
-    times = checked_times(times, pieces[0].start)
+    times = check_times(times, pieces[0].start)
     starts = np.array([piece.start for piece in pieces])
     if np.any(np.diff(starts) <= 0.0):
         raise ModelError("pieces of inputs: their starts must ascend")
@@ -112,14 +112,14 @@ def solve_driven(
     place = np.searchsorted(starts, times, side="right") - 1
     runs = []
     for make in (Cvode, RungeKutta):
-        states, events, name = _solved(problems, x0, times, make, max(SHARPER * tolerance, SHARPEST))
+        states, events, name = _solve_pieces(problems, x0, times, make, max(SHARPER * tolerance, SHARPEST))
         at = zip(times, states, place, strict=True)
         runs.append((states, np.array([problems[i].outputs(float(t), z) for t, z, i in at]), events, name))
     (states, outputs, events, first), (_, others, _, second) = runs
     return Driven(times, states, outputs, np.abs(others - outputs), events, (first, second))
 
 
-def _solved(
+def _solve_pieces(
     problems: Sequence[DrivenProblem], x0: Vector, times: Vector, make: type[Cvode | RungeKutta], sharp: float
 ) -> tuple[Vector, list[Event], str]:
     """States at `times`, the events on the way and the method's name."""

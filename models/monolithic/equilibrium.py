@@ -15,8 +15,7 @@ POLISHING_STEPS = 4
 
 
 def equilibrium(system: System, t: float = 0.0) -> Vector:
-    """State with dx/dt = 0 in all components but those that run on (`Component.runs_on`), of
-    which only the states in `settles` rest.
+    """State in which dx/dt = 0 for all states that rest (`Component.resting`).
 
     A state whose rate vanishes whatever the others are (a film without entrainment, the twist of a rigid
     shaft) is not determined and keeps its start, as do internal states. Positive states stay positive. The
@@ -64,8 +63,8 @@ class _Rest:
         resting = np.zeros(system.state.size, dtype=bool)
         for name, instance in system.instances.items():
             component, part = instance.component, system.state.of(name)
-            settles = set(component.settles if component.runs_on else component.state.variables)
-            resting[part] = [item in settles for item in component.state.names]
+            names = set(component.state.variables if component.resting is None else component.resting)
+            resting[part] = [item in names for item in component.state.names]
             self.positive[part] = [item.quantity.positive for item in component.state.fields]
         self.index = np.flatnonzero(resting)
         while self.index.size:

@@ -134,11 +134,11 @@ class ImplicitProblem:
                 self._left = max(LEAST_LEFT, change / before if before > 0.0 else 0.0)
             if change * self._left <= TURN_TOLERANCE:
                 self._solve_others(t, x, base, interval)
-                return x, self._carried(t, x, base, interval)
+                return x, self._carry(t, x, base, interval)
             before = change
         raise NotSolvedError(f"{', '.join(f.name for f in self.fields)}: no balance with what surrounds it")
 
-    def _carried(self, t: float, x: Vector, base: Vector, interval: float) -> Vector:
+    def _carry(self, t: float, x: Vector, base: Vector, interval: float) -> Vector:
         carried = np.empty(self.size)
         carried[: self.others.size] = x[self.others]
         e, powers = self.evaluation, np.empty(self._energy.stop - self._energy.start)
@@ -158,7 +158,7 @@ class ImplicitProblem:
         for iteration in range(NEWTON_ITERATIONS):
             rate = self.evaluation.derivative(t, x)[self.others]
             missing = base[:n] + interval * rate - x[self.others]
-            correction = self._inverted(t, x, interval, iteration == SLOW_ITERATIONS) @ missing
+            correction = self._invert(t, x, interval, iteration == SLOW_ITERATIONS) @ missing
             if not np.all(np.isfinite(correction)):
                 break
             x[self.others] += correction
@@ -166,7 +166,7 @@ class ImplicitProblem:
                 return
         raise NotSolvedError("no solution for the states that are no field's")
 
-    def _inverted(self, t: float, x: Vector, interval: float, anew: bool) -> Vector:
+    def _invert(self, t: float, x: Vector, interval: float, anew: bool) -> Vector:
         """The inverse of 1 - interval * Jacobian, by differences at some earlier state."""
         if self._jacobian is None or anew:
             base = self.evaluation.derivative(t, x)[self.others].copy()

@@ -79,14 +79,14 @@ class _Stages:
         self.past = Past()
         self.past.add(t, x)
 
-    def solved(self, t: float, base: Vector, interval: float) -> tuple[Vector, Vector]:
+    def solve(self, t: float, base: Vector, interval: float) -> tuple[Vector, Vector]:
         """From the extrapolated guess, or, where that leads astray, the present state."""
         try:
             return self.problem.solve(t, self.past.guess(t), base, interval)
         except NotSolvedError:
             return self.problem.solve(t, self.x, base, interval)
 
-    def reached(self, h: float, x: Vector, carried: Vector) -> Vector:
+    def accept(self, h: float, x: Vector, carried: Vector) -> Vector:
         self.t, self.x, self.carried = self.t + h, x, carried
         self.past.add(self.t, x)
         return x
@@ -103,9 +103,9 @@ class Sdirk4(_Stages):
             base, interval = self.carried.copy(), row[-1] * h
             for weight, rate in zip(row, rates, strict=False):
                 base += weight * h * rate
-            x, carried = self.solved(self.t + sum(row) * h, base, interval)
+            x, carried = self.solve(self.t + sum(row) * h, base, interval)
             rates.append((carried - base) / interval)
-        return self.reached(h, x, carried)
+        return self.accept(h, x, carried)
 
 
 class Bdf3(_Stages):
@@ -123,9 +123,9 @@ class Bdf3(_Stages):
         base = np.zeros_like(self.carried)
         for weight, (_, carried) in zip(weights[1:], self._behind, strict=True):
             base -= weight / weights[0] * carried
-        x, carried = self.solved(t, base, 1.0 / weights[0])
+        x, carried = self.solve(t, base, 1.0 / weights[0])
         self._behind = [(t, carried), *self._behind[: BDF_ORDER - 1]]
-        return self.reached(h, x, carried)
+        return self.accept(h, x, carried)
 
 
 def slope_weights(t: float, others: Sequence[float]) -> list[float]:

@@ -102,7 +102,7 @@ def solve(
     with the share done. ModelError if a method fails.
     """
     begun = time.perf_counter()
-    times = checked_times(times, t0)
+    times = check_times(times, t0)
     if not all(is_ode(system, name) for name in system.instances):
         return _solve_implicit(system, times, x0, t0, progress, longest_step, begun)
     problem = SystemProblem(system)
@@ -169,7 +169,7 @@ def _solve_implicit(
     )
 
 
-def checked_times(times: Vector, t0: float | None) -> Vector:
+def check_times(times: Vector, t0: float | None) -> Vector:
     """`times` as a vector; ModelError unless it ascends from t0."""
     times = np.atleast_1d(np.asarray(times, dtype=np.float64))
     if times.ndim != 1 or times.size == 0 or not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0.0):

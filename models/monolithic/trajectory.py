@@ -16,7 +16,7 @@ from ..core.system import System
 from .cvode import Cvode
 from .march import march
 from .problem import SystemProblem
-from .reference import checked_times, observe, stiffness
+from .reference import check_times, observe, stiffness
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ def course(
 
     `tolerance` is the integrator's, per step and relative to nominal + |value|.
     """
-    times = checked_times(times, None)
+    times = check_times(times, None)
     problem = SystemProblem(system)
     z0 = problem.start(system.x0)
     start = float(times[0])

@@ -187,6 +187,6 @@ def spring_stop() -> Component:
         energy=stop_energy,
         feedthrough={"force": motion, "compression": ("position",), "contact_margin": motion},
         bonds=(PowerBond("force", "velocity", -1),),
-        runs_on=True,
+        resting=(),
         event_indicators=("contact_margin",),
     )

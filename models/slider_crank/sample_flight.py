@@ -39,7 +39,7 @@ def make_leave(component: Component) -> Any:
     return leave
 
 
-class Course(NamedTuple):
+class FlightCall(NamedTuple):
     """The data of one call of `advance`: time at its start, its arguments, the flow, and scratch vectors."""
 
     t: float
@@ -56,7 +56,7 @@ class Course(NamedTuple):
 
 
 @kernel
-def _nothing(start: float, end: float, w: Course, position: Any) -> None:
+def _nothing(start: float, end: float, w: FlightCall, position: Any) -> None:
     return
 
 
@@ -72,7 +72,7 @@ def make_follow(component: Component, next_event: Any, cells: int) -> Any:
     mode_at, speed_at = component.state.index("mode"), component.inputs.index("crank_speed")
 
     @kernel
-    def follow(start: float, end: float, w: Course, position: Any) -> None:
+    def follow(start: float, end: float, w: FlightCall, position: Any) -> None:
         speed = w.U[0, speed_at]
         place = position[CELL] + position[FRACTION]
         panels = int((end - start) * speed / PANEL) + 1

@@ -260,8 +260,7 @@ def slider_crank() -> Component:
         extra_work=EXTRA_WORK,
         requirements=REQUIREMENTS,
         start_requirements=START_REQUIREMENTS,
-        runs_on=True,
-        settles=WALL_FILMS,
+        resting=WALL_FILMS,
         event_counter="event_count",
         event_time="last_event_time",
     )

@@ -37,7 +37,7 @@ from .flight.samples import sample_flow, sample_pressing
 from .flight.series import TERMS
 from .forms import NONLINEAR, offset, offset_slope, wall_rate
 from .records import WALL_FILMS, mechanism
-from .sample_flight import NODES, PANEL, WEIGHTS, Course, make_follow, make_leave
+from .sample_flight import NODES, PANEL, WEIGHTS, FlightCall, make_follow, make_leave
 
 if TYPE_CHECKING:
     from ..core.component import Component
@@ -109,7 +109,7 @@ def make_press(component: Component) -> Any:
     speed_at = component.inputs.index("crank_speed")
 
     @kernel
-    def press(start: float, end: float, w: Course) -> None:
+    def press(start: float, end: float, w: FlightCall) -> None:
         panels = int((end - start) * w.U[0, speed_at] / PANEL) + 1
         half = 0.5 * (end - start) / panels
         for panel in range(panels):
@@ -131,7 +131,7 @@ def make_fly(component: Component) -> Any:
     width = 2.0 * math.pi / CELLS
 
     @kernel
-    def fly(h: float, w: Course, position: Any, before: Any) -> int:
+    def fly(h: float, w: FlightCall, position: Any, before: Any) -> int:
         x, u = w.x, w.u
         speed = w.U[0, speed_at]
         first = position[CELL] + position[FRACTION]
@@ -255,7 +255,7 @@ def make_advance(component: Component) -> Any:
         walls = Walls(gap, gap, parameters.restitution, 0.0)
         start, u, dx, xd = room[:n], room[n : n + m], room[n + m : 2 * n + m], room[2 * n + m : 3 * n + m]
         before = room[3 * n + m : 3 * n + m + POSITION_SIZE]
-        w = Course(t, borrow(x), borrow(U), borrow(p), flow, walls, scratch, u, dx, xd, room)
+        w = FlightCall(t, borrow(x), borrow(U), borrow(p), flow, walls, scratch, u, dx, xd, room)
         enter(x, U, p, gap, position)
         copy(start, x)
         status = fly(h, w, position, before)

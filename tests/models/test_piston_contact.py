@@ -70,7 +70,7 @@ def test_complementarity(numbers: list[float]) -> None:
     a, b, c, d, first, second = numbers
     B = np.array([[a, b], [c, d]])
     A, w = B @ B.T + 0.1 * np.eye(2), np.array([first, second])
-    z = np.array(co.complementary(co.Pair(*A[0]), co.Pair(*A[1]), co.Pair(*w)))
+    z = np.array(co.solve_complementarity(co.Pair(*A[0]), co.Pair(*A[1]), co.Pair(*w)))
     gaps = A @ z + w
     size = 1.0 + np.abs(A).max() * np.abs(z).max()
     assert z.min() >= 0.0

@@ -90,7 +90,7 @@ def ball():
         energy=ball_energy,
         feedthrough={},
         events=Events(1, ball_guards, ball_transition),
-        runs_on=True,
+        resting=(),
     )
 
 

@@ -11,7 +11,7 @@ from ...compile.parallel import each, no_progress
 from ...core.quantities import Vector
 from ..forms import wall_angle
 from ..machine import FORMS, Machine, Motion
-from .maps import varied
+from .maps import vary
 
 
 class Diagram(NamedTuple):
@@ -61,7 +61,7 @@ def from_rest(
     def point(at: Machine) -> Vector:
         return RECORDS[record](Motion(at).skip(transient), cycles)
 
-    return _diagram(values, each(point, varied(machine, name, values), workers, progress))
+    return _diagram(values, each(point, vary(machine, name, values), workers, progress))
 
 
 def followed(
@@ -78,7 +78,7 @@ def followed(
     An attractor is followed as far as it is stable: the diagram of the reversed values shows hysteresis.
     """
     state, recorded = np.zeros(2), []
-    for done, at in enumerate(varied(machine, name, values)):
+    for done, at in enumerate(vary(machine, name, values)):
         motion = Motion(at, *between_walls(at, state)).skip(transient)
         recorded.append(RECORDS[record](motion, cycles))
         state = motion.strobe(1)[-1, :2]

@@ -91,10 +91,10 @@ def grid(machine: Machine, x: tuple[str, Vector], y: tuple[str, Vector]) -> list
     """The machines of a map, row by row."""
     if x[0] == y[0]:
         raise ValueError(f"x = y = {x[0]!r}: must be two different parameters")
-    return [along for row in varied(machine, *y) for along in varied(row, *x)]
+    return [along for row in vary(machine, *y) for along in vary(row, *x)]
 
 
-def varied(machine: Machine, name: str, values: Sequence[float] | Vector) -> list[Machine]:
+def vary(machine: Machine, name: str, values: Sequence[float] | Vector) -> list[Machine]:
     """The machine with other values of one parameter."""
     names = tuple(field.name for field in fields(machine) if field.name != "form")
     if name not in names:

@@ -55,9 +55,9 @@ def recurrence(states: Vector) -> Recurrence | None:
         end = states[-1 - REPEATS * period :]
         distance = float(distances(end[period:], end[:-period], scale).max())
         if distance <= TOLERANCE:
-            return _described(states, int(period), distance, scale, period in exact)
+            return _describe(states, int(period), distance, scale, period in exact)
     return (
-        _described(states, _smallest(states, int(exact[0]), scale), 0.0, scale, True) if exact.size else None
+        _describe(states, _smallest(states, int(exact[0]), scale), 0.0, scale, True) if exact.size else None
     )
 
 
@@ -90,16 +90,20 @@ def _smallest(states: Vector, exact: int, scale: Vector) -> int:
     return next(repeats, exact)
 
 
-def _described(states: Vector, period: int, distance: float, scale: Vector, exact: bool) -> Recurrence:
+def _describe(states: Vector, period: int, distance: float, scale: Vector, exact: bool) -> Recurrence:
     """How long the last `period` states have been the motion's orbit."""
     back = np.arange(len(states))[::-1]
     away = distances(states, states[-1 - back % period], scale)
     return Recurrence(
-        period, _kept(away, TOLERANCE) // period, distance, len(away) - _kept(away, SETTLED), exact
+        period,
+        _count_within(away, TOLERANCE) // period,
+        distance,
+        len(away) - _count_within(away, SETTLED),
+        exact,
     )
 
 
-def _kept(away: Vector, tolerance: float) -> int:
+def _count_within(away: Vector, tolerance: float) -> int:
     """Elements at the end that stay within the tolerance."""
     outside = np.flatnonzero(away > tolerance)
     return len(away) - (int(outside[-1]) + 1 if outside.size else 0)

@@ -85,7 +85,7 @@ def series_zeros(series: Vector) -> Vector:
             u += at + PAST_ZERO
             if sign * c[0] < 0.0:
                 sign = -sign
-    return _merged(found)
+    return _merge(found)
 
 
 def _next_zero(c: Vector, sign: float, length: float) -> float:
@@ -96,7 +96,7 @@ def _next_zero(c: Vector, sign: float, length: float) -> float:
     return first_fall(c, -sign, 0.0, low if sign > 0.0 else -high, length)
 
 
-def _merged(zeros: list[float]) -> Vector:
+def _merge(zeros: list[float]) -> Vector:
     kept: list[float] = []
     for zero in zeros:
         if not kept or zero - kept[-1] > ONE_ZERO:

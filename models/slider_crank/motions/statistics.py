@@ -47,23 +47,23 @@ def impact_profile(impacts: Events, velocities: Vector, xi: float, bins: int, to
     have no limit. Those of `approach_velocities` over the number of cycles have one.
     """
     edges = np.linspace(1.0 - xi, 1.0 + xi, bins + 1)
-    return _distributed(impacts, wall_position(impacts.theta, xi), edges, velocities / total)
+    return _distribute(impacts, wall_position(impacts.theta, xi), edges, velocities / total)
 
 
 def impact_spectrum(impacts: Events, velocities: Vector, bins: int, total: float) -> Distribution:
     """F (3.7): the same over equal parts of the revolution."""
     edges = np.linspace(0.0, TURN, bins + 1)
-    return _distributed(impacts, impacts.theta, edges, velocities / total)
+    return _distribute(impacts, impacts.theta, edges, velocities / total)
 
 
 def energy_profile(machine: Machine, impacts: Events, bins: int, total: float) -> Distribution:
     """Energy that the impacts take, over M l^2 Omega^2, over equal parts of the wall, over `total`."""
     edges = np.linspace(1.0 - machine.xi, 1.0 + machine.xi, bins + 1)
     position = wall_position(impacts.theta, machine.xi)
-    return _distributed(impacts, position, edges, energies(machine, impacts) / total)
+    return _distribute(impacts, position, edges, energies(machine, impacts) / total)
 
 
-def _distributed(impacts: Events, place: Vector, edges: Vector, weights: Vector) -> Distribution:
+def _distribute(impacts: Events, place: Vector, edges: Vector, weights: Vector) -> Distribution:
     inside = np.clip(place, edges[0], edges[-1])  # the ends but for rounding
     upper, lower = (
         np.histogram(inside[chosen], edges, weights=weights[chosen])[0]

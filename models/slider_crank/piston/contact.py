@@ -155,7 +155,7 @@ def held(a: Pair, b: Pair, w: Pair) -> Pair:
 
 
 @kernel
-def complementary(a: Pair, b: Pair, w: Pair) -> Pair:
+def solve_complementarity(a: Pair, b: Pair, w: Pair) -> Pair:
     """z >= 0 with A z + w >= 0 and z (A z + w) = 0; a and b are the rows of A.
 
     Exact, by trying which elements of z are positive. Unique where A is a P-matrix (friction that cannot
@@ -227,7 +227,7 @@ def needed(touching: Touching, s: Motion, m: Machine) -> Pair:
 def impulses(touching: Touching, ratios: Pair, w: Pair, s: Motion, m: Machine) -> Pair:
     """Normal impulses with given friction ratios; w = gamma_N- + e gamma_N-."""
     a, b = rows(touching, ratios, s, m)
-    return complementary(a, b, w)
+    return solve_complementarity(a, b, w)
 
 
 @kernel

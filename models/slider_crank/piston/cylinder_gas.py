@@ -248,5 +248,5 @@ def cylinder_gas() -> Component:
         energy=energy,
         feedthrough={"gas_pressure": ("crank_angle",)},
         requirements=REQUIREMENTS,
-        runs_on=True,
+        resting=(),
     )

@@ -13,7 +13,6 @@ from .contact import (
     Pair,
     Touching,
     after,
-    complementary,
     exists,
     force_on,
     gap,
@@ -26,9 +25,10 @@ from .contact import (
     reaction,
     rows,
     side,
+    solve_complementarity,
 )
 from .mechanics import Coordinates, Machine, across_row, add, dot
-from .motion import Place, closed, machine, placed, ratios_of, wall_forces
+from .motion import Place, closed, find_place, machine, ratios_of, wall_forces
 
 # After an event an open corner that touched is this share of the clearance inside its wall: a hundred
 # times the rounding of a gap.
@@ -42,7 +42,7 @@ STILL = 1e-13
 
 
 @kernel
-def touching_with(corner: int, x: Any, place: Place, m: Machine) -> Touching:
+def find_touching(corner: int, x: Any, place: Place, m: Machine) -> Touching:
     """The corner and the other one that touches, if any: closed, or at its wall at the same instant."""
     for i in range(CORNERS):
         near = gap(i, place.offset, place.tilt, m) <= TOGETHER * INSIDE * m.clearance
@@ -64,7 +64,7 @@ def with_restitution(rate: float, restitution: float) -> float:
 
 
 @kernel
-def chosen(touching: Touching, first: bool, second: bool) -> Touching:
+def select_corners(touching: Touching, first: bool, second: bool) -> Touching:
     """The wanted ones of the two corners."""
     return Touching(touching.first if first else -1, touching.second if second else -1)
 
@@ -98,7 +98,7 @@ def move_inside(x: Any, touching: Touching, m: Machine) -> None:
     """Put open corners that touch just inside their walls: the first by the offset, the
     second by the tilt."""
     margin = INSIDE * m.clearance
-    place = placed(x, m)
+    place = find_place(x, m)
     x.offset = place.offset
     x.tilt = place.tilt
     i, j = touching.first, touching.second
@@ -141,7 +141,7 @@ def speed_scale(v: Coordinates, m: Machine) -> float:
 @kernel
 def open_all(x: Any, m: Machine) -> None:
     """Write the place into the state and open all corners."""
-    place = placed(x, m)
+    place = find_place(x, m)
     x.offset = place.offset
     x.offset_rate = place.offset_rate
     x.tilt = place.tilt
@@ -154,7 +154,7 @@ def open_all(x: Any, m: Machine) -> None:
 def close_pressed(x: Any, s: Motion, p: Any, touching: Touching, m: Machine) -> None:
     """Of the corners that touch and do not part, close those that are pressed."""
     a, b = rows(touching, ratios_of(touching, s, p, m), s, m)
-    forces = complementary(a, b, needed(touching, s, m))
+    forces = solve_complementarity(a, b, needed(touching, s, m))
     if forces.first > 0.0:
         x.closed[touching.first] = 1.0
     if forces.second > 0.0:
@@ -226,7 +226,7 @@ def apply_impact(t: float, x: Any, impact: Impact, s: Motion, m: Machine) -> tup
     jump = add(v, -1.0, s.v)
     mean = add(s.v, 0.5, jump)
     walls = reaction(touching, found, impact.ratios, s, m)
-    place = placed(x, m)
+    place = find_place(x, m)
     fastest = 0.0
     for i in range(CORNERS):
         impulse = force_on(i, touching, found)
@@ -247,8 +247,8 @@ def apply_impact(t: float, x: Any, impact: Impact, s: Motion, m: Machine) -> tup
 @kernel
 def rest_after(x: Any, impact: Impact, still: float, s: Motion, p: Any, m: Machine) -> None:
     """Close the corners whose bounces have ended and that are pressed; s is the motion after the impact."""
-    touching, place = impact.touching, placed(x, m)
-    resting = chosen(
+    touching, place = impact.touching, find_place(x, m)
+    resting = select_corners(
         touching,
         impact.first_ends and approach(touching.first, place, m) <= still,
         impact.second_ends and approach(touching.second, place, m) <= still,
@@ -269,7 +269,7 @@ def contact_events(motion: Any, give: Any) -> Events:
     @kernel
     def guards(t: float, x: Any, u: Any, p: Any, g: Vector) -> None:
         m = machine(p)
-        place, touching = placed(x, m), closed(x)
+        place, touching = find_place(x, m), closed(x)
         for i in range(CORNERS):
             g[i] = gap(i, place.offset, place.tilt, m) if exists(i, m) else 1.0
         if touching.first >= 0:
@@ -282,7 +282,7 @@ def contact_events(motion: Any, give: Any) -> Events:
     def strike(t: float, x: Any, u: Any, p: Any, touching: Touching, second_closed: bool) -> None:
         """The first of two corners has reached its wall; all are open in the state."""
         m, s = machine(p), motion(x, u, p)
-        place = placed(x, m)
+        place = find_place(x, m)
         rates = Pair(approach(touching.first, place, m), approach(touching.second, place, m))
         if rates.first >= 0.0:  # found outside a wall, and leaving already
             if second_closed:
@@ -304,7 +304,7 @@ def contact_events(motion: Any, give: Any) -> Events:
             open_all(x, m)
             release(k, before.second if before.first == k else before.first, x, motion(x, u, p), p, m)
         else:
-            touching = touching_with(k, x, placed(x, m), m)
+            touching = find_touching(k, x, find_place(x, m), m)
             second_closed = touching.second >= 0 and x.closed[touching.second] != 0.0
             open_all(x, m)
             strike(t, x, u, p, touching, second_closed)

@@ -26,10 +26,10 @@ from .motion import (
     accelerations,
     coordinates,
     differentiate,
+    find_place,
     friction_power,
     machine,
     observe,
-    placed,
     rates,
 )
 from .records import (
@@ -44,7 +44,7 @@ from .records import (
 def motion(x: FreePistonCrankState, u: FreePistonCrankInputs, p: FreePistonParameters) -> Motion:
     """Crank, rod and piston under their forces."""
     m = machine(p)
-    place = placed(x, m)
+    place = find_place(x, m)
     q = coordinates(x.crank_angle, place, m)
     v = rates(x.crank_speed, q, place, m)
     inverse = free_inverse(mass_matrix(q, m))
@@ -134,7 +134,7 @@ def free_piston_crank() -> Component:
         events=contact_events(motion, give),
         requirements=REQUIREMENTS,
         start_requirements=START_REQUIREMENTS,
-        runs_on=True,
+        resting=(),
         event_counter="event_count",
         event_time="last_event_time",
     )

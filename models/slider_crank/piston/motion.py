@@ -98,7 +98,7 @@ def jammed_tilt(m: Machine) -> float:
 
 
 @kernel
-def placed(x: Any, m: Machine) -> Place:
+def find_place(x: Any, m: Machine) -> Place:
     """The state, with what closed corners determine taken from their walls."""
     corners = closed(x)
     i, j = corners.first, corners.second
@@ -157,7 +157,7 @@ def accelerations(x: Any, s: Motion, p: Any, m: Machine) -> Coordinates:
 @kernel
 def differentiate(x: Any, s: Motion, p: Any, m: Machine, dx: Any) -> None:
     """The derivatives of the shared states."""
-    place, touching = placed(x, m), closed(x)
+    place, touching = find_place(x, m), closed(x)
     forces = wall_forces(touching, s, p, m)
     q2 = accelerations(x, s, p, m)
     dx.offset = place.offset_rate
@@ -204,7 +204,7 @@ def friction_power(x: Any, s: Motion, p: Any, m: Machine) -> float:
 @kernel
 def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) -> None:
     """The shared outputs."""
-    place, touching = placed(x, m), closed(x)
+    place, touching = find_place(x, m), closed(x)
     forces = wall_forces(touching, s, p, m)
     ratios = ratios_of(touching, s, p, m)
     q2 = accelerations(x, s, p, m)

@@ -27,10 +27,10 @@ from .motion import (
     closed,
     coordinates,
     differentiate,
+    find_place,
     friction_power,
     machine,
     observe,
-    placed,
     rates,
     wall_forces,
     wall_reaction,
@@ -42,7 +42,7 @@ from .records import PistonCrankInputs, PistonCrankOutputs, PistonCrankState, Pi
 def motion(x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters) -> Motion:
     """Rod and piston under their forces, the crank's acceleration given."""
     m = machine(p)
-    place = placed(x, m)
+    place = find_place(x, m)
     q = coordinates(u.crank_angle, place, m)
     v = rates(u.crank_speed, q, place, m)
     matrix = mass_matrix(q, m)
@@ -139,7 +139,7 @@ def piston_crank() -> Component:
         events=contact_events(motion, give),
         requirements=REQUIREMENTS,
         start_requirements=START_REQUIREMENTS,
-        runs_on=True,
+        resting=(),
         event_counter="event_count",
         event_time="last_event_time",
     )
