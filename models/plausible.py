@@ -1,4 +1,4 @@
-"""Magnitudes of parameters in practice, by which a slip of the unit is noticed.
+"""Magnitudes of parameters in practice, to notice values in a wrong unit.
 
 Each range is wide: it says what engines and their valve trains have, not what is a good design.
 """

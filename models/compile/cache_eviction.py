@@ -1,4 +1,4 @@
-"""Files that are kept in the user's cache folder until nobody has used them for a while."""
+"""Eviction from the user's cache folder: files unused for three weeks are deleted."""
 
 from __future__ import annotations
 
@@ -9,22 +9,23 @@ from collections.abc import Iterable
 from pathlib import Path
 
 DAY_SECONDS = 86400.0
-# Longer than a run, or a pause in the work on something, so that nobody misses what is deleted: it is made
-# again in seconds, or in a minute or more.
+# Longer than any run and most holidays. Deleted files are rebuilt in seconds to a minute.
 KEPT_DAYS = 21
 
 
 def use(file: Path) -> None:
-    """Have the file, where there is one, kept from now on; before it is used, so that no other process
-    deletes it meanwhile. A day is near enough: files that are used all the time are written to that often."""
-    # Where the folder cannot be written nothing is deleted either.
+    """Mark the file, if it exists, as used now. Call it before reading: others delete unused files.
+
+    Marks are a day coarse, so that a file in constant use is touched once a day.
+    """
+    # In a folder without write access nothing is deleted either.
     with contextlib.suppress(OSError):
         if file.stat().st_mtime < time.time() - DAY_SECONDS:
             os.utime(file)
 
 
 def tidy(files: Iterable[Path]) -> None:
-    """Delete those that were not used in KEPT_DAYS."""
+    """Delete the files that were not used in KEPT_DAYS."""
     oldest = time.time() - KEPT_DAYS * DAY_SECONDS
     for file in files:
         # Another process may have been faster, or have the file open (on Windows).
@@ -34,7 +35,7 @@ def tidy(files: Iterable[Path]) -> None:
 
 
 def due(mark: Path) -> bool:
-    """Whether a day has gone since this was last true; the file `mark` tells."""
+    """True at most once a day; the time of the file `mark` is that of the last time."""
     with contextlib.suppress(OSError):
         if time.time() - DAY_SECONDS < mark.stat().st_mtime:
             return False

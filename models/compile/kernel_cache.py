@@ -152,7 +152,7 @@ _known: dict[Path, Any] = {}
 
 
 def _find(file: Path, target_context: Any) -> Any:
-    """The compiled code of that name, from this process or from disk, or None."""
+    """The compiled code in that file, from this process or from disk, or None."""
     known = _known.get(file)
     if known is None:
         known = _read(file, target_context)
@@ -165,7 +165,7 @@ def _find(file: Path, target_context: Any) -> Any:
 
 
 def _read(file: Path, target_context: Any) -> Any:
-    """What `_write` wrote; None if there is none or it was damaged since."""
+    """The code that `_write` wrote; None if the file is missing or damaged."""
     use(file)
     try:
         content = file.read_bytes()
@@ -179,7 +179,7 @@ def _read(file: Path, target_context: Any) -> Any:
 
 def _write(file: Path, compiled: Any) -> None:
     stream = io.BytesIO()
-    # The annotated source is long, slow to make, and only to be looked at.
+    # Only people read the annotated source; it is long and slow to make.
     pickler: Any = _Pickler
     pickler(stream, protocol=4).dump(compiled._replace(type_annotation="")._reduce())
     payload = stream.getvalue()
@@ -194,7 +194,7 @@ def _write(file: Path, compiled: Any) -> None:
 
 
 class _Pickler(serialize.NumbaPickler):
-    """Classes of this package are named by their place in it: every copy of it puts in its own."""
+    """Names classes of this package by their place in it, so that every copy of it loads its own."""
 
     def persistent_id(self, value: Any) -> str | None:
         return relative_name(value) if isinstance(value, type) and is_ours(value) else None

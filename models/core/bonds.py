@@ -1,12 +1,12 @@
 """The energies of a component, counted inside its steps with the inputs that it really saw.
 
-A component that counts has, after its own states and outputs, its stored energy, what that gained within
-steps, what was dissipated, what sources gave, and what came in through each power bond. What its stored
-energy changed by beyond `energy_gained` came from inputs that jumped between two steps. What impacts lose is
-dissipated; what their impulses give is no power of a bond and is not counted.
+A component that counts its energies has more states and outputs: its stored energy, what that gained within
+steps, the dissipated energy, the energy from internal sources, and the energy through each power bond. Inputs
+that jump between two steps change the stored energy by more than `energy_gained`. Energy lost in impacts is
+dissipated. Energy given by their impulses passes no bond and is not counted.
 
-The powers are integrated along the steps that the motion makes (see `quadrature`). The motion does not see
-it: its bits are those of the component that does not count.
+The powers are integrated along the motion's own steps (see `quadrature`). This does not affect the motion: it
+has the same bits with and without.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def energy_through(bond: PowerBond) -> str:
 
 
 def counts_energies(factory: Callable[..., Component]) -> Callable[..., Component]:
-    """A factory that makes, with `energies=1`, the component that counts its energies."""
+    """The factory with the option `energies=1`: its component then counts its energies."""
 
     @wraps(factory)
     def build(*sizes: Any, energies: int = 0, **named: Any) -> Component:
@@ -51,7 +51,7 @@ def counts_energies(factory: Callable[..., Component]) -> Callable[..., Componen
 
 
 def counting(plain: Component) -> CountingComponent:
-    """The component that moves as `plain` and counts its energies; ValueError if it takes no samples."""
+    """`plain` with its energies counted; ValueError if its own advance takes no samples."""
     if not plain.samples:
         raise ValueError(f"{plain.name}: its own advance takes no samples, by which energies are counted")
     counted = {name: Quantity("J", text) for name, text in _COUNTED.items()}

@@ -31,13 +31,13 @@ IMPACT_LOSS, IMPACT_WORK = "impact_loss", "impact_work"
 NO_EVENT = 1e30
 
 
-# Of a structural size: with so many coil masses the description of an FMU, in which every force may depend on
-# every displacement, has 15 MB and takes seconds to make; ten times as many would take minutes.
+# Of one structural size. The description of an FMU lists which force depends on which displacement: with 500
+# coil masses it has 15 MB and takes seconds to write, with 5000 minutes.
 MOST_ELEMENTS = 500
 
 
 def check_sizes(**sizes: int) -> None:
-    """ValueError for numbers of elements that a component cannot have."""
+    """ValueError for a number of elements out of range."""
     for name, size in sizes.items():
         if not 1 <= size <= MOST_ELEMENTS:
             raise ValueError(
@@ -79,24 +79,23 @@ class Component:
     Kernels take records: derivative(t, x, u, p, dx), output(t, x, u, p, y), energy(t, x, u, p, e) with
     e = [stored energy (J), dissipated power (W), power of internal sources (W)].
     `feedthrough` lists, for each output, the inputs it depends on at the same instant.
-    `requirements` are those of parameters that must fit together, `start_requirements` those of start states
-    that must fit parameters and inputs; the latter's texts begin with the state's name.
-    `advance_maker`, if given, replaces the standard integrator (with events: the hybrid one):
-    (component) -> advance kernel, with `extra_work` elements of scratch after those of the integrator. Over
-    no time (h = 0) it must leave the state as it is. `samples` is false where it does not call `sample`, by
-    which energies are counted along the motion (see `quadrature`). `ode` is false where the motion is not
-    that of dx/dt = derivative (a pressure field that only `advance` finds): the derivative then serves rates
-    of outputs (it may tell those of what steps have observed) and equilibria alone, and solvers of ODEs
-    refuse the component; where `implicit` is there, the monolithic reference can have it.
-    `resting`: the states that stand still in an equilibrium of the system; all where it is None. One that
-    turns while the mechanisms that it drives are at rest has ().
+    `requirements` relate parameters to each other. `start_requirements` relate start states to parameters and
+    inputs; their messages begin with the state's name.
 
-    For masters, names of outputs: `event_indicators` are continuous and change their sign where the mode
-    changes (contact made or lost); `event_counter` counts the events that happened inside the component
-    (impacts, landings, releases) and `event_time`, where it is known, is the time (s) of the last one;
-    `next_event` is the time (s) of the next known event ahead at which an input or a profile loses
-    smoothness, extrapolated from what is in effect, or NO_EVENT; one that has just been reached is not told
-    again. ValueError if one is no output.
+    `advance_maker(component)` returns an advance kernel that replaces the standard integrator (with events:
+    the hybrid one). It has `extra_work` elements of scratch after those of the integrator. With h = 0 it
+    leaves the state unchanged. `samples`: it calls `sample`, which energies need (see `quadrature`).
+    `ode`: dx/dt = derivative describes the motion. Without that (a pressure field that only `advance` finds)
+    the derivative serves rates of outputs and equilibria only. Solvers of ODEs refuse such a component; the
+    monolithic reference needs its `implicit`.
+    `resting`: the states that stand still in an equilibrium of the system. None: all. (): none, as for
+    a crank, which turns while the mechanisms that it drives are at rest.
+
+    The last four fields name outputs that masters use (ValueError for other names). `event_indicators` are
+    continuous and change their sign where the mode changes (contact made or lost). `event_counter` counts
+    events inside the component (impacts, landings, releases). `event_time` is the time (s) of the last one.
+    `next_event` is the time (s) of the next known event ahead, at which an input or a profile loses
+    smoothness, or NO_EVENT.
     """
 
     name: str
@@ -211,12 +210,12 @@ class Component:
 
     @cached_property
     def implicit(self) -> ImplicitSteps | None:
-        """How the motion of what is no ODE is solved together with that of others; None if it cannot be."""
+        """Implicit steps of a component that is no ODE, for the monolithic reference; None: it has none."""
         return None
 
     @property
     def counting_class(self) -> Any:
-        """The class that counts energies of components of this kind; None: `bonds.CountingComponent`."""
+        """The class that counts this component's energies; None: `bonds.CountingComponent`."""
         return None
 
     @cached_property

@@ -1,8 +1,8 @@
 """One compiled function for a whole system, from those of its components.
 
-Instances of one component that follow each other are a loop over a table of where their parts lie, and such
-groups are joined in pairs, these again, so that functions nest only as deep as the logarithm of their number,
-and compiling takes as long for a hundred instances of a component as for one.
+Neighbouring instances of one component form a group: a loop over a table of their parts. Compiling takes as
+long for a hundred of them as for one. Groups are joined in pairs, and these again, so that the functions nest
+as deep as the logarithm of their number.
 """
 
 from __future__ import annotations

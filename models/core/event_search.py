@@ -1,8 +1,8 @@
 """The first event within an integration step: which guard falls below zero first, and when.
 
-The guards are sampled along the step's interpolant. A dip between samples is searched for, so that a double
-root is seen if it is deeper than the step's error. The event is then located with Runge-Kutta steps of other
-lengths from the same start: its time has the accuracy of the integrator, not of the interpolant.
+The guards are sampled along the step's interpolant, and dips between samples are searched for: a guard that
+falls and rises again within a step is seen if it falls by more than the step's error. Runge-Kutta steps of
+other lengths from the same start then locate the event, as accurately as the integrator steps.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Integration across events: the Runge-Kutta step of `integrator`, cut where a guard falls below zero.
 
-Nothing is remembered between calls: the guards' sign at the start decides. A guard that is negative
-there (an input has jumped) makes its transition at once.
+It remembers nothing between calls. A guard that is negative at the start of a call (an input has jumped)
+makes its transition at once.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a solver of whole systems needs of a component that is no ODE: one implicit step of its inside."""
+"""Implicit steps of a component that is no ODE, for solvers of whole systems."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from .quantities import Vector
 class ImplicitSteps:
     """dq/dt = F(x, u) with q = q(x), in kernels on float vectors.
 
-    Every implicit one-step or multistep method solves (q(x) - base)/interval = F(x, u), where it makes `base`
-    and `interval` (s) of what came before.
+    Every implicit one-step or multistep method solves (q(x) - base)/interval = F(x, u); `base` and `interval`
+    (s) follow from earlier steps.
 
-    `needed(p)`: whether the parameters ask for it; the derivative serves otherwise.
-    begin(x, u, p, work): makes x ready for the first step, if nothing has.
+    `needed(p)`: whether these parameters need implicit steps; with others the derivative suffices.
+    begin(x, u, p, work): prepares x for the first step, once.
     carry(x, u, p, work, q): writes q, `carried` elements.
-    stage(x, u, p, base, interval, work) -> status: x, a guess, becomes the solution; of no use unless OK.
-    `work_size` elements of `work`, zero at first, belong to one instance.
+    stage(x, u, p, base, interval, work) -> status: replaces the guess x by the solution, valid if OK.
+    Each instance has `work_size` elements of `work` of its own, zero at first.
     """
 
     carried: int

@@ -1,7 +1,7 @@
 """The micro-step integrator inside every component: Dormand-Prince 5(4) with error control.
 
-It starts afresh at every call, so that a component's whole evolving data is (t, x): a saved copy of x
-restores it exactly. Inputs vary inside the call as polynomials u(t + s) = sum_k U[k] s^k / k!.
+It restarts at every call: (t, x) is all that evolves, and a saved copy of x restores a component exactly.
+Inputs vary inside the call as polynomials u(t + s) = sum_k U[k] s^k / k!.
 """
 
 from __future__ import annotations

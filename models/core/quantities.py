@@ -117,8 +117,8 @@ class Quantity:
 
 def per_element(start: float = 0.0) -> Vector:
     """Default of a vector-valued field: every element begins with `start`."""
-    made: Vector = field(default_factory=lambda: np.zeros(0), metadata={"start": start})
-    return made
+    default: Vector = field(default_factory=lambda: np.zeros(0), metadata={"start": start})
+    return default
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """A component alone, under inputs that are given: broken lines in time.
 
-The same two methods as for a system, begun afresh at every corner of the inputs, where solutions lose
-smoothness. What they find is independent of the component's own steps and of any FMU made of it.
+The two methods of the reference solve it. They restart at every corner of the inputs, where solutions lose
+smoothness. The result does not depend on the component's own steps or on its FMU.
 """
 
 from __future__ import annotations
@@ -97,8 +97,8 @@ def solve_driven(
     """Solve `component` at `times` (ascending) from its start `x0` at the first piece's start.
 
     CVODE, and DOP853 or Radau, both with location of events; `tolerance` as for `solve`. At an instant where
-    inputs jump, outputs are those after it. ModelError if a method fails, for starts that do not fit, and for
-    pieces that do not ascend or begin behind the first instant.
+    inputs jump, outputs are those after it. ModelError if a method fails, for start states that do not fit,
+    and for pieces whose starts do not ascend or lie after the first instant.
     """
     p = component.parameters.start.copy() if p is None else p
     x0 = component.state.start.copy() if x0 is None else x0

@@ -1,6 +1,6 @@
-"""One quick solution of a whole system: where it goes, before anything is coupled or compared.
+"""One quick solution of a whole system, by method A of the reference alone.
 
-Method A of the reference alone. It has no uncertainty of its own and is no reference.
+It has no estimate of its error: it is no reference.
 """
 
 from __future__ import annotations
