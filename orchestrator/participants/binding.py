@@ -1,7 +1,7 @@
-"""Scalars of an FMU bound to memory: what one call transfers, and what has to go variable by variable.
+"""Variables of an FMU bound to memory.
 
-Doubles go in one call, arrays of FMI 3 whole; whole numbers, truth values and single precision go one
-variable after the other.
+One call transfers all doubles, arrays of FMI 3 as a whole. Other types take a call for each
+variable.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Fail = Callable[[int], None]
 
 
 def find_array(known: Mapping[str, Variable], variable: Variable) -> list[Variable]:
-    """All elements of the variable's array, in their places; the variable itself if it is none."""
+    """All elements of the variable's array in order; a scalar alone."""
     if variable.size == 1:
         return [variable]
     key = (variable.reference, variable.type)
@@ -27,10 +27,10 @@ def find_array(known: Mapping[str, Variable], variable: Variable) -> list[Variab
     return [found[place] for place in range(variable.size)]
 
 
-class Elements:
-    """These scalars, in this order. `plain` where one call moves them as they are: no arrays, doubles only.
+class VariableBinding:
+    """Scalars bound to memory. `plain`: one call transfers all, as all are doubles and none of arrays.
 
-    Of an array that is set in part the other elements have the values in `fixed`, or their start values.
+    Other elements of an array that is set in part have the values in `fixed`, or their start values.
     """
 
     def __init__(
@@ -43,7 +43,7 @@ class Elements:
         self.fmi = fmi
         self.count = len(found := list(variables))
         doubles = [(i, v) for i, v in enumerate(found) if v.type in fmi.real_types]
-        # Where the doubles of each reference begin in one memory.
+        # Where the doubles of each reference begin in the memory.
         first: dict[int, int] = {}
         rest: list[float] = []
         for _, v in doubles:
@@ -55,7 +55,7 @@ class Elements:
         self.fast = np.array([i for i, _ in doubles], dtype=np.int64)
         self.places = np.array([first[v.reference] + v.place for _, v in doubles], dtype=np.int64)
         self.plain = len(doubles) == len(first) == len(rest) == self.count
-        # The other variables: all elements of each, their values at rest, and which of them are wanted where.
+        # Other types: all elements of each variable, their values at rest, and which of them go where.
         self.slow: dict[tuple[int, str], tuple[list[Variable], list[float], list[tuple[int, int]]]] = {}
         for i, v in enumerate(found):
             if v.type not in fmi.real_types:
@@ -65,13 +65,42 @@ class Elements:
                     self.slow[key] = (whole, [_get_rest(one, fixed) for one in whole], [])
                 self.slow[key][2].append((i, v.place))
 
-    def setting(self, fail: Fail, memory: Vector | None = None) -> Bound:
-        """To set them; `memory`, if they are plain, is where their values are."""
-        return Bound(self, self.fmi.bind_setter, fail, memory, self._set_slow)
+    def bind_set(self, fail: Fail, memory: Vector | None = None) -> None:
+        """Prepare to set them; `memory` holds their values if they are plain."""
+        self._bind(self.fmi.bind_setter, fail, memory, self._set_slow)
 
-    def getting(self, fail: Fail, memory: Vector | None = None) -> Bound:
-        """To get them, as `setting`."""
-        return Bound(self, self.fmi.bind_getter, fail, memory, self._get_slow)
+    def bind_get(self, fail: Fail, memory: Vector | None = None) -> None:
+        """Prepare to get them, as `bind_set`."""
+        self._bind(self.fmi.bind_getter, fail, memory, self._get_slow)
+
+    def _bind(
+        self,
+        bind: Callable[..., Callable[[], None]],
+        fail: Fail,
+        memory: Vector | None,
+        slow: Callable[[Vector], None],
+    ) -> None:
+        self._memory = self.rest.copy() if memory is None else memory
+        self._values = np.zeros(self.count)
+        self._transfer_fast, self._transfer_slow = bind(self.references, self._memory, fail), slow
+        # The FMU's function itself where that transfers all: it runs in every step.
+        self.transfer = self._transfer_all if self.slow else self._transfer_fast
+
+    def _transfer_all(self) -> None:
+        self._transfer_fast()
+        self._transfer_slow(self._values)
+
+    def set_values(self, values: Vector) -> None:
+        self._memory[self.places] = values[self.fast]
+        if self.slow:
+            self._values[:] = values
+        self.transfer()
+
+    def get_values(self) -> Vector:
+        """Their values, in memory that the next call uses again."""
+        self.transfer()
+        self._values[self.fast] = self._memory[self.places]
+        return self._values
 
     def _set_slow(self, values: Vector) -> None:
         for whole, rest, wanted in self.slow.values():
@@ -89,43 +118,3 @@ class Elements:
 
 def _get_rest(variable: Variable, fixed: Mapping[str, float] | None) -> float:
     return (fixed or {}).get(variable.name, variable.start or 0.0)
-
-
-class Bound:
-    """`Elements` with memory for their values."""
-
-    def __init__(
-        self,
-        elements: Elements,
-        transfer: Callable[..., Callable[[], None]],
-        fail: Fail,
-        memory: Vector | None,
-        slow: Callable[[Vector], None],
-    ) -> None:
-        self._elements = e = elements
-        self._memory = e.rest.copy() if memory is None else memory
-        self._values = np.zeros(e.count)
-        self._move = transfer(e.references, self._memory, fail)
-        self._slow = slow
-        self.plain = e.plain
-        # What runs in every step is such a function itself where that will do.
-        self.transfer = self._move if not e.slow else self._transfer
-
-    def _transfer(self) -> None:
-        self._move()
-        self._slow(self._values)
-
-    def give(self, values: Vector) -> None:
-        """Set them to these."""
-        e = self._elements
-        self._memory[e.places] = values[e.fast]
-        if e.slow:
-            self._values[:] = values
-        self.transfer()
-
-    def values(self) -> Vector:
-        """Get them; memory that is used again."""
-        e = self._elements
-        self.transfer()
-        self._values[e.fast] = self._memory[e.places]
-        return self._values

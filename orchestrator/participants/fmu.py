@@ -17,7 +17,7 @@ from models.core.quantities import Vector
 from models.core.system import suggestion
 
 from ..errors import CannotSerializeError, ParticipantError, RefusedError
-from .binding import Elements, find_array
+from .binding import VariableBinding, find_array
 from .bound_calls import ArrayLayout
 from .capabilities import name_derivative, signal_degrees
 from .compiled import GET, RELEASE, SAVE, SET, STEP, CompiledCalls
@@ -97,6 +97,9 @@ class FmuParticipant(ErrorReporter):
             )
         return self._variables[name]
 
+    def _bind_variables(self, names: Iterable[str]) -> VariableBinding:
+        return VariableBinding(self._fmi, self._variables, map(self._variable, names))
+
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return signal_degrees(self._description, input_names)
 
@@ -118,20 +121,19 @@ class FmuParticipant(ErrorReporter):
                     columns.append(column)
         self._inputs = inputs
         self._picked = np.array(rows, dtype=np.int64), np.array(columns, dtype=np.int64)
-        elements = Elements(self._fmi, self._variables, found, self._asked.inputs)
+        self._set = VariableBinding(self._fmi, self._variables, found, self._asked.inputs)
         # Where every derivative is taken, the bound memory is handed over as it is.
-        whole = len(found) == inputs.size and elements.plain
-        self._set = elements.setting(self._setting_failed, inputs.ravel() if whole else None)
+        whole = len(found) == inputs.size and self._set.plain
+        self._set.bind_set(self._setting_failed, inputs.ravel() if whole else None)
         self.write = self._set.transfer if whole else self._write_picked
         self._interpolate(input_names, inputs)
         self.follows = np.zeros(inputs.shape, dtype=np.bool_)
         self.follows[self._picked] = True
         self.follows[:, self._interpolated] = True
-        self._all = Elements(self._fmi, self._variables, map(self._variable, self._asked.outputs)).getting(
-            self._reading_failed
-        )
+        self._all = self._bind_variables(self._asked.outputs)
+        self._all.bind_get(self._reading_failed)
         rated = self._bind_read(output_names, outputs, rates)
-        self._given, self._plain = elements.references, elements.plain and self._get.plain
+        self._given, self._plain = self._set.references, self._set.plain and self._get.plain
         return rated
 
     def compiled_calls(self) -> CompiledCalls | str:
@@ -180,13 +182,12 @@ class FmuParticipant(ErrorReporter):
         wanted = [self._variable(name) for name in output_names]
         companions = self._rates_by_output() if rates.size else {}
         rated = [i for i, name in enumerate(output_names) if name in companions]
-        elements = Elements(
-            self._fmi, self._variables, [*wanted, *(companions[output_names[i]] for i in rated)]
-        )
-        self._taken, self._rated = elements.references, np.array(rated, dtype=np.int64)
+        names = [*output_names, *(companions[output_names[i]].name for i in rated)]
+        self._get = self._bind_variables(names)
+        self._taken, self._rated = self._get.references, np.array(rated, dtype=np.int64)
         self._outputs, self._rates = outputs, rates
-        direct = elements.plain and not rated
-        self._get = elements.getting(self._reading_failed, outputs if direct else None)
+        direct = self._get.plain and not rated
+        self._get.bind_get(self._reading_failed, outputs if direct else None)
         self.read = self._get.transfer if direct else self._read_with_rates
         self._called: list[int] = []
         if not rates.size:
@@ -226,7 +227,7 @@ class FmuParticipant(ErrorReporter):
         }
 
     def _read_with_rates(self) -> None:
-        values, count = self._get.values(), self._outputs.size
+        values, count = self._get.get_values(), self._outputs.size
         self._outputs[:] = values[:count]
         self._rates[self._rated] = values[count:]
 
@@ -255,7 +256,7 @@ class FmuParticipant(ErrorReporter):
         self._stepping = True
 
     def _write_picked(self) -> None:
-        self._set.give(self._inputs[self._picked])
+        self._set.set_values(self._inputs[self._picked])
 
     def _setting_failed(self, status: int) -> None:
         self._fail(status, "setting the inputs")
@@ -276,8 +277,8 @@ class FmuParticipant(ErrorReporter):
 
     def _readable(self, names: Sequence[str]) -> Any:
         """The references of these outputs, if one call of compiled code reads them; else None."""
-        elements = Elements(self._fmi, self._variables, map(self._variable, names))
-        return elements.references if elements.plain else None
+        binding = self._bind_variables(names)
+        return binding.references if binding.plain else None
 
     def _raise_failed(self, call: int, status: int, time: float, step: float) -> None:
         """Raise the error of a call that compiled code made; not of a step that was made after all."""
@@ -288,7 +289,7 @@ class FmuParticipant(ErrorReporter):
 
     def read_all(self, values: Vector) -> None:
         with self._name_errors("reading the outputs"):
-            values[:] = self._all.values()
+            values[:] = self._all.get_values()
 
     def linearisable(self, names: Iterable[str]) -> bool:
         """Directional derivatives by and of these variables and its states say all about it."""
