@@ -12,7 +12,7 @@ from functools import partial
 from models.core.quantities import Vector
 from orchestrator.engine.step import Step
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
 
 from .loops import run_bare, run_master, run_script
@@ -43,7 +43,7 @@ class Sparse:
 def rows() -> list[tuple[str, str]]:
     """Figures for the report."""
     scenario = load("valve-train")
-    system = assembly.at_start(scenario, assembly.system_of(scenario))
+    system = resolve_start(scenario, build_system(scenario))
     quadratic = GaussSeidel("quadratic")
     candidates: dict[str, Callable[[], float]] = {
         SCRIPT: partial(run_script, system),

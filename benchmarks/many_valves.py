@@ -17,7 +17,7 @@ import tomli_w
 
 from models.core.system import Instance, System
 from models.monolithic import solve
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import SHIPPED, load
 from orchestrator.scenario.values import build_component
@@ -66,7 +66,7 @@ def one_valve(base: Scenario, phase: float) -> System:
     shaft["parameters"], shaft["start"] = SPEED, {"angle": f"{turn} deg"}
     camshaft["parameters"] = {**camshaft["parameters"], "drive_ratio": 0.5, "phase": f"{phase} deg"}
     scenario = build_scenario(content)
-    system = assembly.at_start(scenario, assembly.system_of(scenario))
+    system = resolve_start(scenario, build_system(scenario))
     if turn == 0.0:
         return system
     state = solve(system, np.linspace(0.0, -turn / DEGREES_PER_SECOND, 101)).state[-1]

@@ -28,14 +28,14 @@ ROLLBACKS = """
 import sys
 from pathlib import Path
 from fmus.build import build
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.engine.exchange import Exchange
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import open_fmu
 from orchestrator.scenario.files import load
 STEPS, STEP = int(sys.argv[1]), 1e-6
 scenario = load("quarter-car")
-system = assembly.at_start(scenario, assembly.system_of(scenario))
+system = resolve_start(scenario, build_system(scenario))
 participants = {
     n: open_fmu(n, build(i.component.name, structure=i.component.structure), i)
     for n, i in system.instances.items()

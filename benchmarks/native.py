@@ -11,7 +11,7 @@ from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
 from models.core.system import System
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Master, Newton
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
 from orchestrator.stepping import FixedSteps, Stepper
 
@@ -64,7 +64,7 @@ def run_ecos(system: System, paths: Mapping[str, Path]) -> float:
 def rows() -> Iterator[tuple[str, str]]:
     """Figures and their values: rates, and how many times faster native ones are."""
     scenario, controlled = load("valve-train"), load("valve-train-controlled")
-    system = assembly.at_start(scenario, assembly.system_of(scenario))
+    system = resolve_start(scenario, build_system(scenario))
     found = list_files(system)
     ways: dict[str, Callable[[Mapping[str, Path]], float]] = {
         "gauss_seidel, hold": partial(measure_rate, system, master=lambda: GaussSeidel("hold")),
@@ -75,7 +75,7 @@ def rows() -> Iterator[tuple[str, str]]:
         "newton, quadratic": partial(measure_rate, system, master=lambda: Newton("quadratic")),
         "step control of valve-train-controlled": partial(
             measure_rate,
-            assembly.at_start(controlled, assembly.system_of(controlled)),
+            resolve_start(controlled, build_system(controlled)),
             master=controlled.build_master,
             steps=controlled.build_steps,
         ),

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from functools import partial
 
 from orchestrator.masters import GaussSeidel, Jacobi
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
 
 from .loops import run_bare, run_master
@@ -22,7 +22,7 @@ CALLS, BARE = "calls", "bare ctypes loop"
 def measure() -> dict[str, float]:
     """Seconds per macro step: of the calls alone, of the bare loop, and of our masters."""
     scenario = load("valve-train")
-    system = assembly.at_start(scenario, assembly.system_of(scenario))
+    system = resolve_start(scenario, build_system(scenario))
     candidates: dict[str, Callable[[], float]] = {
         CALLS: partial(run_bare, system, moving=False),
         BARE: partial(run_bare, system),

@@ -12,7 +12,8 @@ from models.core.quantities import Vector
 from orchestrator.command_line.fmu import build_fmu
 from orchestrator.engine.step import Step
 from orchestrator.masters import Jacobi
-from orchestrator.run.assembly import fmu_files, participants_of, system_of
+from orchestrator.run.participants import build_participants
+from orchestrator.run.plan import build_system, resolve_fmus
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 
@@ -40,8 +41,11 @@ def seconds(process: str) -> float:
     parts = ("first", "second")
     scenario = load("two-masses", [f"components.{part}.process={process}" for part in parts])
     step, clock = scenario.macro_step, WallClock()
-    units = participants_of(
-        scenario, system := system_of(scenario), fmu_files(scenario, build_fmu), lambda name, make: make()
+    units = build_participants(
+        scenario,
+        system := build_system(scenario),
+        resolve_fmus(scenario, build_fmu),
+        lambda name, make: make(),
     )
     try:
         simulate(system, units, Jacobi("hold"), step, STEPS * step, [clock])

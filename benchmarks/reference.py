@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from models.monolithic import solve
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
 
 
 def rows() -> list[tuple[str, str]]:
     """Figures for the report."""
     scenario = load("valve-train")
-    system = assembly.at_start(scenario, assembly.system_of(scenario))
+    system = resolve_start(scenario, build_system(scenario))
     times = np.linspace(0.0, 0.06, 3001)
     solve(system, times[:3])  # compile
     reference = solve(system, times)

@@ -16,7 +16,7 @@ import numpy as np
 
 from models.core.system import System
 from models.monolithic import solve
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
 
 from .loops import run_master
@@ -47,7 +47,7 @@ def solve_reference(system: System, times: np.ndarray) -> float:
 def rows() -> list[tuple[str, str]]:
     """Figures for the report."""
     scenario = load("valve-train")
-    system = assembly.at_start(scenario, assembly.system_of(scenario))
+    system = resolve_start(scenario, build_system(scenario))
     paths = list_files(system)
     steps = round(scenario.stop_time / scenario.macro_step)
     times = np.linspace(0.0, scenario.stop_time, round(scenario.stop_time / scenario.output_step) + 1)

@@ -1,18 +1,23 @@
-"""What a finished coupled run comes to, compared with the monolithic reference."""
+"""Assess a run: its contacts and steps, and its errors against the monolithic reference."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from models.core.quantities import Vector
 from models.core.system import System
 
-from ..run import assembly
+from ..run.plan import Plan, collect_output_quantities
+from ..run.record import ENDS, NOT_COMPARED, OUTSIDE, WITHIN, Ending, Record, classify_ending
 from ..run.report import Reporter
 from ..scenario import Scenario
 from ..store.result_file import ResultFile
-from .comparison import compare, largest_uncertainty, verdict
-from .summary import NOT_COMPARED, OUTSIDE, WITHIN, Summary
+from .comparison import Errors, compare, largest_uncertainty, verdict
+from .contacts import Courses, courses_of_rows, with_angles
+from .diagnosis import Diagnosis, Facts, diagnosed, steps_of, suggestions
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
@@ -20,49 +25,97 @@ if TYPE_CHECKING:
 # Records compared with the reference (and drawn) at most: bounds memory, and is dense in any cycle.
 COMPARED_RECORDS = 100_000
 
-
-def judge(
-    scenario: Scenario, system: System, result: ResultFile, summary: Summary, reporter: Reporter
-) -> None:
-    """What the finished coupled run comes to."""
-    if scenario.reference.enabled:
-        _compared(scenario, system, result, summary, reporter)
-    else:
-        summary.verdict = "not compared: the reference is switched off (reference.enabled)"
-        summary.exit_status = NOT_COMPARED
-    summary.complete, summary.message, summary.resumable = True, "complete", False
+# Where extremes of contacts are from.
+MACRO_STEPS, ROWS = "all macro steps", "recorded rows"
 
 
-def compared_every(result: ResultFile) -> int:
-    """Records of the coupled run from one compared to the next."""
-    return -(-result.length("coupled") // COMPARED_RECORDS)
+@dataclass(frozen=True)
+class Report:
+    """The assessment of a run, complete or not."""
+
+    ending: Ending
+    contacts: Courses
+    contacts_from: str = MACRO_STEPS
+    steps: Diagnosis | None = None
+    rejected_steps: int = 0
+    suggestions: Sequence[str] = field(default_factory=list)
+    errors: Errors = field(default_factory=dict)
+    verdict: str = "not compared"
+    reference_time_s: float | None = None
+    reference_uncertainty: float | None = None
 
 
-def _compared(
-    scenario: Scenario, system: System, result: ResultFile, summary: Summary, reporter: Reporter
-) -> None:
-    rows = slice(None, None, compared_every(result))
-    names = assembly.compared(scenario, system)
-    coupled = result.read("coupled", ["time", *names], rows)
-    reference = _reference(scenario, system, coupled["time"], reporter)
-    summary.reference_time_s = reference.wall_time_s
-    quantities = assembly.output_quantities(system)
+def assess(plan: Plan, record: Record, result: ResultFile, reporter: Reporter) -> Report:
+    """Assess the run whose rows are in `result`; only a complete one is compared with the reference."""
+    report = _diagnose(plan.scenario, record, result, _summarise_contacts(plan.system, record, result))
+    if not record.ending.complete:
+        return report
+    if not plan.scenario.reference.enabled:
+        return replace(
+            report,
+            verdict="not compared: the reference is switched off (reference.enabled)",
+            ending=Ending(True, False, "complete", NOT_COMPARED),
+        )
+    try:
+        return _compare(plan, result, reporter, report)
+    except ENDS as error:
+        return replace(report, ending=classify_ending(error, result.path.parent))
+
+
+def _summarise_contacts(system: System, record: Record, result: ResultFile) -> Report:
+    """The contacts as observed, or else as recorded, with their angles."""
+    contacts, source = record.contacts, MACRO_STEPS
+    if result.length("coupled") > 1:
+        read = partial(result.read, "coupled", rows=slice(None))
+        if not contacts and (found := courses_of_rows(system, read)):
+            contacts, source = found, ROWS
+        contacts = with_angles(system, contacts, read)
+    return Report(record.ending, contacts, source)
+
+
+def _diagnose(scenario: Scenario, record: Record, result: ResultFile, report: Report) -> Report:
+    """Add what limited the steps."""
+    steps = steps_of(result)
+    diagnosis = diagnosed(steps, record.do_steps)
+    if not diagnosis:
+        return report
+    remedies = suggestions(Facts(diagnosis, steps, scenario))
+    return replace(report, steps=diagnosis, rejected_steps=diagnosis.rejected, suggestions=remedies)
+
+
+def _compare(plan: Plan, result: ResultFile, reporter: Reporter, report: Report) -> Report:
+    """Solve the reference, add it to the result, and compare."""
+    scenario, system = plan.scenario, plan.system
+    names = _select_compared(scenario, system)
+    every = -(-result.length("coupled") // COMPARED_RECORDS)
+    coupled = result.read("coupled", ["time", *names], slice(None, None, every))
+    reference = _solve_reference(scenario, system, coupled.pop("time"), reporter)
+    quantities = collect_output_quantities(system)
     result.write("reference", reference.times, quantities, reference.outputs)
     result.attribute("reference", "tolerance", scenario.reference.tolerance)
-    del coupled["time"]
     columns = {name: reference.outputs[:, system.outputs.names.index(name)] for name in names}
     nominal = {name: quantities[name].nominal for name in names}
-    summary.errors = compare(
-        reference.times, coupled, columns, reference.uncertainty, nominal, scenario.tolerance
-    )
-    for name, error in summary.errors.items():
+    errors = compare(reference.times, coupled, columns, reference.uncertainty, nominal, scenario.tolerance)
+    for name, error in errors.items():
         result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
-    summary.reference_uncertainty = largest_uncertainty(summary.errors)
-    within, summary.verdict = verdict(summary.errors)
-    summary.exit_status = WITHIN if within else OUTSIDE
+    within, text = verdict(errors)
+    return replace(
+        report,
+        ending=Ending(True, False, "complete", WITHIN if within else OUTSIDE),
+        errors=errors,
+        verdict=text,
+        reference_time_s=reference.wall_time_s,
+        reference_uncertainty=largest_uncertainty(errors),
+    )
 
 
-def _reference(scenario: Scenario, system: System, times: Vector, reporter: Reporter) -> Reference:
+def _select_compared(scenario: Scenario, system: System) -> list[str]:
+    """All connected outputs, and those with a tolerance."""
+    connected = {str(connection.source) for connection in system.connections}
+    return [name for name in system.outputs.names if name in connected or name in scenario.tolerance]
+
+
+def _solve_reference(scenario: Scenario, system: System, times: Vector, reporter: Reporter) -> Reference:
     from models.monolithic import LONGEST_STEP, solve
 
     table = scenario.reference

@@ -1,38 +1,28 @@
-"""What a run came to: summary.json."""
+"""The summary of a run: summary.json."""
 
 from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from ..energy.account import Account
+from ..run.plan import Plan
+from ..run.record import FAILED, Ending, Record, Warnings
 from ..store.atomic_write import replace
+from .assess import MACRO_STEPS, Report
 from .comparison import Errors
 from .contacts import Courses
 from .diagnosis import Diagnosis
 
-# Exit statuses of the command line.
-WITHIN, OUTSIDE, MISTAKE, FAILED, NOT_COMPARED, INTERRUPTED = 0, 1, 2, 3, 4, 130
-
-
-# Where extremes of contacts are from.
-MACRO_STEPS, ROWS = "all macro steps", "recorded rows"
-
 
 @dataclass(frozen=True)
-class Warnings:
-    """How many an FMU gave, and the first message, empty if it says none."""
-
-    count: int
-    first: str
-
-
-@dataclass
 class Summary:
-    """Filled in while the run goes on, so that an incomplete one has what is known."""
+    """What a run came to. An incomplete one has what is known."""
 
     scenario: str
     description: str
@@ -41,16 +31,16 @@ class Summary:
     macro_step: float
     fixed_steps: bool
     tolerance: dict[str, float]
-    figures: bool = True  # were to be drawn; `tribocosim resume` keeps to it
+    figures: bool = True  # were to be drawn; `tribocosim resume` does the same
     complete: bool = False
-    resumable: bool = True  # `tribocosim resume` can go on
-    message: str = "the run was not finished"
-    verdict: str = "not compared"
+    resumable: bool = True  # `tribocosim resume` can continue it
+    message: str = Ending.message
+    verdict: str = Report.verdict
     exit_status: int = FAILED
     macro_steps: int = 0
     rejected_steps: int = 0
     iterations: int = 0
-    do_steps: int | None = None  # of single participants; None where the run did not end
+    do_steps: int | None = None
     wall_time_s: float = 0.0
     coupled_time_s: float = 0.0
     reference_time_s: float | None = None
@@ -60,10 +50,10 @@ class Summary:
     contacts_from: str = MACRO_STEPS
     energy: Account | None = None
     steps: Diagnosis | None = None
-    suggestions: list[str] = field(default_factory=list)
-    warnings: dict[str, Warnings] = field(default_factory=dict)
-    not_numbers: dict[str, float] = field(default_factory=dict)  # since when (s) an output was NaN
-    python_sweeps: dict[str, str] = field(default_factory=dict)  # which participants cost the fast path, why
+    suggestions: Sequence[str] = field(default_factory=list)
+    warnings: Mapping[str, Warnings] = field(default_factory=dict)
+    not_numbers: Mapping[str, float] = field(default_factory=dict)
+    python_sweeps: Mapping[str, str] = field(default_factory=dict)
     fmus: dict[str, str] = field(default_factory=dict)
 
     def content(self) -> dict[str, Any]:
@@ -76,18 +66,41 @@ class Summary:
                 "below_reference_uncertainty": error.below_uncertainty,
                 "within_tolerance": error.within if error.tolerance is not None else None,
             }
-        return _strict(content)
+        return _replace_infinite(content)
 
     def write(self, path: Path) -> None:
         replace(path, (json.dumps(self.content(), indent=2, allow_nan=False) + "\n").encode())
 
 
-def _strict(value: Any) -> Any:
+def summarise(
+    plan: Plan, ending: Ending, record: Record, report: Report | None = None, seconds: float = 0.0
+) -> Summary:
+    """The summary of a run of so many seconds that ended so."""
+    scenario = plan.scenario
+    found = vars(record) | (vars(report) if report else {})
+    del found["ending"]
+    return Summary(
+        scenario=scenario.name,
+        description=scenario.description,
+        version=metadata.version("tribocosim"),
+        master=scenario.master.model_dump(),
+        macro_step=scenario.macro_step,
+        fixed_steps=scenario.step_control is None,
+        tolerance=dict(scenario.tolerance),
+        figures=plan.figures,
+        fmus=plan.sha256,
+        wall_time_s=seconds,
+        **vars(ending),
+        **found,
+    )
+
+
+def _replace_infinite(value: Any) -> Any:
     """JSON has no infinity and no NaN: null instead."""
     if isinstance(value, dict):
-        return {str(key): _strict(item) for key, item in value.items()}
+        return {str(key): _replace_infinite(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_strict(item) for item in value]
+        return [_replace_infinite(item) for item in value]
     if isinstance(value, (bool, int, str, type(None))):
         return value
     number = float(value)

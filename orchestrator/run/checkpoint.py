@@ -26,7 +26,6 @@ from ..store.atomic_write import replace
 from ..store.json_codec import Plain, from_text, to_text
 
 FORMAT = "tribocosim checkpoint 1"
-NAME = "checkpoint"
 # With another version of these the last bits may differ.
 COMPUTING = ("tribocosim", "numpy", "scipy", "numba", "llvmlite")
 # Of the wall time at most, where a disk is slow or a state large.

@@ -1,18 +1,17 @@
-"""The coupled run of a job: its participants, and those who watch it."""
+"""Execute a plan: the coupled run with its participants and observers."""
 
 from __future__ import annotations
 
 import sys
 import time as clock
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 
 from models.core.quantities import Vector
-from models.core.system import System
 
 from ..assessment.contacts import ContactObserver
-from ..assessment.summary import Summary, Warnings
+from ..assessment.summary import summarise
 from ..energy import Ledger, Trimmed, counted, estimated
 from ..engine.observer import Observer
 from ..engine.step import Step
@@ -21,158 +20,189 @@ from ..participants import FmuParticipant, InOwnProcess, Participant
 from ..store.journal import FLUSH_SECONDS, SUFFIX, Recorded
 from ..store.json_codec import Plain
 from ..store.run_state import shown
-from . import assembly
-from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import Checkpoints, Identity
 from .exit_guard import guarding
 from .interruption import Interruption
-from .job import Job
 from .nan_monitor import NotNumbers
-from .output_folder import SUMMARY
+from .output_folder import SCENARIO, SUMMARY, OutputFolder
+from .participants import build_participants, select_counting
+from .plan import Plan, collect_output_quantities
+from .record import ENDS, Ending, Record, Warnings, classify_ending
 from .recording import ResultRecorder
-from .simulation import simulate
+from .report import Reporter
+from .simulation import Statistics, simulate
 from .watchdog import watching
 from .workload import Forecast
 
+Checkpoint = tuple[Identity, Plain]
 
-def run_coupled(
-    job: Job, system: System, fmus: dict[str, assembly.FmuFile], identity: Identity, summary: Summary
-) -> None:
-    """Make it, and put what it came to into the summary, also where it fails.
 
-    RefusedError if a participant fails before the first values.
+def execute(
+    plan: Plan, folder: OutputFolder, reporter: Reporter, checkpoint: Checkpoint | None = None
+) -> Record:
+    """Run from the start or from a checkpoint, to the end or to what stops it.
+
+    Raises RefusedError if a participant fails before the first values, and CheckpointError if the checkpoint
+    is not of this plan; nothing of an earlier run is changed then.
     """
-    scenario, every, stop = job.scenario, job.scenario.record_every, job.scenario.stop_time
-    quantities = assembly.output_quantities(system)
-    # An FMU that may end this process at any moment must not take records along.
-    exposed = [
-        name for name, table in scenario.components.items() if table.untrusted and not table.own_process
-    ]
-    held_for = 0.0 if exposed else FLUSH_SECONDS
-    not_numbers, contacts = NotNumbers(every, stop), ContactObserver(system)
-    recorders: list[Observer] = [ResultRecorder(job.folder, quantities, every, held_for, stop), not_numbers]
-    ledger = None
-    if scenario.energy.ledger:
-        system = estimated(counted(system, assembly.counting_instances(scenario, system)))
-        ledger = Ledger(system, every, job.folder, stop)
-        recorders = [*(Trimmed(recorder, system) for recorder in recorders), ledger]
-    recorders.append(contacts)
-    counter = _Counter(job.begun)
-    stage = job.reporter.stage(f"coupled run, master {scenario.master.name}", scenario.stop_time)
-    told = partial(_tell_of_exit, exposed, job, summary, contacts) if exposed else None
-    with _refusing(counter), guarding(told), watching(scenario, job.out / SUMMARY, summary) as watchdog:
+    identity = Identity.of(folder.path / SCENARIO, plan.sha256)
+    if checkpoint:
+        identity.check(checkpoint[0], shown(folder.path))
+    else:  # this is left if a participant ends the process
+        summarise(plan, Ending(), Record()).write(folder.path / SUMMARY)
+    observation = _Observation(plan, folder)
+    try:
+        statistics = _couple(plan, folder, reporter, observation, identity, checkpoint)
+    except ENDS as error:
+        refused = isinstance(error, ParticipantError) and not isinstance(error, StalledError)
+        if refused and observation.counter.steps < 0:
+            raise RefusedError(str(error)) from None
+        return observation.record(classify_ending(error, folder.path), None)
+    return observation.record(Ending(complete=True), statistics)
+
+
+class _Observation:
+    """The observers of a run and what they have seen; `system` is the one to be run."""
+
+    def __init__(self, plan: Plan, folder: OutputFolder) -> None:
+        scenario, system = plan.scenario, plan.system
+        every, stop = scenario.record_every, scenario.stop_time
+        quantities = collect_output_quantities(system)
+        held_for = 0.0 if plan.exposed else FLUSH_SECONDS  # a process that ends takes no rows along
+        self.not_numbers, self.contacts = NotNumbers(every, stop), ContactObserver(system)
+        self.counter = _Counter(folder.backup.delete)
+        self.warnings: dict[str, Warnings] = {}
+        recorder = ResultRecorder(folder.unfinished, quantities, every, held_for, stop)
+        recorders: list[Observer] = [recorder, self.not_numbers]
+        self._ledger = None
+        if scenario.energy.ledger:
+            system = estimated(counted(system, select_counting(scenario, system)))
+            self._ledger = Ledger(system, every, folder.unfinished, stop)
+            recorders = [*(Trimmed(recorder, system) for recorder in recorders), self._ledger]
+        self.system = system
+        self.observers = [*recorders, self.contacts, self.counter]
+
+    def record(self, ending: Ending, statistics: Statistics | None) -> Record:
+        if self.counter.steps < 0:
+            return Record(ending, warnings=self.warnings)
+        return Record(
+            ending,
+            macro_steps=self.counter.steps,
+            iterations=self.counter.iterations,
+            do_steps=statistics.do_steps if statistics else None,
+            coupled_time_s=statistics.coupled_time_s if statistics else self.counter.time_s,
+            contacts=self.contacts.courses(),
+            energy=self._ledger.account() if self._ledger else None,
+            warnings=self.warnings,
+            not_numbers=self.not_numbers.since,
+            python_sweeps=statistics.python_sweeps if statistics else {},
+        )
+
+
+def _couple(
+    plan: Plan,
+    folder: OutputFolder,
+    reporter: Reporter,
+    observation: _Observation,
+    identity: Identity,
+    checkpoint: Checkpoint | None,
+) -> Statistics:
+    """Make the participants and step them."""
+    scenario, system, stop = plan.scenario, observation.system, plan.scenario.stop_time
+    stage = reporter.stage(f"coupled run, master {scenario.master.name}", stop)
+    tell = partial(_report_exit, plan, folder, observation) if plan.exposed else None
+    summary = summarise(plan, Ending(), Record())
+    with guarding(tell), watching(scenario, folder.path / SUMMARY, summary) as watchdog:
         units: dict[str, Participant] = {}
 
-        def made(name: str, make: Callable[[], Participant]) -> Participant:
+        def wrap(name: str, make: Callable[[], Participant]) -> Participant:
             return watchdog.made(name, lambda: units.setdefault(name, make()))
 
-        participants = assembly.participants_of(scenario, system, fmus, made)
+        participants = build_participants(scenario, system, plan.fmus, wrap)
         try:
             with stage as bar, Interruption() as interruption:
-                forecast = Forecast(stop, job.reporter.line)
-                keeper = [_checkpoints(job, identity, interruption)] if scenario.checkpoint_every else []
-                statistics = simulate(
+                observers = [*watchdog.observers, *observation.observers]
+                if every := scenario.checkpoint_every:
+                    path, say = folder.checkpoint, reporter.line
+                    observers.append(
+                        Checkpoints(path, identity, every, stop, lambda: interruption.asked, say)
+                    )
+                return simulate(
                     system,
                     participants,
                     scenario.build_master(),
                     scenario.build_steps(),
-                    scenario.stop_time,
-                    [*watchdog.observers, *recorders, counter, *keeper, bar, forecast, interruption],
-                    resumed=job.resumed[1] if job.resumed else None,
+                    stop,
+                    [*observers, bar, Forecast(stop, reporter.line), interruption],
+                    resumed=checkpoint[1] if checkpoint else None,
                 )
         finally:
-            summary.macro_steps, summary.iterations = max(0, counter.steps), counter.iterations
-            summary.coupled_time_s = counter.time_s
-            summary.energy = ledger.account() if ledger else None
-            summary.warnings = _warnings(units)
-            summary.not_numbers, summary.contacts = not_numbers.since, contacts.courses()
+            observation.warnings = _collect_warnings(units)
             for participant in participants.values():
                 participant.close()
-    summary.do_steps, summary.python_sweeps = statistics.do_steps, dict(statistics.python_sweeps)
-    summary.iterations = statistics.iterations
-    summary.coupled_time_s = statistics.coupled_time_s
 
 
-@contextmanager
-def _refusing(counter: _Counter) -> Iterator[None]:
-    """A participant that fails before the first values, by its parameters or its file, is refused; one that
-    does not come back may do so another time."""
-    try:
-        yield
-    except StalledError:
-        raise
-    except ParticipantError as error:
-        if counter.steps < 0:
-            raise RefusedError(str(error)) from None
-        raise
-
-
-def _tell_of_exit(names: Sequence[str], job: Job, summary: Summary, contacts: ContactObserver) -> None:
-    """One of these FMUs has called `exit`: say so, also in the summary."""
-    last = None
+def _report_exit(plan: Plan, folder: OutputFolder, observation: _Observation) -> None:
+    """One of the exposed FMUs has called `exit`: say so, also in the summary."""
+    names, last = plan.exposed, None
     with suppress(RunError, MistakeError):
-        last = Recorded(job.folder / f"coupled{SUFFIX}").last_time()
+        last = Recorded(folder.unfinished / f"coupled{SUFFIX}").last_time()
     after = "before the first step" if last is None else f"after t = {last:.9g} s"
     who = names[0] if len(names) == 1 else f"one of {', '.join(names)}"
     apart = " and ".join(f"components.{name}.process = 'own'" for name in names)
-    summary.message = (
+    message = (
         f"incomplete: {who}: the FMU ended the process of the whole command by calling exit, {after}; "
-        f"set {apart}, which keeps it apart; tribocosim resume {shown(job.out)} makes the result of what was "
-        "recorded"
+        f"set {apart}, which keeps it apart; tribocosim resume {shown(folder.path)} makes the result of what "
+        "was recorded"
     )
-    summary.contacts = contacts.courses()
-    print(f"tribocosim: {summary.message}", file=sys.stderr)
+    print(f"tribocosim: {message}", file=sys.stderr)
     with suppress(OSError):
-        summary.write(job.out / SUMMARY)
+        record = Record(contacts=observation.contacts.courses())
+        summarise(plan, Ending(message=message), record).write(folder.path / SUMMARY)
 
 
-def _warnings(units: Mapping[str, Participant]) -> dict[str, Warnings]:
-    """Of the FMUs that gave any."""
+def _collect_warnings(units: Mapping[str, Participant]) -> dict[str, Warnings]:
+    """The warnings of the FMUs that gave any."""
     found = {}
     for name, unit in units.items():
         if isinstance(unit, (FmuParticipant, InOwnProcess)):
-            with suppress(RunError):  # why the run ended is said already
+            with suppress(RunError):  # the run has ended, and the reason is known
                 count, first = unit.warnings()
                 if count:
                     found[name] = Warnings(count, first)
     return found
 
 
-def _checkpoints(job: Job, identity: Identity, interruption: Interruption) -> Checkpoints:
-    every, stop = job.scenario.checkpoint_every, job.scenario.stop_time
-    path = job.folder / CHECKPOINT
-    return Checkpoints(path, identity, every, stop, lambda: interruption.asked, job.reporter.line)
-
-
 class _Counter:
-    """What a run came to that did not live to return its statistics."""
+    """Counts steps, iterations and time (s), also of a run that ends early. Calls `begun` at the start
+    values; until then `steps` is -1."""
 
     steps = -1
     iterations = 0
     time_s = 0.0
 
     def __init__(self, begun: Callable[[], None]) -> None:
-        self._first = begun
+        self._begun = begun
 
     def begin(self, names: Sequence[str]) -> None:
-        self._began = clock.perf_counter()
+        self._start = clock.perf_counter()
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         self.steps += 1
         if not self.steps:
-            self._first()
+            self._begun()
         self.iterations += step.iterations
 
     def state(self) -> dict[str, Plain]:
         return {
             "steps": self.steps,
             "iterations": self.iterations,
-            "time_s": clock.perf_counter() - self._began,
+            "time_s": clock.perf_counter() - self._start,
         }
 
     def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
         self.steps, self.iterations = state["steps"], state["iterations"]
-        self._began = clock.perf_counter() - state["time_s"]
+        self._start = clock.perf_counter() - state["time_s"]
 
     def end(self, complete: bool, message: str) -> None:
-        self.time_s = clock.perf_counter() - self._began
+        self.time_s = clock.perf_counter() - self._start

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from types import TracebackType
 
-from ..assessment.summary import FAILED
+from .record import FAILED
 
 _AtExit = ctypes.CFUNCTYPE(None, ctypes.c_void_p)
 

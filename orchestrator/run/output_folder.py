@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import MistakeError
 from ..scenario import Scenario
 from ..scenario.files import to_full_toml
 from ..store.atomic_write import partial
-from ..store.backup import Earlier
+from ..store.backup import Backup
 from ..store.run_state import clear, contents, locked, shown, unfinished
 
+CHECKPOINT = "checkpoint"
 RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES = (
     "result.nc",
     "coupled.csv",
@@ -37,35 +39,63 @@ def spare(source: Path, scenario: Scenario, out: Path) -> None:
         )
 
 
-@contextmanager
-def prepared(out: Path, overwrite: bool) -> Iterator[tuple[Path, Earlier]]:
-    """The folder for what is unfinished, in an empty output folder that no other process writes.
+@dataclass(frozen=True)
+class OutputFolder:
+    """The folder of a run: `path`, the folder `unfinished` in it, and the files that the run replaces."""
 
-    A result or an unfinished run in `out` is put aside if `overwrite`, and refused otherwise. What has not
-    been dropped at the end of the block is put back.
-    """
+    path: Path
+    unfinished: Path
+    backup: Backup
+
+    @property
+    def checkpoint(self) -> Path:
+        return self.unfinished / CHECKPOINT
+
+    def discard(self) -> None:
+        """Delete what the run has written."""
+        clear(self.unfinished)
+        for file in _list_written(self.path):
+            file.unlink()
+
+
+def check_folder(out: Path, overwrite: bool) -> None:
+    """Raise OutputFolderError unless a run can write into `out`."""
     if out.exists() and not out.is_dir():
         raise OutputFolderError(f"{shown(out)}: is a file; choose a folder with --out")
-    if not overwrite:
-        _check_empty(out)
+    if overwrite:
+        return
+    if unfinished(out).exists() and (out / SCENARIO).exists():
+        raise OutputFolderError(
+            f"{shown(out)}: holds a run that was not finished; continue it with tribocosim resume "
+            f"{shown(out)}, choose another folder with --out, or replace it with --overwrite"
+        )
+    _check_empty(out)
+
+
+@contextmanager
+def open_folder(out: Path, overwrite: bool) -> Iterator[OutputFolder]:
+    """An empty output folder, locked for this process.
+
+    With `overwrite` its files are put aside. They come back at the end of the block unless the run has had
+    its first values and deleted the backup.
+    """
     with ExitStack() as stack:
         try:
-            folder = stack.enter_context(locked(out))
-            earlier = Earlier(out)
-            earlier.put_back()  # what a process killed before its run began has left there
-            earlier.put_aside([*_held(out), *contents(folder)])
+            folder = OutputFolder(out, stack.enter_context(locked(out)), Backup(out))
+            folder.backup.restore()  # what a process killed before its first values left
+            if not overwrite:
+                _check_empty(out)  # again: another process may have run since `check_folder`
+            folder.backup.take([*_list_written(out), *contents(folder.unfinished)])
         except OSError as error:
             raise OutputFolderError(
                 f"{shown(out)}: cannot be written ({error.strerror}); choose another --out"
             ) from None
         try:
-            yield folder, earlier
+            yield folder
         finally:
-            if earlier.held:
-                clear(folder)
-                for file in _held(out):
-                    file.unlink()
-                earlier.put_back()
+            if folder.backup.exists:
+                folder.discard()
+                folder.backup.restore()
 
 
 def files(out: Path) -> list[Path]:
@@ -81,19 +111,14 @@ def meant(path: Path) -> str | None:
 
 
 def _check_empty(out: Path) -> None:
-    if unfinished(out).exists() and (out / SCENARIO).exists():
-        raise OutputFolderError(
-            f"{shown(out)}: holds a run that was not finished; continue it with tribocosim resume "
-            f"{shown(out)}, choose another folder with --out, or replace it with --overwrite"
-        )
-    if held := _held(out):
+    if held := _list_written(out):
         raise OutputFolderError(
             f"{shown(out)}: already holds a result ({held[0].name}); choose another folder with --out, "
             "or replace it with --overwrite"
         )
 
 
-def _held(out: Path) -> list[Path]:
+def _list_written(out: Path) -> list[Path]:
     paths = [out / name for name in (RESULT, CSV, UNITS, SCENARIO, SUMMARY)]
     return [path for path in [*paths, *map(partial, paths), *_figures(out)] if path.exists()]
 

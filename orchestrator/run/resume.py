@@ -1,35 +1,36 @@
-"""Going on with a run that was killed or interrupted."""
+"""Continue a run that was killed or interrupted."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+import time as clock
 from pathlib import Path
 from typing import Any
 
-from ..assessment.summary import FAILED, Summary
+from ..assessment.summary import Summary
 from ..errors import RefusedError
 from ..scenario.files import load
-from ..store.backup import Earlier
+from ..store.backup import Backup
 from ..store.journal import Recorded, journals
 from ..store.run_state import clear, locked, shown, unfinished
-from . import assembly
-from .checkpoint import NAME as CHECKPOINT
 from .checkpoint import read
-from .job import Job
-from .output_folder import SCENARIO, SUMMARY, OutputFolderError, files, meant
-from .pipeline import begun, carry_out, written_result
+from .execute import execute
+from .output_folder import SCENARIO, SUMMARY, OutputFolder, OutputFolderError, meant
+from .pipeline import conclude
+from .plan import Builder, Plan, make_plan
+from .record import FAILED, Ending, Record
 from .report import Reporter
 
 
-def resume(out: Path, build: assembly.Builder, reporter: Reporter, figures: bool = True) -> Summary:
-    """Go on with the run in `out` from its last checkpoint; it ends as it would have without the stop.
+def resume(out: Path, build: Builder, reporter: Reporter, figures: bool = True) -> Summary:
+    """Continue the run in `out` from its last checkpoint; it ends as it would have without the stop.
 
-    `figures` are drawn unless the run was begun without. A run that was stopped before it had computed
-    anything begins anew. Of one without checkpoints the result is made of what was recorded, marked
-    incomplete. Raises CheckpointError or another MistakeError where the run cannot go on; nothing that it
+    `figures` are drawn unless the run was started without. A run that was stopped before it had computed
+    anything starts anew. The result of a run without checkpoints is made of what was recorded, and marked
+    incomplete. Raises CheckpointError or another MistakeError where the run cannot continue; nothing that it
     needs is changed then.
     """
+    start = clock.perf_counter()
     if not (out / SCENARIO).is_file():
         remedy = "tribocosim run makes one"
         if (out / SUMMARY).exists() or unfinished(out).exists():
@@ -38,35 +39,34 @@ def resume(out: Path, build: assembly.Builder, reporter: Reporter, figures: bool
             remedy = f"did you mean {folder}?"
         raise OutputFolderError(f"{out}: holds no run (there is no {SCENARIO}); {remedy}")
     if not unfinished(out).exists():
-        return _ended(out, reporter)
+        return _report_ended(out, reporter)
     out = out.absolute()  # an FMU may change the working directory
-    with locked(out) as folder:
-        before = _summary(out)
+    with locked(out) as pending:
+        before = _read_summary(out)
         if before.get("complete"):  # killed while it tidied up
-            clear(folder)
-            return _ended(out, reporter)
-        scenario = load(out / SCENARIO)
-        system = assembly.system_of(scenario)
-        figures = figures and before.get("figures", True)
-        job = Job(scenario, system, out, folder, build, reporter, figures, begun=Earlier(out).drop)
-        if (folder / CHECKPOINT).exists():
-            identity, state = read(folder / CHECKPOINT)
+            clear(pending)
+            return _report_ended(out, reporter)
+        plan = make_plan(load(out / SCENARIO), build, reporter, figures and before.get("figures", True))
+        folder = OutputFolder(out, pending, Backup(out))
+        checkpoint = None
+        if folder.checkpoint.exists():
+            checkpoint = read(folder.checkpoint)
             # A killed process has left no wall time, but that of its steps.
-            spent = max(before.get("wall_time_s", 0.0), state["elapsed"])
-            job = replace(job, resumed=(identity, state), spent=spent)
-        elif _rows(folder, "coupled") > 1:
-            return _kept(job)
+            start -= max(before.get("wall_time_s", 0.0), checkpoint[1]["elapsed"])
+        elif _count_rows(pending, "coupled") > 1:
+            return conclude(plan, _recover_record(plan, pending), folder, reporter, start)
         else:
-            clear(folder)
+            clear(pending)
         try:
-            return carry_out(job)
+            record = execute(plan, folder, reporter, checkpoint)
         except RefusedError as error:
             raise OutputFolderError(f"{shown(out)}: {error}") from None
+        return conclude(plan, record, folder, reporter, start)
 
 
-def _ended(out: Path, reporter: Reporter) -> Summary:
+def _report_ended(out: Path, reporter: Reporter) -> Summary:
     """The summary of a run that came to its end."""
-    found = _summary(out)
+    found = _read_summary(out)
     if found.get("exit_status") == FAILED:
         why = found["message"].removeprefix("incomplete: ")
         raise OutputFolderError(
@@ -84,7 +84,7 @@ def _ended(out: Path, reporter: Reporter) -> Summary:
     return Summary(**{key: found[key] for key in (*known, *told)})
 
 
-def _summary(out: Path) -> dict[str, Any]:
+def _read_summary(out: Path) -> dict[str, Any]:
     try:
         found: dict[str, Any] = json.loads((out / SUMMARY).read_text("utf-8"))
         return found
@@ -92,39 +92,30 @@ def _summary(out: Path) -> dict[str, Any]:
         return {}
 
 
-def _rows(folder: Path, name: str) -> int:
+def _count_rows(folder: Path, name: str) -> int:
     found = journals(folder)
     return Recorded(found[name]).rows if name in found else 0
 
 
-def _kept(job: Job) -> Summary:
-    """The result of what a run without checkpoints has recorded."""
-    summary = begun(job.scenario)
-    summary.resumable, summary.figures = False, job.figures
-    summary.message = (
+def _recover_record(plan: Plan, pending: Path) -> Record:
+    """The record of a run that left journals and no checkpoint."""
+    message = (
         "incomplete: the run was stopped and has left no checkpoint (checkpoint_every = 0, or "
         "an FMU that cannot be serialised); the result is what it had recorded"
     )
-    if names := [
-        name for name, table in job.scenario.components.items() if table.untrusted and not table.own_process
-    ]:
-        summary.message += (
+    if names := plan.exposed:
+        message += (
             f"; if one of its FMUs ended it ({', '.join(names)}), components.{names[0]}.process = 'own' says "
             "which and where"
         )
-    until = {name: Recorded(path).last_time() for name, path in journals(job.folder).items()}
+    until = {name: Recorded(path).last_time() for name, path in journals(pending).items()}
     if len(set(until.values())) > 1:
-        said = (f"/{name} {'nothing' if t is None else f'until {t:g} s'}" for name, t in until.items())
-        summary.message += f"; of {', '.join(said)}"
-    # On a full disk only one may have been written any more.
-    records, every = _rows(job.folder, "coupled") - 1, job.scenario.record_every
+        ends = (f"/{name} {'nothing' if t is None else f'until {t:g} s'}" for name, t in until.items())
+        message += f"; of {', '.join(ends)}"
+    # On a full disk one journal may have fewer rows than the other.
+    records, every = _count_rows(pending, "coupled") - 1, plan.scenario.record_every
     at_least = records * every
-    if until["coupled"] == job.scenario.stop_time:  # recorded wherever it falls
+    if until["coupled"] == plan.scenario.stop_time:  # recorded wherever it falls
         at_least -= every - 1
-    summary.macro_steps = max(_rows(job.folder, "steps"), at_least)
-    with written_result(job, summary):
-        pass
-    summary.write(job.out / SUMMARY)
-    clear(job.folder)
-    job.reporter.end(summary, job.out, files(job.out))
-    return summary
+    steps = max(_count_rows(pending, "steps"), at_least)
+    return Record(Ending(resumable=False, message=message), macro_steps=steps)

@@ -28,7 +28,7 @@ from ..participants.description import (
     Variable,
     read_description,
 )
-from ..run import assembly
+from ..run.plan import Builder, build_system, resolve_start
 from ..scenario import ComponentTable, Scenario, parse_line
 from ..store.atomic_write import replace
 from .names import (
@@ -60,14 +60,14 @@ class PackedFmu:
         return hashlib.sha256(self.content).hexdigest()
 
 
-def export(scenario: Scenario, target: Path, build: assembly.Builder) -> None:
+def export(scenario: Scenario, target: Path, build: Builder) -> None:
     """Write the scenario to `target`, whole or not at all; ScenarioError or ModelError if it cannot run."""
-    system = assembly.system_of(scenario)
+    system = build_system(scenario)
     fmus = _pack(scenario, build)
     files = {fmu.source: fmu.content for fmu in fmus.values()}
     bindings: dict[str, list[str]] = {name: [] for name in scenario.components}
     resting = scenario.start == "equilibrium"
-    started = assembly.at_start(scenario, system) if resting else system
+    started = resolve_start(scenario, system) if resting else system
     for name, instance in system.instances.items():
         stated = {**_collect_values(instance), **scenario.components[name].strings}
         rest = collect_settings(started.instances[name]).values if resting else {}
@@ -99,7 +99,7 @@ def _get_kind(table: ComponentTable) -> str:
     return "fmu" if table.participant == "in-process" else table.participant
 
 
-def _pack(scenario: Scenario, build: assembly.Builder) -> dict[str, PackedFmu]:
+def _pack(scenario: Scenario, build: Builder) -> dict[str, PackedFmu]:
     """Every component's FMU; equal files once."""
     places: dict[str, str] = {}
     packed = {}

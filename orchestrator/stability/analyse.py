@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..analyses._evaluate import made, results_in
 from ..errors import MistakeError
-from ..run import assembly
+from ..run.plan import Builder, build_system, resolve_start
 from ..run.report import Reporter
 from ..scenario.files import list_shipped, load
 from ..scenario.units import UnitError, to_unit
@@ -29,7 +29,7 @@ def analyse_scenario(
     out: Path | None = None,
     overwrite: bool = False,
     reporter: Reporter | None = None,
-    build: assembly.Builder | None = None,
+    build: Builder | None = None,
     responses: bool = False,
 ) -> Survey:
     """Survey, print and write into `out` (default: results/NAME-stability).
@@ -47,7 +47,7 @@ def analyse_scenario(
     held = results_in(folder, FILE, overwrite)
     with made(folder):
         with reporter.stage("stability and errors of every method") as bar:
-            system = assembly.at_start(scenario, assembly.system_of(scenario))
+            system = resolve_start(scenario, build_system(scenario))
             with open_linearisations(scenario, system, build, responses) as sources:
                 found = survey(scenario, system, instants, bar.show, sources)
         for file in held:

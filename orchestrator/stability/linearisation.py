@@ -20,8 +20,9 @@ from models.monolithic.trajectory import Course
 
 from ..errors import ParticipantError
 from ..participants import FmuParticipant, Participant, in_process, open_fmu
-from ..run.assembly import Builder, check_analysable
+from ..run.plan import Builder
 from ..scenario import Scenario, ScenarioError
+from .analysable import check_analysable
 from .linear import ROWS, Linear, eigenvalues
 from .responses import Responses
 from .trajectory import NotLinearError, ParticipantLinearisation, connected_inputs, continuous_outputs

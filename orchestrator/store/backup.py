@@ -1,4 +1,4 @@
-"""What an output folder held before a run that replaces it, put aside until that run has begun."""
+"""The files that a run replaces, put aside until it has its first values."""
 
 from __future__ import annotations
 
@@ -10,34 +10,32 @@ from pathlib import Path
 NAME = "replaced"
 
 
-class Earlier:
-    """The files that were in `out`, in a folder there: no room is taken, and a process killed meanwhile
-    leaves them for the next one."""
+class Backup:
+    """Files of `out`, moved to a folder in there: no room is taken, and after a kill the next run finds
+    them."""
 
     def __init__(self, out: Path) -> None:
         self._out = out
         self._folder = out / NAME
 
     @property
-    def held(self) -> bool:
-        """Whether there are any."""
+    def exists(self) -> bool:
         return self._folder.is_dir()
 
-    def put_aside(self, files: Iterable[Path]) -> None:
+    def take(self, files: Iterable[Path]) -> None:
         """Move these files of `out` there."""
         for file in files:
             place = self._folder / file.relative_to(self._out)
             place.parent.mkdir(parents=True, exist_ok=True)
             os.replace(file, place)
 
-    def put_back(self) -> None:
-        """Move all to where they were."""
+    def restore(self) -> None:
+        """Move all files back."""
         for file in [path for path in self._folder.rglob("*") if path.is_file()]:
             place = self._out / file.relative_to(self._folder)
             place.parent.mkdir(exist_ok=True)
             os.replace(file, place)
-        self.drop()
+        self.delete()
 
-    def drop(self) -> None:
-        """Delete them."""
+    def delete(self) -> None:
         shutil.rmtree(self._folder, ignore_errors=True)

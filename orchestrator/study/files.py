@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 from models.core.system import suggestion
 
 from ..errors import MistakeError
-from ..run.assembly import Builder
+from ..run.plan import Builder
 from ..scenario import Written, list_messages
 from ..scenario.files import find, put, read_contents
 from ..scenario.values import Value

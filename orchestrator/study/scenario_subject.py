@@ -20,9 +20,9 @@ from ..analyses import Result
 from ..assessment.comparison import VariableError
 from ..assessment.contacts import Course
 from ..errors import IncompleteError, MistakeError
-from ..run.assembly import Builder
 from ..run.output_folder import RESULT
 from ..run.pipeline import run
+from ..run.plan import Builder
 from ..run.report import Reporter
 from ..scenario import DURATIONS, Scenario, build_scenario, parse_ends
 from ..scenario.files import put, split_path, to_full_toml

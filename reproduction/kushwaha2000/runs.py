@@ -14,7 +14,7 @@ from models.core.quantities import Vector
 from models.core.system import System
 from models.monolithic import Reference
 from models.valve_train.cam_profile import Lift, cycloidal_lift, entraining_velocity
-from orchestrator.run.assembly import system_of
+from orchestrator.run.plan import build_system
 from orchestrator.scenario.files import load
 
 from ..adherence import solve_adherence
@@ -61,7 +61,7 @@ class Run:
             "valve_spring.structure.coil_masses": str(self.coil_masses),
             "contact.parameters.film_model": f"'{self.film}'",
         }
-        return system_of(load(SCENARIO, [f"components.{name}={value}" for name, value in changes.items()]))
+        return build_system(load(SCENARIO, [f"components.{name}={value}" for name, value in changes.items()]))
 
 
 class Cycle:

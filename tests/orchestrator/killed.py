@@ -8,6 +8,7 @@ their start. Checkpoints are written without pause.
 
 from __future__ import annotations
 
+import math
 import os
 import random
 import signal
@@ -22,6 +23,7 @@ from rich.console import Console
 
 from orchestrator.command_line.fmu import build_fmu
 from orchestrator.run import checkpoint
+from orchestrator.run.output_folder import CHECKPOINT
 from orchestrator.run.pipeline import run
 from orchestrator.run.report import Reporter
 from orchestrator.run.resume import resume
@@ -36,8 +38,8 @@ EVERY = "checkpoint_every=1e-9"
 
 
 def left(out: Path, calls: int, scenario: str, overrides: list[str]) -> None:
-    """Run in this process, which is killed at that call."""
-    checkpoint.SHARE = 1.0
+    """Run in this process, which is killed at that call. Every step writes a checkpoint."""
+    checkpoint.SHARE = math.inf
     _die_at_call(calls)
     run(load(scenario, [*overrides, EVERY]), out, build_fmu, Reporter(Console(quiet=True)), figures=False)
 
@@ -75,7 +77,7 @@ def main(out: Path, seed: int, kills: int, scenario: str, overrides: list[str]) 
 
 def _wait_for_a_checkpoint(out: Path, child: int) -> None:
     """Until the child writes one, or has ended."""
-    path = unfinished(out) / checkpoint.NAME
+    path = unfinished(out) / CHECKPOINT
 
     def written() -> int:
         return path.stat().st_mtime_ns if path.exists() else 0
@@ -117,7 +119,7 @@ def _die_at_call(number: int) -> None:
 
 def _time(out: Path) -> float:
     """How far the checkpoint is."""
-    path = unfinished(out) / checkpoint.NAME
+    path = unfinished(out) / CHECKPOINT
     return float(checkpoint.read(path)[1]["time"]) if path.exists() else -1.0
 
 

@@ -17,7 +17,7 @@ import typer
 
 from orchestrator.command_line import app
 from orchestrator.command_line.error_report import report_errors
-from orchestrator.run.assembly import system_of
+from orchestrator.run.plan import build_system
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import list_shipped, load
 from orchestrator.store.result_file import open_result
@@ -67,7 +67,7 @@ def test_summary_has_what_tools_rely_on(result: Path) -> None:
 
 def test_result_holds_coupled_run_and_reference_at_the_same_times(result: Path) -> None:
     tree = open_result(result)
-    system = system_of(load("valve-train"))
+    system = build_system(load("valve-train"))
     assert set(tree["coupled"].data_vars) == set(system.outputs.names)
     assert np.array_equal(tree["coupled"]["time"], tree["reference"]["time"])
     assert tree["coupled"]["contact.load"].attrs["units"] == "N"

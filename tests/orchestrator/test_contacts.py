@@ -14,7 +14,7 @@ from models.contact.ehl_contact import TABLE_3
 from orchestrator.assessment.contacts import courses_of_rows, lines
 from orchestrator.assessment.contacts.accumulation import SEEN
 from orchestrator.assessment.contacts.course import Accumulator
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system
 from orchestrator.scenario.files import load
 from orchestrator.store.json_codec import from_text, to_text
 
@@ -26,7 +26,7 @@ told = partial(lines, source="all macro steps", fixed_steps=True)
 
 def _run(*changes):
     """The system, and outputs of its contact at random inputs, a quarter of them without load."""
-    system = assembly.system_of(load("valve-train", changes))
+    system = build_system(load("valve-train", changes))
     instance = system.instances["contact"]
     component = instance.component
     random = np.random.default_rng(7)
@@ -100,14 +100,14 @@ def test_extremes_are_those_of_the_columns(run):
 
 def test_ranges_are_those_of_one_formula(run):
     _, columns = run
-    other = assembly.system_of(load("valve-train", ["components.contact.parameters.film_model=dry"]))
+    other = build_system(load("valve-train", ["components.contact.parameters.film_model=dry"]))
     assert not courses(other, columns)["contact"].ranges
     assert courses(other, columns)["contact"].film == 0.0
 
 
 def history(time, load_, gap=None):
     """The course of a contact with these loads, and gaps where there is none; pressure 1 MPa/N."""
-    system = assembly.system_of(load("valve-train"))
+    system = build_system(load("valve-train"))
     accumulator = Accumulator(system, ["contact"])
     for k, t in enumerate(time):
         row = {"load": load_[k], "maximum_pressure": 1e6 * max(load_[k], 0.0), "minimum_film_thickness": 1e-6,

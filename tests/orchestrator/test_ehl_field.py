@@ -12,7 +12,7 @@ from models.core.system import System
 from models.monolithic import difference, solve
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import open_fmu
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.store.json_codec import from_text
@@ -28,14 +28,14 @@ ITERATED = Iterated("hermite", 1e-9)
 @pytest.fixture(scope="module")
 def valve_train() -> System:
     scenario = load("valve-train-ehl")
-    return assembly.at_start(scenario, assembly.system_of(scenario))
+    return resolve_start(scenario, build_system(scenario))
 
 
 def test_a_coupled_run_comes_to_the_monolithic_one() -> None:
     """Whose own uncertainty is far smaller; halved steps leave about a quarter of the error (measured 0.25:
     explicit signals, and a field whose own steps are of order 2)."""
     scenario = load("valve-train-ehl", ["components.contact.structure.nodes=51"])
-    system = assembly.at_start(scenario, assembly.system_of(scenario))
+    system = resolve_start(scenario, build_system(scenario))
     records = np.linspace(0.0, 4e-4, 21)
     truth = solve(system, records)
     runs = {step: recorded(system, GaussSeidel("quadratic"), step, 4e-4) for step in (1e-5, 5e-6)}

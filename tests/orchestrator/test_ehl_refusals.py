@@ -14,7 +14,7 @@ from models.contact.ehl_contact import FILM_IS_SOLVED, ehl_contact
 from models.core.system import ModelError, System
 from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
@@ -55,7 +55,7 @@ inputs = {{ approach = "-0.5 um", entraining_velocity = 1.0 }}
 def falling(tmp_path_factory: pytest.TempPathFactory) -> System:
     file = tmp_path_factory.mktemp("falling") / "falling.toml"
     file.write_text(FALLING, "utf-8")
-    return assembly.system_of(load(str(file)))
+    return build_system(load(str(file)))
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +108,7 @@ def test_a_run_ends_where_the_radius_vanishes_and_keeps_what_was_before(falling:
 def test_the_coupling_of_a_field_is_not_analysed() -> None:
     """Said at once, with what can be."""
     scenario = load("valve-train-ehl", ["components.contact.structure.nodes=51"])
-    system = assembly.system_of(scenario)
+    system = build_system(scenario)
     with (
         pytest.raises(ScenarioError, match=r"components\.contact: its field .*film_model=dowson_higginson"),
         open_linearisations(scenario, system, None),
@@ -119,7 +119,7 @@ def test_the_coupling_of_a_field_is_not_analysed() -> None:
         "components.contact.parameters.film_model=dowson_higginson",
     ]
     formula = load("valve-train-ehl", changes)
-    with open_linearisations(formula, assembly.system_of(formula), None) as made:
+    with open_linearisations(formula, build_system(formula), None) as made:
         assert set(made) == set(formula.components)
 
 
@@ -138,7 +138,7 @@ def test_slips_of_the_unit_and_sizes_beyond_reason_are_refused_with_the_range(
     setting: str, fault: str
 ) -> None:
     with pytest.raises((ScenarioError, ModelError), match=fault):
-        assembly.system_of(load("valve-train-ehl", [f"components.contact.{setting}"]))
+        build_system(load("valve-train-ehl", [f"components.contact.{setting}"]))
 
 
 @pytest.mark.parametrize(
@@ -148,7 +148,7 @@ def test_slips_of_the_unit_and_sizes_beyond_reason_are_refused_with_the_range(
 def test_extremes_that_exist_are_allowed(setting: str) -> None:
     """The roughest surfaces, the thickest oil, the longest roller, the least tolerance."""
     name = setting.split("=")[0]
-    system = assembly.system_of(load("valve-train-ehl", [f"components.contact.parameters.{setting}"]))
+    system = build_system(load("valve-train-ehl", [f"components.contact.parameters.{setting}"]))
     assert name in system.instances["contact"].parameters
 
 
@@ -167,7 +167,7 @@ def test_the_engines_walls_run_with_solved_films() -> None:
     """Sliding on the upper wall: its film under the wall's force; the lower one shows no load over a film of
     the least load; both within the clearance; half the step gives the same films."""
     scenario = load("engine-ehl")
-    system = assembly.at_start(scenario, assembly.system_of(scenario))
+    system = resolve_start(scenario, build_system(scenario))
     fine, coarse = (recorded(system, GaussSeidel("quadratic"), step, 2e-4) for step in (1e-6, 2e-6))
     floor = system.instances["lower_wall"].parameters["film_load_floor"]
     assert floor == 50.0

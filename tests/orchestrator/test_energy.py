@@ -12,7 +12,7 @@ from orchestrator.energy import Ledger, Trimmed, counted, lines
 from orchestrator.energy.correction import Compensated, bond_inputs
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
@@ -212,7 +212,7 @@ class Impulses:
             f"flywheel.parameters.inertia={inertia}",
             "slider_crank.parameters.joint_friction=0",
         ]
-        base = assembly.system_of(load("slider-crank", [f"components.{setting}" for setting in given]))
+        base = build_system(load("slider-crank", [f"components.{setting}" for setting in given]))
         connections = [(str(c.source), str(c.target)) for c in base.connections]
         taken = ("slider_crank.crank_impact_impulse", "flywheel.load_impulse[1]")
         system = counted(System(base.instances, [*connections, taken]), list(base.instances))
@@ -263,4 +263,4 @@ def test_what_impacts_lose_is_dissipated_and_not_stored(impulses, record):
 def test_scenarios_refuse_a_correction_of_masters_that_interpolate():
     scenario = load("two-masses", ["energy.correction=true", "master.name='iterated'"])
     with pytest.raises(ScenarioError, match=r"energy\.correction.*iterated.*use the master jacobi"):
-        assembly.system_of(scenario)
+        build_system(scenario)

@@ -17,7 +17,7 @@ from orchestrator.energy.bonds import bonds_of
 from orchestrator.engine.exchange import Exchange
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system
 from orchestrator.scenario.files import load
 from orchestrator.stepping.estimators import ESTIMATORS
 
@@ -27,7 +27,7 @@ PAST = 3
 
 
 def systems():
-    return {"quarter car": assembly.system_of(load("quarter-car")), "two masses": two_masses()}
+    return {"quarter car": build_system(load("quarter-car")), "two masses": two_masses()}
 
 
 def at_point(system, master, start, length):

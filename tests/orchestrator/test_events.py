@@ -17,7 +17,7 @@ from models.slider_crank.slider_crank import slider_crank
 from orchestrator.engine.step import REASONS
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import in_process
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.stepping import ControlledSteps, FixedSteps, StepControl
@@ -50,7 +50,7 @@ def located(recorder, name):
 
 def bouncing(steps, master, stop, position=0.1, velocity=0.0, **parameters):
     """The recorder, the exact solution at its times, and the exact instants of touch and release."""
-    system = assembly.system_of(load("bouncing-mass"))
+    system = build_system(load("bouncing-mass"))
     i = system.instances
     system = system.with_instances(
         {
@@ -173,7 +173,7 @@ def test_impacts_reach_the_flywheel_when_they_happen_and_chatter_does_not_stall(
 @pytest.mark.parametrize("located_", [True, False], ids=["controlled", "fixed"])
 def test_no_step_leads_past_a_known_time(located_):
     """The ends of a ramp, 10 and 23 ms: the angle is its integral, 100 t + 50 t_r^2/(2 * 13 ms)."""
-    system = assembly.system_of(load("valve-train"))
+    system = build_system(load("valve-train"))
     wheel = replace(
         system.instances["flywheel"],
         parameters={"initial_speed": 100.0, "final_speed": 150.0, "ramp_start": 0.01, "ramp_duration": 0.013},
@@ -204,7 +204,7 @@ def test_no_step_leads_past_a_known_time(located_):
 @pytest.mark.parametrize("flexible", [False, True], ids=["rigid", "flexible"])
 def test_losses_and_landings_of_a_bouncing_follower_are_those_of_the_reference(flexible, record):
     """3400 r/min: every zero of the deflection, to the error of the deflection over its rate."""
-    system, stop, relative = assembly.system_of(load("valve-train-bounce")), 0.0125, 1e-8
+    system, stop, relative = build_system(load("valve-train-bounce")), 0.0125, 1e-8
     i = dict(system.instances)
     shaft = i["camshaft"]
     i["camshaft"] = replace(shaft, parameters={**shaft.parameters, "flexible": float(flexible)})

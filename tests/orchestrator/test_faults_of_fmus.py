@@ -20,7 +20,8 @@ from orchestrator.errors import (
 )
 from orchestrator.masters import GaussSeidel, Jacobi
 from orchestrator.participants import open_fmu
-from orchestrator.run.assembly import FmuFile, participants_of, system_of
+from orchestrator.run.participants import build_participants
+from orchestrator.run.plan import FmuFile, build_system
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 
@@ -70,7 +71,7 @@ def test_an_fmu_that_fails_is_named_and_freed(vice, tmp_path, temporary, monkeyp
 
 def test_an_fmu_that_cannot_be_instantiated_is_named_and_the_others_are_closed(tmp_path, temporary):
     scenario, made = load("two-masses"), []
-    system = system_of(scenario)
+    system = build_system(scenario)
     first, second = system.instances
 
     def watched(name, make):
@@ -79,7 +80,7 @@ def test_an_fmu_that_cannot_be_instantiated_is_named_and_the_others_are_closed(t
 
     files = {second: FmuFile(small_fmu("unborn", tmp_path), "")}
     with pytest.raises(ParticipantError, match=rf"^{second}: instantiate: RuntimeError\('no licence'\)"):
-        participants_of(scenario, system, files, watched)
+        build_participants(scenario, system, files, watched)
     assert [(unit.name, unit.closed) for unit in made] == [(first, True)]
     assert list(temporary.iterdir()) == []
 

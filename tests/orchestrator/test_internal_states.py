@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from models.catalogue import CATALOGUE
-from orchestrator.run.assembly import at_start, system_of, variables_used
+from orchestrator.run.checks import list_required_variables
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario import Scenario, ScenarioError, build_scenario
 from orchestrator.scenario.schema import _describe_component
 from tests.models.fluid_layer import fluid_layer
@@ -64,6 +65,6 @@ def test_an_equilibrium_leaves_internal_states_as_they_start(tables: dict) -> No
     """And gives participants start values of the others alone, as only these are variables of an FMU."""
     tables["components"]["plate"]["parameters"] = {"gravity": 0.0}
     scenario = made(tables, start="equilibrium")
-    resting = at_start(scenario, system_of(scenario))
+    resting = resolve_start(scenario, build_system(scenario))
     assert list(resting.instances["layer"].start) == ["impulse"]
-    assert "sheet_velocity_start[1]" not in variables_used("layer", resting, "equilibrium")
+    assert "sheet_velocity_start[1]" not in list_required_variables("layer", resting, "equilibrium")

@@ -14,7 +14,7 @@ from models.oscillators.quarter_car import quarter_car_chassis, quarter_car_whee
 from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process, open_fmu
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
 from orchestrator.stability.behaviour import Behaviour, find_stability_limit
 from orchestrator.stability.linear import Linear
@@ -110,7 +110,7 @@ def test_responses_of_a_linear_participant_have_the_poles_of_its_equations(syste
 @pytest.fixture(scope="module")
 def flexible():
     scenario = load("valve-train-flexible", ["stop_time=0.012"])
-    system = assembly.at_start(scenario, assembly.system_of(scenario))
+    system = resolve_start(scenario, build_system(scenario))
     return system, along(system, 0.01, 5e-6)
 
 

@@ -11,7 +11,7 @@ from benchmarks.many_valves import ENGINE, FILE, FIRING_ORDER, content, engine, 
 from models.core.system import System
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import in_process
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 
@@ -20,7 +20,7 @@ from .recorder import Recorder
 
 @pytest.fixture(scope="module")
 def system():
-    return assembly.system_of(load("valve-train-16v"))
+    return build_system(load("valve-train-16v"))
 
 
 def run(system):
@@ -75,7 +75,7 @@ def test_the_file_is_what_the_script_writes():
 
 def test_cylinders_turn_in_firing_order_and_as_they_do_alone():
     """Throws follow one another by half a turn; the shaft's speed is prescribed: the same bits as alone."""
-    whole = assembly.system_of(load("engine-16v"))
+    whole = build_system(load("engine-16v"))
     assert len(whole.instances) == 1 + 3 * 16 + 2 * 4
     together = run(whole)
     for behind, cylinder in enumerate(FIRING_ORDER):

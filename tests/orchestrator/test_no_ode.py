@@ -11,8 +11,8 @@ import pytest
 from models.catalogue import CATALOGUE
 from models.core.component import Component
 from models.core.system import ModelError
-from orchestrator.run.assembly import Builder, system_of
 from orchestrator.run.pipeline import run
+from orchestrator.run.plan import Builder, build_system
 from orchestrator.run.report import Reporter
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.stability.linearisation import Equations, open_linearisations
@@ -82,7 +82,7 @@ def test_a_survey_goes_by_the_responses_of_what_has_no_equations() -> None:
     found = []
     for layer in ("fluid_layer", "stepped_layer"):
         one = scenario(layer)
-        system = system_of(one)
+        system = build_system(one)
         with open_linearisations(one, system, None) as sources:
             kinds = {name: type(source) for name, source in sources.items()}
             found.append(survey(one, system, linearisations=sources).own)

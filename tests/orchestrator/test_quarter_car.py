@@ -14,7 +14,7 @@ import pytest
 from models.oscillators.exact import quarter_car
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
 from orchestrator.participants import in_process
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.stepping import ControlledSteps, StepControl
@@ -25,7 +25,7 @@ STATES = ("chassis.position", "chassis.velocity", "wheel.position", "wheel.veloc
 
 
 def run(master, steps):
-    system = assembly.system_of(load("quarter-car"))
+    system = build_system(load("quarter-car"))
     recorder = Recorder()
     units = {name: in_process(name, instance) for name, instance in system.instances.items()}
     statistics = simulate(system, units, master, steps, 4.0, [recorder])

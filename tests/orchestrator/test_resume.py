@@ -39,6 +39,7 @@ IN_PROCESS = [
     for name in ("flywheel", "camshaft", "valve_spring", "contact")
 ]
 NO_REFERENCE = ["reference.enabled=false"]
+UNSTABLE = ["master.name=jacobi", "macro_step=100 us", "stop_time=50 ms", *IN_PROCESS]
 WALL_TIMES = ("wall_time_s", "coupled_time_s", "reference_time_s")
 # Runs to be killed: scenario and changes.
 RUNS = {
@@ -110,18 +111,21 @@ def test_a_run_killed_again_and_again_ends_as_one_that_was_not(
     _same(tmp_path / "killed", whole)
 
 
-def test_a_run_that_failed_at_its_start_is_not_resumed_and_says_why(tmp_path: Path) -> None:
-    out = tmp_path / "out"
+def test_a_start_without_an_equilibrium_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     tilted = ["components.slider_crank.start.psi=0.02", "components.flywheel.start.angle=90 deg"]
-    summary = run(
-        load("slider-crank", ["start=equilibrium", *tilted]), out, build_fmu, _quiet(), figures=False
-    )
-    assert summary.message.startswith("incomplete: slider_crank.psi = 0.02 rad")
+    scenario = load("slider-crank", ["start=equilibrium", *tilted])
+    with pytest.raises(ModelError, match=r"slider_crank\.psi = 0\.02 rad"):
+        run(scenario, tmp_path / "out", build_fmu, _quiet(), figures=False)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_run_that_failed_is_not_resumed_and_says_why(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    summary = run(load("valve-train", [*UNSTABLE, *NO_REFERENCE]), out, build_fmu, _quiet(), figures=False)
     with pytest.raises(OutputFolderError) as error:
         resume(out, build_fmu, _quiet())
-    assert str(error.value).startswith(
-        f"{out}: the run failed, and would fail again: slider_crank.psi = 0.02 "
-    )
+    why = summary.message.removeprefix("incomplete: ")
+    assert str(error.value).startswith(f"{out}: the run failed, and would fail again: {why}")
     assert str(error.value).endswith(f"change the scenario and run it anew, with --out {out} --overwrite")
     with pytest.raises(OutputFolderError, match=f"did you mean {out}\\?$"):
         resume(out / "summary.json", build_fmu, _quiet())
@@ -138,7 +142,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return _whole(tmp_path_factory.mktemp("whole") / "out", SHORT)
 
 
-def _left(out: Path, overrides: list[str], calls: int = 30) -> None:
+def _left(out: Path, overrides: list[str], calls: int = 60) -> None:
     """A run killed at that one of the calls that checkpoints are made of."""
     code = f"from tests.orchestrator.killed import left; from pathlib import Path; left(Path({str(out)!r}), "
     done = _python("-c " + code + f"{calls}, 'valve-train', {overrides!r})")
@@ -277,9 +281,8 @@ def test_what_is_no_unfinished_run_is_told(whole: Path, tmp_path: Path) -> None:
 
 
 def test_killed_while_it_tidied_up_it_is_complete(killed: Path, whole: Path) -> None:
-    shutil.copy(whole / "result.nc", killed)
-    shutil.copy(whole / "coupled.csv", killed)
-    shutil.copy(whole / "summary.json", killed)
+    for name in ("result.nc", "coupled.csv", "units.csv", "summary.json"):
+        shutil.copy(whole / name, killed)
     (killed / "unfinished" / "checkpoint").unlink()
     assert resume(killed, build_fmu, _quiet()).complete
     _same(killed, whole)
@@ -396,8 +399,9 @@ def test_a_result_without_room_is_not_begun(whole: Path, tmp_path: Path, monkeyp
 
 def test_a_run_that_fails_leaves_nothing_to_resume(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    overrides = ["master.name=jacobi", "macro_step=100 us", "stop_time=50 ms", *IN_PROCESS, *NO_REFERENCE]
     with contextlib.suppress(ModelError):
-        summary = run(load("valve-train", [*overrides, EVERY]), out, build_fmu, _quiet(), figures=False)
+        summary = run(
+            load("valve-train", [*UNSTABLE, *NO_REFERENCE, EVERY]), out, build_fmu, _quiet(), figures=False
+        )
     assert (summary.exit_status, summary.resumable) == (3, False)
     assert not (out / "unfinished").exists()

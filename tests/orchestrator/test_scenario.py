@@ -9,7 +9,7 @@ import pytest
 from models.core.system import ModelError
 from orchestrator.errors import ParticipantError
 from orchestrator.participants import in_process
-from orchestrator.run.assembly import at_start, system_of
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import Scenario, ScenarioError, build_scenario, schema
 from orchestrator.scenario.files import list_shipped, load, to_full_toml
@@ -22,7 +22,7 @@ def test_shipped_scenarios_make_a_system(name: str) -> None:
     assert scenario.name == name
     assert scenario.description
     assert scenario.tolerance
-    system_of(scenario)
+    build_system(scenario)
 
 
 @pytest.mark.parametrize("name", sorted(list_shipped()))
@@ -31,7 +31,7 @@ def test_written_scenario_gives_the_same_system_bit_for_bit(name: str) -> None:
     text = to_full_toml(scenario)
     again = build_scenario(tomllib.loads(text))
     assert to_full_toml(again) == text
-    one, two = system_of(scenario), system_of(again)
+    one, two = build_system(scenario), build_system(again)
     for vector in ("x0", "u0", "p"):
         assert np.array_equal(getattr(one, vector), getattr(two, vector))
     assert [str(c) for c in one.connections] == [str(c) for c in two.connections]
@@ -158,7 +158,7 @@ BAD_SYSTEMS = {
 @pytest.mark.parametrize("override", BAD_SYSTEMS)
 def test_an_impossible_system_is_one_message(override: str) -> None:
     with pytest.raises((ScenarioError, ModelError)) as error:
-        system_of(load("valve-train", [override]))
+        build_system(load("valve-train", [override]))
     assert all(word in str(error.value) for word in BAD_SYSTEMS[override]), error.value
 
 
@@ -171,7 +171,7 @@ def test_an_unknown_key_of_any_table_is_one_message(table: str) -> None:
 @pytest.mark.parametrize("master", ["iterated", "newton"])
 def test_what_is_iterated_are_components(master: str) -> None:
     with pytest.raises(ScenarioError, match=r"master\.iterate: .*'contct'; did you mean contact\?"):
-        system_of(load("valve-train", [f"master.name={master}", "master.iterate=['camshaft', 'contct']"]))
+        build_system(load("valve-train", [f"master.name={master}", "master.iterate=['camshaft', 'contct']"]))
 
 
 def test_the_energy_residual_needs_an_exchanged_power_bond() -> None:
@@ -180,8 +180,8 @@ def test_the_energy_residual_needs_an_exchanged_power_bond() -> None:
     with pytest.raises(
         ScenarioError, match=r"step_control\.estimator = 'energy': no power bond .* use schierz"
     ):
-        system_of(load("quarter-car", changes))
-    system_of(load("two-masses", changes))
+        build_system(load("quarter-car", changes))
+    build_system(load("two-masses", changes))
 
 
 @pytest.mark.parametrize("start", ["given", "equilibrium"])
@@ -191,8 +191,8 @@ def test_a_start_outside_the_walls_is_one_message(start: str) -> None:
     scenario = load("slider-crank", [*changes, f"start={start}"])
     said = r"slider_crank(\.|: )psi = 0\.02 rad .* at crank_angle = 1\.5708 rad"
     with pytest.raises(ModelError, match=said):
-        at_start(scenario, system_of(scenario))
-    system = system_of(load("slider-crank", [*changes, "start=equilibrium"]))
+        resolve_start(scenario, build_system(scenario))
+    system = build_system(load("slider-crank", [*changes, "start=equilibrium"]))
     units = {name: in_process(name, instance) for name, instance in system.instances.items()}
     with pytest.raises(ParticipantError, match=said):
         simulate(system, units, scenario.master.build(), 1e-4, 1e-3)
@@ -212,7 +212,7 @@ def test_a_bad_connection_is_one_message(line: str, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     file.write_text(f'extends = "valve-train"\nconnections = ["{line}"]\n')
     with pytest.raises(ModelError) as error:
-        system_of(load(file))
+        build_system(load(file))
     assert all(word in str(error.value) for word in BAD_CONNECTIONS[line]), error.value
 
 
@@ -316,7 +316,7 @@ def test_no_value_of_a_shipped_scenario_is_doubted(name: str) -> None:
 def test_without_an_equilibrium_the_odd_parameter_and_the_cure_are_named() -> None:
     scenario = load("valve-train", ["components.contact.parameters.viscosity=8"])
     with pytest.raises(ModelError) as error:
-        at_start(scenario, system_of(scenario))
+        resolve_start(scenario, build_system(scenario))
     assert "contact.viscosity = 8 Pa.s" in str(error.value)
     assert 'start = "given"' in str(error.value)
 
@@ -407,7 +407,7 @@ def test_overrides_have_the_meaning_of_the_file() -> None:
     assert scenario.components["valve_spring"].start["coil_position[3]"] == 1e-6
     assert scenario.tolerance["contact.load"] == 1e-4
     assert scenario.tolerance["camshaft.drive_torque"] == 1e-2
-    system_of(scenario)
+    build_system(scenario)
 
 
 def test_the_speed_after_the_ramp_is_that_before_it_unless_given() -> None:
@@ -415,7 +415,7 @@ def test_the_speed_after_the_ramp_is_that_before_it_unless_given() -> None:
 
     def speeds(*values: str) -> tuple[float, float]:
         overrides = [f"components.flywheel.parameters.{value}" for value in values]
-        given = system_of(load("valve-train", overrides)).instances["flywheel"].parameters
+        given = build_system(load("valve-train", overrides)).instances["flywheel"].parameters
         return given["initial_speed"], given["final_speed"]
 
     high = pytest.approx(100.0 * np.pi, rel=1e-15)

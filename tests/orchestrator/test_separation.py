@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from orchestrator.participants import in_process
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 
@@ -25,7 +25,7 @@ def at_speed(rpm, *changes):
 def test_a_follower_that_leaves_its_cam_does_not_end_the_run(rpm, step):
     """One lift with steps of fixed length: below 3500 r/min the follower stays on its cam."""
     scenario = at_speed(rpm)
-    system = assembly.at_start(scenario, assembly.system_of(scenario))
+    system = resolve_start(scenario, build_system(scenario))
     units = {name: in_process(name, instance) for name, instance in system.instances.items()}
     recorder = Recorder()
     simulate(system, units, scenario.build_master(), step, 60.0 / rpm, [recorder])

@@ -17,7 +17,7 @@ from models.valve_train.valve_spring import valve_spring
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
 from orchestrator.stability.behaviour import Behaviour, Couplings, find_hardest_point, find_stability_limit
 from orchestrator.stability.extrapolation_error import compute_extrapolation_error, ends, shapes
@@ -177,7 +177,7 @@ def test_estimated_errors_of_the_masses_are_those_of_a_run(kind, signal, record)
 @pytest.fixture(scope="module")
 def valve_train():
     scenario = load("valve-train")
-    return assembly.at_start(scenario, assembly.system_of(scenario))
+    return resolve_start(scenario, build_system(scenario))
 
 
 # The first lift is over then; the contact is at its stiffest on the way.

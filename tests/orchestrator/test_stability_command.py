@@ -15,7 +15,7 @@ from orchestrator.command_line import app
 from orchestrator.engine.signals import DEGREES
 from orchestrator.masters import MASTERS
 from orchestrator.plots.stability import figure
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system
 from orchestrator.scenario import MasterTable
 from orchestrator.scenario.files import load
 from orchestrator.stability.analyse import analyse_scenario
@@ -76,7 +76,7 @@ def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_
     assert (out / "stability.png").read_bytes().startswith(b"\x89PNG")
     assert "already holds a result" in CliRunner().invoke(app, arguments).output
     scenario = load(masses)
-    system = assembly.system_of(scenario)
+    system = build_system(scenario)
     master = MasterTable(**options, **({"order": order} if order else {})).build()
     found = recorded(system, master, step, scenario.stop_time)
     truth = course(system, found.times, 1e-10).outputs[:, system.outputs.names.index("first.force")]

@@ -16,7 +16,7 @@ from models.monolithic import difference, equilibrium, solve
 from models.monolithic.difference import time_weights
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import in_process
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.stepping import ControlledSteps, StepControl
@@ -27,7 +27,7 @@ from .test_valve_train_coupling import started, with_start
 
 def valve_train(rpm):
     """In equilibrium at a cam angle of 80 degrees, ten before the lift."""
-    system = assembly.system_of(load("valve-train-flexible"))
+    system = build_system(load("valve-train-flexible"))
     speed = np.pi / 30.0 * rpm
     flywheel = system.instances["flywheel"]
     parameters = {**flywheel.parameters, "initial_speed": speed, "final_speed": speed}

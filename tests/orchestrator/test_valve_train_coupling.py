@@ -15,7 +15,7 @@ from models.monolithic import difference, equilibrium, solve
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 
@@ -46,7 +46,7 @@ def valve_train():
     nose (178.7) are outside of what is compared: where a derivative jumps inside a macro step, the slope of
     a higher order scatters with the place of the jump in the step.
     """
-    system = assembly.system_of(load("valve-train"))
+    system = build_system(load("valve-train"))
     system = with_start(system, {"flywheel": {"angle": np.radians(80.0)}})
     system = started(system, equilibrium(system))
     return started(system, solve(system, np.linspace(0.0, 4e-3, 11), tolerance=1e-12).state[-1])

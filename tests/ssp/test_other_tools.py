@@ -13,7 +13,8 @@ from models.oscillators.exact import two_masses
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.command_line.fmu import build_fmu
 from orchestrator.masters import Jacobi
-from orchestrator.run.assembly import fmu_files, participants_of, system_of
+from orchestrator.run.participants import build_participants
+from orchestrator.run.plan import build_system, resolve_fmus
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import Scenario
 from orchestrator.scenario.files import load
@@ -95,8 +96,8 @@ def package(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Pat
 @pytest.fixture(scope="module")
 def expected(scenario: Scenario) -> list[float]:
     """After these steps of Jacobi's master with held inputs, over our own FMUs."""
-    system, recorder = system_of(scenario), Recorder()
-    units = participants_of(scenario, system, fmu_files(scenario, build_fmu), lambda name, make: make())
+    system, recorder = build_system(scenario), Recorder()
+    units = build_participants(scenario, system, resolve_fmus(scenario, build_fmu), lambda name, make: make())
     try:
         simulate(system, units, Jacobi("hold"), STEP, STEPS * STEP, [recorder])
     finally:

@@ -20,8 +20,9 @@ from models.core.quantities import Vector
 from orchestrator.assessment.summary import Summary
 from orchestrator.engine.exchange import Exchange
 from orchestrator.masters import Iterated, Newton
-from orchestrator.run.assembly import fmu_files, participants_of, system_of
+from orchestrator.run.participants import build_participants
 from orchestrator.run.pipeline import run
+from orchestrator.run.plan import build_system, resolve_fmus
 from orchestrator.run.report import Reporter
 
 from .c_fmus import fmu
@@ -124,8 +125,8 @@ def test_end_values_are_right_to_the_iterations_tolerance(
     """Whatever the lengths of the steps: a loop's gain does not depend on them."""
     tables, lines = written([product, 1.0], [1.0, 2.0], tmp_path, 0.0)
     one = scenario(tables, connections=lines)
-    system = system_of(one)
-    units = participants_of(one, system, fmu_files(one, never), lambda name, make: make())
+    system = build_system(one)
+    units = build_participants(one, system, resolve_fmus(one, never), lambda name, make: make())
     exchange = Exchange(system, units, master.degree)
     exchange.initialise(0.0, 1.0)
     time, errors = 0.0, []

@@ -11,8 +11,8 @@ import pytest
 from orchestrator.assessment.diagnosis.facts import Facts
 from orchestrator.assessment.diagnosis.suggestions import coupling
 from orchestrator.masters import MASTERS
-from orchestrator.run.assembly import system_of
 from orchestrator.run.pipeline import run
+from orchestrator.run.plan import build_system
 from orchestrator.run.report import Reporter
 from orchestrator.scenario import Scenario
 from orchestrator.scenario.fmu_limits import FmuLimits
@@ -70,7 +70,7 @@ def test_the_estimated_error_has_that_of_held_inputs(tmp_path: Path) -> None:
     """Within a factor of two of that of a run; and no signal is advised that can't be taken."""
     more: dict[str, Any] = {"tolerance": {"second.position": 0.3}, "reference": {"enabled": True}}
     one = masses(tmp_path, **more)
-    system = system_of(one)
+    system = build_system(one)
     with open_linearisations(one, system, None) as made:
         found = survey(one, system, linearisations=made)
     assert {method.master.extrapolation for method in found.methods} <= {

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fmus.fmi.validate import validate
-from orchestrator.run.assembly import system_of
+from orchestrator.run.plan import build_system
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import list_shipped, read_contents
 from orchestrator.stability.linearisation import open_linearisations
@@ -68,7 +68,7 @@ def test_what_the_equations_do_not_know_is_refused_with_them(changes: dict[str, 
     content = read_contents(list_shipped()["two-masses"]) | changes
     content["connections"] = ["first.force * 2 -> second.force"]
     with pytest.raises(ScenarioError, match=f"changes values, which the equations .* do not know; {remedy}"):
-        system_of(build_scenario(content))
+        build_system(build_scenario(content))
 
 
 def test_what_an_analysis_does_not_know_is_refused(tmp_path: Path) -> None:
@@ -79,7 +79,7 @@ def test_what_an_analysis_does_not_know_is_refused(tmp_path: Path) -> None:
         (third_party, r"components\.one: a third-party FMU, .* is not analysed"),
         (changed, r"second\.force: its connection .* not known to the analysis"),
     ):
-        with pytest.raises(ScenarioError, match=said), open_linearisations(one, system_of(one), None):
+        with pytest.raises(ScenarioError, match=said), open_linearisations(one, build_system(one), None):
             pass
 
 
@@ -90,7 +90,7 @@ def test_a_file_for_another_platform_is_refused(version: int, tmp_path: Path) ->
         target.writestr("modelDescription.xml", archive.read("modelDescription.xml"))
         target.writestr("binaries/vax/dahlquist.so", b"")
     with pytest.raises(ScenarioError, match=r"has no binary for \S+ \(it has vax\)"):
-        system_of(scenario({"one": {"participant": other}}))
+        build_system(scenario({"one": {"participant": other}}))
 
 
 def test_a_library_of_another_name_is_named(tmp_path: Path) -> None:
@@ -101,7 +101,7 @@ def test_a_library_of_another_name_is_named(tmp_path: Path) -> None:
     with pytest.raises(
         ScenarioError, match=r"has no binaries/\S+/dahlquist\.\S+, .*but binaries/\S+/decay\."
     ):
-        system_of(scenario({"one": {"participant": other}}))
+        build_system(scenario({"one": {"participant": other}}))
 
 
 @pytest.mark.parametrize("version", VERSIONS)

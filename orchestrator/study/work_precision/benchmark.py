@@ -9,7 +9,7 @@ from importlib import metadata
 from pathlib import Path
 
 from ...analyses._evaluate import made, results_in
-from ...run.assembly import Builder
+from ...run.plan import Builder
 from ...run.report import Reporter
 from . import methods, peers
 from .problem import CouplingProblem, problem_named

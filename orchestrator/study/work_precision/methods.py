@@ -15,7 +15,7 @@ from ...engine.step import Step
 from ...errors import RunError
 from ...masters import MASTERS
 from ...participants import Participant, open_fmu
-from ...run.assembly import FmuFile
+from ...run.plan import FmuFile
 from ...run.simulation import Statistics, simulate
 from ...stepping import ControlledSteps, StepControl, Stepper
 from .problem import CouplingProblem

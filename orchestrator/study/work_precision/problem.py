@@ -17,7 +17,7 @@ from models.oscillators import exact
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 
 from ...errors import MistakeError
-from ...run import assembly
+from ...run.plan import build_system
 from ...scenario.files import load
 
 Truth = Callable[[Vector], Vector]
@@ -92,7 +92,7 @@ def quarter_car(times: Vector) -> CouplingProblem:
     return CouplingProblem(
         name="quarter-car",
         description="after a step of the road, against the exact solution",
-        system=assembly.system_of(load("quarter-car")),
+        system=build_system(load("quarter-car")),
         times=times,
         halvings=(0, 1, 2, 3, 4, 5, 6),
         held_halvings=(2, 3, 4, 5, 6, 7, 8),
@@ -103,7 +103,7 @@ def quarter_car(times: Vector) -> CouplingProblem:
 
 def two_masses(times: Vector) -> CouplingProblem:
     """The undamped pair with a force-displacement split, against the matrix exponential."""
-    system = assembly.system_of(load("two-masses"))
+    system = build_system(load("two-masses"))
     coupled = CoupledMassParameters(**system.instances["first"].parameters)
     sprung = SprungMassParameters(**system.instances["second"].parameters)
     return CouplingProblem(
@@ -123,7 +123,7 @@ def valve_train(times: Vector) -> CouplingProblem:
     degrees, where orders would scatter with the place of the jump in a step."""
     from models.monolithic import equilibrium, solve
 
-    system = _started(assembly.system_of(load("valve-train")), {"flywheel": {"angle": np.radians(80.0)}})
+    system = _started(build_system(load("valve-train")), {"flywheel": {"angle": np.radians(80.0)}})
     system = _at(system, equilibrium(system))
     system = _at(system, solve(system, np.linspace(0.0, 4e-3, 11), tolerance=1e-12).state[-1])
     outputs = ("contact.load", "contact.film_thickness")

@@ -12,7 +12,7 @@ import numpy as np
 from models.core.quantities import Vector
 from models.monolithic.difference import difference
 
-from ...run import assembly
+from ...run.plan import Builder, FmuFile
 from .problem import CouplingProblem
 
 # Times that are this much of themselves apart are the same.
@@ -68,9 +68,9 @@ def errors_of(problem: CouplingProblem, times: Vector, values: Vector) -> dict[s
     }
 
 
-def fmu_files(problem: CouplingProblem, build: assembly.Builder) -> dict[str, assembly.FmuFile]:
+def fmu_files(problem: CouplingProblem, build: Builder) -> dict[str, FmuFile]:
     """The FMU of every instance."""
     return {
-        name: assembly.FmuFile(Path(build(i.component.name, i.component.structure, "fmu")), "")
+        name: FmuFile(Path(build(i.component.name, i.component.structure, "fmu")), "")
         for name, i in problem.system.instances.items()
     }

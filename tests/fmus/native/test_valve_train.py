@@ -14,7 +14,7 @@ from models.core.quantities import Vector
 from models.core.system import System
 from orchestrator.masters import GaussSeidel, Jacobi, Master
 from orchestrator.participants import Participant, in_process, open_fmu
-from orchestrator.run import assembly
+from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from tests.orchestrator.recorder import Recorder
@@ -26,7 +26,7 @@ STEP = 5e-6
 def valve_train() -> tuple[System, float]:
     """The scenario's system, set to its equilibrium, and where it ends (s): two turns of the cam."""
     scenario = load("valve-train")
-    return assembly.at_start(scenario, assembly.system_of(scenario)), scenario.stop_time
+    return resolve_start(scenario, build_system(scenario)), scenario.stop_time
 
 
 def ran(participants: Mapping[str, Participant], master: Master, stop: float) -> Vector:

@@ -19,7 +19,7 @@ from fmpy import read_model_description
 
 from models.core.system import System
 
-from ....run.assembly import FmuFile
+from ....run.plan import FmuFile
 from ..problem import CouplingProblem
 from ..run import Row, errors_of
 

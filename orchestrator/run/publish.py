@@ -1,0 +1,177 @@
+"""Publish a run: its result file, tables, figures and summary, and what is printed at its end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from dataclasses import replace
+from importlib import metadata
+from pathlib import Path
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from ..assessment.comparison import Errors, VariableError
+from ..assessment.contacts import lines as contact_lines
+from ..assessment.diagnosis import brief
+from ..assessment.summary import Summary
+from ..energy.account import lines as energy_lines
+from ..scenario.files import to_full_toml
+from ..store.atomic_write import NO_ROOM, naming
+from ..store.csv_file import write_csv, write_units
+from ..store.journal import Recorded, journals
+from ..store.result_file import ResultFile
+from ..store.run_state import clear, shown
+from .output_folder import CSV, FIGURES, RESULT, SUMMARY, UNITS, OutputFolder, files
+from .plan import Plan
+from .record import FAILED, INTERRUPTED, Ending
+from .report import Reporter
+
+PACKAGES = ("tribocosim", "numpy", "scipy", "numba", "scikit-sundae", "fmpy", "pythonfmu")
+
+
+@contextmanager
+def open_result(plan: Plan, folder: OutputFolder, reporter: Reporter) -> Iterator[ResultFile]:
+    """The result file of what the journals hold, and the CSV files beside it."""
+    with ResultFile(folder.path / RESULT, _describe(plan)) as result:
+        with reporter.stage("result file"), naming(folder.path / RESULT):
+            recorded = {name: Recorded(path) for name, path in journals(folder.unfinished).items()}
+            for name, journal in recorded.items():
+                result.take(name, journal)
+        if "coupled" in recorded:
+            write_csv(folder.path / CSV, recorded["coupled"])
+            write_units(folder.path / UNITS, recorded["coupled"])
+        yield result
+
+
+def _describe(plan: Plan) -> dict[str, str]:
+    """The attributes of the result file."""
+    scenario = plan.scenario
+    return {
+        "title": scenario.description or scenario.name,
+        "scenario": scenario.name,
+        "scenario_toml": to_full_toml(scenario),
+        "versions": ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES),
+        "fmu_sha256": "\n".join(f"{name} {sha256}" for name, sha256 in plan.sha256.items()) or "none",
+    }
+
+
+def finish_result(plan: Plan, ending: Ending, result: ResultFile, reporter: Reporter) -> None:
+    """State how the run ended, and draw the figures."""
+    result.finish(ending.complete, ending.message)
+    if not plan.figures or ending.exit_status == INTERRUPTED or result.length("coupled") < 2:
+        return
+    from .. import plots
+
+    name = plan.scenario.name
+    title = name if ending.complete else f"{name} (incomplete)"
+    figures = plots.applying(result, title, plan.scenario)
+    with reporter.stage("figures") if figures else nullcontext():
+        plots.draw(figures, result.path.with_name(FIGURES))
+    if not figures:
+        reporter.line("no figures: none is known for these components")
+
+
+def settle_ending(ending: Ending, folder: OutputFolder) -> Ending:
+    """The ending, with the remedy for a full disk; resumable only from a checkpoint."""
+    if ending.message.endswith(NO_ROOM):
+        ending = replace(ending, message=f"{ending.message}; {_advise_on_full_disk(folder)}")
+    return replace(ending, resumable=ending.resumable and folder.checkpoint.exists())
+
+
+def _advise_on_full_disk(folder: OutputFolder) -> str:
+    out = shown(folder.path)
+    if folder.checkpoint.exists():
+        return f"free some space, then tribocosim resume {out} goes on from the last checkpoint"
+    if (folder.path / RESULT).exists():
+        return "there is no checkpoint to go on from; free some space and run it anew with --overwrite"
+    return f"free some space, then tribocosim resume {out} makes the result of what was recorded"
+
+
+def publish(summary: Summary, folder: OutputFolder, reporter: Reporter) -> Summary:
+    """Write the summary, remove what only an unfinished run needs, and print the end of the run.
+
+    Where the summary cannot be written, the one from the start of the run stays, and a complete run is
+    returned as failed.
+    """
+    try:
+        summary.write(folder.path / SUMMARY)
+    except OSError as error:
+        if not summary.complete:
+            return summary
+        message = f"incomplete: {error.filename}: {error.strerror}; {_advise_on_full_disk(folder)}"
+        return replace(summary, complete=False, exit_status=FAILED, message=message)
+    if not summary.resumable and (folder.path / RESULT).exists():
+        clear(folder.unfinished)
+    _print_end(summary, folder.path, files(folder.path), reporter)
+    return summary
+
+
+def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], reporter: Reporter) -> None:
+    """The engineering result, the verdict with its table, effort and files."""
+    for line in contact_lines(summary.contacts, summary.contacts_from, summary.fixed_steps):
+        reporter.line(line)
+    for line in energy_lines(summary.energy) if summary.energy else ():
+        reporter.line(line)
+    for line in brief(summary.steps, summary.suggestions) if summary.steps else ():
+        reporter.line(line)
+    for name, given in summary.warnings.items():
+        first = f", the first: {given.first}" if given.first else "; it does not say of what"
+        reporter.line(f"{name}: the FMU gave {given.count} warning{'s' * (given.count > 1)}{first}")
+    for name, since in summary.not_numbers.items():
+        reporter.line(
+            f"{name}: not a number (NaN) from t = {since:.6g} s on, or at times; look at its participant"
+        )
+    if summary.python_sweeps:
+        reasons = ", ".join(f"{name} ({why})" for name, why in summary.python_sweeps.items())
+        reporter.line(f"macro steps in Python, not in compiled code, for {reasons}")
+    if summary.complete:
+        reporter.line(f"{summary.scenario}: {summary.verdict}")
+    if summary.errors:
+        reporter.console.print(_tabulate(summary.errors))
+    if summary.coupled_time_s:
+        speed = summary.macro_steps / summary.coupled_time_s
+        reference = summary.reference_time_s
+        reporter.line(
+            f"{summary.macro_steps} macro steps, {summary.iterations} iterations in "
+            f"{summary.coupled_time_s:.2f} s ({speed:.0f} steps/s)"
+            + ("" if reference is None else f"; reference {reference:.2f} s")
+            + f"; all {summary.wall_time_s:.1f} s"
+        )
+    names = ", ".join(str(file.relative_to(out)) for file in written_files)
+    reporter.line(f"results in {shown(out)}: {names}")
+
+
+def _tabulate(errors: Errors) -> Table:
+    """The comparison as a table; variables with a tolerance first."""
+    starred = any(error.below_uncertainty for error in errors.values())
+    table = Table(
+        title="Coupled run against the monolithic reference (SI units)",
+        caption="* below the reference's own uncertainty" if starred else None,
+        title_justify="left",
+        caption_justify="left",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+    )
+    table.add_column("variable", overflow="fold")
+    for column in ("max", "RMS", "relative\nRMS", "reference\n±", "allowed"):
+        table.add_column(column, justify="right", no_wrap=True)
+    table.add_column("")
+    for name, error in sorted(errors.items(), key=lambda item: item[1].tolerance is None):
+        table.add_row(
+            Text(name),
+            f"{error.max_abs:.1e}",
+            f"{error.rms:.1e}",
+            f"{error.relative_rms:.1e}{'*' if error.below_uncertainty else ''}",
+            f"{error.uncertainty.relative_rms:.0e}",
+            "" if error.tolerance is None else f"{error.tolerance:.0e}",
+            _mark(error),
+        )
+    return table
+
+
+def _mark(error: VariableError) -> Text:
+    if error.tolerance is None:
+        return Text("")
+    return Text("within", "green") if error.within else Text("OUTSIDE", "bold red")
