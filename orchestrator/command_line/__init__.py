@@ -1,6 +1,6 @@
-"""The command `tribocosim`. Imports what is slow only where it is used: --help must answer at once.
+"""The command `tribocosim`, with a file for each command.
 
-A file for each command.
+Slow imports are inside functions, so that --help answers at once.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How every command ends: with an exit status, and an error as one message."""
+"""Exit statuses and error messages of all commands."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import typer
 
 from ..run.interruption import Noticed
 
-# The last as shells say of a program that SIGPIPE ended: 128 + 13.
+# NO_READER: 128 + 13, as after SIGPIPE.
 MISTAKE, FAILED, INTERRUPTED, NO_READER = 2, 3, 130, 141
 
 
@@ -30,7 +30,7 @@ def report_errors(command: Callable[..., int | None]) -> Callable[..., None]:
         except KeyboardInterrupt as interruption:
             say(str(interruption) or "interrupted")
             raise typer.Exit(INTERRUPTED) from None
-        except BrokenPipeError:  # who read the output has left, as `| head -1` does
+        except BrokenPipeError:  # the reader has ended, e.g. `| head -1`
             _discard_output()
             raise typer.Exit(NO_READER) from None
         except Exception as error:
@@ -47,7 +47,7 @@ def report_errors(command: Callable[..., int | None]) -> Callable[..., None]:
 
 
 def _discard_output() -> None:
-    """What is left to be written to standard output; else Python complains of it when it ends."""
+    """Discard buffered output, which Python would fail to write at its end."""
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), sys.stdout.fileno())
 
@@ -64,7 +64,7 @@ def _describe_error(error: Exception) -> tuple[str, int]:
     if isinstance(error, RunError):
         return str(error), FAILED
     if isinstance(error, OSError) and error.filename and error.strerror in NO_ROOM:
-        remedy = "free some space and repeat the command (a run that was begun: tribocosim resume)"
+        remedy = "free some space and repeat the command (for a started run: tribocosim resume)"
         return f"{error.filename}: {error.strerror}; {remedy}", FAILED
     return f"unexpected {type(error).__name__}: {error} (TRIBOCOSIM_DEBUG=1 shows where)", FAILED
 

@@ -15,8 +15,8 @@ from .without_cache import build_without_cache
 
 
 def build_fmu(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Path:
-    """The packaged component, run by Python or `native`, built if it isn't in the cache; where that cannot be
-    written, in a folder that is there as long as this process."""
+    """Build the component's FMU, in Python or `native`, unless it is in the cache. If the cache cannot be
+    written, use a folder that lasts as long as this process."""
     from fmus.build import build
     from models.compile.cache_folder import user_cache_directory
 
@@ -40,8 +40,7 @@ def build_fmu(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Pat
 
 
 def check_native(sizes: Mapping[str, tuple[str, Mapping[str, int]]]) -> None:
-    """MistakeError where the FMUs of these instances, each with its component and structural sizes, are to be
-    native and cannot be built here."""
+    """MistakeError if native FMUs of these instances (component, structural sizes) cannot be built here."""
     from fmus.native.fmu import check_sizes, check_tools
     from fmus.native.machine_code import NativeBuildError
     from fmus.native.translate import TranslationError
@@ -115,7 +114,7 @@ def _check_options(
     fmi: int,
     libpython: str | None,
 ) -> Sequence[str]:
-    """The components to build, after the options were looked at."""
+    """Check the options; return the components to build."""
     from fmus.build import NAMES
     from models.core.system import suggestion
 
@@ -148,7 +147,7 @@ def _check_options(
 
 @contextmanager
 def _report_unwritable(out: Path) -> Iterator[None]:
-    """A folder that cannot be written is the user's to choose anew."""
+    """MistakeError if the folder cannot be written."""
     from ..errors import MistakeError
 
     try:
@@ -190,24 +189,23 @@ def _build_native(
 
 @contextmanager
 def _report_replacement(name: str, out: Path) -> Iterator[None]:
-    """A file of the same name is renewed, as whoever builds again expects; if it was another, it is said."""
+    """Report files that were replaced by different ones."""
     before = {file: file.read_bytes() for file in _list_files(name, out)}
     yield
     for file, content in before.items():
         if file.read_bytes() != content:
-            say(f"{file}: there was another file of this name; it is replaced")
+            say(f"{file}: replaced a different file of this name")
 
 
 def _list_files(name: str, out: Path) -> Sequence[Path]:
-    """The FMUs there are of a component."""
+    """The existing FMUs of a component."""
     files = [out] if out.suffix == ".fmu" else out.glob(f"{name}*.fmu")
     return [file for file in files if file.is_file()]
 
 
 @contextmanager
 def _show_progress(name: str) -> Iterator[Callable[[str], None]]:
-    """What is called with each step of a native build, and shows it on the terminal; where standard error is
-    none, a line when the work begins, and nothing more."""
+    """Yield a function that shows the steps of a native build on a terminal; else one line at the start."""
     from rich.console import Console
 
     console = Console(stderr=True, highlight=False)
@@ -225,7 +223,7 @@ def _show_progress(name: str) -> Iterator[Callable[[str], None]]:
 
 
 def _parse_size(text: str) -> tuple[str, int]:
-    """A structural size and its number."""
+    """Parse NAME=NUMBER."""
     from ..errors import MistakeError
 
     name, _, number = text.partition("=")

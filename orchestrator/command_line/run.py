@@ -85,12 +85,12 @@ def resume_run(
 
 
 def _finish(summary: Summary, folder: Path) -> int:
-    """The exit status; of an incomplete run, what happened and how it goes on."""
+    """Return the exit status; report why a run is incomplete and how to continue it."""
     if not summary.complete:
         remedy = ""
         if summary.resumable and "tribocosim resume" not in summary.message:
             remedy = f"; tribocosim resume {folder} continues this run"
         elif summary.exit_status == INTERRUPTED:
-            remedy = "; there is no checkpoint to go on from: repeat the command with --overwrite"
+            remedy = "; it has no checkpoint: repeat the command with --overwrite"
         say(summary.message + remedy)
     return summary.exit_status

@@ -55,7 +55,7 @@ def ssp_import(
     source = find(file)
     if source.suffix != ".ssp":
         raise MistakeError(f"{source}: is no package; give an .ssp file (scenario files are run as they are)")
-    load(source)  # so that nothing is written of one that is refused
+    load(source)  # writes nothing if the package is refused
     folder = out or Path(file.stem)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise MistakeError(f"{folder}: is not an empty folder; choose another --out")
@@ -65,13 +65,13 @@ def ssp_import(
         target = folder / f"{scenario.name}.toml"
         target.write_text(to_short_toml(scenario, folder), "utf-8")
     except OSError as error:
-        _clear_folder(folder, empty)  # half of it is of no use
+        _clear_folder(folder, empty)  # half a package is useless
         raise MistakeError(f"{folder}: cannot be written ({error.strerror}); choose another --out") from None
     print(target)
 
 
 def _clear_folder(folder: Path, kept: bool) -> None:
-    """Delete what is in the folder, and the folder where it is not to be kept."""
+    """Delete the folder's content, and the folder unless it is `kept`."""
     import shutil
 
     for path in folder.iterdir() if kept else [folder]:

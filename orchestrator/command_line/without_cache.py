@@ -1,4 +1,4 @@
-"""FMUs of commands where the cache folder cannot be used."""
+"""FMUs for a command that cannot use the cache folder."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def build_without_cache(
     structure: Mapping[str, int],
     error: OSError,
 ) -> Path:
-    """As `make`, in this process's own folder, each once; OSError where there is no place for it either."""
+    """As `make`, once for each FMU, in a temporary folder; OSError if that cannot be written either."""
     sizes = "".join(f"-{size}-{number}" for size, number in sorted(structure.items()))
     folder = make_folder(str(error.strerror)) / f"{make.__name__}-{name}{sizes}"
     made = list(folder.glob("*.fmu"))
@@ -26,7 +26,7 @@ def build_without_cache(
 
 @functools.cache
 def make_folder(reason: str) -> Path:
-    """A folder that is deleted with the end of this process; it is said once why it is needed."""
+    """Make a folder that is deleted at the end of this process; report once why it is needed."""
     from models.compile.cache_folder import user_cache_directory
 
     say(

@@ -1,6 +1,6 @@
-"""The functions of an FMU that run in every step, called with memory that is bound once.
+"""Fast calls of an FMU's functions that run in every step.
 
-Without argument types ctypes passes these objects as they are, which is what makes a call cheap; fmpy's own
+Their arguments are bound once. ctypes functions without argument types pass them unchanged, while fmpy's
 methods build lists at every call.
 """
 
@@ -18,8 +18,8 @@ from .fmi_instance import WARNING
 
 
 class ArrayLayout:
-    """Variables of which some are elements of arrays, which a call transfers whole: the references of all,
-    each once, how many values these have, and the places of the variables among them."""
+    """The memory of a call for scalars and elements of arrays: unique references, number of values (a call
+    transfers whole arrays), and the places of the variables among these."""
 
     def __init__(self, variables: Iterable[Variable]) -> None:
         first: dict[int, int] = {}
@@ -34,15 +34,14 @@ class ArrayLayout:
 
 
 class BoundCalls:
-    """What the versions of FMI have in common in this, over fmpy's `_slave`."""
+    """The calls that FMI 2 and FMI 3 share, on fmpy's `_slave`."""
 
     _slave: Any
 
     def _bind(self, save: str, restore: str, release: str) -> None:
-        """Take the instance that was made; the names are those of the functions of states."""
+        """Bind the instance and its functions of states, by their names."""
         slave = self._slave
-        # A Python FMU runs in this interpreter, which ctypes would let go for every call only for the FMU to
-        # take it again; PyDLL keeps it.
+        # A Python FMU runs in this interpreter: PyDLL keeps its lock, which the FMU would only take again.
         self._in_python = Path(slave.unzipDirectory, "resources", "slavemodule.txt").is_file()
         self._library = ctypes.PyDLL(None, handle=slave.dll._handle) if self._in_python else slave.dll
         self._handle = ctypes.c_void_p(slave.component)

@@ -1,4 +1,4 @@
-"""What an FMU's modelDescription.xml says, alike for FMI 2.0 and FMI 3.0: every scalar by its name."""
+"""Reads modelDescription.xml of FMI 2.0 and FMI 3.0, with all scalars by their names."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Variable:
 
     @property
     def numeric(self) -> bool:
-        """Whether its values are numbers or truth values."""
+        """Whether its values are numbers or booleans."""
         return self.type in REALS or self.discrete
 
     @property
@@ -62,7 +62,7 @@ class Variable:
 
     @property
     def discrete(self) -> bool:
-        """Whether its values are whole numbers or truth values."""
+        """Whether its values are integers or booleans."""
         return self.type in INTEGERS or self.type in BOOLEANS
 
 
@@ -111,12 +111,12 @@ class Description:
 
     @property
     def is_own(self) -> bool:
-        """Whether the file says that this program made it."""
+        """Whether the file names this program as its generator."""
         return self.tool.startswith(OWN_TOOL)
 
     @property
     def strings(self) -> list[str]:
-        """The parameters that are single texts (String)."""
+        """The scalar parameters of type String."""
         return [v.name for v in self.variables.values() if v.settable and v.type == STRING and v.size == 1]
 
     def list_variables(self, causality: str) -> Iterator[Variable]:
@@ -125,7 +125,7 @@ class Description:
 
 
 def is_made_here(path: Path) -> bool:
-    """Whether this program made the FMU at `path`, and it is whole: a damaged library may do anything."""
+    """Whether this program built the FMU at `path` and nothing in it was changed."""
     status = path.stat()
     return _is_made_here(path, status.st_mtime_ns, status.st_size)
 
@@ -136,11 +136,11 @@ def _is_made_here(path: Path, changed: int, size: int) -> bool:
 
 
 class DescriptionError(ValueError):
-    """The file is no FMU that can take part; a message without the file's name."""
+    """The file is no usable FMU; the message lacks the file's name."""
 
 
 def read_description(path: Path) -> Description:
-    """The description of the FMU at `path`; nothing of it is run. DescriptionError if it cannot take part."""
+    """Read the description without running the FMU; DescriptionError if it cannot be used."""
     try:
         found = _read(path)
     except Exception as error:
@@ -184,7 +184,7 @@ def read_description(path: Path) -> Description:
 
 
 def _read(path: Path) -> Any:
-    """fmpy's description; of a file with faults that do not keep it from being read, too."""
+    """fmpy's description; without validation if that fails."""
     try:
         return read_model_description(str(path))
     except Exception as error:
@@ -194,7 +194,7 @@ def _read(path: Path) -> Any:
 
 
 def _list_scalars(variable: Any) -> Iterator[Variable]:
-    """The variable, or the elements of the array that it is: x[1], x[2], or x[1,1], x[1,2]."""
+    """The variable, or the elements of an array: x[1], x[2], or x[1,1], x[1,2]."""
     shape = tuple(variable.shape or ())
     size = math.prod(shape)
     starts = _read_starts(variable, size)
@@ -232,7 +232,7 @@ def _read_limit(variable: Any, declared: Any, key: str) -> float | None:
 
 
 def _read_starts(variable: Any, size: int) -> list[float | None]:
-    """The start values of all elements; one that is no number, or not stated, is None."""
+    """The start values of all elements; None without a number."""
     if variable.start is None or variable.type not in (*REALS, *INTEGERS, *BOOLEANS):
         return [None] * size
     words = str(variable.start).split()
@@ -251,7 +251,7 @@ def _parse_number(text: Any) -> float | None:
 
 
 def _read_dependencies(found: Any) -> dict[str, tuple[str, ...]]:
-    """Of the outputs that state them, elements of arrays each by its name."""
+    """The inputs that each output depends on, where the file states them."""
     depends = {}
     for unknown in found.outputs:
         if unknown.variable is None or unknown.dependencies is None:
@@ -263,7 +263,7 @@ def _read_dependencies(found: Any) -> dict[str, tuple[str, ...]]:
 
 
 def _differentiates(path: Path, about: Any, version: str) -> bool:
-    """It gives directional derivatives; of FMI 3.0 fmpy does not tell."""
+    """Whether it gives directional derivatives; fmpy does not read this for FMI 3.0."""
     if version == "2.0":
         return bool(about.providesDirectionalDerivative)
     with zipfile.ZipFile(path) as archive:
@@ -272,7 +272,7 @@ def _differentiates(path: Path, about: Any, version: str) -> bool:
 
 
 def _read_states(found: Any) -> dict[str, str] | None:
-    """None where not all are told; that there are none is told by a file for model exchange."""
+    """The states and their derivatives; None if the file may not list all."""
     if not found.derivatives and found.modelExchange is None:
         return None
     if any(unknown.variable is None for unknown in found.derivatives):

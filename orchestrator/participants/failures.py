@@ -1,4 +1,4 @@
-"""What an FMU said, and the errors of calls that did not succeed."""
+"""Messages of an FMU, and the errors of its failed calls."""
 
 from __future__ import annotations
 
@@ -18,29 +18,28 @@ from .fmi_instance import DISCARD, FATAL, PENDING, WARNING, FmiInstance, status_
 
 REMEDY = "look at its inputs and parameters, reduce macro_step or use the iterated master"
 
-# Of a step: what may be missing of one that came to its end, by the FMU's own sum of steps.
+# Part of a step that a complete one may lack, by rounding in the FMU's sum of steps.
 WHOLE = 1e-9
 
 ASYNCHRONOUS = (
-    "asynchronous steps, which go on when the call has returned, are not supported; have the FMU made "
-    "without (canRunAsynchronuously = false)"
+    "asynchronous steps are not supported; have the FMU made without (canRunAsynchronuously = false)"
 )
 
 
 class ErrorReporter:
-    """A participant whose calls may fail; `_fmi` is its instance."""
+    """Base of a participant whose calls of the instance `_fmi` may fail."""
 
     _fmi: FmiInstance
 
     def __init__(self, name: str) -> None:
         self.name = name
-        # The last ones: an FMU that says something in every step must not fill the memory.
+        # The last messages only, so that they do not fill the memory.
         self._messages: deque[str] = deque(maxlen=20)
         self._fatal = False
         self._warnings, self._first_warning = 0, ""
 
     def _log(self, status: int, message: bytes) -> None:
-        # Of a Python FMU's traceback the last line says what happened.
+        # The last line of a Python traceback names the error.
         if message and (lines := message.decode(errors="replace").strip().splitlines()):
             self._messages.append(lines[-1])
             if status == WARNING:
@@ -65,7 +64,7 @@ class ErrorReporter:
         return said
 
     def _fail(self, status: int, what: str) -> NoReturn:
-        """Raise the error of a call that did not succeed."""
+        """Raise the error of a failed call."""
         said = self._said() or "no message"
         message = f"{self.name}: {what} returned {status_name(status)}: {said}; "
         if status == PENDING:

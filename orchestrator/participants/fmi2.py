@@ -19,13 +19,13 @@ from .fmi_instance import DISCARD, WARNING
 
 try:
     from fmpy.logging import addLoggerProxy as formatting
-except Exception:  # it has none for this platform: messages come as they are, without their arguments
+except Exception:  # not for this platform: messages lack their arguments
     formatting = None
 
 # fmi2StatusKind
 LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3
-# Who gets the messages of an instance, by its environment and by its name: C code that puts a message and its
-# arguments together knows one function for all instances.
+# Receivers of messages, by an instance's environment and by its name: C code that formats messages knows one
+# function for all instances.
 _listeners: dict[object, Callable[[int, bytes], None]] = {}
 _environments = itertools.count(1)
 
@@ -52,7 +52,7 @@ class Fmi2(BoundCalls):
             modelIdentifier=description.identifier,
             instanceName=name,
         )
-        # Python FMUs, and ours, say whole texts, in which a percent sign is one.
+        # Messages of Python FMUs and ours are complete; their percent signs are no formats.
         self._formats = not (description.is_own or Path(folder, "resources", "slavemodule.txt").is_file())
         self._heard: tuple[object, ...] = ()
         self.ended_in: list[float] = []
@@ -168,7 +168,7 @@ class Fmi2(BoundCalls):
         return value.value if status <= WARNING else None
 
     def is_ended(self) -> bool:
-        # pythonfmu's C layer says so of every discarded step, so that its answer means nothing.
+        # pythonfmu's C layer says so after every discarded step.
         if self._in_python:
             return False
         value = ctypes.c_int()

@@ -1,7 +1,7 @@
 """FMI 3.0: an instance of an FMU for co-simulation.
 
-Events are the FMU's own (event mode is not used), so are clocks. A step that it returns from early is gone on
-with until its end.
+The FMU handles its events and clocks itself; event mode is not used. The rest of a step that
+returns early follows.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from .bound_calls import ArrayLayout, BoundCalls
 from .description import BOOLEANS, REALS, Description, Variable
 from .fmi_instance import DISCARD, WARNING
 
-# As fmi3Int64 is called by what holds it.
+# Types that are stored as another one.
 STORED_AS = {"Enumeration": "Int64"}
-# Bytes of what a step tells.
+# Places of the flags that a step returns.
 ENDED, EARLY = 1, 2
-# Returns on the way through one step, before it counts as one that does not get on.
+# Limit of early returns from one step.
 MAXIMUM_RETURNS = 10_000
-# Of times, relative: a sum of steps and their end as the FMU counts it.
+# Relative tolerance of times, for the FMU's sum of steps.
 ROUNDING = 1e-12
 
 
@@ -46,7 +46,7 @@ class Fmi3(BoundCalls):
         )
         self._name = name
         self._early = description.returns_early
-        # What a step tells: event, end, early return (a byte each); at 8 the time that it has reached.
+        # What a step returns: event, end, early return (a byte each); at 8 the time reached.
         self._told = np.zeros(2)
         self.ended_in: list[float] = []
 
@@ -80,7 +80,7 @@ class Fmi3(BoundCalls):
         return [float(value) for value in memory]
 
     def _memory(self, prefix: str, variables: Sequence[Variable]) -> tuple[Any, Any, Callable[..., Any]]:
-        """Their references, each once; memory for all values; the function that transfers them."""
+        """Unique references, memory for all values, and the function that transfers them."""
         kind = STORED_AS.get(variables[0].type, variables[0].type)
         found = list(dict.fromkeys(v.reference for v in variables))
         references = (ctypes.c_uint * len(found))(*found)

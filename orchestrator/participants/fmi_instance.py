@@ -1,4 +1,4 @@
-"""What a participant needs of an FMU's instance, whatever version of FMI it follows."""
+"""The interface of an FMU's instance, for both versions of FMI."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ WARNING, DISCARD, FATAL, PENDING = 1, 2, 4, 5  # what is above WARNING did not s
 
 
 def status_name(status: int) -> str:
-    """As FMI calls it; of a number that it does not have, that number."""
+    """The name of a status; of an unknown one, its number."""
     return STATUS[status] if 0 <= status < len(STATUS) else f"{status}, which is no status of FMI"
 
 

@@ -1,7 +1,7 @@
-"""An FMU in a process of its own: whatever it does there, the run and its results stay.
+"""An FMU in its own process: if it crashes, the run keeps its results. It is no sandbox.
 
-One message goes there and one comes back for each step, with inputs and outputs as raw doubles; what is rare
-is written as JSON. A process that ends, by whatever signal or exit, is a `LostParticipantError`.
+A step is one message and one answer, with inputs and outputs as raw doubles; other calls are JSON. If the
+process ends, by a signal or an exit, `LostParticipantError` is raised.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from .description import read_description
 from .fmu import FmuSettings
 from .messages import ADVANCE, CALL, FAILED, READ, TIMES, receive, send
 
-# How long a process may take to end by itself (s), once it has nothing left to do.
+# How long to wait for the process to end by itself (s).
 PATIENCE_S = 5.0
 
 Saved = int  # the process's number of a state
@@ -41,7 +41,7 @@ class InOwnProcess:
 
     def __init__(self, name: str, path: Path, given: FmuSettings) -> None:
         self.name = name
-        # A process that crashes leaves behind what it has unpacked.
+        # Kept here, as a crashed process does not delete what it unpacked.
         self._folder = tempfile.mkdtemp(prefix="tribocosim-")
         self._process = _start_process()
         self._lost = self._made = self._stepped = False
@@ -57,7 +57,7 @@ class InOwnProcess:
             raise
 
     def _ask(self, kind: bytes, *parts: Any) -> bytes:
-        """The answer to a message; its error if it failed there."""
+        """Send a message and return the answer; raise the error that it contains."""
         try:
             send(self._process.stdin, kind, *parts)
             answer, content = receive(self._process.stdout)
@@ -81,7 +81,7 @@ class InOwnProcess:
         raise kind(said["message"])
 
     def _raise_lost(self) -> NoReturn:
-        """Raise what is known of a process that is no more."""
+        """Raise the error of a process that has ended."""
         self._lost = True
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(PATIENCE_S)
@@ -132,7 +132,7 @@ class InOwnProcess:
         self._fresh = False
 
     def write(self) -> None:
-        # It goes there with the next step or reading.
+        # The next step or reading sends them.
         self._written, self._fresh = True, False
 
     def advance(self, time: float, step: float) -> None:
@@ -150,13 +150,13 @@ class InOwnProcess:
             self._rates[self._rated] = self._taken[count:][self._rated]
 
     def _deliver(self) -> None:
-        """What has been written, before a call that would see it."""
+        """Send inputs that were written, before a call that depends on them."""
         if self._written:
             self._doing = "setting of inputs"
             self._store_outputs(self._ask(READ, self._take_inputs()))
 
     def _take_inputs(self) -> bytes:
-        """The inputs, if they have been written since the last message."""
+        """The inputs, if they were written since the last message."""
         written, self._written = self._written, False
         return self._inputs.tobytes() if written else b""
 
@@ -178,7 +178,7 @@ class InOwnProcess:
         self._fresh = self._written = False
 
     def release(self, saved: Saved) -> None:
-        if not self._lost:  # else it is gone with all that it had
+        if not self._lost:  # else its states are gone too
             self._call("release", number=saved)
 
     def to_bytes(self, saved: Saved) -> bytes:
@@ -189,7 +189,7 @@ class InOwnProcess:
         return saved
 
     def warnings(self) -> tuple[int, str]:
-        """As of a `FmuParticipant`; of a process that has ended nothing is known."""
+        """As `FmuParticipant`; none from a process that has ended."""
         if self._lost:
             return 0, ""
         count, first = self._call("warnings")
@@ -224,7 +224,7 @@ def _describe_end(status: int | None) -> str:
 
 
 def _start_process() -> subprocess.Popen[bytes]:
-    """Ctrl-C, which the terminal sends to both, is not for it."""
+    """Start it with SIGINT blocked: Ctrl-C is for the run only."""
     path = os.pathsep.join(filter(None, [*sys.path, os.environ.get("PYTHONPATH", "")]))
     with _block_interrupts():
         return subprocess.Popen(

@@ -1,4 +1,4 @@
-"""Messages between a run and the process of one of its FMUs: a kind, a length, the content."""
+"""Messages between a run and the process of an FMU: kind, length, content."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ TIMES = struct.Struct("=dd")  # begin and length of a step (s)
 
 
 def send(pipe: Any, kind: bytes, *parts: bytes) -> None:
-    """Write to an unbuffered pipe; OSError where nobody reads it."""
+    """Write to an unbuffered pipe; OSError if it is closed."""
     content = b"".join(parts)
     rest = memoryview(HEAD.pack(kind, len(content)) + content)
     while rest:
@@ -19,7 +19,7 @@ def send(pipe: Any, kind: bytes, *parts: bytes) -> None:
 
 
 def receive(pipe: Any) -> tuple[bytes, bytes]:
-    """The next message from an unbuffered pipe; EOFError where nobody writes to it any more."""
+    """Read the next message from an unbuffered pipe; EOFError if it is closed."""
     kind, size = HEAD.unpack(_exactly(pipe, HEAD.size))
     return kind, _exactly(pipe, size)
 

@@ -26,7 +26,7 @@ _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
 
 
 class Server:
-    """Carries out messages for the participant that the first one, instantiate, makes."""
+    """Carries out messages; the first one, instantiate, opens the FMU."""
 
     unit: FmuParticipant
     inputs: Vector
@@ -132,4 +132,4 @@ def main() -> None:
             said = {"kind": known, "message": str(error), "reached": reached}
             answer = FAILED, json.dumps(said).encode()
         send(answers, *answer)
-    os._exit(0)  # some FMUs abort where their library is taken down
+    os._exit(0)  # some FMUs abort when their library is unloaded

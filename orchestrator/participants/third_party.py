@@ -1,6 +1,6 @@
-"""A component of a third-party FMU: variables, units and ranges as its description states them.
+"""The component of a third-party FMU: variables, units and ranges as its description states them.
 
-Its equations are its own, so that it has no reference, no equilibrium and no energy account.
+Its equations are unknown, so there is no reference, equilibrium or energy account.
 """
 
 from __future__ import annotations
@@ -44,13 +44,13 @@ class NamedLayout(Layout):
 
 @dataclass(frozen=True, eq=False)
 class ThirdPartyComponent(Component):
-    """The component of a third-party FMU; `about` is what its file says."""
+    """The component of a third-party FMU; `about` is its description."""
 
     about: Description = None  # type: ignore[assignment]  # given always, after fields with defaults
 
 
 def read_component(path: Path) -> Component:
-    """The component that the FMU is; ValueError, with the path, if it cannot take part."""
+    """Read the FMU as a component; ValueError, with the path, if it cannot be used."""
     try:
         status = path.stat()
     except OSError:
@@ -100,7 +100,7 @@ def _build_layout(variables: Iterable[Variable]) -> NamedLayout:
 
 
 def build_quantity(variable: Variable) -> Quantity:
-    """What the variable's number means."""
+    """The quantity of a variable."""
     return Quantity(
         unit=variable.unit or ("1" if variable.discrete else ""),
         description=variable.description or variable.name,
@@ -113,10 +113,10 @@ def build_quantity(variable: Variable) -> Quantity:
 
 
 def _clip_start(variable: Variable) -> float:
-    """The start value; of one that the file leaves open, or has out of its own range, the nearest."""
+    """The start value (default 0), clipped to the variable's range."""
     value = 0.0 if variable.start is None or not math.isfinite(variable.start) else variable.start
     return min(max(value, variable.minimum), variable.maximum)
 
 
 def _refuse_equations(*arguments: Any) -> NoReturn:
-    raise ModelError("the equations of a third-party FMU are its own")
+    raise ModelError("the equations of a third-party FMU are unknown")

@@ -1,4 +1,4 @@
-"""An SSP as a scenario: ours with all its settings, any other's with what it states."""
+"""Reads an SSP package as a scenario: ours with all settings, others with what they state."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from .structure import Port, Structure, read_structure, trace_back
 from .values import StatedValue, read_values
 from .writer import START
 
-# Steps of a run whose length nothing states.
+# Steps of a run if no step size is stated.
 STEPS = 1000
 
 

@@ -1,4 +1,4 @@
-"""What the schemas of SSP 1.0, which fmpy brings along, find in a package's files."""
+"""Validates packages against the schemas of SSP 1.0, which fmpy contains."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ SCHEMAS = {".ssd": "Description", ".ssv": "ParameterValues", ".ssm": "ParameterM
 
 
 def find_schema_fault(folder: Path) -> str:
-    """The first thing in the folder's files that the standard does not allow, with its place; empty: none."""
+    """The first violation of the standard in the folder's files, with its line; empty if none."""
     for file in sorted(folder.rglob("*")):
         if file.suffix not in SCHEMAS:
             continue

@@ -1,4 +1,4 @@
-"""A scenario as an SSP: its FMUs, how they are connected, their values, and what only this program knows.
+"""Writes a scenario as an SSP package: FMUs, connections, values and our own settings.
 
 Values that the scenario states are in one parameter set for each component; the states of the equilibrium
 that it starts from, which other tools cannot find, in another. What SSP has no place for (master, tolerances,
@@ -43,13 +43,13 @@ from .names import (
     to_bytes,
 )
 
-# So that the same scenario gives the same bytes.
+# A fixed date: the same scenario gives the same bytes.
 _DATE = (1980, 1, 1, 0, 0, 0)
 
 
 @dataclass(frozen=True)
 class PackedFmu:
-    """The FMU of a component: its place in the archive, its bytes, what it says."""
+    """The FMU of a component: its path in the archive, bytes and description."""
 
     source: str
     content: bytes
@@ -83,7 +83,7 @@ def export(scenario: Scenario, target: Path, build: Builder) -> None:
         for path, content in files.items():
             kind = (
                 zipfile.ZIP_STORED if path.endswith(".fmu") else zipfile.ZIP_DEFLATED
-            )  # which it has itself
+            )  # is compressed already
             archive.writestr(zipfile.ZipInfo(path, _DATE), content, kind)
     replace(target, buffer.getvalue())
 
