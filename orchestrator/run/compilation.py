@@ -1,4 +1,4 @@
-"""When kernels are being compiled: the time is nobody's fault, and whoever waits for it is told."""
+"""Notice when kernels are compiled: the time counts for no participant, and the user is told."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a long run needs: macro steps, room on the disk and memory before it starts, then its time."""
+"""Estimate what a long run needs: macro steps, disk and memory before it starts, then its time."""
 
 from __future__ import annotations
 

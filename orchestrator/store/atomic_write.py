@@ -1,4 +1,4 @@
-"""Files that are replaced as a whole: whoever reads one, or is killed, finds the old or the new one."""
+"""Replace a file as a whole: after a kill at any moment it is the old one or the new one."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def replace(path: Path, content: bytes) -> None:
 
 @contextlib.contextmanager
 def naming(path: Path) -> Iterator[None]:
-    """An OSError of the block names the file, which one of writing does not; HDF5's is made such a one."""
+    """An error of writing or of HDF5 in the block becomes an OSError that names the file."""
     try:
         yield
     except (OSError, RuntimeError) as error:

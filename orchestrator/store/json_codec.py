@@ -1,7 +1,7 @@
-"""Plain data as text (JSON) and back, to the last bit: what checkpoints are made of.
+"""Plain data as JSON and back, to the last bit, for checkpoints.
 
-Plain are None, truth values, numbers, texts, bytes, numpy arrays of numbers, and lists and dicts (with texts
-as keys) of these. Reading never runs code, unlike pickles.
+Plain data are None, booleans, numbers, strings, bytes, numpy arrays of numbers, and lists and dicts (with
+strings as keys) of these. Unlike a pickle, reading it never runs code.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def to_text(data: Plain) -> str:
 
 
 def from_text(text: str) -> Plain:
-    """What `to_text` was given, tuples as lists; ValueError if the text is not of it."""
+    """The data of a text by `to_text`, tuples as lists. Raises ValueError for another text."""
     try:
         return _read(json.loads(text))
     except (KeyError, TypeError, RecursionError) as error:

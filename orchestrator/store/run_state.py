@@ -1,4 +1,4 @@
-"""The folder `unfinished` in a run's output folder: what a run that does not come to its end leaves.
+"""The folder `unfinished` in a run's output folder, from which a run can be resumed.
 
 It holds the journals and the last checkpoint, is locked while a process works on the run, and is removed
 when the result is whole.
@@ -23,7 +23,7 @@ def unfinished(out: Path) -> Path:
 
 
 def shown(out: Path) -> Path:
-    """The folder as messages name it: from the working directory on, where it lies in there."""
+    """The folder for messages: relative to the working directory if inside it."""
     here = Path.cwd()
     return out.relative_to(here) if out.is_relative_to(here) else out
 
