@@ -33,17 +33,17 @@ def main() -> None:
             found[figure] = value
             print(f"| {figure} | {value} |", flush=True)
     if options.write:
-        kept = written(PAGE.read_text("utf-8")) if named and PAGE.exists() else {}
-        PAGE.write_text(page(kept | found), encoding="utf-8")
+        kept = read_page(PAGE.read_text("utf-8")) if named and PAGE.exists() else {}
+        PAGE.write_text(build_page(kept | found), encoding="utf-8")
 
 
-def written(text: str) -> dict[str, str]:
+def read_page(text: str) -> dict[str, str]:
     """The figures that a page has."""
     rows = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| ")]
     return {cells[0]: cells[1] for cells in rows[1:]}
 
 
-def page(figures: dict[str, str]) -> str:
+def build_page(figures: dict[str, str]) -> str:
     """The page with these figures."""
     lines = [
         "# Benchmarks",

@@ -14,7 +14,7 @@ from models.compile.parallel import cores
 from models.slider_crank.machine import Machine
 from models.slider_crank.motions.maps import exponent_map
 
-from .measure import medians
+from .measure import measure_medians
 
 SIDE, FULL, CYCLES, TRANSIENT, ROUNDS = 20, 200, 1000, 200, 3
 
@@ -30,7 +30,7 @@ def points_per_second(workers: int) -> float:
 def rows() -> list[tuple[str, str]]:
     """Figures for the report."""
     counts = sorted({1, cores()})
-    found = medians({str(n): lambda n=n: points_per_second(n) for n in counts}, ROUNDS)
+    found = measure_medians({str(n): lambda n=n: points_per_second(n) for n in counts}, ROUNDS)
     one = found["1"]
     return [
         (

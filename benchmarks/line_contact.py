@@ -30,7 +30,7 @@ from models.valve_train.camshaft import CamshaftParameters
 from models.valve_train.rigid import contact_conditions
 from models.valve_train.valve_spring import ValveSpringParameters
 
-from .measure import medians
+from .measure import measure_medians
 
 NODES = (101, 301, 701, 1501, 3001)
 SPEED = 1000.0 * math.pi / 30.0
@@ -117,7 +117,7 @@ def dense_and_hierarchical(turn: Turn) -> tuple[float, float]:
         solve_below(w.hierarchy, 0, w.solution, 1)
         return time.thread_time() - begun
 
-    found = medians({"dense": dense, "hierarchical": hierarchical})
+    found = measure_medians({"dense": dense, "hierarchical": hierarchical})
     return found["dense"], found["hierarchical"]
 
 

@@ -16,7 +16,7 @@ from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
 
 from .loops import run_bare, run_master, run_script
-from .measure import medians
+from .measure import measure_medians
 
 SCRIPT = "plain fmpy script, inputs held"
 
@@ -57,7 +57,7 @@ def rows() -> list[tuple[str, str]]:
         candidates[f"gauss_seidel, quadratic, outputs of {words}"] = lambda every=every: run_master(
             system, quadratic, [Sparse(every)]
         )
-    found = medians(candidates)
+    found = measure_medians(candidates)
     return [
         (f"macro steps/s: {name}", f"{1.0 / seconds:.0f} ({found[SCRIPT] / seconds:.2f} x script)")
         for name, seconds in found.items()

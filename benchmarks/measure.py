@@ -10,7 +10,7 @@ from models.core.quantities import Vector
 from orchestrator.engine.step import Step
 
 
-def medians(candidates: Mapping[str, Callable[[], float]], rounds: int = 5) -> dict[str, float]:
+def measure_medians(candidates: Mapping[str, Callable[[], float]], rounds: int = 5) -> dict[str, float]:
     """The median figure of each candidate; each round runs all of them once, after one unmeasured round."""
     for candidate in candidates.values():
         candidate()

@@ -16,7 +16,7 @@ from orchestrator.scenario.files import load
 from orchestrator.stepping import FixedSteps, Stepper
 
 from .loops import STEP, STEPS, build_files, run_master
-from .measure import medians
+from .measure import measure_medians
 
 PYTHON, NATIVE = "in Python", "native"
 
@@ -87,7 +87,9 @@ def rows() -> Iterator[tuple[str, str]]:
     except (ImportError, OSError):
         yield "macro steps/s of valve-train in ecos", "not measured: ecospy or its libtbb12 is missing"
     for way, measured in ways.items():
-        rate = medians({kind: partial(measured, paths=paths) for kind, paths in found.items()}, rounds=5)
+        rate = measure_medians(
+            {kind: partial(measured, paths=paths) for kind, paths in found.items()}, rounds=5
+        )
         yield (
             f"macro steps/s of valve-train, FMUs in Python and native: {way}",
             f"{rate[PYTHON]:.0f}; {rate[NATIVE]:.0f} ({rate[NATIVE] / rate[PYTHON]:.1f} x)",

@@ -14,7 +14,7 @@ from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
 
 from .loops import run_bare, run_master
-from .measure import medians
+from .measure import measure_medians
 
 CALLS, BARE = "calls", "bare ctypes loop"
 
@@ -29,7 +29,7 @@ def measure() -> dict[str, float]:
         "gauss_seidel, hold": partial(run_master, system, GaussSeidel("hold")),
         "jacobi, hold": partial(run_master, system, Jacobi("hold")),
     }
-    return medians(candidates)
+    return measure_medians(candidates)
 
 
 def rows() -> list[tuple[str, str]]:

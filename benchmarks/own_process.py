@@ -17,7 +17,7 @@ from orchestrator.run.plan import build_system, resolve_fmus
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 
-from .measure import medians
+from .measure import measure_medians
 
 STEPS = 2_000
 
@@ -36,7 +36,7 @@ class WallClock:
         self.elapsed = time.perf_counter() - self._began
 
 
-def seconds(process: str) -> float:
+def measure_step(process: str) -> float:
     """Of a macro step with both FMUs there."""
     parts = ("first", "second")
     scenario = load("two-masses", [f"components.{part}.process={process}" for part in parts])
@@ -57,7 +57,9 @@ def seconds(process: str) -> float:
 
 def rows() -> list[tuple[str, str]]:
     """Figures for the report."""
-    found = medians({process: lambda process=process: seconds(process) for process in ("shared", "own")})
+    found = measure_medians(
+        {process: lambda process=process: measure_step(process) for process in ("shared", "own")}
+    )
     each = (found["own"] - found["shared"]) / 2
     return [
         ("own process: a macro step of two FMUs in the run's process", f"{1e6 * found['shared']:.1f} us"),

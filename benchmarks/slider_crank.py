@@ -19,14 +19,14 @@ from models.slider_crank.equations import flight_acceleration, rebound, wall_ang
 from models.slider_crank.machine import Machine, Motion
 
 from . import fixed_step
-from .measure import medians
+from .measure import measure_medians
 
 MACHINE = Machine(0.05, 0.01, form="as_published")
 BASELINE_CYCLES, CORE_CYCLES, FLIGHTS = 2000, 40000, 200
 
 
 def cycles_per_second(run: Callable[[int], object], cycles: int) -> Callable[[], float]:
-    """A candidate for `medians`."""
+    """A candidate for `measure_medians`."""
 
     def measured() -> float:
         started = time.perf_counter()
@@ -78,7 +78,7 @@ def errors_per_impact() -> dict[str, tuple[float, float]]:
 def rows() -> list[tuple[str, str]]:
     """Figures for the report."""
     m, gap, e = MACHINE.mechanism, MACHINE.gap, MACHINE.restitution
-    speeds = medians(
+    speeds = measure_medians(
         {
             "fixed step": cycles_per_second(lambda n: fixed_step.run(m, gap, e, n), BASELINE_CYCLES),
             "core": cycles_per_second(Motion(MACHINE).strobe, CORE_CYCLES),

@@ -20,7 +20,7 @@ from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
 
 from .loops import run_master
-from .measure import medians
+from .measure import measure_medians
 from .native import NATIVE, PYTHON, list_files
 
 COMMAND = "import sys; from orchestrator.command_line import main; sys.exit(main())"
@@ -58,7 +58,7 @@ def rows() -> list[tuple[str, str]]:
             steps * run_master(system, scenario.build_master(), files=paths[kind])
         )
         candidates[f"run valve-train, FMUs {kind}"] = lambda options=options: run_command(*options)
-    found = medians(candidates, ROUNDS)
+    found = measure_medians(candidates, ROUNDS)
     base = found[f"stepping alone, FMUs {PYTHON}"]
     return [
         (f"whole command: {name}", f"{seconds:.2f} s ({seconds / base:.2f} x stepping, FMUs {PYTHON})")

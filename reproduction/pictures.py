@@ -8,13 +8,13 @@ from pathlib import Path
 from matplotlib.figure import Figure
 from PIL import Image
 
-from orchestrator.plots.style import saved
+from orchestrator.plots.style import save_figure
 
 PALETTE = 128
 
 
 def compact(make: Callable[[], Figure], path: Path, dpi: float | None = None) -> Path:
     """Save a figure in a palette, in which line drawings lose nothing."""
-    saved(make, path, dpi)
+    save_figure(make, path, dpi)
     Image.open(path).convert("RGB").quantize(PALETTE).save(path, optimize=True)
     return path

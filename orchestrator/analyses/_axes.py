@@ -19,7 +19,7 @@ from ._table import column
 from .protocol import Parameter
 
 
-def axis(letter: str, name: str, first: float, last: float, count: int) -> dict[str, Parameter]:
+def axis_parameters(letter: str, name: str, first: float, last: float, count: int) -> dict[str, Parameter]:
     """Which parameter is varied along an axis, from where to where, at how many places."""
     return {
         letter: Parameter(name, "1", f"parameter along {letter}", choices=VARIABLES),
@@ -29,20 +29,20 @@ def axis(letter: str, name: str, first: float, last: float, count: int) -> dict[
     }
 
 
-def along(values: Mapping[str, Any], letter: str) -> tuple[str, Vector]:
+def read_axis(values: Mapping[str, Any], letter: str) -> tuple[str, Vector]:
     """The varied parameter and its equally spaced values."""
     first, last, count = (values[f"{letter}_{part}"] for part in ("from", "to", "count"))
     return values[letter], np.linspace(first, last, count)
 
 
-def coordinate(values: Mapping[str, Any], letter: str) -> xarray.Variable:
+def read_coordinate(values: Mapping[str, Any], letter: str) -> xarray.Variable:
     """The values along an axis with their meaning."""
-    name, found = along(values, letter)
+    name, found = read_axis(values, letter)
     return column(letter, found, MACHINE[name].unit, MACHINE[name].description)
 
 
 @contextmanager
-def mistakes() -> Iterator[None]:
+def report_mistakes() -> Iterator[None]:
     """What a machine refuses is the user's mistake, and so is a device that is not there."""
     try:
         yield

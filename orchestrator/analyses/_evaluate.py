@@ -37,22 +37,22 @@ def analyse(
     """Compute, print and write into `out` (default: results/NAME), which changes when all is computed."""
     reporter = reporter or Reporter()
     analysis = load(name)
-    values = analysis.complete(dict(setting(text) for text in settings))
+    values = analysis.complete(dict(parse_setting(text) for text in settings))
     folder = out or Path("results") / analysis.name
-    held = results_in(folder, analysis.name, overwrite)
-    with made(folder):
+    held = find_results(folder, analysis.name, overwrite)
+    with create_folder(folder):
         with reporter.stage(analysis.description):
-            table = computed(analysis, values)
+            table = compute_table(analysis, values)
         results = {result: table[result].item() for result in analysis.results}
-        reporter.console.print(shown(analysis, results))
+        reporter.console.print(build_results_table(analysis, results))
         for file in held:
             file.unlink()
-        files = write(analysis, values, table, folder)
+        files = write_results(analysis, values, table, folder)
     reporter.line(f"results in {folder}: {', '.join(file.name for file in files)}")
     return results
 
 
-def setting(text: str) -> tuple[str, Any]:
+def parse_setting(text: str) -> tuple[str, Any]:
     """Parameter and value of "parameter=value"."""
     name, equals, written = (part.strip() for part in text.partition("="))
     if not (name and equals and written):
@@ -63,7 +63,7 @@ def setting(text: str) -> tuple[str, Any]:
         return name, written
 
 
-def computed(analysis: Analysis, values: Mapping[str, Value]) -> xarray.Dataset:
+def compute_table(analysis: Analysis, values: Mapping[str, Value]) -> xarray.Dataset:
     """The table with results, parameters and versions; an analysis without a table has its results alone."""
     import xarray
 
@@ -76,7 +76,7 @@ def computed(analysis: Analysis, values: Mapping[str, Value]) -> xarray.Dataset:
     return table.assign_attrs({**settings, **about, "Conventions": "CF-1.10"})
 
 
-def results_in(folder: Path, name: str, overwrite: bool) -> list[Path]:
+def find_results(folder: Path, name: str, overwrite: bool) -> list[Path]:
     """Files of this analysis in the folder; OutputFolderError if there are some, unless `overwrite`."""
     if folder.exists() and not folder.is_dir():
         raise OutputFolderError(f"{folder}: is a file; choose a folder with --out")
@@ -90,7 +90,7 @@ def results_in(folder: Path, name: str, overwrite: bool) -> list[Path]:
 
 
 @contextmanager
-def made(folder: Path) -> Iterator[None]:
+def create_folder(folder: Path) -> Iterator[None]:
     """A folder that can be written, made where it is missing, and taken away again, empty, after an error."""
     missing = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
@@ -110,7 +110,9 @@ def made(folder: Path) -> Iterator[None]:
         raise
 
 
-def write(analysis: Analysis, values: Mapping[str, Value], table: xarray.Dataset, folder: Path) -> list[Path]:
+def write_results(
+    analysis: Analysis, values: Mapping[str, Value], table: xarray.Dataset, folder: Path
+) -> list[Path]:
     """NAME.nc, NAME.csv where it is one table, NAME.png where there is something to draw."""
     files = [folder / f"{analysis.name}.nc"]
     table.to_netcdf(files[0], engine="h5netcdf")
@@ -122,37 +124,37 @@ def write(analysis: Analysis, values: Mapping[str, Value], table: xarray.Dataset
         frame.columns = [f"{name} [{table[name].attrs.get('units', '1')}]" for name in frame.columns]
         frame.to_csv(files[-1], index=False)
     if analysis.draw:
-        from ..plots.style import saved
+        from ..plots.style import save_figure
 
         draw = analysis.draw
-        files.append(saved(lambda: draw(table, values), folder / f"{analysis.name}.png"))
+        files.append(save_figure(lambda: draw(table, values), folder / f"{analysis.name}.png"))
     return files
 
 
-def shown(analysis: Analysis, results: Mapping[str, float | str]) -> Table:
+def build_results_table(analysis: Analysis, results: Mapping[str, float | str]) -> Table:
     """The results with their units."""
     rows = (
-        (name, _text(results[name]), _unit(result.unit), result.description)
+        (name, _format_value(results[name]), _format_unit(result.unit), result.description)
         for name, result in analysis.results.items()
     )
-    return _plain(("result", "value", "unit", "meaning"), rows)
+    return _build_table(("result", "value", "unit", "meaning"), rows)
 
 
-def parameters(name: str) -> Table:
+def build_parameters_table(name: str) -> Table:
     """What can be set: defaults, units, ranges."""
     rows = (
-        (key, _text(value.default), _unit(value.unit), value.allowed, value.description)
+        (key, _format_value(value.default), _format_unit(value.unit), value.allowed, value.description)
         for key, value in load(name).parameters.items()
     )
-    return _plain(("parameter", "default", "unit", "allowed", "meaning"), rows)
+    return _build_table(("parameter", "default", "unit", "allowed", "meaning"), rows)
 
 
-def listed() -> Table:
+def build_analyses_table() -> Table:
     """All analyses."""
-    return _plain(("analysis", "what it says"), ((name, load(name).description) for name in names()))
+    return _build_table(("analysis", "what it says"), ((name, load(name).description) for name in names()))
 
 
-def _plain(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
+def _build_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for name in columns:
         table.add_column(name, no_wrap=name not in ("value", "meaning", "what it says"), justify="left")
@@ -161,9 +163,9 @@ def _plain(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
     return table
 
 
-def _text(value: Value) -> str:
+def _format_value(value: Value) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _unit(unit: str) -> str:
+def _format_unit(unit: str) -> str:
     return "" if unit == "1" else unit

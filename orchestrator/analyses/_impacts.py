@@ -13,7 +13,7 @@ from models.slider_crank.flight import histories as h
 from models.slider_crank.machine import Events
 from models.slider_crank.motions.statistics import Distribution, approach_velocities
 
-from ._machine import MACHINE, START, duration, motion_of
+from ._machine import MACHINE, START, duration_parameters, simulate_motion
 from ._table import column
 from .protocol import Parameter, Result
 
@@ -37,23 +37,23 @@ SUMS = {
 }
 
 
-def parameters(cycles: int, bins: int) -> dict[str, Parameter]:
+def impact_parameters(cycles: int, bins: int) -> dict[str, Parameter]:
     """Machine, start, duration and bins, with these defaults."""
     wanted = Parameter(bins, "1", "equal parts that are summed over", minimum=2.0, integer=True)
-    return {**MACHINE, **START, **duration(cycles, 200), "bins": wanted}
+    return {**MACHINE, **START, **duration_parameters(cycles, 200), "bins": wanted}
 
 
-def impacts_of(values: Mapping[str, Any]) -> Events:
+def simulate_impacts(values: Mapping[str, Any]) -> Events:
     """The impacts of the motion after its transient."""
-    return motion_of(values).events(values["cycles"]).impacts
+    return simulate_motion(values).events(values["cycles"]).impacts
 
 
-def first_impacts(values: Mapping[str, Any]) -> tuple[Events, int]:
+def simulate_first_impacts(values: Mapping[str, Any]) -> tuple[Events, int]:
     """The same until there are `most` (to the end of the `BATCH` of cycles), and the cycles that took.
 
     A motion that slides has hundreds of impacts a cycle.
     """
-    motion, cycles, most = motion_of(values), values["cycles"], values["most"]
+    motion, cycles, most = simulate_motion(values), values["cycles"], values["most"]
     batches = []
     begun, count = motion.cycle, 0
     while count < most and (left := begun + cycles - motion.cycle) > 0:
@@ -63,7 +63,7 @@ def first_impacts(values: Mapping[str, Any]) -> tuple[Events, int]:
     return Events(*columns), motion.cycle - begun
 
 
-def counts(impacts: Events, cycles: int) -> dict[str, float]:
+def count_impacts(impacts: Events, cycles: int) -> dict[str, float]:
     """Values of `COUNTS`."""
     return {
         "impacts_per_cycle": impacts.theta.size / cycles,
@@ -72,7 +72,7 @@ def counts(impacts: Events, cycles: int) -> dict[str, float]:
     }
 
 
-def summed(
+def sum_velocities(
     values: Mapping[str, Any],
     distribute: Callable[[Events, Vector, float], Distribution],
     unit: str,
@@ -82,16 +82,16 @@ def summed(
 
     `unit` and `place`: of the bins' edges.
     """
-    impacts = impacts_of(values)
+    impacts = simulate_impacts(values)
     velocities = impacts.rate if values["velocity"] == PSI_RATE else approach_velocities(impacts)
     total = float(max(impacts.theta.size, 1) if values["per"] == IMPACT else values["cycles"])
     found = distribute(impacts, velocities, total)
-    return binned(found, unit, place, f"sum of impact velocities per {values['per']}").assign(
-        **counts(impacts, values["cycles"]), upper_sum=found.upper.sum(), lower_sum=found.lower.sum()
+    return tabulate_bins(found, unit, place, f"sum of impact velocities per {values['per']}").assign(
+        **count_impacts(impacts, values["cycles"]), upper_sum=found.upper.sum(), lower_sum=found.lower.sum()
     )
 
 
-def binned(found: Distribution, unit: str, place: str, meaning: str) -> xarray.Dataset:
+def tabulate_bins(found: Distribution, unit: str, place: str, meaning: str) -> xarray.Dataset:
     """A table with a row for each bin; `unit` and `place`: of the edges."""
     return xarray.Dataset(
         {

@@ -34,7 +34,7 @@ START = {
 }
 
 
-def duration(cycles: int, transient: int) -> dict[str, Parameter]:
+def duration_parameters(cycles: int, transient: int) -> dict[str, Parameter]:
     """How long a motion is looked at, with these defaults."""
     return {
         "cycles": Parameter(cycles, "1", "crank cycles", minimum=1.0, integer=True),
@@ -42,7 +42,7 @@ def duration(cycles: int, transient: int) -> dict[str, Parameter]:
     }
 
 
-def machine_of(values: Mapping[str, Any]) -> Machine:
+def build_machine(values: Mapping[str, Any]) -> Machine:
     """The machine, with defaults for parameters that an analysis lacks; MistakeError where they do not fit
     together."""
     try:
@@ -52,9 +52,9 @@ def machine_of(values: Mapping[str, Any]) -> Machine:
         raise MistakeError(str(error)) from None
 
 
-def motion_of(values: Mapping[str, Any]) -> Motion:
+def simulate_motion(values: Mapping[str, Any]) -> Motion:
     """The motion after its transient; MistakeError for a start outside the walls."""
     try:
-        return Motion(machine_of(values), values["psi"], values["psi_rate"]).skip(values["transient"])
+        return Motion(build_machine(values), values["psi"], values["psi_rate"]).skip(values["transient"])
     except ValueError as error:
         raise MistakeError(str(error)) from None

@@ -10,14 +10,14 @@ import xarray
 
 from models.slider_crank.motions.portrait import portrait
 
-from ._machine import MACHINE, START, duration, motion_of
+from ._machine import MACHINE, START, duration_parameters, simulate_motion
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 PARAMETERS = {
     **MACHINE,
     **START,
-    **duration(3, 200),
+    **duration_parameters(3, 200),
     "points": Parameter(1000, "1", "equally spaced points a revolution", minimum=2.0, integer=True),
 }
 RESULTS = {
@@ -29,7 +29,7 @@ RESULTS = {
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
     """Points of the motion, those before and after each impact included."""
-    motion = motion_of(values)
+    motion = simulate_motion(values)
     found = portrait(motion, values["cycles"], values["points"])
     widths = np.diff(found.theta)
     theta = column("point", found.theta, "rad", "crank angle since the start; equal twice at an impact")

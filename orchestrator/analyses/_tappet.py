@@ -56,13 +56,13 @@ PARAMETERS = {
 DRY = "entrainment all but ends: no film, taken as dry; the pressure of a sharp end there is the grid's"
 
 
-def resolution(values: Mapping[str, Any]) -> Resolution:
+def read_resolution(values: Mapping[str, Any]) -> Resolution:
     return Resolution(
         values["nodes_per_half_width"], values["end_cell"], nodes_per_inlet=values["nodes_per_inlet"]
     )
 
 
-def yielding(pressure: float) -> str:
+def describe_yielding(pressure: float) -> str:
     """What is to be said of a pressure (Pa) beyond what hardened bearing steel bears, "" within it."""
     if pressure <= ELASTIC_LIMIT:
         return ""
@@ -73,7 +73,7 @@ def yielding(pressure: float) -> str:
     )
 
 
-def running(angle: float, values: Mapping[str, Any], share: float) -> Running:
+def compute_running(angle: float, values: Mapping[str, Any], share: float) -> Running:
     """Load, velocity, radius at a cam angle (rad), with a rigid shaft and a massless spring; the shaft's
     static slope under that load times `share`."""
     at = contact_conditions(angle, values["speed"], CAM, SPRING)
@@ -83,7 +83,7 @@ def running(angle: float, values: Mapping[str, Any], share: float) -> Running:
     return Running(at.load, at.entraining_velocity, at.radius_of_curvature, slope)
 
 
-def finite_line(name: str, values: Mapping[str, Any], design: Running) -> FiniteLine:
+def build_finite_line(name: str, values: Mapping[str, Any], design: Running) -> FiniteLine:
     """The contact with that profile; a logarithmic one as the load of `design` asks for."""
     oil = Lubricant(CONTACT.viscosity, CONTACT.pressure_viscosity)
     return FiniteLine(CONTACT.length, COMPLIANCE, oil, _profile(name, values, design))

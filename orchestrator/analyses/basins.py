@@ -10,18 +10,18 @@ import xarray
 
 from models.slider_crank.motions.basins import LEAST, basins
 
-from ._axes import mistakes
-from ._machine import MACHINE, machine_of
-from ._progress import progress
+from ._axes import report_mistakes
+from ._machine import MACHINE, build_machine
+from ._progress import show_progress
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
-    machine, count = machine_of(values), values["count"]
+    machine, count = build_machine(values), values["count"]
     psi = values["gap"] * np.linspace(-1.0, 1.0, count)
     rate = values["largest_rate"] * np.linspace(-1.0, 1.0, count)
-    with mistakes(), progress("basins of attraction") as shown:
+    with report_mistakes(), show_progress("basins of attraction") as shown:
         found = basins(machine, psi, rate, values["cycles"], progress=shown)
     period, exponent, error, starts = zip(*found.attractors, strict=True)
     return xarray.Dataset(

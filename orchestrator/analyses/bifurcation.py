@@ -10,9 +10,9 @@ import xarray
 
 from models.slider_crank.motions.bifurcation import RECORDS, followed, from_rest
 
-from ._axes import along, axis, mistakes
-from ._machine import MACHINE, duration, machine_of
-from ._progress import progress
+from ._axes import axis_parameters, read_axis, report_mistakes
+from ._machine import MACHINE, build_machine, duration_parameters
+from ._progress import show_progress
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
@@ -22,9 +22,9 @@ UP, DOWN, REST = 1, -1, 0
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
-    machine, (name, x) = machine_of(values), along(values, "x")
+    machine, (name, x) = build_machine(values), read_axis(values, "x")
     how = (values["record"], values["cycles"], values["transient"])
-    with mistakes(), progress("bifurcation diagram") as shown:
+    with report_mistakes(), show_progress("bifurcation diagram") as shown:
         if values["start"] == "from_rest":
             diagrams = {REST: from_rest(machine, name, x, *how, progress=shown)}
         else:
@@ -51,7 +51,7 @@ ANALYSIS = Analysis(
     description="Bifurcation diagram over any parameter",
     parameters={
         **MACHINE,
-        **axis("x", "damping", 0.01, 0.25, 400),
+        **axis_parameters("x", "damping", 0.01, 0.25, 400),
         "record": Parameter(
             "impact_rate",
             "1",
@@ -59,7 +59,7 @@ ANALYSIS = Analysis(
             choices=tuple(RECORDS),
         ),
         "start": Parameter("followed", "1", "from the state before, both ways, or from rest", choices=STARTS),
-        **duration(50, 200),
+        **duration_parameters(50, 200),
     },
     results={"points": Result("1", "points of the diagram")},
     evaluate=evaluate_by(table),

@@ -11,8 +11,8 @@ import xarray
 from models.slider_crank.machine import Motion
 from models.slider_crank.motions.classification import classify, finite_time_exponents
 
-from ._axes import mistakes
-from ._machine import MACHINE, START, machine_of
+from ._axes import report_mistakes
+from ._machine import MACHINE, START, build_machine
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
@@ -21,8 +21,8 @@ MOST_SHOWN, WINDOWS = 10_000, 150
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
-    machine, start = machine_of(values), (values["psi"], values["psi_rate"])
-    with mistakes():
+    machine, start = build_machine(values), (values["psi"], values["psi_rate"])
+    with report_mistakes():
         found = classify(machine, values["cycles"], *start)
     shown = min(MOST_SHOWN, max(60, 3 * found.transient // 2), found.cycles)
     window = max(5, shown // WINDOWS)

@@ -10,17 +10,17 @@ import xarray
 
 from models.slider_crank.motions.maps import exponent_map, exponent_map_on_device
 
-from ._axes import along, axis, coordinate, mistakes
-from ._machine import MACHINE, duration, machine_of
-from ._progress import progress
+from ._axes import axis_parameters, read_axis, read_coordinate, report_mistakes
+from ._machine import MACHINE, build_machine, duration_parameters
+from ._progress import show_progress
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
-    machine, x, y = machine_of(values), along(values, "x"), along(values, "y")
+    machine, x, y = build_machine(values), read_axis(values, "x"), read_axis(values, "y")
     length = values["cycles"], values["transient"]
-    with mistakes(), progress("exponent map") as shown:
+    with report_mistakes(), show_progress("exponent map") as shown:
         if values["device"] == "cuda":
             found = exponent_map_on_device(machine, x, y, *length)
         else:
@@ -34,7 +34,7 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
             "sliding_share": float(np.mean(np.isneginf(found.largest))),
             "highest": float(found.largest.max()),
         },
-        coords={"x": coordinate(values, "x"), "y": coordinate(values, "y")},
+        coords={"x": read_coordinate(values, "x"), "y": read_coordinate(values, "y")},
     )
 
 
@@ -43,9 +43,9 @@ ANALYSIS = Analysis(
     description="Largest Lyapunov exponent over two parameters, every point from rest in the middle",
     parameters={
         **MACHINE,
-        **axis("x", "damping", 0.01, 0.25, 60),
-        **axis("y", "gap", 0.005, 0.02, 60),
-        **duration(1000, 200),
+        **axis_parameters("x", "damping", 0.01, 0.25, 60),
+        **axis_parameters("y", "gap", 0.005, 0.02, 60),
+        **duration_parameters(1000, 200),
         "device": Parameter("cpu", "1", "where it is computed", choices=("cpu", "cuda")),
     },
     results={

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ._machine import MACHINE, START, duration, motion_of
+from ._machine import MACHINE, START, duration_parameters, simulate_motion
 from ._table import column, draw_by
 from .protocol import Analysis, Result
 
@@ -18,7 +18,7 @@ WINDOWS = 200
 
 
 def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-    found = motion_of(values).exponents(values["cycles"])
+    found = simulate_motion(values).exponents(values["cycles"])
     slides = math.isinf(found.largest)
     return {
         "largest": found.largest,
@@ -33,7 +33,7 @@ def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
     """The results, and both exponents of windows that follow one another."""
     cycles = values["cycles"]
-    growths, _, length = motion_of(values).growths(cycles, min(WINDOWS, cycles))
+    growths, _, length = simulate_motion(values).growths(cycles, min(WINDOWS, cycles))
     local = np.where(np.isfinite(growths), growths, -np.inf) / (2.0 * math.pi * length)
     meaning = f"over {length} cycles; -inf: slides"
     return xarray.Dataset(
@@ -49,7 +49,7 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
 ANALYSIS = Analysis(
     name="exponents",
     description="Lyapunov exponents of the slider-crank with clearance",
-    parameters={**MACHINE, **START, **duration(2000, 200)},
+    parameters={**MACHINE, **START, **duration_parameters(2000, 200)},
     results={
         "largest": Result("1/rad", "largest Lyapunov exponent per crank angle; -inf: slides"),
         "second": Result("1/rad", "second Lyapunov exponent per crank angle; -inf: slides"),

@@ -24,10 +24,10 @@ from ._tappet import (
     DRY,
     PARAMETERS,
     PROFILES,
-    finite_line,
-    resolution,
-    running,
-    yielding,
+    build_finite_line,
+    compute_running,
+    describe_yielding,
+    read_resolution,
 )
 from .protocol import Analysis, Parameter, Result
 
@@ -38,10 +38,10 @@ LINES, NODES = 401, 201
 
 def _solved(name: str, values: Mapping[str, Any], share: float) -> Solution:
     try:
-        at = running(values["angle"], values, share)
-        contact = finite_line(name, values, at)
+        at = compute_running(values["angle"], values, share)
+        contact = build_finite_line(name, values, at)
         solve = dry if vanishes(contact, at) else steady
-        return solve(contact, at, resolution(values))
+        return solve(contact, at, read_resolution(values))
     except ModelError as error:
         raise MistakeError(str(error)) from None
 
@@ -64,7 +64,7 @@ def _numbers(found: Solution) -> dict[str, float | str]:
         "central_film": found.central_film,
         "moment": found.moment,
         "warnings": "; ".join(
-            filter(None, (DRY * found.dry, *found.warnings, yielding(found.largest_pressure)))
+            filter(None, (DRY * found.dry, *found.warnings, describe_yielding(found.largest_pressure)))
         ),
     }
 

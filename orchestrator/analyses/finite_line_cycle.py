@@ -18,9 +18,9 @@ from models.core.quantities import Vector
 from models.core.system import ModelError
 
 from ..errors import MistakeError
-from ._progress import progress
+from ._progress import show_progress
 from ._table import column, draw_by
-from ._tappet import DRY, PARAMETERS, finite_line, resolution, running, yielding
+from ._tappet import DRY, PARAMETERS, build_finite_line, compute_running, describe_yielding, read_resolution
 from .protocol import Analysis, Parameter, Result
 
 ALIGNMENTS = ("aligned", "misaligned")
@@ -46,9 +46,9 @@ def _passage(
 ) -> tuple[FiniteLine, list[Running], Passage]:
     """The contact, its instants and the films; MistakeError for a parameter that is none."""
     try:
-        contact = finite_line(kind, values, running(NOSE, values, 0.0))
+        contact = build_finite_line(kind, values, compute_running(NOSE, values, 0.0))
         contact.profile.drop(np.zeros(1), contact.length)  # a profile that the length has no room for
-        at = [running(angle, values, share) for angle in _angles(values)]
+        at = [compute_running(angle, values, share) for angle in _angles(values)]
         found = passage(
             contact,
             list(_angles(values)),
@@ -56,7 +56,7 @@ def _passage(
             [each.velocity for each in at],
             [each.radius for each in at],
             [each.misalignment for each in at],
-            resolution(values),
+            read_resolution(values),
             shown,
         )
     except ModelError as error:
@@ -86,7 +86,7 @@ def _messages(found: Passage, pressure: Vector) -> Iterator[str]:
         angles = ", ".join(f"{angle:.4g}" for angle in degrees[found.dry])
         yield f"{angles} deg: {DRY}, and left out of these results"
     highest = int(np.nanargmax(pressure))
-    if fault := yielding(pressure[highest]):
+    if fault := describe_yielding(pressure[highest]):
         yield f"{degrees[highest]:.4g} deg: {fault}"
     yield from found.messages
 
@@ -117,7 +117,7 @@ def _numbers(
 
 
 def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-    with progress("finite line through the cycle") as shown:
+    with show_progress("finite line through the cycle") as shown:
         contact, at, found = _passage(values["profile"], values, values["alignment"], shown)
     return _numbers(values, at, found, np.array([_line(contact, each) for each in at]))
 
@@ -130,7 +130,7 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     shares = {"aligned": 0.0, "misaligned": values["alignment"]}
     total = len(kinds) * len(set(shares.values())) * values["instants"]
     found: dict[tuple[str, float], tuple[FiniteLine, list[Running], Passage]] = {}
-    with progress("finite line through the cycle") as shown:
+    with show_progress("finite line through the cycle") as shown:
         for kind in reversed(kinds):
             for share in set(shares.values()):
                 before = len(found) * values["instants"]

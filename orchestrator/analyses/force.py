@@ -14,7 +14,7 @@ from models.slider_crank.machine import Machine
 from models.slider_crank.motions.regions import holding_intervals, region, sign_changes, wall_forces
 
 from ..errors import MistakeError
-from ._machine import MECHANISM, machine_of
+from ._machine import MECHANISM, build_machine
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
@@ -27,7 +27,7 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
         raise MistakeError(
             f"end = {values['end']:g} rad: must be greater than start = {values['start']:g} rad"
         )
-    machine = machine_of(values)
+    machine = build_machine(values)
     theta = np.linspace(values["start"], values["end"], values["points"])
     return xarray.Dataset(
         {

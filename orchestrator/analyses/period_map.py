@@ -10,16 +10,16 @@ import xarray
 
 from models.slider_crank.motions.maps import period_map
 
-from ._axes import along, axis, coordinate, mistakes
-from ._machine import MACHINE, machine_of
-from ._progress import progress
+from ._axes import axis_parameters, read_axis, read_coordinate, report_mistakes
+from ._machine import MACHINE, build_machine
+from ._progress import show_progress
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
-    machine, x, y = machine_of(values), along(values, "x"), along(values, "y")
-    with mistakes(), progress("period map") as shown:
+    machine, x, y = build_machine(values), read_axis(values, "x"), read_axis(values, "y")
+    with report_mistakes(), show_progress("period map") as shown:
         found = period_map(machine, x, y, values["cycles"], progress=shown)
     return xarray.Dataset(
         {
@@ -28,7 +28,7 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
             "simple_share": float(np.mean(found == 1)),
             "longest": float(found.max()),
         },
-        coords={"x": coordinate(values, "x"), "y": coordinate(values, "y")},
+        coords={"x": read_coordinate(values, "x"), "y": read_coordinate(values, "y")},
     )
 
 
@@ -37,8 +37,8 @@ ANALYSIS = Analysis(
     description="Period of the motion over two parameters, every point from rest in the middle",
     parameters={
         **MACHINE,
-        **axis("x", "damping", 0.01, 0.25, 60),
-        **axis("y", "gap", 0.005, 0.02, 60),
+        **axis_parameters("x", "damping", 0.01, 0.25, 60),
+        **axis_parameters("y", "gap", 0.005, 0.02, 60),
         "cycles": Parameter(2000, "1", "crank cycles within which a period is looked for", 1.0, integer=True),
     },
     results={

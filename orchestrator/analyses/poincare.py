@@ -10,14 +10,14 @@ import xarray
 
 from models.slider_crank.flight.bouncing import LOWER, UPPER
 
-from ._impacts import COUNTS, counts, first_impacts
-from ._machine import MACHINE, START, duration
+from ._impacts import COUNTS, count_impacts, simulate_first_impacts
+from ._machine import MACHINE, START, duration_parameters
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
-    impacts, cycles = first_impacts(values)
+    impacts, cycles = simulate_first_impacts(values)
     chosen = impacts.where(impacts.side == (UPPER if values["wall"] == "upper" else LOWER))
     return xarray.Dataset(
         {
@@ -28,7 +28,7 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
             "onset": column("impact", chosen.kind, "1", "1: sliding begins"),
             "points": chosen.theta.size,
             "seen": cycles,
-            **counts(impacts, cycles),
+            **count_impacts(impacts, cycles),
         }
     )
 
@@ -39,7 +39,7 @@ ANALYSIS = Analysis(
     parameters={
         **MACHINE,
         **START,
-        **duration(40_000, 200),
+        **duration_parameters(40_000, 200),
         "most": Parameter(400_000, "1", "impacts after which it ends early", minimum=1.0, integer=True),
         "wall": Parameter("upper", "1", "wall", choices=("upper", "lower")),
         "centre_angle": Parameter(

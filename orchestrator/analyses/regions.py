@@ -11,15 +11,15 @@ import xarray
 
 from models.slider_crank.motions.regions import region, thresholds
 
-from ._machine import MECHANISM, machine_of
+from ._machine import MECHANISM, build_machine
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
     """Both thresholds over the clearance, from none to `largest_gap`."""
-    machine = machine_of(values)
-    machine_of({**values, "gap": values["largest_gap"]})
+    machine = build_machine(values)
+    build_machine({**values, "gap": values["largest_gap"]})
     gaps = np.linspace(0.0, values["largest_gap"], values["points"])
     found = [thresholds(replace(machine, gap=float(gap))) for gap in gaps]
     own = thresholds(machine)

@@ -11,7 +11,7 @@ from models.core.quantities import Vector
 from models.slider_crank.machine import Events
 from models.slider_crank.motions.statistics import Distribution, impact_spectrum
 
-from ._impacts import PER, SUMS, VELOCITY, parameters, summed
+from ._impacts import PER, SUMS, VELOCITY, impact_parameters, sum_velocities
 from ._table import draw_by, evaluate_by
 from .protocol import Analysis
 
@@ -20,13 +20,13 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     def distribute(impacts: Events, velocities: Vector, total: float) -> Distribution:
         return impact_spectrum(impacts, velocities, values["bins"], total)
 
-    return summed(values, distribute, "rad", "crank angle")
+    return sum_velocities(values, distribute, "rad", "crank angle")
 
 
 ANALYSIS = Analysis(
     name="spectrum",
     description="Impact spectra: impact velocities around the crank cycle (F 3.7)",
-    parameters={**parameters(3000, 120), "velocity": VELOCITY, "per": PER},
+    parameters={**impact_parameters(3000, 120), "velocity": VELOCITY, "per": PER},
     results=SUMS,
     evaluate=evaluate_by(table),
     table=table,

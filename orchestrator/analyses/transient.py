@@ -16,16 +16,16 @@ from models.slider_crank.motions.transients import (
     transients,
 )
 
-from ._machine import MACHINE, machine_of
-from ._progress import progress
+from ._machine import MACHINE, build_machine
+from ._progress import show_progress
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
-    machine = machine_of(values)
+    machine = build_machine(values)
     starts = random_starts(machine, values["starts"], values["seed"])
-    with progress("transients") as shown:
+    with show_progress("transients") as shown:
         found = transients(machine, starts, values["cycles"], progress=shown)
     fit = escape_time(found)
     return xarray.Dataset(

@@ -16,8 +16,8 @@ from models.slider_crank.motions.statistics import (
     uniformity,
 )
 
-from ._impacts import COUNTS, binned, counts, impacts_of, parameters
-from ._machine import machine_of
+from ._impacts import COUNTS, count_impacts, impact_parameters, simulate_impacts, tabulate_bins
+from ._machine import build_machine
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Result
 
@@ -28,12 +28,12 @@ WALLS = {"upper": UPPER, "lower": LOWER}
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
     """Energies per cycle along the walls, and the worn share over the number of bins."""
-    machine, impacts, cycles = machine_of(values), impacts_of(values), values["cycles"]
+    machine, impacts, cycles = build_machine(values), simulate_impacts(values), values["cycles"]
     taken = energies(machine, impacts)
     numbers = sorted({max(2, round(factor * values["bins"])) for factor in FACTORS})
     found = {n: energy_profile(machine, impacts, n, cycles) for n in numbers}
     own = found[values["bins"]]
-    worn = binned(own, "1", "place on the wall x / l", "energy taken per cycle over M l^2 Omega^2")
+    worn = tabulate_bins(own, "1", "place on the wall x / l", "energy taken per cycle over M l^2 Omega^2")
     worn = worn.assign_coords(bins=column("bins", numbers, "1", "number of bins"))
     for wall, side in WALLS.items():
         share = [effective_bins(getattr(found[n], wall)) / n for n in numbers]
@@ -43,7 +43,7 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
         worn[f"{wall}_bias"] = sampling_bias(weights, taken[impacts.side == side])
         worn[f"{wall}_spots"] = effective_bins(weights)
         worn[f"{wall}_energy"] = weights.sum()
-    return worn.assign(**counts(impacts, values["cycles"]))
+    return worn.assign(**count_impacts(impacts, values["cycles"]))
 
 
 def _results(wall: str) -> dict[str, Result]:
@@ -60,7 +60,7 @@ def _results(wall: str) -> dict[str, Result]:
 ANALYSIS = Analysis(
     name="wear",
     description="Wear: energy that impacts take along the walls, and how evenly",
-    parameters=parameters(3000, 100),
+    parameters=impact_parameters(3000, 100),
     results={**_results("upper"), **_results("lower"), **COUNTS},
     evaluate=evaluate_by(table),
     table=table,

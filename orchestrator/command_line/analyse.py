@@ -50,14 +50,14 @@ def run_analysis(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
 ) -> None:
     """Analyse one motion or machine, or a scenario's coupling: results, table (netCDF, CSV) and figure."""
-    from ..analyses._evaluate import analyse, listed, parameters
+    from ..analyses._evaluate import analyse, build_analyses_table, build_parameters_table
     from ..errors import MistakeError
     from ..run.report import Reporter
     from ..stability.analyse import analyse_scenario, is_scenario
 
     reporter = Reporter()
     if name is None:
-        reporter.console.print(listed())
+        reporter.console.print(build_analyses_table())
     elif is_scenario(name) and show_parameters:
         raise MistakeError(f"--parameters: {name} is a scenario; --set changes any of its keys, as for run")
     elif is_scenario(name):
@@ -66,6 +66,6 @@ def run_analysis(
         option = "--at" if at else "--responses"
         raise MistakeError(f"{option}: belongs to a scenario, which {name} is not; leave it out")
     elif show_parameters:
-        reporter.console.print(parameters(name))
+        reporter.console.print(build_parameters_table(name))
     else:
         analyse(name, set_ or [], out, overwrite, reporter)

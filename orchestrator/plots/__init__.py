@@ -30,7 +30,7 @@ KINDS = (
 )
 
 
-def applying(result: ResultFile, title: str, scenario: Scenario) -> dict[str, Callable[[], Any]]:
+def find_figures(result: ResultFile, title: str, scenario: Scenario) -> dict[str, Callable[[], Any]]:
     """What draws each figure that applies, by the figure's name."""
     data = FigureData.read(result, title, scenario)
     kinds = {name: importlib.import_module(f".{name}", __package__) for name in KINDS}
@@ -38,7 +38,7 @@ def applying(result: ResultFile, title: str, scenario: Scenario) -> dict[str, Ca
 
 
 def draw(figures: Mapping[str, Callable[[], Any]], folder: Path) -> list[Path]:
-    """Draw what `applying` gives into `folder`, as PNG."""
-    from .style import saved
+    """Draw what `find_figures` gives into `folder`, as PNG."""
+    from .style import save_figure
 
-    return [saved(figure, folder / f"{name}.png") for name, figure in figures.items()]
+    return [save_figure(figure, folder / f"{name}.png") for name, figure in figures.items()]

@@ -90,7 +90,7 @@ class FigureData:
             quantities=quantities,
             steps=steps_of(result),
             drivers={target: source for source, target in map(parse_ends, scenario.connections)},
-            parameters=parameters_of(scenario),
+            parameters=list_parameters(scenario),
             energy_time=energies.pop("time"),
             energies=energies,
             tolerance=scenario.tolerance,
@@ -192,7 +192,7 @@ class FigureData:
         return np.degrees((self.reference if reference else self.coupled)[name])
 
 
-def parameters_of(scenario: Scenario) -> dict[str, float]:
+def list_parameters(scenario: Scenario) -> dict[str, float]:
     """The value of every parameter by "instance.parameter", in its unit; of a choice its number."""
     found = {}
     for name, table in scenario.components.items():

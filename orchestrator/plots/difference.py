@@ -12,7 +12,7 @@ from models.core.quantities import Vector
 from models.monolithic.difference import CONSTANT, time_weights
 
 from .data import FigureData
-from .style import ACCENT, COUPLED, headed, over_time, subplots
+from .style import ACCENT, COUPLED, add_title, create_subplots, label_abscissa
 
 # Rounding errors, relative to the spread; what is below is not shown.
 FLOOR = 1e-15
@@ -48,9 +48,9 @@ def figure(data: FigureData) -> Figure:
     columns = min(COLUMNS, len(shown))
     rows = math.ceil(len(shown) / columns)
     size = (6.8 if columns == 1 else 10.4, 1.2 + (3.0 if rows == 1 else 2.0 * rows))
-    made, axes = subplots(rows, columns, figsize=size, sharey=True, squeeze=False)
+    made, axes = create_subplots(rows, columns, figsize=size, sharey=True, squeeze=False)
     what = f"error of {len(shown)} of {len(names)} variables" if len(names) > len(shown) else "error"
-    headed(made, f"{data.title}: {what} against the monolithic reference")
+    add_title(made, f"{data.title}: {what} against the monolithic reference")
     hidden = [
         _panel(ax, data.of(name.split(".")[0]), name) for ax, name in zip(axes.flat, shown, strict=False)
     ]
@@ -77,7 +77,7 @@ def _panel(ax: Axes, data: FigureData, name: str) -> bool:
     if name in data.tolerance:
         ax.axhline(data.tolerance[name], color=ACCENT, lw=1.0, ls=(0, (4, 2)), label="allowed as RMS")
     ax.set_title(name, loc="left", fontsize=9.0)
-    over_time(ax, data)
+    label_abscissa(ax, data)
     return bool(np.isnan(top).any())
 
 

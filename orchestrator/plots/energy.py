@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ..scenario.units import choose_time_unit
 from .data import SYMBOLS, FigureData
-from .style import ACCENT, COUPLED, MUTED, headed, subplots
+from .style import ACCENT, COUPLED, MUTED, add_title, create_subplots
 
 # Bonds with less than this share of the largest created energy cannot be seen beside it.
 SHOWN = 1e-6
@@ -35,8 +35,8 @@ def bonds(data: FigureData) -> list[str]:
 def figure(data: FigureData) -> Figure:
     names = bonds(data)
     rows = len(names) + 1
-    made, axes = subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + 1.5 * rows))
-    headed(made, f"{data.title}: energy created by the coupling")
+    made, axes = create_subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + 1.5 * rows))
+    add_title(made, f"{data.title}: energy created by the coupling")
     unit, factor = choose_time_unit(float(np.ptp(data.energy_time)))
     time = factor * data.energy_time
     for ax, name in zip(axes[:, 0], names, strict=False):

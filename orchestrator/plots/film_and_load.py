@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .data import FigureData
-from .style import ACCENT, both, headed, legend_above, over_time, shade, subplots
+from .style import ACCENT, add_legend_above, add_title, create_subplots, label_abscissa, plot_both, shade
 
 # Contacts side by side at most.
 COLUMNS = 4
@@ -44,24 +44,24 @@ def figure(data: FigureData) -> Figure:
         largest = sorted(loaded, key=lambda name: -float(np.nanmax(np.abs(data.error(f"{name}.load")))))
         names = [name for name in loaded if name in largest[:COLUMNS]]
     width = 6.8 if len(names) == 1 else 0.8 + 4.6 * len(names)
-    made, axes = subplots(
+    made, axes = create_subplots(
         4, len(names), sharex="col", squeeze=False, figsize=(width, 7.0), height_ratios=(3, 2, 3, 2)
     )
     which = f" of {len(names)} of {len(loaded)} contacts, the largest" if len(loaded) > COLUMNS else ""
-    headed(made, f"{data.title}: load and film, with their errors{which}")
+    add_title(made, f"{data.title}: load and film, with their errors{which}")
     for column, name in zip(axes.T, names, strict=True):
         own = data.of(name).in_contact(name)
         for row, (variable, words) in enumerate(VARIABLES.items()):
             above = column[2 * row]
-            both(above, own, f"{name}.{variable}", words)
+            plot_both(above, own, f"{name}.{variable}", words)
             above.set_ylim(bottom=min(0.0, above.get_ylim()[0]))
             _error(column[2 * row + 1], own, f"{name}.{variable}")
         for ax in column:
             shade(ax, own, name)
-        over_time(column[-1], own)
+        label_abscissa(column[-1], own)
         column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
     made.align_ylabels(axes)
-    legend_above(axes[0, -1], columns=3)
+    add_legend_above(axes[0, -1], columns=3)
     return made
 
 

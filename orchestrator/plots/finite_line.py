@@ -11,7 +11,7 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .style import ACCENT, COUPLED, MUTED, REFERENCE, headed, subplots
+from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
 
 COLORS = {"straight": REFERENCE, "chamfered": MUTED, "crowned": ACCENT, "logarithmic": COUPLED}
 MM, MPA, UM = 1e3, 1e-6, 1e6
@@ -24,10 +24,12 @@ BRIGHTEST = 2.0
 def draw_finite_line(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     """Pressure maps of the chosen profile; largest pressure and smallest film along the length of all."""
     names = data["aligned"].values[: 2 if values["alignment"] > 0.0 else 1]
-    figure, axes = subplots(3, len(names), squeeze=False, sharex=True, figsize=(4.6 * len(names) + 1.0, 7.2))
+    figure, axes = create_subplots(
+        3, len(names), squeeze=False, sharex=True, figsize=(4.6 * len(names) + 1.0, 7.2)
+    )
     load, velocity, slope = (data[name].item() for name in ("load", "velocity", "slope"))
     angle = math.degrees(values["angle"])
-    headed(figure, f"Finite line at {angle:.4g}° of cam: {load:.0f} N, {velocity:.2f} m/s")
+    add_title(figure, f"Finite line at {angle:.4g}° of cam: {load:.0f} N, {velocity:.2f} m/s")
     for j, name in enumerate(names):
         title = f"{name}, {1e3 * slope:.2g} mrad" if j else str(name)
         _map(figure, axes[0, j], data, j)

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from models.contact.hertz import ELASTIC_LIMIT
 
 from .finite_line import COLORS, MPA, UM
-from .style import MUTED, headed, subplots
+from .style import MUTED, add_title, create_subplots
 
 STYLES = {"aligned": "-", "misaligned": "--"}
 # Films are shown down to this share of the largest: at reversals steady ones vanish.
@@ -22,10 +22,12 @@ LEAST_SHOWN = 1e-2
 
 def draw_finite_line_cycle(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     """Largest pressure, its ratio to the line contact's, films at the ends and in the middle."""
-    figure, axes = subplots(2, 2, sharex=True, figsize=(10.0, 6.4))
+    figure, axes = create_subplots(2, 2, sharex=True, figsize=(10.0, 6.4))
     rpm = values["speed"] * 30.0 / math.pi
     slope = 1e3 * float(np.max(np.abs(data["slope"].values)))
-    headed(figure, f"Finite line through the cycle at {rpm:.0f} r/min, quasi-static; up to {slope:.2g} mrad")
+    add_title(
+        figure, f"Finite line through the cycle at {rpm:.0f} r/min, quasi-static; up to {slope:.2g} mrad"
+    )
     angle = np.degrees(data["angle"].values)
     shown = [name for name in data["aligned"].values if name == "aligned" or values["alignment"] > 0.0]
     for kind in data["kind"].values:

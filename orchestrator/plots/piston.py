@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .data import FigureData
-from .style import ACCENT, COUPLED, MUTED, REFERENCE, both, legend_above, panels
+from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_legend_above, create_panels, plot_both
 
 # Front corners are solid, rear ones dashed.
 CORNERS = (
@@ -30,16 +30,16 @@ def figure(data: FigureData) -> Figure:
     tilt = str(data.find("piston_tilt"))
     instance = tilt.split(".")[0]
     gas = data.find("gas_pressure")
-    made, axes = panels(5 if gas else 4, data, f"{data.title}: piston in its bore")
+    made, axes = create_panels(5 if gas else 4, data, f"{data.title}: piston in its bore")
     _corners(axes[0], data, instance, "gap", "Gap")
-    both(axes[1], data, tilt, "Tilt")
+    plot_both(axes[1], data, tilt, "Tilt")
     axes[1].axhline(0.0, color=MUTED, lw=0.7)
     _corners(axes[2], data, instance, "force", "Wall force")
-    both(axes[3], data, f"{instance}.impact_count", "Impacts")
+    plot_both(axes[3], data, f"{instance}.impact_count", "Impacts")
     if gas:
-        both(axes[4], data, gas, "Gas pressure")
+        plot_both(axes[4], data, gas, "Gas pressure")
     axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2)
-    legend_above(axes[1])
+    add_legend_above(axes[1])
     return made
 
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from .data import FigureData
-from .style import ACCENT, COUPLED, MUTED, REFERENCE, both, legend_above, panels
+from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_legend_above, create_panels, plot_both
 
 WALLS = {"upper": COUPLED, "lower": ACCENT}
 
@@ -28,10 +28,10 @@ def figure(data: FigureData) -> Figure:
     struck = bool(np.any(data.coupled.get(f"{instance}.impact_count", 0.0)))
     wanted = {_offset: True, _forces: bool(loaded(data, instance)), _impacts: struck}
     rows = [row for row, there in wanted.items() if there]
-    made, axes = panels(len(rows), data, f"{data.title}: motion between the walls", height=1.9)
+    made, axes = create_panels(len(rows), data, f"{data.title}: motion between the walls", height=1.9)
     for ax, row in zip(axes, rows, strict=True):
         row(ax, data, instance)
-    legend_above(axes[0], columns=3)
+    add_legend_above(axes[0], columns=3)
     return made
 
 
@@ -43,7 +43,7 @@ def loaded(data: FigureData, instance: str) -> dict[str, str]:
 
 def _offset(ax: Axes, data: FigureData, instance: str) -> None:
     name = f"{instance}.piston_offset"
-    both(ax, data, name, "Piston offset")
+    plot_both(ax, data, name, "Piston offset")
     ax.axhline(0.0, color=MUTED, lw=0.7)
     clearance = data.shown(name)[0] * data.parameters.get(f"{instance}.clearance", np.nan)
     for side, words in ((-1.0, "walls"), (1.0, "")):
@@ -61,6 +61,6 @@ def _forces(ax: Axes, data: FigureData, instance: str) -> None:
 
 
 def _impacts(ax: Axes, data: FigureData, instance: str) -> None:
-    both(ax, data, f"{instance}.impact_count", "Impacts")
+    plot_both(ax, data, f"{instance}.impact_count", "Impacts")
     ax.yaxis.set_major_locator(MaxNLocator("auto", integer=True, steps=[1, 2, 5, 10]))
     ax.set_ylim(bottom=0.0)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from models.core.quantities import Vector
 
 from .data import FigureData
-from .style import COUPLED, MUTED, headed, subplots
+from .style import COUPLED, MUTED, add_title, create_subplots
 
 
 def applies(data: FigureData) -> bool:
@@ -21,8 +21,8 @@ def figure(data: FigureData) -> Figure:
     instance = psi.split(".")[0]
     x, y = 1e3 * data.coupled[psi], data.coupled[f"{instance}.psi_rate"]
     hit = struck(data.coupled.get(f"{instance}.impact_count", np.zeros_like(x)))
-    made, ax = subplots(figsize=(5.6, 4.4))
-    headed(made, f"{data.title}: phase portrait")
+    made, ax = create_subplots(figsize=(5.6, 4.4))
+    add_title(made, f"{data.title}: phase portrait")
     points = np.column_stack((x, y))
     ax.add_collection(
         LineCollection(

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from . import film_and_load, piston, slider_crank_motion, valve_train
 from .data import ANGLES, FigureData
-from .style import ACCENT, COUPLED, headed, over_time, subplots
+from .style import ACCENT, COUPLED, add_title, create_subplots, label_abscissa
 
 # Panels at most, and lines in each.
 PANELS, LINES = 8, 4
@@ -56,12 +56,14 @@ def figure(data: FigureData) -> Figure:
     found = panels(data)
     shown = list(found)[:PANELS]
     data = data.of(found[shown[0]][0].split(".")[0])
-    made, axes = subplots(len(shown), 1, sharex=True, squeeze=False, figsize=(6.8, 1.3 + 1.8 * len(shown)))
+    made, axes = create_subplots(
+        len(shown), 1, sharex=True, squeeze=False, figsize=(6.8, 1.3 + 1.8 * len(shown))
+    )
     which = f", {len(shown)} of {len(found)} variables" if len(found) > len(shown) else ""
-    headed(made, f"{data.title}: solution{which}")
+    add_title(made, f"{data.title}: solution{which}")
     for ax, variable in zip(axes[:, 0], shown, strict=True):
         _panel(ax, data, found[variable], variable)
-    over_time(axes[-1, 0], data)
+    label_abscissa(axes[-1, 0], data)
     made.align_ylabels(axes)
     if data.reference:
         made.supxlabel("Wide pale lines: the monolithic reference.", fontsize=8.5, x=0.012, ha="left")

@@ -13,7 +13,17 @@ from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 from models.contact.ehl_contact import FILM_IS_SOLVED
 
 from .data import FigureData
-from .style import ACCENT, COUPLED, MUTED, both, headed, legend_above, over_time, shade, subplots
+from .style import (
+    ACCENT,
+    COUPLED,
+    MUTED,
+    add_legend_above,
+    add_title,
+    create_subplots,
+    label_abscissa,
+    plot_both,
+    shade,
+)
 
 ROWS = (
     ("load", "Load"),
@@ -40,12 +50,12 @@ def contacts(data: FigureData) -> list[str]:
 def figure(data: FigureData) -> Figure:
     names = contacts(data)
     width = 6.8 if len(names) == 1 else 0.8 + 4.6 * len(names)
-    made, axes = subplots(len(ROWS), len(names), sharex="col", squeeze=False, figsize=(width, 7.6))
-    headed(made, f"{data.title}: the solved film")
+    made, axes = create_subplots(len(ROWS), len(names), sharex="col", squeeze=False, figsize=(width, 7.6))
+    add_title(made, f"{data.title}: the solved film")
     for column, name in zip(axes.T, names, strict=True):
         own = data.of(name)
         for ax, (variable, words) in zip(column, ROWS, strict=True):
-            both(ax, own, f"{name}.{variable}", words)
+            plot_both(ax, own, f"{name}.{variable}", words)
             shade(ax, own, name)
         low, high = column[0].get_ylim()
         column[0].set_ylim(min(0.0, low), high + HEADROOM * (high - low))
@@ -53,10 +63,10 @@ def figure(data: FigureData) -> Figure:
         column[2].set_ylim(bottom=0.0)
         _logarithmic(column[3])
         _levels(column[3])
-        over_time(column[-1], own)
+        label_abscissa(column[-1], own)
         column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
     made.align_ylabels(axes)
-    legend_above(axes[0, -1])
+    add_legend_above(axes[0, -1])
     return made
 
 

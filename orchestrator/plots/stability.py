@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from ..masters import name_of
 from ..stability.report import format_time
 from ..stability.survey import AssessedMethod, Survey
-from .style import SIGNALS, headed, subplots
+from .style import SIGNALS, add_title, create_subplots
 
 STABLE = "#dfeadf"
 
@@ -22,10 +22,10 @@ def figure(found: Survey) -> Figure:
     masters = list(
         dict.fromkeys(name_of(m.master) for m in sorted(found.methods, key=lambda m: m.master.implicit))
     )
-    made, axes = subplots(
+    made, axes = create_subplots(
         2, len(masters), figsize=(1.2 + 2.7 * len(masters), 5.7), sharex=True, sharey="row", squeeze=False
     )
-    headed(made, f"{found.scenario.name}: coupling against the macro step")
+    add_title(made, f"{found.scenario.name}: coupling against the macro step")
     for column, name in enumerate(masters):
         radius, error = axes[:, column]
         radius.set_title(name)

@@ -19,7 +19,7 @@ from ..assessment.diagnosis.text import percent
 from ..engine.step import REASONS
 from ..scenario.units import choose_time_unit
 from .data import SYMBOLS, FigureData
-from .style import ACCENT, MUTED, REFERENCE, headed, subplots
+from .style import ACCENT, MUTED, REFERENCE, add_title, create_subplots
 
 # Steps drawn of each kind at most: more cannot be told apart.
 DRAWN = 20_000
@@ -63,19 +63,19 @@ def applies(data: FigureData) -> bool:
 
 
 def figure(data: FigureData) -> Figure:
-    return drawn(data.steps, data.title)
+    return draw_steps(data.steps, data.title)
 
 
-def drawn(steps: Steps, title: str) -> Figure:
+def draw_steps(steps: Steps, title: str) -> Figure:
     """The figure of these steps; panels that would be empty are left out."""
     judged = bool(np.any(steps.error > 0.0))
     iterated = bool(steps.iterations.max() > 1)
     heights = [2.6] + [1.5] * judged + [1.7] * iterated
-    made, axes = subplots(
+    made, axes = create_subplots(
         len(heights), 2, squeeze=False, sharey="row",
         figsize=(7.6, 1.5 + sum(heights)), gridspec_kw={"width_ratios": [4, 1], "height_ratios": heights},
     )  # fmt: skip
-    headed(made, f"{title}: macro steps")
+    add_title(made, f"{title}: macro steps")
     kinds, entries = _coloured(steps)
     rows = iter(axes)
     _lengths(*next(rows), steps, kinds)

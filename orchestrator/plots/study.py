@@ -14,7 +14,7 @@ from models.core.quantities import Vector
 
 from ..scenario.units import to_unit
 from .data import SYMBOLS
-from .style import headed, subplots
+from .style import add_title, create_subplots
 
 MOST_CURVES = 6  # that can be told apart in one panel
 
@@ -24,10 +24,10 @@ def figure(found: xarray.Dataset, names: Sequence[str]) -> Figure:
     x, *other = sorted(found[names[0]].dims, key=lambda name: (_numeric(found[name]), found[name].size))[::-1]
     maps = bool(other) and _numeric(found[other[0]]) and found[other[0]].size > MOST_CURVES
     height = 3.0 if maps else 2.1
-    made, panels = subplots(
+    made, panels = create_subplots(
         len(names), 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + height * len(names))
     )
-    headed(made, found.attrs["title"])
+    add_title(made, found.attrs["title"])
     for axes, name in zip(panels[:, 0], names, strict=True):
         values = found[name].transpose(*other, x)
         if maps:

@@ -39,7 +39,7 @@ RC = {
 }
 
 
-def saved(make: Callable[[], Figure], path: Path, dpi: float | None = None) -> Path:
+def save_figure(make: Callable[[], Figure], path: Path, dpi: float | None = None) -> Path:
     """Make the figure in this style and save it, with the style's dots per inch where none are given."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with rc_context(RC):
@@ -51,30 +51,30 @@ def saved(make: Callable[[], Figure], path: Path, dpi: float | None = None) -> P
     return path
 
 
-def subplots(
-    rows: int = 1, columns: int = 1, figsize: tuple[float, float] | None = None, **panels: Any
+def create_subplots(
+    rows: int = 1, columns: int = 1, figsize: tuple[float, float] | None = None, **create_panels: Any
 ) -> tuple[Figure, Any]:
     """A figure and its panels, as pyplot's, which no window or notebook gets to know."""
     figure = Figure(figsize=figsize, layout="constrained")
-    return figure, figure.subplots(rows, columns, **panels)
+    return figure, figure.subplots(rows, columns, **create_panels)
 
 
-def headed(figure: Figure, title: str) -> None:
+def add_title(figure: Figure, title: str) -> None:
     """The title of a figure stands on the left."""
     figure.suptitle(title, x=0.012, ha="left", fontsize=11, fontweight="bold")
 
 
-def panels(rows: int, data: FigureData, title: str, height: float = 1.75) -> tuple[Figure, Any]:
+def create_panels(rows: int, data: FigureData, title: str, height: float = 1.75) -> tuple[Figure, Any]:
     """Panels one below the other over the same abscissa."""
-    figure, axes = subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + height * rows))
+    figure, axes = create_subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + height * rows))
     axes = axes[:, 0]
-    headed(figure, title)
-    over_time(axes[-1], data)
+    add_title(figure, title)
+    label_abscissa(axes[-1], data)
     figure.align_ylabels(axes)
     return figure, axes
 
 
-def over_time(axes: Axes, data: FigureData) -> None:
+def label_abscissa(axes: Axes, data: FigureData) -> None:
     """Label, limits and ticks of the abscissa."""
     variable, label = data.abscissa()
     x = data.x()
@@ -88,7 +88,7 @@ def over_time(axes: Axes, data: FigureData) -> None:
             )
 
 
-def both(axes: Axes, data: FigureData, name: str, words: str, scale: float = 1.0) -> None:
+def plot_both(axes: Axes, data: FigureData, name: str, words: str, scale: float = 1.0) -> None:
     """Coupled run over the reference; the reference is wider, so that both are seen where they agree."""
     factor, _ = data.shown(name)
     if name in data.reference:
@@ -110,7 +110,7 @@ def shade(axes: Axes, data: FigureData, contact: str) -> None:
         )  # fmt: skip
 
 
-def legend_above(axes: Axes, columns: int = 2) -> None:
+def add_legend_above(axes: Axes, columns: int = 2) -> None:
     """The legend over the first panel's right end, where no data is."""
     axes.legend(
         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, borderaxespad=0.2, handlelength=1.8

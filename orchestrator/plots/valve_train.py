@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from models.core.quantities import Vector
 
 from .data import FigureData
-from .style import COUPLED, MUTED, REFERENCE, both, headed, over_time, shade, subplots
+from .style import COUPLED, MUTED, REFERENCE, add_title, create_subplots, label_abscissa, plot_both, shade
 
 CONTACT = (
     ("load", "Contact load"),
@@ -58,8 +58,8 @@ def figure(data: FigureData) -> Figure:
     title = f"{data.title}: valve train of {contact}"
     if others:
         title += f", the most loaded of {len(others) + 1} (valves.png has all)"
-    made, axes = subplots(5, 2, figsize=(11.0, 8.8), sharex=True)
-    headed(made, title)
+    made, axes = create_subplots(5, 2, figsize=(11.0, 8.8), sharex=True)
+    add_title(made, title)
     lift, second, *rest = axes[:, 0]
     _lift(lift, own, contact)
     if own.lost(contact).any() and f"{contact}.retreat" in own.drivers:
@@ -79,7 +79,7 @@ def figure(data: FigureData) -> Figure:
     for ax in axes.flat:
         shade(ax, own, contact)
     for ax in axes[-1]:
-        over_time(ax, own)
+        label_abscissa(ax, own)
     made.align_ylabels(axes)
     lift.set_title(follower, loc="left")
     axes[0, 1].set_title(f"{contact} with {cam}", loc="left")
@@ -93,7 +93,7 @@ def _drawn(ax: Axes, data: FigureData, name: str, words: str) -> None:
     if name not in data.coupled:
         ax.set_visible(False)
         return
-    both(ax, data, name, words)
+    plot_both(ax, data, name, words)
     low, _ = ax.get_ylim()
     if low < 0.0:
         ax.axhline(0.0, color="0.4", lw=0.7)

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from .data import FigureData
-from .style import COUPLED, MUTED, REFERENCE, headed, over_time, shade, subplots
+from .style import COUPLED, MUTED, REFERENCE, add_title, create_subplots, label_abscissa, shade
 from .valve_train import cam_of, contacts
 
 COLUMNS = 4
@@ -25,7 +25,7 @@ def figure(data: FigureData) -> Figure:
     driven = data.drivers.get(f"{cam_of(data, names[0])}.drive_angle", "")
     data = replace(data, angle=driven) if driven in data.coupled else data
     rows = math.ceil(len(names) / COLUMNS)
-    made, axes = subplots(
+    made, axes = create_subplots(
         rows,
         min(COLUMNS, len(names)),
         figsize=(12.0, 1.1 + 1.9 * rows),
@@ -33,7 +33,7 @@ def figure(data: FigureData) -> Figure:
         sharey=True,
         squeeze=False,
     )
-    headed(made, f"{data.title}: contact loads of {len(names)} valve trains, shaded where contact is lost")
+    add_title(made, f"{data.title}: contact loads of {len(names)} valve trains, shaded where contact is lost")
     x, top = data.x(), 1.05 * max(float(np.max(data.coupled[f"{name}.load"])) for name in names)
     for ax, name in zip(axes.flat, names, strict=False):
         lift = data.coupled.get(data.drivers.get(f"{name}.retreat", ""), np.zeros_like(x))
@@ -55,7 +55,7 @@ def figure(data: FigureData) -> Figure:
     for ax in axes[:, 0]:
         ax.set_ylabel("Load (N)")
     for ax in axes[-1]:
-        over_time(ax, data)
+        label_abscissa(ax, data)
     handles, labels = axes[0, 0].get_legend_handles_labels()
     made.legend(handles, labels, loc="outside upper right", ncols=len(labels))
     return made

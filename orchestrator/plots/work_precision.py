@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ..study.work_precision.problem import CouplingProblem
 from ..study.work_precision.run import Row
-from .style import REFERENCE, SIGNALS, headed, subplots
+from .style import REFERENCE, SIGNALS, add_title, create_subplots
 
 MASTERS = {"jacobi": ("o", ":"), "gauss_seidel": ("s", "--"), "iterated": ("^", "-")}
 OTHERS = (("x", "#20242a"), ("+", "#7b5ea7"), ("1", "#c77d0a"), ("2", "#5b4636"))
@@ -19,8 +19,8 @@ HOPELESS = 30.0
 
 
 def figure(problem: CouplingProblem, rows: Sequence[Row]) -> Figure:
-    made, axes = subplots(1, 2, sharey=True, figsize=(9.4, 4.6))
-    headed(made, f"{problem.name}: work and precision of co-simulation masters")
+    made, axes = create_subplots(1, 2, sharey=True, figsize=(9.4, 4.6))
+    add_title(made, f"{problem.name}: work and precision of co-simulation masters")
     for panel, quantity, label in zip(
         axes, ("calls", "wall_time_s"), ("doStep calls of all instances", "Wall time of the stepping (s)"),
         strict=True,

@@ -66,7 +66,7 @@ def finish_result(plan: Plan, ending: Ending, result: ResultFile, reporter: Repo
 
     name = plan.scenario.name
     title = name if ending.complete else f"{name} (incomplete)"
-    figures = plots.applying(result, title, plan.scenario)
+    figures = plots.find_figures(result, title, plan.scenario)
     with reporter.stage("figures") if figures else nullcontext():
         plots.draw(figures, result.path.with_name(FIGURES))
     if not figures:

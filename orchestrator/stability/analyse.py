@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..analyses._evaluate import made, results_in
+from ..analyses._evaluate import create_folder, find_results
 from ..errors import MistakeError
 from ..run.plan import Builder, build_system, resolve_start
 from ..run.report import Reporter
@@ -44,8 +44,8 @@ def analyse_scenario(
     scenario = load(name, settings)
     instants = [_parse_instant(text, scenario.stop_time) for text in at]
     folder = out or Path("results") / f"{scenario.name}-{FILE}"
-    held = results_in(folder, FILE, overwrite)
-    with made(folder):
+    held = find_results(folder, FILE, overwrite)
+    with create_folder(folder):
         with reporter.stage("stability and errors of every method") as bar:
             system = resolve_start(scenario, build_system(scenario))
             with open_linearisations(scenario, system, build, responses) as sources:

@@ -251,7 +251,7 @@ def _units(unit: str, text: str) -> dict[str, str]:
 def write_survey(found: Survey, folder: Path) -> list[Path]:
     """The three files; `folder` exists."""
     from ..plots.stability import figure
-    from ..plots.style import saved
+    from ..plots.style import save_figure
 
     table = build_dataset(found)
     files = [folder / f"{NAME}.{ending}" for ending in ("nc", "csv", "png")]
@@ -261,5 +261,5 @@ def write_survey(found: Survey, folder: Path) -> list[Path]:
     units = {name: table[name].attrs.get("units", "") for name in frame.columns}
     frame.columns = [f"{name} [{units[name]}]" if units[name] else name for name in frame.columns]
     frame.to_csv(files[1])
-    saved(lambda: figure(found), files[2])
+    save_figure(lambda: figure(found), files[2])
     return files

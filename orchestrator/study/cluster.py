@@ -23,25 +23,29 @@ DEATHS = 1
 
 
 @contextmanager
-def connected(scheduler: str | None, workers: int | None, timeout: float) -> Iterator[Client]:
+def connect(scheduler: str | None, workers: int | None, timeout: float) -> Iterator[Client]:
     """A client of the scheduler at the address, or of as many processes as there are cores."""
     # What goes wrong is in the store or in our messages; dask's come from threads that outlive the study.
     for name in ("distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    with _there(scheduler, timeout) if scheduler else _here(workers or CPU_COUNT) as client:
+    with (
+        _connect_scheduler(scheduler, timeout)
+        if scheduler
+        else _start_cluster(workers or CPU_COUNT) as client
+    ):
         yield client
 
 
 @contextmanager
-def _here(workers: int) -> Iterator[Client]:
+def _start_cluster(workers: int) -> Iterator[Client]:
     settings = {
         "distributed.scheduler.allowed-failures": DEATHS,
         "distributed.worker.memory.pause": False,  # points hold no data: a full memory ends the worker
         "distributed.scheduler.http.routes": [],  # nothing is shown to other users of this machine
         "distributed.worker.http.routes": [],
     }
-    with _scratch() as scratch, dask.config.set({**settings, "temporary-directory": scratch}):
-        with _interrupts_held():
+    with _create_scratch() as scratch, dask.config.set({**settings, "temporary-directory": scratch}):
+        with _block_interrupts():
             cluster = LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
@@ -54,7 +58,7 @@ def _here(workers: int) -> Iterator[Client]:
 
 
 @contextmanager
-def _scratch() -> Iterator[str]:
+def _create_scratch() -> Iterator[str]:
     """Where workers have their files: in the cache folder, so that the next start clears up after a kill."""
     try:
         folder = private_folder("studies")
@@ -66,7 +70,7 @@ def _scratch() -> Iterator[str]:
 
 
 @contextmanager
-def _interrupts_held() -> Iterator[None]:
+def _block_interrupts() -> Iterator[None]:
     """Threads and processes that start inside never see Ctrl-C, which a terminal sends to all of them:
     workers end when they are told to. One that comes meanwhile arrives afterwards."""
     if not hasattr(signal, "pthread_sigmask"):  # Windows has no such mask
@@ -81,7 +85,7 @@ def _interrupts_held() -> Iterator[None]:
 
 
 @contextmanager
-def _there(address: str, timeout: float) -> Iterator[Client]:
+def _connect_scheduler(address: str, timeout: float) -> Iterator[Client]:
     try:
         client = Client(address, timeout=timeout)
     except (OSError, ValueError, TypeError, RuntimeError) as error:

@@ -18,8 +18,8 @@ from ..run.plan import Builder
 from ..scenario import Written, list_messages
 from ..scenario.files import find, put, read_contents
 from ..scenario.values import Value
-from .points import POINT, Grid, Points, Rows, Sobol, Table, expanded, keys_of, kind_of
-from .subjects import AnalysisSubject, Subject, analysis_of
+from .points import POINT, Grid, Points, Rows, Sobol, Table, expand_points, list_keys, parse_points
+from .subjects import AnalysisSubject, Subject, load_analysis
 
 SHIPPED = Path(__file__).parent / "shipped"
 # Variables of every store.
@@ -42,7 +42,7 @@ class Study(Table):
     )
     fixed: dict[str, Written] = Field({}, description="Values set at every point")
     figure: list[str] = Field([], description="Results to draw; default: some, by the subject")
-    points: Annotated[Grid | Sobol | Rows, BeforeValidator(kind_of)]
+    points: Annotated[Grid | Sobol | Rows, BeforeValidator(parse_points)]
 
     @model_validator(mode="after")
     def _one_subject(self) -> Study:
@@ -72,14 +72,14 @@ class Plan:
         }
 
 
-def shipped() -> dict[str, Path]:
+def list_shipped() -> dict[str, Path]:
     """The studies that come with the program, by name."""
     return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
 
 
-def file_of(name: str) -> Path:
+def find_file(name: str) -> Path:
     """The file of a shipped study or a path; StudyError if there is neither."""
-    path = shipped().get(name, Path(name).expanduser())
+    path = list_shipped().get(name, Path(name).expanduser())
     if path.is_file():
         return path
     if path.is_dir():
@@ -87,14 +87,16 @@ def file_of(name: str) -> Path:
     if path.suffix == ".toml":
         raise StudyError(
             f"{path}: no such file here ({Path.cwd()}); give its path, or a shipped study's name: "
-            f"{', '.join(shipped())}"
+            f"{', '.join(list_shipped())}"
         )
-    raise StudyError(f"no study {name!r}; {suggestion(name, shipped())} (or give the path of a .toml file)")
+    raise StudyError(
+        f"no study {name!r}; {suggestion(name, list_shipped())} (or give the path of a .toml file)"
+    )
 
 
 def load(name: str, build: Builder) -> Plan:
     """The study of that name or path, resolved; StudyError with the file's name for each fault."""
-    path = file_of(name)
+    path = find_file(name)
     try:
         content = tomllib.loads(path.read_text("utf-8"))
     except OSError as error:
@@ -107,25 +109,25 @@ def load(name: str, build: Builder) -> Plan:
         )
     content.setdefault("name", path.stem)
     try:
-        return resolved(study_of(content), path.parent, build)
+        return resolve(parse_study(content), path.parent, build)
     except MistakeError as error:
         lines = (f"{path.name}: {line}" for line in str(error).split("\n"))
         raise StudyError("\n".join(lines)) from None
 
 
-def study_of(content: Mapping[str, Any]) -> Study:
+def parse_study(content: Mapping[str, Any]) -> Study:
     """A Study of a file's content; StudyError with a line for each fault."""
     try:
         return Study.model_validate(content)
     except ValidationError as error:
-        lines = list_messages(error, lambda place: keys_of(Study))
+        lines = list_messages(error, lambda place: list_keys(Study))
         raise StudyError("\n".join(lines)) from None
 
 
-def resolved(study: Study, folder: Path, build: Builder) -> Plan:
+def resolve(study: Study, folder: Path, build: Builder) -> Plan:
     """The study with values in the parameters' units; MistakeError for a fault."""
     subject = _subject(study, folder, build)
-    points = expanded(study.points, subject.resolved)
+    points = expand_points(study.points, subject.resolved)
     taken = {STATUS, MESSAGE, POINT, *points.coordinates}
     if clash := taken & set(subject.results):
         raise StudyError(f"{min(clash)}: is the name of a result; call the parameter something else")
@@ -138,7 +140,7 @@ def resolved(study: Study, folder: Path, build: Builder) -> Plan:
 
 def _subject(study: Study, folder: Path, build: Builder) -> Subject:
     if study.analysis is not None:
-        fixed: dict[str, Value] = analysis_of(study.analysis).complete(study.fixed)
+        fixed: dict[str, Value] = load_analysis(study.analysis).complete(study.fixed)
         return AnalysisSubject(study.analysis, fixed)
     from .scenario_subject import ScenarioSubject
 

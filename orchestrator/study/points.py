@@ -48,19 +48,19 @@ class Points:
         return {name: values[place] for (name, values), place in axes}
 
 
-def keys_of(kind: type[BaseModel]) -> list[str]:
+def list_keys(kind: type[BaseModel]) -> list[str]:
     """The keys of a table, as they are written."""
     return [field.alias or name for name, field in kind.model_fields.items()]
 
 
-def table(kind: type[T], content: Any) -> T:
+def parse_table(kind: type[T], content: Any) -> T:
     """`content` as a `kind`; Faults with a line for each fault."""
     if not isinstance(content, dict):
         raise ValueError("must be a table")
     try:
         return kind.model_validate(content)
     except ValidationError as error:
-        found = list_messages(error, lambda place: keys_of(kind))
+        found = list_messages(error, lambda place: list_keys(kind))
         raise Faults(*((line, "") for line in found)) from None
 
 
@@ -120,17 +120,17 @@ class Listed(Table):
 
 def _axis(content: Any) -> Axis | Listed:
     if isinstance(content, list):
-        return table(Listed, {"values": content})
+        return parse_table(Listed, {"values": content})
     if not isinstance(content, dict):
         raise ValueError("must be a list of values, or a table with start, stop and count")
-    return table(Axis, content)
+    return parse_table(Axis, content)
 
 
 def _range(content: Any) -> Range:
-    return table(Range, content)
+    return parse_table(Range, content)
 
 
-def checked(name: str, values: Iterable[Value], resolve: Resolve) -> tuple[Value, ...]:
+def resolve_values(name: str, values: Iterable[Value], resolve: Resolve) -> tuple[Value, ...]:
     return tuple(resolve(name, value) for value in values)
 
 
@@ -146,7 +146,8 @@ class Grid(Table):
 
     def points(self, resolve: Resolve) -> Points:
         values = {
-            name: checked(name, axis.values(name, resolve), resolve) for name, axis in self.axes.items()
+            name: resolve_values(name, axis.values(name, resolve), resolve)
+            for name, axis in self.axes.items()
         }
         for name, along in values.items():
             if len(set(along)) < len(along):
@@ -177,7 +178,7 @@ class Sobol(Table):
             )
         unit = qmc.Sobol(len(self.ranges), scramble=True, rng=self.seed).random_base2(exponent)
         values = {
-            name: checked(name, along.at(name, unit[:, i], resolve), resolve)
+            name: resolve_values(name, along.at(name, unit[:, i], resolve), resolve)
             for i, (name, along) in enumerate(self.ranges.items())
         }
         return Points((POINT,), (self.count,), values)
@@ -199,23 +200,25 @@ class Rows(Table):
                 raise MistakeError(
                     f"points.rows: row {number} and the first do not both set {', '.join(sorted(missing))}"
                 )
-        values = {name: checked(name, [row[name] for row in self.rows], resolve) for name in self.parameters}
+        values = {
+            name: resolve_values(name, [row[name] for row in self.rows], resolve) for name in self.parameters
+        }
         return Points((POINT,), (len(self.rows),), values)
 
 
 KINDS: dict[str, type[Grid] | type[Sobol] | type[Rows]] = {"grid": Grid, "sobol": Sobol, "list": Rows}
 
 
-def kind_of(content: Any) -> Grid | Sobol | Rows:
+def parse_points(content: Any) -> Grid | Sobol | Rows:
     """The [points] table of a study file; Faults or ValueError."""
     kind = content.get("kind") if isinstance(content, dict) else None
     if kind not in KINDS:
         known = suggestion(str(kind), KINDS) if kind is not None else f"known: {', '.join(KINDS)}"
         raise ValueError(f"no kind of points {kind!r}; {known}" if kind else f"kind is missing; {known}")
-    return table(KINDS[kind], content)
+    return parse_table(KINDS[kind], content)
 
 
-def expanded(kind: Grid | Sobol | Rows, resolve: Resolve) -> Points:
+def expand_points(kind: Grid | Sobol | Rows, resolve: Resolve) -> Points:
     """The points; MistakeError if there are too many or a value means nothing."""
     points = kind.points(resolve)
     if len(points) > MOST_POINTS:

@@ -12,13 +12,13 @@ from models.core.system import ModelError
 
 from ..errors import MistakeError
 from ..run.report import Reporter
-from .cluster import connected
+from .cluster import connect
 from .execution import Execution
 from .files import Plan
 from .points import POINT
 from .progress import StudyProgress
-from .source import fingerprint
-from .store import DONE, FAILED, PENDING, Store, opened
+from .source import compute_fingerprint
+from .store import DONE, FAILED, PENDING, Store, open_store
 
 COMPLETE, SOME_FAILED = 0, 1
 
@@ -45,12 +45,12 @@ def run(
     KeyboardInterrupt says how to continue.
     MistakeError before anything is written; RunError if the workers cannot go on: what is finished is kept.
     """
-    for line in _notices(plan):
+    for line in _list_warnings(plan):
         reporter.line(line)
-    versions = fingerprint(plan.subject)
+    versions = compute_fingerprint(plan.subject)
     with (
-        connected(where.scheduler, where.workers, where.timeout) as client,
-        opened(out, plan, versions, overwrite) as store,
+        connect(where.scheduler, where.workers, where.timeout) as client,
+        open_store(out, plan, versions, overwrite) as store,
     ):
         if retry_failed:
             store.retry_failed()
@@ -68,10 +68,10 @@ def run(
                 f"interrupted; {len(plan.points) - left} points are kept in {out}, {left} are left: "
                 "the same command continues"
             ) from None
-        return _end(plan, store, out, reporter)
+        return _report_end(plan, store, out, reporter)
 
 
-def _notices(plan: Plan) -> list[str]:
+def _list_warnings(plan: Plan) -> list[str]:
     """Warnings about the first and the last point; one that cannot be evaluated fails with its message."""
     found: dict[str, None] = {}
     for index in (0, len(plan.points) - 1):
@@ -94,7 +94,7 @@ def _publish(plan: Plan, out: Path) -> list[Path]:
     import xarray
 
     from ..plots.study import figure
-    from ..plots.style import saved
+    from ..plots.style import save_figure
     from .table import write_table
 
     stem = out.name.removesuffix(".zarr")
@@ -103,11 +103,11 @@ def _publish(plan: Plan, out: Path) -> list[Path]:
     with xarray.open_zarr(out) as found:
         write_table(found, files[0])
         if POINT not in plan.points.dimensions and len(plan.points.dimensions) <= 2 and names:
-            files.append(saved(lambda: figure(found, names), out.with_name(f"{stem}.png")))
+            files.append(save_figure(lambda: figure(found, names), out.with_name(f"{stem}.png")))
     return files
 
 
-def _end(plan: Plan, store: Store, out: Path, reporter: Reporter) -> int:
+def _report_end(plan: Plan, store: Store, out: Path, reporter: Reporter) -> int:
     reporter.line(f"results in {out}, {', '.join(str(path) for path in _publish(plan, out))}")
     failed = np.flatnonzero(store.status == FAILED)
     line = f"{out}: {store.count(DONE)} points done, {len(failed)} failed"

@@ -16,7 +16,7 @@ LIBRARIES = ("numpy", "scipy", "numba")
 
 
 @functools.cache
-def source() -> str:
+def hash_source() -> str:
     """SHA-256 over the Python files of our packages (first 16 digits)."""
     root = Path(__file__).parents[2]
     digest = hashlib.sha256()
@@ -28,25 +28,25 @@ def source() -> str:
 
 
 @functools.cache
-def _of_module(file: str) -> str:
+def _hash_module(file: str) -> str:
     return hashlib.sha256(Path(file).read_bytes()).hexdigest()[:16]
 
 
 @functools.cache
-def _libraries() -> dict[str, str]:
+def _list_libraries() -> dict[str, str]:
     return {name: metadata.version(name) for name in LIBRARIES}
 
 
-def fingerprint(subject: Subject) -> dict[str, str]:
+def compute_fingerprint(subject: Subject) -> dict[str, str]:
     """What must be equal for equal results, by name. MistakeError if the subject cannot be found here."""
-    found = {"tribocosim": source(), "python": platform.python_version(), "machine": platform.machine()}
-    found |= _libraries()
+    found = {"tribocosim": hash_source(), "python": platform.python_version(), "machine": platform.machine()}
+    found |= _list_libraries()
     if isinstance(subject, AnalysisSubject) and ":" in subject.name:
-        found[subject.name] = _of_module(inspect.getfile(subject.analysis.evaluate))
+        found[subject.name] = _hash_module(inspect.getfile(subject.analysis.evaluate))
     return found
 
 
-def difference(expected: dict[str, str], seen: dict[str, str]) -> str:
+def describe_difference(expected: dict[str, str], seen: dict[str, str]) -> str:
     """The entries that differ, in words; "" if none."""
     names = [name for name in expected if seen.get(name) != expected[name]]
     return ", ".join(f"{name} {seen.get(name, 'missing')} instead of {expected[name]}" for name in names)

@@ -26,7 +26,7 @@ from ..analyses import Result
 from ..errors import RunError
 from .files import MESSAGE, STATUS, Plan, StudyError
 from .points import POINT
-from .source import difference
+from .source import describe_difference
 from .task import Outcome
 
 PENDING, DONE, FAILED = 0, 1, 2
@@ -104,34 +104,34 @@ class Store:
 
 
 @contextmanager
-def opened(path: Path, plan: Plan, versions: Mapping[str, str], overwrite: bool) -> Iterator[Store]:
+def open_store(path: Path, plan: Plan, versions: Mapping[str, str], overwrite: bool) -> Iterator[Store]:
     """The store at `path`, made if it isn't there; StudyError if it is another study's, or in use."""
-    with _locked(path):
+    with _lock(path):
         try:
             _prepare(path, plan, versions, overwrite)
         except OSError as error:
-            raise _unwritable(path, error) from None
+            raise _report_unwritable(path, error) from None
         yield Store(path)
 
 
 def _prepare(path: Path, plan: Plan, versions: Mapping[str, str], overwrite: bool) -> None:
     if overwrite and path.exists():
-        _attributes(path)
+        _read_attributes(path)
         shutil.rmtree(path)
     if not path.exists():
-        _make(path, plan, versions)
+        _create_store(path, plan, versions)
         return
     _compare(path, plan, versions)
     for left in path.rglob("*.partial"):
         left.unlink()
 
 
-def _unwritable(path: Path, error: OSError) -> StudyError:
+def _report_unwritable(path: Path, error: OSError) -> StudyError:
     return StudyError(f"{path}: cannot be written ({error.strerror or error}); choose another --out")
 
 
 @contextmanager
-def _locked(path: Path) -> Iterator[None]:
+def _lock(path: Path) -> Iterator[None]:
     """Two processes that write one store would undo each other's points. Ends with the process."""
     file = path.with_name(f".{path.name}.lock")
     lock = locket.lock_file(str(file), timeout=0)
@@ -139,7 +139,7 @@ def _locked(path: Path) -> Iterator[None]:
         path.parent.mkdir(parents=True, exist_ok=True)
         lock.acquire()
     except OSError as error:
-        raise _unwritable(path, error) from None
+        raise _report_unwritable(path, error) from None
     except locket.LockError:
         raise StudyError(f"{path}: another process is working on it; wait for its end") from None
     try:
@@ -149,7 +149,7 @@ def _locked(path: Path) -> Iterator[None]:
         file.unlink(missing_ok=True)
 
 
-def _attributes(path: Path) -> dict[str, Any]:
+def _read_attributes(path: Path) -> dict[str, Any]:
     """What a store says of itself; StudyError if it is not a study's."""
     try:
         found = dict(zarr.open_group(path, mode="r").attrs)
@@ -162,20 +162,21 @@ def _attributes(path: Path) -> dict[str, Any]:
 
 def _compare(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
     """StudyError unless the store is of this study, begun by the same source."""
-    found = _attributes(path)
+    found = _read_attributes(path)
     remedy = "choose another --out, or replace it with --overwrite"
     group: Any = zarr.open_group(path, mode="r")
     same_points = set(found["parameters"]) == set(plan.points.coordinates) and all(
-        np.array_equal(group[name][...], _array(values)) for name, values in plan.points.coordinates.items()
+        np.array_equal(group[name][...], _to_array(values))
+        for name, values in plan.points.coordinates.items()
     )
     if found["subject"] != plan.subject.content() or not same_points:
         what = "other points" if found["subject"] == plan.subject.content() else "another study"
         raise StudyError(f"{path}: holds {what}; {remedy}")
-    if changed := difference(json.loads(found["versions"]), dict(versions)):
+    if changed := describe_difference(json.loads(found["versions"]), dict(versions)):
         raise StudyError(f"{path}: was begun by another version ({changed}); {remedy}")
 
 
-def _make(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
+def _create_store(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
     """A store with all points pending; it appears whole."""
     unfinished = path.with_name(f".{path.name}.new")
     shutil.rmtree(unfinished, ignore_errors=True)
@@ -190,16 +191,18 @@ def _make(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
         attributes["coordinates"] = " ".join(points.coordinates)
     group = zarr.create_group(unfinished, zarr_format=3, attributes=attributes)
     for name, values in points.coordinates.items():
-        array = _array(values)
+        array = _to_array(values)
         along = name if name in points.dimensions else POINT
-        _create(group, name, [along], array, _about(plan.subject.described(name)), array.shape)
-    chunks = chunks_of(points.shape)
+        _create_array(group, name, [along], array, _describe(plan.subject.described(name)), array.shape)
+    chunks = choose_chunks(points.shape)
     for name, result in results.items():
         empty = np.full(points.shape, "" if result.text else math.nan, object if result.text else np.float64)
-        _create(group, name, points.dimensions, empty, _about(result), chunks)
+        _create_array(group, name, points.dimensions, empty, _describe(result), chunks)
     texts, states = np.full(points.shape, "", object), np.zeros(points.shape, np.int8)
-    _create(group, MESSAGE, points.dimensions, texts, {"long_name": "why the point failed"}, chunks)
-    _create(group, STATUS, points.dimensions, states, {"long_name": "state of the point"} | FLAGS, chunks)
+    _create_array(group, MESSAGE, points.dimensions, texts, {"long_name": "why the point failed"}, chunks)
+    _create_array(
+        group, STATUS, points.dimensions, states, {"long_name": "state of the point"} | FLAGS, chunks
+    )
     with warnings.catch_warnings():
         # zarr says that not every reader of format 3 looks at them; those that do open the store faster.
         warnings.filterwarnings("ignore", "Consolidated metadata", zarr.errors.ZarrUserWarning)
@@ -207,13 +210,13 @@ def _make(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
     os.replace(unfinished, path)
 
 
-def _about(result: Result) -> dict[str, str]:
+def _describe(result: Result) -> dict[str, str]:
     """The attributes of a variable."""
     about = {"long_name": result.description, "units": result.unit}
     return about | ({"display_units": result.display_unit} if result.display_unit else {})
 
 
-def _create(
+def _create_array(
     group: zarr.Group,
     name: str,
     dimensions: Sequence[str],
@@ -235,7 +238,7 @@ def _create(
     array[...] = values
 
 
-def chunks_of(shape: Sequence[int]) -> tuple[int, ...]:
+def choose_chunks(shape: Sequence[int]) -> tuple[int, ...]:
     """Whole trailing dimensions, as far as CHUNK points go."""
     left, sizes = CHUNK, []
     for size in reversed(shape):
@@ -244,7 +247,7 @@ def chunks_of(shape: Sequence[int]) -> tuple[int, ...]:
     return tuple(reversed(sizes))
 
 
-def _array(values: Sequence[Any]) -> NDArray[Any]:
+def _to_array(values: Sequence[Any]) -> NDArray[Any]:
     """A parameter's values: truth values, whole numbers, numbers or texts."""
     for kind in (bool, int):
         if all(type(value) is kind for value in values):

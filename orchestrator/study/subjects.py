@@ -48,7 +48,7 @@ class Subject(Protocol):
 
 
 @functools.cache
-def analysis_of(name: str) -> Analysis:
+def load_analysis(name: str) -> Analysis:
     return load(name)
 
 
@@ -61,7 +61,7 @@ class AnalysisSubject:
 
     @property
     def analysis(self) -> Analysis:
-        return analysis_of(self.name)
+        return load_analysis(self.name)
 
     @property
     def results(self) -> Mapping[str, Result]:

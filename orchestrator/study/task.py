@@ -9,7 +9,7 @@ from models.core.system import ModelError
 
 from ..errors import IncompleteError, MistakeError, RunError
 from ..scenario.values import Value
-from .source import difference, fingerprint
+from .source import compute_fingerprint, describe_difference
 from .subjects import Subject
 
 
@@ -25,20 +25,20 @@ def evaluate(subject: Subject, values: Mapping[str, Value], versions: dict[str, 
     """The outcome of a point, or why this worker cannot take part: what computes must be what the study was
     begun with."""
     try:
-        found = difference(versions, fingerprint(subject))
+        found = describe_difference(versions, compute_fingerprint(subject))
     except MistakeError as error:
         return f"cannot take part: {error}"
     if found:
         return f"computes with {found}"
     try:
-        return Outcome(_values(subject, subject.evaluate(values)))
+        return Outcome(_select_values(subject, subject.evaluate(values)))
     except IncompleteError as error:
-        return Outcome(_values(subject, error.results), message_of(error))
+        return Outcome(_select_values(subject, error.results), format_message(error))
     except (Exception, SystemExit) as error:
-        return Outcome({}, message_of(error))
+        return Outcome({}, format_message(error))
 
 
-def _values(subject: Subject, results: Mapping[str, float | str]) -> dict[str, float | str]:
+def _select_values(subject: Subject, results: Mapping[str, float | str]) -> dict[str, float | str]:
     """Of the results that there are."""
     return {
         name: str(results[name]) if result.text else float(results[name])
@@ -47,7 +47,7 @@ def _values(subject: Subject, results: Mapping[str, float | str]) -> dict[str, f
     }
 
 
-def message_of(error: BaseException) -> str:
+def format_message(error: BaseException) -> str:
     """One of our errors speaks for itself, another needs its type."""
     if isinstance(error, (MistakeError, ModelError, RunError)):
         return str(error)

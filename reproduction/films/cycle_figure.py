@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, MultipleLocator, NullFormatter
 
 from models.core.quantities import Vector
-from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, headed, subplots
+from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
 
 from .cam import EVENT_DEG, SQUEEZED, STEADY, CamCycle, Flags
 from .formulas import CENTRAL, MINIMUM
@@ -36,8 +36,10 @@ BAR, FOOT = 0.028, 0.02
 def plot_cycles(found: Sequence[CamCycle]) -> Figure:
     """A row for each speed: numerical films; films over the transient one, central and minimum."""
     rows = len(found)
-    figure, axes = subplots(rows, 3, sharex=True, squeeze=False, figsize=(11.5, 1.4 + 2.2 * rows))
-    headed(figure, "Films through the cam's event: numerical, and formulas over the transient numerical film")
+    figure, axes = create_subplots(rows, 3, sharex=True, squeeze=False, figsize=(11.5, 1.4 + 2.2 * rows))
+    add_title(
+        figure, "Films through the cam's event: numerical, and formulas over the transient numerical film"
+    )
     for row, c in zip(axes, found, strict=True):
         _films(row[0], c)
         for ax, film in zip(row[1:], (CENTRAL, MINIMUM), strict=True):

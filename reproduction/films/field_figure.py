@@ -12,7 +12,7 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
-from orchestrator.plots.style import COUPLED, REFERENCE, headed
+from orchestrator.plots.style import COUPLED, REFERENCE, add_title
 
 from .cam import CamCycle
 
@@ -32,7 +32,7 @@ MAP_DEG = (130.0, 230.0)
 def plot_field(c: CamCycle) -> Figure:
     """Profiles at six instants; maps of pressure and film over cam angle and x."""
     figure = Figure(figsize=(11.0, 9.0))
-    headed(figure, f"Pressure and film across the contact at {c.speed_rpm:.0f} r/min (transient)")
+    add_title(figure, f"Pressure and film across the contact at {c.speed_rpm:.0f} r/min (transient)")
     halves: Any = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
     upper, lower = halves
     first = c.reversals_deg[0]

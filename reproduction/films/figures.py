@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, NullFormatter
 
 from models.core.quantities import Vector
-from orchestrator.plots.style import COUPLED, MUTED, headed, subplots
+from orchestrator.plots.style import COUPLED, MUTED, add_title, create_subplots
 
 from ..pictures import compact
 from .cycle_figure import COLOURS, INK, plot_cycles
@@ -47,8 +47,8 @@ def draw(runs: Runs, folder: Path) -> list[Path]:
 
 def plot_table_3(runs: Runs) -> Figure:
     """Ratio to the numerical central film over M: steady, and with squeeze for Kushwaha's formula."""
-    figure, axes = subplots(1, 2, sharey=True, figsize=(8.6, 3.4))
-    headed(figure, "Formulas over the numerical central film, contacts of Kushwaha's Table 3")
+    figure, axes = create_subplots(1, 2, sharey=True, figsize=(8.6, 3.4))
+    add_title(figure, "Formulas over the numerical central film, contacts of Kushwaha's Table 3")
     central = [formula for formula in FORMULAS if formula.film == CENTRAL]
     for formula in central:
         _points(axes[0], runs.fit.M, runs.fit.over_numerical(formula), formula)
@@ -74,8 +74,8 @@ def _points(ax: Axes, x: Vector, y: Vector, formula: Formula) -> None:
 
 def plot_power_laws(runs: Runs) -> Figure:
     """New laws over numerical films against M, steady."""
-    figure, axes = subplots(1, 2, sharey=True, figsize=(8.6, 3.2))
-    headed(figure, "New laws over numerical films, contacts that they were not fitted to")
+    figure, axes = create_subplots(1, 2, sharey=True, figsize=(8.6, 3.2))
+    add_title(figure, "New laws over numerical films, contacts that they were not fitted to")
     s = runs.validation
     looks = ((False, MUTED, "power law"), (True, COUPLED, "joined with Martin's film"))
     for ax, film in zip(axes, (CENTRAL, MINIMUM), strict=True):

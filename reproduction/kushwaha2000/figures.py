@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, subplots
+from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, create_subplots
 
 from ..pictures import compact
 from .runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, NOSE_DEG, SPEEDS, Runs
@@ -39,7 +39,7 @@ def draw(runs: Runs, folder: Path) -> list[Path]:
 def _panels(rows: int, title: str, heights: Sequence[float] = ()) -> tuple[Figure, Any]:
     ratios = heights or [1.0] * rows
     size = (6.8, 0.85 + (2.5 if rows == 1 else 1.85 * sum(ratios)))
-    figure, axes = subplots(
+    figure, axes = create_subplots(
         rows, 1, sharex=True, squeeze=False, figsize=size, gridspec_kw={"height_ratios": ratios}
     )
     axes = axes[:, 0]

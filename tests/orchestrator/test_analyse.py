@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from models.slider_crank.machine import FORMS
 from orchestrator.analyses import load, names
-from orchestrator.analyses._evaluate import analyse, setting
+from orchestrator.analyses._evaluate import analyse, parse_setting
 from orchestrator.command_line import app
 from orchestrator.errors import MistakeError
 
@@ -142,7 +142,7 @@ def test_lists_analyses_and_parameters() -> None:
     ("text", "value"), [("a=1", 1), ("a = 0.5", 0.5), ("a=true", True), ("a=8 mm", "8 mm"), ("a=x", "x")]
 )
 def test_setting_is_read_as_toml_where_it_is_toml(text: str, value: object) -> None:
-    assert setting(text) == ("a", value)
+    assert parse_setting(text) == ("a", value)
 
 
 def test_poincare_map_ends_early_with_enough_impacts() -> None:
@@ -172,7 +172,7 @@ def test_the_pages_commands_are_understood(command: list[str]) -> None:
     """Every parameter exists and takes the value."""
     program, verb, name, *rest = command
     assert (program, verb, set(rest[::2])) == ("tribocosim", "analyse", {"--set"})
-    load(name).complete(dict(setting(text) for text in rest[1::2]))
+    load(name).complete(dict(parse_setting(text) for text in rest[1::2]))
 
 
 def test_what_is_refused_while_it_computes_leaves_nothing_and_takes_nothing(tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ from orchestrator.energy import Trimmed, counted
 from orchestrator.engine.step import REASONS, Step
 from orchestrator.errors import MistakeError
 from orchestrator.plots import steps as figure
-from orchestrator.plots.style import saved
+from orchestrator.plots.style import save_figure
 from orchestrator.run.output_folder import RESULT, SCENARIO
 from orchestrator.run.pipeline import run
 from orchestrator.run.recording import ResultRecorder
@@ -249,7 +249,7 @@ def test_times_are_in_a_unit_that_suits_the_run(length: float, unit: str, spans:
     assert lines[row].endswith(f"({unit})")
     assert lines[row + 1].endswith(spans)
     assert any(line.startswith("work: ") and f" {unit} (" in line for line in lines)
-    drawn = figure.drawn(found.steps, "run")
+    drawn = figure.draw_steps(found.steps, "run")
     assert f"Time ({unit})" in [ax.get_xlabel() for ax in drawn.axes]
 
 
@@ -377,8 +377,8 @@ def test_suggestions_are_sentences_of_the_rules() -> None:
 def test_the_figure_is_drawn_for_few_and_for_many_steps(n: int, tmp_path: Path) -> None:
     """All steps are in the histograms: their bars add up to 100 %."""
     steps = random_steps(n)
-    drawn = figure.drawn(steps, "random")
+    drawn = figure.draw_steps(steps, "random")
     widths = [patch.get_width() for patch in drawn.axes[1].patches]
     assert sum(widths) == pytest.approx(100.0)
-    path = saved(lambda: figure.drawn(steps, f"{n} random steps"), tmp_path / "steps.png")
+    path = save_figure(lambda: figure.draw_steps(steps, f"{n} random steps"), tmp_path / "steps.png")
     assert path.stat().st_size > 10_000

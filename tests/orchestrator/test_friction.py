@@ -27,7 +27,7 @@ from orchestrator.assessment.friction.report import WORN, Judged, remarks, table
 from orchestrator.assessment.friction.table import write
 from orchestrator.errors import MistakeError
 from orchestrator.plots.friction import drawn
-from orchestrator.plots.style import saved
+from orchestrator.plots.style import save_figure
 from orchestrator.run.pipeline import run
 from orchestrator.run.report import Reporter
 from orchestrator.scenario.files import load
@@ -233,7 +233,7 @@ def test_table_and_figure_of_any_cycle(tmp_path):
     cycle = eccentric()
     worn = wear(cycle, "asperity_load", 1e-17, LENGTH)
     assert write(cycle, worn, 1e-17, tmp_path / "a" / "x.nc") == [tmp_path / "a" / "x.nc"]
-    assert saved(lambda: drawn(cycle, worn, 1e6, "eccentric"), tmp_path / "x.png").is_file()
+    assert save_figure(lambda: drawn(cycle, worn, 1e6, "eccentric"), tmp_path / "x.png").is_file()
 
 
 def test_each_of_several_contacts_has_a_file_of_its_own():

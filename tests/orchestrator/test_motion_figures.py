@@ -9,23 +9,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from orchestrator.plots.motion.angles import from_first_turn, in_pi
+from orchestrator.plots.motion.angles import format_angle, shift_to_first_turn
 from orchestrator.plots.motion.phase import draw_phase
-from orchestrator.plots.motion.poincare import draw_poincare, magnified
-from orchestrator.plots.motion.titles import machine_in_words
-from orchestrator.plots.style import subplots
+from orchestrator.plots.motion.poincare import draw_poincare, magnify
+from orchestrator.plots.motion.titles import describe_machine
+from orchestrator.plots.style import create_subplots
 
 
 @pytest.mark.parametrize(
     ("halves", "text"), [(0, "0"), (1, "π/2"), (2, "π"), (3, "3π/2"), (4, "2π"), (-1, "−π/2"), (-2, "−π")]
 )
 def test_angles_are_written_in_pi(halves: int, text: str) -> None:
-    assert in_pi(0.5 * math.pi * halves) == text
+    assert format_angle(0.5 * math.pi * halves) == text
 
 
 def test_titles_say_what_is_not_usual() -> None:
     values = {"damping": 0.05, "gap": 0.01, "form": "as_published", "xi": 0.303, "beta": 0.158}
-    assert machine_in_words(values) == "λ = 0.05, ρ = 0.01, β = 0.158, as published"
+    assert describe_machine(values) == "λ = 0.05, ρ = 0.01, β = 0.158, as published"
 
 
 @given(turns=st.integers(0, 10**6), phase=st.floats(0.0, 6.2))
@@ -33,7 +33,7 @@ def test_titles_say_what_is_not_usual() -> None:
 def test_angles_count_from_their_own_revolution(turns: int, phase: float) -> None:
     """To the resolution of so large an angle."""
     theta = np.array([2.0 * math.pi * turns, 2.0 * math.pi * turns + phase])
-    assert from_first_turn(theta) == pytest.approx([0.0, phase], abs=1e-9)
+    assert shift_to_first_turn(theta) == pytest.approx([0.0, phase], abs=1e-9)
 
 
 @given(
@@ -45,14 +45,14 @@ def test_angles_count_from_their_own_revolution(turns: int, phase: float) -> Non
 def test_window_is_around_a_point_and_so_much_smaller(points: list, centre: tuple, by: float) -> None:
     """Its middle is one of the points, its width 2 pi over the magnification."""
     theta, rate = (np.array(column) for column in zip(*points, strict=True))
-    low, high, bottom, top = magnified(theta, rate, centre, by)
+    low, high, bottom, top = magnify(theta, rate, centre, by)
     assert high - low == pytest.approx(2.0 * math.pi / by)
     middle = (0.5 * (low + high), 0.5 * (bottom + top))
     assert min(np.hypot(theta - middle[0], rate - middle[1])) < 1e-12
 
 
 def test_window_shows_the_points_in_it() -> None:
-    _, axes = subplots()
+    _, axes = create_subplots()
     draw_poincare(axes, np.array([1.0, 2.0, 3.0]), np.array([0.1, 0.2, 0.3]), window=(1.5, 3.5, 0.0, 0.25))
     np.testing.assert_array_equal(axes.collections[0].get_offsets(), [[2.0, 0.2]])
 
@@ -61,7 +61,7 @@ def test_phase_portrait_is_cut_at_impacts() -> None:
     """No line leads from before an impact to after it but the jump's own."""
     theta = np.array([0.0, 1.0, 1.0, 2.0])
     psi, rate = np.array([0.0, 1e-2, 1e-2, 0.0]), np.array([1.0, 1.0, -0.9, -0.9])
-    _, axes = subplots()
+    _, axes = create_subplots()
     draw_phase(axes, theta, psi, rate, np.zeros(4))
     (line,) = axes.lines
     np.testing.assert_array_equal(line.get_ydata(), [1.0, 1.0, np.nan, -0.9, -0.9])

@@ -24,8 +24,8 @@ from orchestrator.plots import (
     valve_train,
     valves,
 )
-from orchestrator.plots.data import FigureData, parameters_of
-from orchestrator.plots.style import saved
+from orchestrator.plots.data import FigureData, list_parameters
+from orchestrator.plots.style import save_figure
 from orchestrator.scenario import parse_ends
 from orchestrator.scenario.files import load
 
@@ -63,7 +63,7 @@ def engine() -> FigureData:
         reference=values,
         quantities={name: quantity for name, (_, quantity) in coupled.items()},
         drivers={target: source for source, target in map(parse_ends, scenario.connections)},
-        parameters=parameters_of(scenario),
+        parameters=list_parameters(scenario),
     )
 
 
@@ -149,7 +149,7 @@ def test_the_phase_portrait_is_cut_at_impacts(engine: FigureData) -> None:
 @pytest.mark.parametrize("kind", [film_and_load, slider_crank_motion, slider_crank_phase])
 def test_figures_are_saved(kind, engine: FigureData, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     assert kind.applies(engine)
-    assert saved(lambda: kind.figure(engine), tmp_path / "figure.png").stat().st_size > 10_000
+    assert save_figure(lambda: kind.figure(engine), tmp_path / "figure.png").stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("records", [10, 800, 801, 5934])
@@ -203,7 +203,7 @@ def bouncing() -> FigureData:
         reference={name: value for name, (value, _) in coupled.items()},
         quantities={name: quantity for name, (_, quantity) in coupled.items()},
         drivers={target: source for source, target in map(parse_ends, scenario.connections)},
-        parameters=parameters_of(scenario),
+        parameters=list_parameters(scenario),
         tolerance=scenario.tolerance,
     )
 

@@ -227,7 +227,9 @@ def test_the_store_is_a_labelled_dataset(undisturbed: Path) -> None:
 
 
 def test_nothing_is_left_beside_the_store(undisturbed: Path) -> None:
-    assert {path.name for path in undisturbed.iterdir()} == {"store.zarr", "test.toml", "traces"}
+    assert {path.name for path in undisturbed.iterdir()} == {
+        "store.zarr", "store.csv", "store.png", "test.toml", "traces",
+    }  # fmt: skip
 
 
 def test_a_finished_study_evaluates_nothing_again(undisturbed: Path) -> None:

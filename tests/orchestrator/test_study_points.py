@@ -14,8 +14,8 @@ from scipy.stats import qmc
 
 from orchestrator import analyses
 from orchestrator.errors import MistakeError
-from orchestrator.study.files import Plan, load, resolved, shipped, study_of
-from orchestrator.study.store import CHUNK, chunks_of
+from orchestrator.study.files import Plan, list_shipped, load, parse_study, resolve
+from orchestrator.study.store import CHUNK, choose_chunks
 
 PLAIN = "tests.orchestrator.studied:PLAIN"
 NUMBERS = st.lists(st.floats(-10.0, 10.0), min_size=1, max_size=4, unique=True)
@@ -23,7 +23,7 @@ NUMBERS = st.lists(st.floats(-10.0, 10.0), min_size=1, max_size=4, unique=True)
 
 def planned(points: dict[str, Any], **study: Any) -> Plan:
     content = {"name": "test", "analysis": PLAIN, "points": points} | study
-    return resolved(study_of(content), Path(), _no_fmu)
+    return resolve(parse_study(content), Path(), _no_fmu)
 
 
 def _no_fmu(name: str, structure: Any) -> Path:
@@ -93,7 +93,7 @@ def test_sobol_points_are_those_of_their_seed() -> None:
 @given(st.lists(st.integers(1, 300), min_size=1, max_size=4))
 @settings(derandomize=True, deadline=None)
 def test_chunks_are_bounded_and_few(shape: list[int]) -> None:
-    chunks = chunks_of(shape)
+    chunks = choose_chunks(shape)
     assert math.prod(chunks) <= CHUNK
     assert all(1 <= chunk <= size for chunk, size in zip(chunks, shape, strict=True))
     if math.prod(shape) <= CHUNK:
@@ -211,8 +211,8 @@ def test_an_unknown_setting_of_a_scenario_is_named(path: str, fixed: bool) -> No
 
 
 def test_every_shipped_study_and_analysis_is_whole() -> None:
-    assert shipped()
-    for name in shipped():
+    assert list_shipped()
+    for name in list_shipped():
         assert len(load(name, _no_fmu).points) > 1
     for name in analyses.names():
         analysis = analyses.load(name)

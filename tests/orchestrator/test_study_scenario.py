@@ -12,7 +12,7 @@ from orchestrator.run.pipeline import run
 from orchestrator.run.report import Reporter
 from orchestrator.scenario.files import load
 from orchestrator.store.result_file import open_result
-from orchestrator.study.source import fingerprint
+from orchestrator.study.source import compute_fingerprint
 from orchestrator.study.task import evaluate
 
 from .test_study_points import planned
@@ -63,7 +63,7 @@ def test_a_run_that_fails_is_a_failed_point_with_its_message() -> None:
     of = plan([{"macro_step": "1 ms", LIFT: "9 mm"}, {"macro_step": "10 us", LIFT: "-9 mm"}])
     with pytest.raises(RunError, match="reduce macro_step"):
         of.subject.evaluate(of.points[0] | {"stop_time": 0.05, "reference.enabled": False})
-    kept = evaluate(of.subject, of.points[0] | {"stop_time": 0.05}, fingerprint(of.subject))
+    kept = evaluate(of.subject, of.points[0] | {"stop_time": 0.05}, compute_fingerprint(of.subject))
     assert "reduce macro_step" in kept.message
     assert kept.values["contact.load.maximum"] > 0.0
     with pytest.raises(ValueError, match="lift"):

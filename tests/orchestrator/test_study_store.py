@@ -20,8 +20,8 @@ from orchestrator.run.report import Reporter
 from orchestrator.study import run as study
 from orchestrator.study import store as module
 from orchestrator.study.files import Plan
-from orchestrator.study.source import fingerprint
-from orchestrator.study.store import DONE, FAILED, PENDING, Store, opened
+from orchestrator.study.source import compute_fingerprint
+from orchestrator.study.store import DONE, FAILED, PENDING, Store, open_store
 from orchestrator.study.task import Outcome, evaluate
 
 from .test_study_points import PLAIN, planned
@@ -40,7 +40,7 @@ def files(store: Path) -> dict[str, bytes]:
 
 
 def outcome(of: Plan, index: int) -> Outcome:
-    found = evaluate(of.subject, of.points[index], fingerprint(of.subject))
+    found = evaluate(of.subject, of.points[index], compute_fingerprint(of.subject))
     assert isinstance(found, Outcome)
     return found
 
@@ -49,7 +49,7 @@ def outcome(of: Plan, index: int) -> Outcome:
 def begun(path: Path, of: Plan | None = None, **options: Any) -> Iterator[Store]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "CHUNK", 4)
-        with opened(path, of or plan(), VERSIONS, options.get("overwrite", False)) as store:
+        with open_store(path, of or plan(), VERSIONS, options.get("overwrite", False)) as store:
             yield store
 
 
@@ -71,7 +71,7 @@ def test_what_is_said_to_be_kept_at_ctrl_c_is_kept(tmp_path: Path, monkeypatch: 
     of, path = plan(), tmp_path / "store.zarr"
     came = SimpleNamespace(outcomes=lambda pending: iter([[(0, outcome(of, 0)), (5, outcome(of, 5))]]))
     workers = SimpleNamespace(nthreads=lambda: {"one": 1})
-    monkeypatch.setattr(study, "connected", lambda *where: contextlib.nullcontext(workers))
+    monkeypatch.setattr(study, "connect", lambda *where: contextlib.nullcontext(workers))
     monkeypatch.setattr(study, "Execution", lambda *arguments: came)
     monkeypatch.setattr(module, "Store", _Interrupted)
     with pytest.raises(KeyboardInterrupt, match="2 points are kept"):
@@ -202,7 +202,7 @@ def test_a_store_begun_by_another_version_is_refused(tmp_path: Path) -> None:
     other = VERSIONS | {"numba": "0.61"}
     with (
         pytest.raises(MistakeError, match=r"another version \(numba 0.61 instead of 0.60\)"),
-        opened(tmp_path / "store.zarr", plan(), other, False),
+        open_store(tmp_path / "store.zarr", plan(), other, False),
     ):
         pass
 

@@ -19,10 +19,10 @@ from orchestrator.errors import MistakeError
 from orchestrator.run.report import Reporter
 from orchestrator.study.work_precision import methods, peers
 from orchestrator.study.work_precision.benchmark import benchmark
-from orchestrator.study.work_precision.methods import Method, measured
-from orchestrator.study.work_precision.problem import PROBLEMS, problem_named
-from orchestrator.study.work_precision.run import Row, errors_of, fmu_files
-from orchestrator.study.work_precision.table import cheapest, digest, failures
+from orchestrator.study.work_precision.methods import Method, measure_method
+from orchestrator.study.work_precision.problem import PROBLEMS, build_problem
+from orchestrator.study.work_precision.run import Row, compute_errors, fmu_files
+from orchestrator.study.work_precision.table import build_digest, find_cheapest, list_failures
 
 ROOT = Path(__file__).parents[2]
 DURATION = 0.128  # of the quarter car: the wheel's first swing
@@ -30,7 +30,7 @@ DURATION = 0.128  # of the quarter car: the wheel's first swing
 
 @pytest.fixture(scope="module")
 def quarter_car():
-    return replace(problem_named("quarter-car", DURATION), held_halvings=(2, 3, 4))
+    return replace(build_problem("quarter-car", DURATION), held_halvings=(2, 3, 4))
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_errors_at_the_samples_ask_for_the_truth_beside_them_only(quarter_car):
     times = 2.0 * np.pi * np.linspace(0.0, 1.0, 5001)[1:] ** 2
     values = truth(times) + 0.1 * times[:, None]
     asked.clear()
-    found = errors_of(problem, times, values)
+    found = compute_errors(problem, times, values)
     assert sum(asked) <= 3 * len(samples)
     spread = np.sqrt(0.5)
     assert found["errors"]["a"] == pytest.approx(0.1 * np.sqrt(np.mean(samples**2)) / spread, rel=1e-9)
@@ -65,7 +65,7 @@ def test_errors_are_relative_to_the_spread_of_the_true_output(quarter_car):
         return np.column_stack([np.sin(at), np.cos(at)])
 
     problem = replace(quarter_car, times=t, outputs=("a", "b"), truth=truth)
-    found = errors_of(problem, t, truth(t) + np.array([0.1, 0.0]))
+    found = compute_errors(problem, t, truth(t) + np.array([0.1, 0.0]))
     assert found["error"] == pytest.approx(0.1 * np.sqrt(2.0))
     assert found["max_error"] == pytest.approx(0.1 * np.sqrt(2.0))
     assert found["errors"] == {"a": pytest.approx(0.1 * np.sqrt(2.0)), "b": 0.0}
@@ -75,15 +75,15 @@ def test_errors_at_other_times_than_the_samples_weigh_the_same(quarter_car):
     """An error that grows linearly in time is known at every sample, however unevenly a run has stepped."""
     times = quarter_car.times
     uneven = times[-1] * np.array([0.001, 0.002, 0.4, 0.41, 1.0])
-    expected = errors_of(quarter_car, times, quarter_car.truth(times) + times[:, None])
-    found = errors_of(quarter_car, uneven, quarter_car.truth(uneven) + uneven[:, None])
+    expected = compute_errors(quarter_car, times, quarter_car.truth(times) + times[:, None])
+    found = compute_errors(quarter_car, uneven, quarter_car.truth(uneven) + uneven[:, None])
     assert found["errors"] == pytest.approx(expected["errors"], rel=1e-9)
 
 
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_samples_fall_on_every_macro_step(name):
     """libcosim counts nanoseconds, so the steps are whole numbers of them as well."""
-    problem = problem_named(name, 2.0 * PROBLEMS[name].spacing)
+    problem = build_problem(name, 2.0 * PROBLEMS[name].spacing)
     for step in (*problem.ladder, *problem.held_ladder):
         assert problem.spacing / step == pytest.approx(round(problem.spacing / step), abs=1e-9)
         assert step * 1e9 == pytest.approx(round(step * 1e9), abs=1e-6)
@@ -94,16 +94,16 @@ def test_samples_fall_on_every_macro_step(name):
 def test_the_slope_of_a_line_is_the_order_of_its_signals(quarter_car, files, extrapolation, order):
     """Within 0.15 between 1 and 0.5 ms, where the next term of the error is a few per cent."""
     method = Method("gauss_seidel", extrapolation)
-    coarse, fine = (measured(quarter_car, files, method, h) for h in (1e-3, 5e-4))
+    coarse, fine = (measure_method(quarter_car, files, method, h) for h in (1e-3, 5e-4))
     assert np.log2(coarse.error / fine.error) == pytest.approx(order, abs=0.15)
 
 
 def test_calls_are_steps_of_all_instances_repeated_ones_too(quarter_car, files):
     step = 1e-3
     steps = round(DURATION / step)
-    held = measured(quarter_car, files, Method("jacobi", "hold"), step)
+    held = measure_method(quarter_car, files, Method("jacobi", "hold"), step)
     assert (held.macro_steps, held.iterations, held.calls) == (steps, steps, 2 * steps)
-    repeated = measured(quarter_car, files, Method("iterated", "linear"), step)
+    repeated = measure_method(quarter_car, files, Method("iterated", "linear"), step)
     assert repeated.macro_steps == steps
     assert repeated.calls >= 2 * repeated.iterations > 4 * steps
 
@@ -111,7 +111,7 @@ def test_calls_are_steps_of_all_instances_repeated_ones_too(quarter_car, files):
 def test_a_run_with_step_control_counts_what_it_took_back(quarter_car, files):
     """A smaller tolerance costs more steps and leaves a smaller error."""
     method = Method("jacobi", "quadratic", "schierz")
-    coarse, fine = (measured(quarter_car, files, method, tolerance) for tolerance in (1e-3, 1e-5))
+    coarse, fine = (measure_method(quarter_car, files, method, tolerance) for tolerance in (1e-3, 1e-5))
     assert fine.error < 0.2 * coarse.error
     assert coarse.macro_steps < fine.macro_steps
     # Two halves and one of them again, for both instances.
@@ -119,11 +119,11 @@ def test_a_run_with_step_control_counts_what_it_took_back(quarter_car, files):
 
 
 def test_an_unstable_coupling_is_a_row_without_error_that_says_so(files):
-    row = measured(problem_named("quarter-car", 0.48), files, Method("jacobi", "quadratic"), 16e-3)
+    row = measure_method(build_problem("quarter-car", 0.48), files, Method("jacobi", "quadratic"), 16e-3)
     assert np.isnan(row.error)
-    assert "unstable coupling" in failures([row])[0]
-    assert cheapest([row], row.method, 1.0) is None
-    assert digest([row]).row_count == 1
+    assert "unstable coupling" in list_failures([row])[0]
+    assert find_cheapest([row], row.method, 1.0) is None
+    assert build_digest([row]).row_count == 1
 
 
 @pytest.mark.parametrize(
@@ -133,12 +133,12 @@ def test_an_unstable_coupling_is_a_row_without_error_that_says_so(files):
 def test_peers_give_the_numbers_of_our_held_jacobi_at_the_same_times(quarter_car, files, peer, record):
     """All four outputs are states, so that nobody's way of showing feedthrough matters: errors agree to 1e-9
     of themselves (the tools' times differ in rounding), where one step of shift would double them."""
-    rows = list(peers.measured(quarter_car, files, peer))
+    rows = list(peers.measure_peer(quarter_car, files, peer))
     if "not installed" in rows[0].note:
         pytest.skip(rows[0].note)
     assert [row.setting for row in rows] == list(quarter_car.held_ladder)
     for row in rows:
-        ours = measured(quarter_car, files, Method("jacobi", "hold"), row.setting)
+        ours = measure_method(quarter_car, files, Method("jacobi", "hold"), row.setting)
         quantity, found, expected = (
             f"errors of the quarter car by {peer}",
             [*row.errors.values()],
@@ -154,15 +154,15 @@ def test_peers_give_the_numbers_of_our_held_jacobi_at_the_same_times(quarter_car
 def test_a_peer_that_is_not_installed_says_so_and_nothing_else(quarter_car, files, tmp_path, monkeypatch):
     (tmp_path / "ecospy.py").write_text("raise ImportError('no ecos here')\n")
     monkeypatch.setenv("PYTHONPATH", f"{tmp_path}{os.pathsep}{ROOT}")
-    rows = list(peers.measured(quarter_car, files, "ecos"))
-    assert failures(rows) == ["ecos: not installed: no ecos here"]
+    rows = list(peers.measure_peer(quarter_car, files, "ecos"))
+    assert list_failures(rows) == ["ecos: not installed: no ecos here"]
 
 
 def test_unknown_problems_and_odd_durations_are_refused():
     with pytest.raises(MistakeError, match=r"no problem 'quarter_car'; did you mean quarter-car\?"):
-        problem_named("quarter_car")
+        build_problem("quarter_car")
     with pytest.raises(MistakeError, match=r"--duration 0\.5: must be a multiple of 0\.016 s"):
-        problem_named("quarter-car", 0.5)
+        build_problem("quarter-car", 0.5)
 
 
 def test_the_benchmark_leaves_a_table_and_a_figure(tmp_path, monkeypatch):
@@ -193,9 +193,9 @@ def test_a_benchmark_that_is_killed_leaves_the_methods_that_it_has_measured(
     def measured_once(problem, files, method, setting):
         if method == second:
             raise KeyboardInterrupt
-        return measured(problem, files, method, setting)
+        return measure_method(problem, files, method, setting)
 
-    monkeypatch.setattr(methods, "measured", measured_once)
+    monkeypatch.setattr(methods, "measure_method", measured_once)
     said = io.StringIO()
 
     def builder(name, structure, kind):

@@ -35,11 +35,11 @@ def diagnose(out: Path, figure: Path | None, say: Callable[[str], None]) -> None
     for line in full(facts, suggestions(facts), message):
         say(line)
     if figure:
-        from ...plots.steps import drawn
-        from ...plots.style import saved
+        from ...plots.steps import draw_steps
+        from ...plots.style import save_figure
 
         try:
-            say(f"figure in {saved(lambda: drawn(steps, scenario.name), figure)}")
+            say(f"figure in {save_figure(lambda: draw_steps(steps, scenario.name), figure)}")
         except OSError as error:
             raise MistakeError(
                 f"--figure {figure}: cannot be written ({error.strerror}); choose another"

@@ -11,7 +11,7 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ...errors import MistakeError
-from ...plots.data import parameters_of
+from ...plots.data import list_parameters
 from ...run.output_folder import RESULT, SCENARIO
 from ...run.report import Reporter
 from ...scenario import Scenario, ScenarioError, parse_ends
@@ -47,7 +47,7 @@ def friction(
         )
     if not cams:
         raise MistakeError(f"{folder}: no contact takes its sliding_velocity from a camshaft")
-    values = parameters_of(scenario)
+    values = list_parameters(scenario)
     found = []
     for name in [contact] if contact else list(cams):
         cycle = last_revolution(name, *_read(folder, name, cams[name]))
@@ -79,9 +79,9 @@ def _write(found: Judged, title: str, table: Path | None, figure: Path | None, r
         reporter.line(f"table in {', '.join(map(str, files))}")
     if figure:
         from ...plots.friction import drawn
-        from ...plots.style import saved
+        from ...plots.style import save_figure
 
-        file = saved(lambda: drawn(found.cycle, found.worn, found.cycles, title), figure)
+        file = save_figure(lambda: drawn(found.cycle, found.worn, found.cycles, title), figure)
         reporter.line(f"figure in {file}")
 
 

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
-from ..motion.titles import titled
+from ..motion.titles import create_figure
 from .labels import edges
 
 COLOURS = ("#0b5fa5", "#e9b44c", "#d1495b", "#2a9d5c", "#7b5ea7", "#5aa2d8", "#eb9aa5")
@@ -58,6 +58,6 @@ def _name(data: xarray.Dataset, n: int) -> str:
 def plot_basins(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     found = data.sizes["number"]
     title = f"Basins of {found} attractors" if found > 1 else "All starts end on one attractor"
-    figure, axes = titled(title, values, width=6.8, height=4.6)
+    figure, axes = create_figure(title, values, width=6.8, height=4.6)
     draw_basins(figure, axes, data)
     return figure

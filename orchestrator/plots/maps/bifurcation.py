@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
-from ..motion.angles import in_pi
-from ..motion.titles import drop_varied, legend, titled
+from ..motion.angles import format_angle
+from ..motion.titles import add_legend, create_figure, drop_varied
 from ..style import COUPLED, REFERENCE
 from .labels import LABELS
 
@@ -44,11 +44,11 @@ def draw_bifurcation(axes: Axes, data: xarray.Dataset, x: str, record: str) -> N
     if record == "impact_angle":
         axes.set_ylim(0.0, 2.0 * np.pi)
         axes.yaxis.set_major_locator(MultipleLocator(np.pi / 2.0))
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda angle, _: in_pi(angle)))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda angle, _: format_angle(angle)))
 
 
 def plot_bifurcation(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    figure, axes = titled("Bifurcation diagram", drop_varied(values, "x"), width=6.8, height=4.2)
+    figure, axes = create_figure("Bifurcation diagram", drop_varied(values, "x"), width=6.8, height=4.2)
     draw_bifurcation(axes, data, values["x"], values["record"])
-    legend(figure, axes)
+    add_legend(figure, axes)
     return figure

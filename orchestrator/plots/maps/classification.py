@@ -9,7 +9,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from ..motion.titles import titled
+from ..motion.titles import create_figure
 from ..style import ACCENT, COUPLED, MUTED, REFERENCE
 
 
@@ -43,6 +43,6 @@ def draw_classification(axes: Any, data: xarray.Dataset) -> None:
 
 def plot_classification(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     title = f"Classification: {data['kind'].item()}"
-    figure, axes = titled(title, values, width=6.8, height=4.4, mosaic="A;B", sharex=True)
+    figure, axes = create_figure(title, values, width=6.8, height=4.4, mosaic="A;B", sharex=True)
     draw_classification([axes["A"], axes["B"]], data)
     return figure

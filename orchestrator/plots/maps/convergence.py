@@ -10,7 +10,7 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..motion.titles import titled
+from ..motion.titles import create_figure
 from ..style import ACCENT, COUPLED, REFERENCE
 
 
@@ -51,6 +51,6 @@ def draw_convergence(axes: Axes, data: xarray.Dataset) -> None:
 
 
 def plot_exponents(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    figure, axes = titled("Lyapunov exponents", values, width=6.8, height=3.4)
+    figure, axes = create_figure("Lyapunov exponents", values, width=6.8, height=3.4)
     draw_convergence(axes, data)
     return figure

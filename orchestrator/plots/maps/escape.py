@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from models.slider_crank.motions.transients import ORDINARY_TRANSIENT
 
-from ..motion.titles import legend, titled
+from ..motion.titles import add_legend, create_figure
 from ..style import COUPLED, REFERENCE
 
 
@@ -42,7 +42,7 @@ def draw_escape(axes: Axes, data: xarray.Dataset) -> None:
 
 
 def plot_transient(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    figure, axes = titled("Length of transients", values, width=6.0, height=3.8)
+    figure, axes = create_figure("Length of transients", values, width=6.0, height=3.8)
     draw_escape(axes, data)
-    legend(figure, axes)
+    add_legend(figure, axes)
     return figure

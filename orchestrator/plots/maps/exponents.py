@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from ..motion.titles import drop_varied, titled
+from ..motion.titles import create_figure, drop_varied
 from .labels import LABELS, edges
 
 SLIDING = "#b4bac1"
@@ -42,6 +42,8 @@ def draw_exponents(figure: Figure, axes: Axes, data: xarray.Dataset, x: str, y: 
 
 
 def plot_exponent_map(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    figure, axes = titled("Largest Lyapunov exponent", drop_varied(values, "x", "y"), width=6.4, height=4.6)
+    figure, axes = create_figure(
+        "Largest Lyapunov exponent", drop_varied(values, "x", "y"), width=6.4, height=4.6
+    )
     draw_exponents(figure, axes, data, values["x"], values["y"])
     return figure

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
-from ..motion.titles import drop_varied, titled
+from ..motion.titles import create_figure, drop_varied
 from .labels import LABELS, edges
 
 # None, 1 to 8, 9 to 16, 17 to 100, longer. Periods n and 2n have shades of one colour.
@@ -41,6 +41,6 @@ def draw_periods(figure: Figure, axes: Axes, data: xarray.Dataset, x: str, y: st
 
 
 def plot_period_map(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    figure, axes = titled("Period", drop_varied(values, "x", "y"), width=6.4, height=4.6)
+    figure, axes = create_figure("Period", drop_varied(values, "x", "y"), width=6.4, height=4.6)
     draw_periods(figure, axes, data, values["x"], values["y"], values["cycles"])
     return figure

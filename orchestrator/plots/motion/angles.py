@@ -10,7 +10,7 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator
 from models.core.quantities import Vector
 
 
-def turns(axes: Axes, low: float = 0.0, high: float = 2.0 * math.pi) -> None:
+def set_angle_axis(axes: Axes, low: float = 0.0, high: float = 2.0 * math.pi) -> None:
     """An abscissa of crank angle in rad, ticks at parts of pi where it is long enough for some."""
     axes.set_xlim(low, high)
     axes.set_xlabel("crank angle θ (rad)")
@@ -18,10 +18,10 @@ def turns(axes: Axes, low: float = 0.0, high: float = 2.0 * math.pi) -> None:
     if span < 1.0:
         return
     axes.xaxis.set_major_locator(MultipleLocator(math.pi * (0.5 if span <= 4.0 else 1.0)))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda angle, _: in_pi(angle)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda angle, _: format_angle(angle)))
 
 
-def in_pi(angle: float) -> str:
+def format_angle(angle: float) -> str:
     """Multiples of pi/2 as they are written: 0, π/2, 3π/2."""
     halves = round(2.0 * angle / math.pi)
     number, denominator = (halves // 2, "") if halves % 2 == 0 else (halves, "/2")
@@ -31,7 +31,7 @@ def in_pi(angle: float) -> str:
     return f"{sign}{'' if size == 1 else size}π{denominator}"
 
 
-def from_first_turn(theta: Vector) -> Vector:
+def shift_to_first_turn(theta: Vector) -> Vector:
     """The same angles, counted from the start of the first one's revolution."""
     turn = 2.0 * math.pi
     shifted: Vector = theta - turn * math.floor(theta[0] / turn + 1e-9)

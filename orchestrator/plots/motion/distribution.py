@@ -15,9 +15,9 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from models.core.quantities import Vector
 
-from ..motion.titles import legend, titled
+from ..motion.titles import add_legend, create_figure
 from ..style import ACCENT, COUPLED, MUTED
-from .angles import in_pi
+from .angles import format_angle
 
 
 def bin_edges(data: xarray.Dataset) -> Vector:
@@ -63,20 +63,22 @@ def draw_spectrum(axes: PolarAxes, edges: Vector, values: Vector, colour: str = 
 
 def _eighth(angle: float) -> str:
     quarters = round(4.0 * angle / math.pi)
-    return in_pi(angle) if quarters % 2 == 0 else f"{'' if quarters == 1 else quarters}π/4"
+    return format_angle(angle) if quarters % 2 == 0 else f"{'' if quarters == 1 else quarters}π/4"
 
 
 def plot_profile(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    figure, axes = titled("Impact distribution profile", values, width=6.8, height=3.2)
+    figure, axes = create_figure("Impact distribution profile", values, width=6.8, height=3.2)
     draw_profile(axes, bin_edges(data), data["upper"].values, data["lower"].values)
     axes.set_ylabel(f"⟨{'ψ′' if values['velocity'] == 'psi_rate' else 'approach'}⟩ per {values['per']}")
-    legend(figure, axes)
+    add_legend(figure, axes)
     return figure
 
 
 def plot_spectrum(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     polar = {"projection": "polar"}
-    figure, axes = titled("Impact spectra", values, 7.2, 3.7, mosaic=[["upper", "lower"]], subplot_kw=polar)
+    figure, axes = create_figure(
+        "Impact spectra", values, 7.2, 3.7, mosaic=[["upper", "lower"]], subplot_kw=polar
+    )
     for wall, colour in (("upper", COUPLED), ("lower", ACCENT)):
         draw_spectrum(axes[wall], bin_edges(data), data[wall].values, colour)
         none = "" if data[wall].values.any() else ": no impacts"

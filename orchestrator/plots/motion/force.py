@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
-from ..motion.titles import legend, titled
+from ..motion.titles import add_legend, create_figure
 from ..style import ACCENT, COUPLED, MUTED
-from .angles import turns
+from .angles import set_angle_axis
 
 
 def draw_force(
@@ -34,14 +34,14 @@ def draw_force(
         shown = force[inside]
         axes.fill_between(angle, 0.0, np.maximum(shown, 0.0), color=colour, alpha=0.15, lw=0.0)
         axes.plot(angle, shown, color=colour, lw=1.3, label=words)
-    turns(axes, *window)
+    set_angle_axis(axes, *window)
     if label:
         axes.set_ylabel("force f / (M l Ω²)")
 
 
 def plot_force(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    figure, axes = titled("Constraint forces", values, width=6.8, height=3.0)
+    figure, axes = create_figure("Constraint forces", values, width=6.8, height=3.0)
     columns = (data[name].values for name in ("theta", "upper", "lower"))
     draw_force(axes, *columns, window=(values["start"], values["end"]))
-    legend(figure, axes)
+    add_legend(figure, axes)
     return figure

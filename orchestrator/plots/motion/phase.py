@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
-from ..motion.titles import titled
+from ..motion.titles import create_figure
 from ..style import ACCENT, COUPLED, MUTED
 from .trace import MILLI
 
@@ -46,7 +46,7 @@ def draw_phase(
 
 
 def plot_phase(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    figure, axes = titled("Phase portrait", values, width=5.2, height=4.2)
+    figure, axes = create_figure("Phase portrait", values, width=5.2, height=4.2)
     columns = (data[name].values for name in ("theta", "psi", "psi_rate", "side"))
     wall = data["upper"].values
     draw_phase(axes, *columns, walls=(float(wall.min()), float(wall.max())))

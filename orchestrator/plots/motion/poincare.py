@@ -14,9 +14,9 @@ from matplotlib.patches import Rectangle
 
 from models.core.quantities import Vector
 
-from ..motion.titles import titled
+from ..motion.titles import create_figure
 from ..style import COUPLED, REFERENCE
-from .angles import turns
+from .angles import set_angle_axis
 
 # Parts of the height and the width that can be told apart.
 RASTER = 1000.0
@@ -36,9 +36,9 @@ def draw_poincare(
     if window is not None:
         inside = (theta >= window[0]) & (theta <= window[1]) & (rate >= window[2]) & (rate <= window[3])
         theta, rate = theta[inside], rate[inside]
-    axes.scatter(theta, rate, s=dot(theta, rate), color=COUPLED, linewidths=0.0, rasterized=True)
+    axes.scatter(theta, rate, s=choose_dot_size(theta, rate), color=COUPLED, linewidths=0.0, rasterized=True)
     if window is None:
-        turns(axes)
+        set_angle_axis(axes)
         axes.margins(y=0.04)
     else:
         axes.set_xlim(window[0], window[1])
@@ -52,7 +52,7 @@ def draw_poincare(
         axes.set_ylabel("ψ′ before impact")
 
 
-def dot(theta: Vector, rate: Vector) -> float:
+def choose_dot_size(theta: Vector, rate: Vector) -> float:
     """Area of a dot (points squared): single points are seen, many do not run into each other."""
     height = float(np.ptp(rate)) if rate.size else 0.0
     places = np.stack([theta / (2.0 * math.pi), rate / (height or 1.0)])
@@ -60,7 +60,7 @@ def dot(theta: Vector, rate: Vector) -> float:
     return float(np.clip(3000.0 / max(apart, 1), 0.15, 6.0))
 
 
-def magnified(theta: Vector, rate: Vector, centre: tuple[float, float], by: float) -> Window:
+def magnify(theta: Vector, rate: Vector, centre: tuple[float, float], by: float) -> Window:
     """The window `by` times smaller than the whole, around the point nearest to `centre`."""
     width = 2.0 * math.pi
     height = float(np.ptp(rate)) or 1.0
@@ -73,15 +73,15 @@ def magnified(theta: Vector, rate: Vector, centre: tuple[float, float], by: floa
 def plot_poincare(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     theta, rate = data["theta"].values, data["psi_rate"].values
     if not theta.size:
-        figure, axes = titled(f"Poincaré map, {values['wall']} wall: no impacts", values, 6.0, 4.0)
+        figure, axes = create_figure(f"Poincaré map, {values['wall']} wall: no impacts", values, 6.0, 4.0)
         draw_poincare(axes, theta, rate)
         return figure
-    figure, axes = titled(
+    figure, axes = create_figure(
         f"Poincaré map, {values['wall']} wall", values, 9.6, 4.4,
         mosaic=[["all", "all", "first"], ["all", "all", "second"]],
     )  # fmt: skip
     centre, by = (values["centre_angle"], values["centre_rate"]), values["magnification"]
-    first, second = (magnified(theta, rate, centre, factor) for factor in (by, by * by))
+    first, second = (magnify(theta, rate, centre, factor) for factor in (by, by * by))
     draw_poincare(axes["all"], theta, rate, marks=[first])
     draw_poincare(axes["first"], theta, rate, first, marks=[second], label=False)
     draw_poincare(axes["second"], theta, rate, second, label=False)

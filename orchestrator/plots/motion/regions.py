@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
-from ..motion.titles import titled
+from ..motion.titles import create_figure
 from ..style import ACCENT, COUPLED, MUTED, REFERENCE
 
 INK = "#3a444e"
@@ -70,7 +70,7 @@ def _name_between(axes: Axes, gap: Vector, upper: Vector, lower: Vector, span: f
 
 def plot_regions(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     shown = {name: value for name, value in values.items() if name not in ("damping", "gap")}
-    figure, axes = titled("Regions of sliding", shown, width=5.6, height=3.8)
+    figure, axes = create_figure("Regions of sliding", shown, width=5.6, height=3.8)
     columns = [data[name].values for name in ("gap", "upper", "lower")]
     highest = 1.4 * max(columns[1].max(), columns[2].max(), values["damping"])
     draw_regions(axes, *columns, damping=(0.0, highest))

@@ -23,7 +23,7 @@ USUAL = {
 }
 
 
-def titled(
+def create_figure(
     title: str, values: Mapping[str, Any], width: float, height: float, mosaic: Any = "A", **more: Any
 ) -> tuple[Figure, Any]:
     """Figure and its axes, by name where `mosaic` (as matplotlib's) has several; the title stands on the
@@ -31,13 +31,13 @@ def titled(
     figure = Figure(figsize=(width, height + TITLE), layout="constrained")
     figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - TITLE / (height + TITLE)))
     axes = figure.subplot_mosaic(mosaic, **more)
-    lines = ((title, 0.06, {"fontsize": 11, "fontweight": "bold"}), (machine_in_words(values), 0.27, MACHINE))
+    lines = ((title, 0.06, {"fontsize": 11, "fontweight": "bold"}), (describe_machine(values), 0.27, MACHINE))
     for text, below, look in lines:
         figure.text(0.012, 1.0 - below / (height + TITLE), text, ha="left", va="top", **look)
     return figure, axes if len(axes) > 1 else axes["A"]
 
 
-def legend(figure: Figure, axes: Axes) -> None:
+def add_legend(figure: Figure, axes: Axes) -> None:
     """The legend of these axes beside the title."""
     handles, labels = axes.get_legend_handles_labels()
     figure.legend(
@@ -51,7 +51,7 @@ def drop_varied(values: Mapping[str, Any], *axes: str) -> dict[str, Any]:
     return {name: value for name, value in values.items() if name not in varied}
 
 
-def machine_in_words(values: Mapping[str, Any]) -> str:
+def describe_machine(values: Mapping[str, Any]) -> str:
     """λ = 0.05, ρ = 0.01, e = 0.9, corrected."""
     parts = [f"{symbol} = {values[name]:g}" for name, symbol in SYMBOLS.items() if name in values]
     parts += [

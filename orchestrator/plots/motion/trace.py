@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
-from ..motion.titles import legend, titled
+from ..motion.titles import add_legend, create_figure
 from ..style import ACCENT, COUPLED, MUTED
-from .angles import from_first_turn, turns
+from .angles import set_angle_axis, shift_to_first_turn
 
 MILLI = 1e3
 
@@ -23,13 +23,13 @@ def draw_trace(
     axes: Axes, theta: Vector, psi: Vector, side: Vector, upper: Vector, lower: Vector, label: bool = True
 ) -> None:
     """Arrays as a `Portrait`'s; walls dashed, sliding in another colour."""
-    angle = from_first_turn(theta)
+    angle = shift_to_first_turn(theta)
     draw_walls(axes, angle, upper, lower)
     axes.plot(angle, MILLI * psi, color=COUPLED, lw=1.0, label="flight")
     if np.any(side != 0.0):
         sliding = np.where(side != 0.0, MILLI * psi, np.nan)
         axes.plot(angle, sliding, color=ACCENT, lw=2.4, solid_capstyle="butt", label="sliding")
-    turns(axes, angle[0], 2.0 * np.pi * np.ceil(angle[-1] / (2.0 * np.pi)))
+    set_angle_axis(axes, angle[0], 2.0 * np.pi * np.ceil(angle[-1] / (2.0 * np.pi)))
     axes.margins(y=0.08)
     if label:
         axes.set_ylabel("ψ (mrad)")
@@ -42,8 +42,8 @@ def draw_walls(axes: Axes, angle: Vector, upper: Vector, lower: Vector) -> None:
 
 
 def plot_trace(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
-    figure, axes = titled("Time trace", values, width=6.8, height=3.0)
+    figure, axes = create_figure("Time trace", values, width=6.8, height=3.0)
     columns = (data[name].values for name in ("theta", "psi", "side", "upper", "lower"))
     draw_trace(axes, *columns)
-    legend(figure, axes)
+    add_legend(figure, axes)
     return figure

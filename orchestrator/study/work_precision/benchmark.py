@@ -8,13 +8,13 @@ from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
-from ...analyses._evaluate import made, results_in
+from ...analyses._evaluate import create_folder, find_results
 from ...run.plan import Builder
 from ...run.report import Reporter
 from . import methods, peers
-from .problem import CouplingProblem, problem_named
+from .problem import CouplingProblem, build_problem
 from .run import Row, fmu_files
-from .table import dataset, digest, failures, progress, write, write_csv
+from .table import build_dataset, build_digest, format_progress, list_failures, write_csv, write_files
 
 NAME = "coupling"
 # Columns of a window in which the digest has room for all its numbers.
@@ -34,28 +34,28 @@ def benchmark(
     NAME-unfinished.csv has the rows of each method as soon as it is measured, and is removed at the end.
     """
     reporter = reporter or Reporter()
-    problem = problem_named(name, duration)
-    held = results_in(out, NAME, overwrite)
+    problem = build_problem(name, duration)
+    held = find_results(out, NAME, overwrite)
     unfinished = out / f"{NAME}-unfinished.csv"
     rows: list[Row] = []
-    with made(out):
+    with create_folder(out):
         with reporter.stage(f"{problem.name}: {problem.description}") as bar:
             for done, found in measure(problem, build):
                 rows += found
-                write_csv(dataset(rows, problem.outputs, {}), unfinished)
+                write_csv(build_dataset(rows, problem.outputs, {}), unfinished)
                 bar.show(done)
-                reporter.line(f"{100.0 * done:3.0f} %  {progress(found)}")
-        table = dataset(rows, problem.outputs, about(problem))
+                reporter.line(f"{100.0 * done:3.0f} %  {format_progress(found)}")
+        table = build_dataset(rows, problem.outputs, describe_conditions(problem))
         for file in held:
             file.unlink()
-        files = write(table, rows, problem, out, NAME)
+        files = write_files(table, rows, problem, out, NAME)
         unfinished.unlink()
-    whole = digest(rows)
+    whole = build_digest(rows)
     # A narrow window folds lines, but cuts no numbers.
     console = reporter.console
     whole.width = console.measure(whole, options=console.options.update(max_width=WIDEST)).maximum
     console.print(whole, crop=False)
-    for line in failures(rows):
+    for line in list_failures(rows):
         reporter.line(line)
     if problem.uncertainty > 0.0:
         reporter.line(f"the reference's own uncertainty: {problem.uncertainty:.1e}")
@@ -71,13 +71,13 @@ def measure(problem: CouplingProblem, build: Builder) -> Iterator[tuple[float, l
     done = 0
     for method, settings in zip(methods.METHODS, planned, strict=True):
         done += len(settings)
-        yield done / total, [methods.measured(problem, files, method, setting) for setting in settings]
+        yield done / total, [methods.measure_method(problem, files, method, setting) for setting in settings]
     for peer in peers.PEERS:
         done += len(problem.held_ladder)
-        yield done / total, list(peers.measured(problem, files, peer))
+        yield done / total, list(peers.measure_peer(problem, files, peer))
 
 
-def about(problem: CouplingProblem) -> dict[str, str | float]:
+def describe_conditions(problem: CouplingProblem) -> dict[str, str | float]:
     """What the numbers depend on."""
     packages = ("tribocosim", "numpy", "numba", "fmpy", "pythonfmu", *peers.PACKAGES)
     found = {d.metadata["Name"] for d in metadata.distributions()}

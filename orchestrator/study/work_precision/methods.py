@@ -19,7 +19,7 @@ from ...run.plan import FmuFile
 from ...run.simulation import Statistics, simulate
 from ...stepping import ControlledSteps, StepControl, Stepper
 from .problem import CouplingProblem
-from .run import Row, errors_of
+from .run import Row, compute_errors
 
 TOOL = "tribocosim"
 # A run is repeated, up to REPEATS times in all, until the runs took this long together; the shortest counts.
@@ -86,7 +86,9 @@ class Trace:
         pass
 
 
-def measured(problem: CouplingProblem, files: Mapping[str, FmuFile], method: Method, setting: float) -> Row:
+def measure_method(
+    problem: CouplingProblem, files: Mapping[str, FmuFile], method: Method, setting: float
+) -> Row:
     """A run of the method with a macro step (s), or a tolerance. Errors and time are of different runs."""
     trace = Trace(problem.outputs)
     try:
@@ -105,7 +107,7 @@ def measured(problem: CouplingProblem, files: Mapping[str, FmuFile], method: Met
         iterations=statistics.iterations,
         calls=statistics.do_steps,
         wall_time_s=min(times),
-        **errors_of(problem, np.array(trace.times), np.array(trace.rows)),
+        **compute_errors(problem, np.array(trace.times), np.array(trace.rows)),
     )
 
 

@@ -72,7 +72,7 @@ class Kind:
     spacing: float
 
 
-def problem_named(name: str, duration: float | None = None) -> CouplingProblem:
+def build_problem(name: str, duration: float | None = None) -> CouplingProblem:
     """The problem; MistakeError for an unknown name or a duration (s) that is no multiple of the spacing."""
     if name not in PROBLEMS:
         raise MistakeError(f"no problem {name!r}; {suggestion(name, PROBLEMS)}")

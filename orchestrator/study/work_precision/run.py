@@ -42,7 +42,7 @@ class Row:
     note: str = ""
 
 
-def errors_of(problem: CouplingProblem, times: Vector, values: Vector) -> dict[str, Any]:
+def compute_errors(problem: CouplingProblem, times: Vector, values: Vector) -> dict[str, Any]:
     """The row's errors for the outputs (n, outputs) at `times`, which end with the problem's duration.
 
     Taken at the run's own times and, where these are others than the samples', interpolated linearly to

@@ -28,7 +28,9 @@ UNITS = {
 }
 
 
-def dataset(rows: Sequence[Row], outputs: Sequence[str], about: Mapping[str, str | float]) -> xarray.Dataset:
+def build_dataset(
+    rows: Sequence[Row], outputs: Sequence[str], about: Mapping[str, str | float]
+) -> xarray.Dataset:
     """All rows along the dimension `run`; the error of each output along `output`."""
     made = xarray.Dataset(attrs={**about, "Conventions": "CF-1.10"})
     for field in fields(Row):
@@ -42,7 +44,7 @@ def dataset(rows: Sequence[Row], outputs: Sequence[str], about: Mapping[str, str
     return made.assign_coords(output=list(outputs))
 
 
-def write(
+def write_files(
     table: xarray.Dataset,
     rows: Sequence[Row],
     problem: CouplingProblem,
@@ -50,13 +52,13 @@ def write(
     name: str,
 ) -> list[Path]:
     """NAME.nc, NAME.csv, NAME.png."""
-    from ...plots.style import saved
+    from ...plots.style import save_figure
     from ...plots.work_precision import figure
 
     files = [out / f"{name}.nc", out / f"{name}.csv"]
     table.to_netcdf(files[0], engine="h5netcdf")
     write_csv(table, files[1])
-    return [*files, saved(lambda: figure(problem, rows), out / f"{name}.png")]
+    return [*files, save_figure(lambda: figure(problem, rows), out / f"{name}.png")]
 
 
 def write_csv(table: xarray.Dataset, path: Path) -> None:
@@ -67,7 +69,7 @@ def write_csv(table: xarray.Dataset, path: Path) -> None:
     frame.to_csv(path, index=False)
 
 
-def progress(rows: Sequence[Row]) -> str:
+def format_progress(rows: Sequence[Row]) -> str:
     """A method that has been measured, in a line."""
     reached = [row.error for row in rows if row.error >= 0.0]
     if not reached:
@@ -75,13 +77,13 @@ def progress(rows: Sequence[Row]) -> str:
     return f"{rows[0].method}: {len(reached)} of {len(rows)} runs, least error {min(reached):.1e}"
 
 
-def cheapest(rows: Sequence[Row], method: str, error: float) -> Row | None:
+def find_cheapest(rows: Sequence[Row], method: str, error: float) -> Row | None:
     """The method's run of fewest doStep calls with at most this error."""
     reached = [row for row in rows if row.method == method and row.error <= error]
     return min(reached, key=lambda row: row.calls, default=None)
 
 
-def digest(rows: Sequence[Row]) -> Table:
+def build_digest(rows: Sequence[Row]) -> Table:
     """What each method needs for an error: doStep calls and wall time of its cheapest run that has it."""
     table = Table(
         title="doStep calls (wall time) of the cheapest run with a relative RMS error of at most",
@@ -94,7 +96,7 @@ def digest(rows: Sequence[Row]) -> Table:
         table.add_column(f"{error:.0e}", justify="right", no_wrap=True)
     table.add_column("least", justify="right", no_wrap=True)
     for method in dict.fromkeys(row.method for row in rows):
-        cells = [_cost(cheapest(rows, method, error)) for error in ERRORS]
+        cells = [_cost(find_cheapest(rows, method, error)) for error in ERRORS]
         least = min((row.error for row in rows if row.method == method and row.error >= 0.0), default=np.nan)
         table.add_row(Text(method), *cells, "" if np.isnan(least) else f"{least:.1e}")
     return table
@@ -107,7 +109,7 @@ def _cost(row: Row | None) -> str:
     return f"{row.calls} ({f'{seconds:.1f} s' if seconds >= 1.0 else f'{1e3 * seconds:.0f} ms'})"
 
 
-def failures(rows: Sequence[Row]) -> list[str]:
+def list_failures(rows: Sequence[Row]) -> list[str]:
     """A line for each method with runs that failed: its settings and the last one's reason."""
     lines = []
     for method in dict.fromkeys(row.method for row in rows if row.note):

@@ -11,12 +11,12 @@ from models.slider_crank.flight.bouncing import LOWER, UPPER
 from models.slider_crank.machine import Machine
 from models.slider_crank.motions.portrait import portrait, wall_angles
 from models.slider_crank.motions.regions import thresholds, wall_forces
-from orchestrator.plots.motion.angles import from_first_turn
+from orchestrator.plots.motion.angles import shift_to_first_turn
 from orchestrator.plots.motion.force import draw_force
 from orchestrator.plots.motion.regions import draw_regions
-from orchestrator.plots.motion.titles import legend
+from orchestrator.plots.motion.titles import add_legend
 from orchestrator.plots.motion.trace import draw_walls
-from orchestrator.plots.style import COUPLED, MUTED, subplots
+from orchestrator.plots.style import COUPLED, MUTED, create_subplots
 
 from ..cases import CORRECTED, FORMS, Case
 from ..forces import TURN, changes
@@ -37,7 +37,7 @@ def plot_constraint(runs: Runs, picture: Picture) -> Figure:
         upper, lower = (wall_forces(machine, side, THETA) for side in (UPPER, LOWER))
         draw_force(axes[form], THETA, upper, lower, label=form != CORRECTED)
         caption(axes[form], f"{LABELS[form]}: {_changes(machine)}")
-    legend(figure, axes[CORRECTED])
+    add_legend(figure, axes[CORRECTED])
     return figure
 
 
@@ -63,7 +63,7 @@ def plot_blow_up(runs: Runs, picture: Picture) -> Figure:
                 ax,
                 f"{LABELS[form]}: {'either' if inside else 'neither'} wall, {min(a, b):.3f}-{max(a, b):.3f}",
             )
-    legend(figure, axes[f"{CORRECTED} 0"])
+    add_legend(figure, axes[f"{CORRECTED} 0"])
     return figure
 
 
@@ -86,7 +86,7 @@ def plot_regions(runs: Runs, picture: Picture) -> Figure:
 
 def plot_walls(runs: Runs, picture: Picture) -> Figure:
     """Fig 2.2."""
-    figure, ax = subplots(figsize=(5.4, 2.6))
+    figure, ax = create_subplots(figsize=(5.4, 2.6))
     picture.head(figure)
     machine = Machine(0.05, 0.01, form="as_published")
     theta = np.linspace(0.0, TURN, 361)
@@ -116,7 +116,7 @@ def plot_extended_phase_space(runs: Runs, picture: Picture) -> Figure:
             color=MUTED, alpha=0.25, linewidth=0.0,
         )  # fmt: skip
     ax.plot(
-        from_first_turn(motion.theta),
+        shift_to_first_turn(motion.theta),
         1e3 * motion.psi,
         motion.psi_rate,
         lw=1.0,

@@ -19,7 +19,7 @@ from models.slider_crank.motions.statistics import (
     impact_spectrum,
 )
 from orchestrator.plots.motion.distribution import draw_profile, draw_spectrum
-from orchestrator.plots.motion.titles import legend
+from orchestrator.plots.motion.titles import add_legend
 from orchestrator.plots.style import ACCENT, COUPLED
 
 from ..cases import CYCLES, FORMS, PUBLISHED, Case
@@ -38,7 +38,7 @@ def plot_profile(runs: Runs, picture: Picture) -> Figure:
     for form in FORMS:
         _profile(runs, axes[form], picture.shown.in_form(form), LABELS[form])
     axes[PUBLISHED].set_xlabel("")
-    legend(figure, axes[PUBLISHED])
+    add_legend(figure, axes[PUBLISHED])
     return figure
 
 
@@ -65,7 +65,7 @@ def plot_profile_of_two(runs: Runs, picture: Picture) -> Figure:
                 ax.set_xlabel("")
             if name == "text":
                 ax.set_ylabel("")
-    legend(figure, axes[f"{PUBLISHED} caption"])
+    add_legend(figure, axes[f"{PUBLISHED} caption"])
     return figure
 
 

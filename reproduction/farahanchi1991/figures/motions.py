@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from models.core.quantities import Vector
 from models.slider_crank.motions.portrait import portrait
 from orchestrator.plots.motion.phase import draw_phase
-from orchestrator.plots.motion.poincare import draw_poincare, magnified
-from orchestrator.plots.motion.titles import legend
+from orchestrator.plots.motion.poincare import draw_poincare, magnify
+from orchestrator.plots.motion.titles import add_legend
 from orchestrator.plots.motion.trace import draw_trace
 from orchestrator.plots.style import REFERENCE
 
@@ -39,7 +39,7 @@ def plot_trace(runs: Runs, picture: Picture, cycles: int = 3, after: int = TRANS
         caption(axes[form], f"{LABELS[form]}, after {after} cycles")
     axes[PUBLISHED].set_xlabel("")
     # One panel may have sliding and the other none.
-    legend(figure, max(axes.values(), key=lambda ax: len(ax.get_legend_handles_labels()[1])))
+    add_legend(figure, max(axes.values(), key=lambda ax: len(ax.get_legend_handles_labels()[1])))
     return figure
 
 
@@ -109,8 +109,8 @@ def describe(runs: Runs, case: Case) -> str:
 def plot_magnification(runs: Runs, picture: Picture, level: int) -> Figure:
     """Figs 4.4 and 4.5: the window, and where it lies; as published only, see the table."""
     theta, rate = find_many_points(runs, picture.shown)
-    window = magnified(theta, rate, CENTRE, BY**level)
-    whole = magnified(theta, rate, CENTRE, BY ** (level - 1)) if level > 1 else None
+    window = magnify(theta, rate, CENTRE, BY**level)
+    whole = magnify(theta, rate, CENTRE, BY ** (level - 1)) if level > 1 else None
     figure, axes = picture.frame(7.4, 3.3, [["whole", "part"]], form=LABELS[PUBLISHED])
     draw_poincare(axes["whole"], theta, rate, whole, marks=[window])
     draw_poincare(axes["part"], theta, rate, window)

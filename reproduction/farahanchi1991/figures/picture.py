@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from orchestrator.plots.motion.titles import titled
+from orchestrator.plots.motion.titles import create_figure
 
 from ..cases import CORRECTED, PUBLISHED, Case
 from ..runs import Runs
@@ -63,7 +63,7 @@ class Picture:
         values: dict[str, object] = {"form": form}
         if case:
             values = {"damping": case.damping, "gap": case.gap, "restitution": case.restitution} | values
-        figure, axes = titled(self.heading, values, width, height, mosaic=mosaic, **more)
+        figure, axes = create_figure(self.heading, values, width, height, mosaic=mosaic, **more)
         return figure, axes
 
 

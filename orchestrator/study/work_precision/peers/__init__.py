@@ -21,7 +21,7 @@ from models.core.system import System
 
 from ....run.plan import FmuFile
 from ..problem import CouplingProblem
-from ..run import Row, errors_of
+from ..run import Row, compute_errors
 
 PEERS = {
     "fmpy script": "fmpy_script",
@@ -35,7 +35,7 @@ ANSWER = "ANSWER "
 PATIENCE_S = 120.0
 
 
-def measured(problem: CouplingProblem, files: Mapping[str, FmuFile], name: str) -> Iterator[Row]:
+def measure_peer(problem: CouplingProblem, files: Mapping[str, FmuFile], name: str) -> Iterator[Row]:
     """The peer's runs over the problem's macro steps; one row with a note if it is not there."""
     jobs = [describe_job(problem, files, step) for step in problem.held_ladder]
     module = f"{__name__}.{PEERS[name]}"
@@ -77,7 +77,7 @@ def _row(problem: CouplingProblem, name: str, step: float, answer: Mapping[str, 
     }
     if not np.all(np.isfinite(values)):
         return Row(**common, note="values that are not finite")
-    return Row(**common, **errors_of(problem, problem.times, values))
+    return Row(**common, **compute_errors(problem, problem.times, values))
 
 
 def describe_system(system: System, paths: Mapping[str, Path]) -> dict[str, Any]:
