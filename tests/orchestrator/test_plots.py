@@ -164,7 +164,7 @@ def test_drawing_leaves_pyplot_alone(tmp_path: Path) -> None:
     """A notebook that draws a run keeps its backend and gets no figure of ours."""
     alone = (
         "import sys, orchestrator.plots.style as style; from pathlib import Path;"
-        "style.saved(lambda: style.subplots(2)[0], Path(sys.argv[1]));"
+        "style.save_figure(lambda: style.create_subplots(2)[0], Path(sys.argv[1]));"
         "assert 'matplotlib.pyplot' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", alone, str(tmp_path / "figure.svg")], check=True)
