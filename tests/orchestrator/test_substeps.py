@@ -153,9 +153,12 @@ def test_what_cannot_be_restored_and_does_not_say_where_it_is_is_not_tried_again
 
 
 def test_an_fmu_that_discards_long_steps_is_retried(tmp_path):
-    """It needs steps of 2.5 ms at most: the same as four substeps, to the rounding of their times."""
-    retried = run(substepped(given_fmu("discarding", tmp_path), halvings=6))
-    quartered = run(substepped(given_fmu("discarding", tmp_path), 4))
+    """It needs steps of 2.5 ms at most: the same as four substeps, to the rounding of their times.
+
+    With held signals: this FMU holds its inputs, so that a step in one piece gets no other.
+    """
+    retried = run(substepped(given_fmu("discarding", tmp_path), halvings=6), GaussSeidel("hold"))
+    quartered = run(substepped(given_fmu("discarding", tmp_path), 4), GaussSeidel("hold"))
     # A hundred steps with some eps of rounding each, times the 7 rad/s of the faster mode.
     bound = 100 * 10 * np.finfo(float).eps * 7
     assert np.abs(retried["second.position"] - quartered["second.position"]).max() < bound
@@ -163,7 +166,8 @@ def test_an_fmu_that_discards_long_steps_is_retried(tmp_path):
 
 def test_an_fmu_that_spoils_its_state_is_restored_before_it_is_tried_again(tmp_path):
     """pythonfmu's C layer says of every discarded step that nothing has happened."""
-    retried = run(substepped(given_fmu("spoiling", tmp_path, restorable=True), halvings=6))
-    quartered = run(substepped(given_fmu("spoiling", tmp_path, restorable=True), 4))
+    hold = GaussSeidel("hold")
+    retried = run(substepped(given_fmu("spoiling", tmp_path, restorable=True), halvings=6), hold)
+    quartered = run(substepped(given_fmu("spoiling", tmp_path, restorable=True), 4), hold)
     # The probes of the start are short steps, in one piece or in four.
     assert np.abs(retried["second.position"] - quartered["second.position"]).max() < 1e-6
