@@ -20,7 +20,14 @@ from models.core.system import ModelError
 from ..errors import MistakeError
 from ._progress import show_progress
 from ._table import column, draw_by
-from ._tappet import DRY, PARAMETERS, build_finite_line, compute_running, describe_yielding, read_resolution
+from ._tappet import (
+    DRY,
+    PARAMETERS,
+    build_finite_line,
+    compute_running,
+    describe_yielding,
+    read_resolution,
+)
 from .protocol import Analysis, Parameter, Result
 
 ALIGNMENTS = ("aligned", "misaligned")

@@ -14,12 +14,12 @@ import numpy as np
 from models.core.quantities import Vector
 from models.core.system import Connection, Port, System
 
-from ..consistency import agree
 from ..errors import NotFiniteError
 from ..participants import Participant
 from ..participants.capabilities import HIGHEST
 from ..participants.compiled import IN_PROCESS, CompiledCalls
 from ..participants.signal_degrees import find_highest_degrees
+from .consistency import agree
 from .signals import History, finite
 from .sweeps import Sweep, propagate
 

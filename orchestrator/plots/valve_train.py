@@ -13,7 +13,16 @@ from matplotlib.figure import Figure
 from models.core.quantities import Vector
 
 from .data import FigureData
-from .style import COUPLED, MUTED, REFERENCE, add_title, create_subplots, label_abscissa, plot_both, shade
+from .style import (
+    COUPLED,
+    MUTED,
+    REFERENCE,
+    add_title,
+    create_subplots,
+    label_abscissa,
+    plot_both,
+    shade,
+)
 
 CONTACT = (
     ("load", "Contact load"),

@@ -10,7 +10,7 @@ from numpy.polynomial import Polynomial
 from models.core.quantities import Vector
 from models.core.system import Port, System
 
-from ..consistency import agree
+from ..engine.consistency import agree
 from ..engine.exchange import Exchange, Saved
 from ..engine.signals import hermite
 from ..masters import Master

@@ -19,7 +19,12 @@ from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
 from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
-from orchestrator.stability.behaviour import Behaviour, Couplings, find_hardest_point, find_stability_limit
+from orchestrator.stability.behaviour import (
+    Behaviour,
+    Couplings,
+    find_hardest_point,
+    find_stability_limit,
+)
 from orchestrator.stability.extrapolation_error import compute_extrapolation_error, ends, shapes
 from orchestrator.stability.linear import ROWS, spectral_radius
 from orchestrator.stability.linear_participants import LinearParticipant

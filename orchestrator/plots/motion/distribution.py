@@ -15,9 +15,9 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from models.core.quantities import Vector
 
-from ..motion.titles import add_legend, create_figure
 from ..style import ACCENT, COUPLED, MUTED
 from .angles import format_angle
+from .titles import add_legend, create_figure
 
 
 def bin_edges(data: xarray.Dataset) -> Vector:

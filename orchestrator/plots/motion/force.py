@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
-from ..motion.titles import add_legend, create_figure
 from ..style import ACCENT, COUPLED, MUTED
 from .angles import set_angle_axis
+from .titles import add_legend, create_figure
 
 
 def draw_force(

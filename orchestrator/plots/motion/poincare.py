@@ -14,9 +14,9 @@ from matplotlib.patches import Rectangle
 
 from models.core.quantities import Vector
 
-from ..motion.titles import create_figure
 from ..style import COUPLED, REFERENCE
 from .angles import set_angle_axis
+from .titles import create_figure
 
 # Parts of the height and the width that can be told apart.
 RASTER = 1000.0

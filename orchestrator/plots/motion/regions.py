@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
-from ..motion.titles import create_figure
 from ..style import ACCENT, COUPLED, MUTED, REFERENCE
+from .titles import create_figure
 
 INK = "#3a444e"
 

@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 
 from models.core.quantities import Vector
 
-from ..motion.titles import add_legend, create_figure
 from ..style import ACCENT, COUPLED, MUTED
 from .angles import set_angle_axis, shift_to_first_turn
+from .titles import add_legend, create_figure
 
 MILLI = 1e3
 

@@ -12,9 +12,9 @@ from matplotlib.ticker import NullFormatter, ScalarFormatter
 
 from models.core.quantities import Vector
 
-from ..motion.titles import add_legend, create_figure
 from ..style import ACCENT, COUPLED, MUTED
 from .distribution import bin_edges, draw_profile
+from .titles import add_legend, create_figure
 
 COLOURS = {"upper": COUPLED, "lower": ACCENT}
 

@@ -14,10 +14,10 @@ import numpy as np
 from models.core.quantities import Vector
 from models.core.system import Port
 
-from .errors import NotFiniteError, RunError
+from ..errors import NotFiniteError, RunError
 
 if TYPE_CHECKING:
-    from .engine.exchange import Exchange
+    from .exchange import Exchange
 
 # Values agree when they are right to this share of their size (or nominal size, if that is larger).
 AGREED = 1e-12
