@@ -87,7 +87,11 @@ def sum_velocities(
     total = float(max(impacts.theta.size, 1) if values["per"] == IMPACT else values["cycles"])
     found = distribute(impacts, velocities, total)
     return tabulate_bins(found, unit, place, f"sum of impact velocities per {values['per']}").assign(
-        **count_impacts(impacts, values["cycles"]), upper_sum=found.upper.sum(), lower_sum=found.lower.sum()
+        {
+            **count_impacts(impacts, values["cycles"]),
+            "upper_sum": found.upper.sum(),
+            "lower_sum": found.lower.sum(),
+        }
     )
 
 

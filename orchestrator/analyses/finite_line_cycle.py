@@ -141,9 +141,11 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
         for kind in reversed(kinds):
             for share in set(shares.values()):
                 before = len(found) * values["instants"]
-                found[kind, share] = _passage(
-                    kind, values, share, lambda done, _, before=before: shown(before + done, total)
-                )
+
+                def show(done: int, _: int, before: int = before) -> None:
+                    shown(before + done, total)
+
+                found[kind, share] = _passage(kind, values, share, show)
     contact, at, chosen = found[values["profile"], values["alignment"]]
     line = np.array([_line(contact, each) for each in at])
     over = ("kind", "aligned", "angle")

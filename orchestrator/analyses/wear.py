@@ -43,7 +43,7 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
         worn[f"{wall}_bias"] = sampling_bias(weights, taken[impacts.side == side])
         worn[f"{wall}_spots"] = effective_bins(weights)
         worn[f"{wall}_energy"] = weights.sum()
-    return worn.assign(**count_impacts(impacts, values["cycles"]))
+    return worn.assign(count_impacts(impacts, values["cycles"]))
 
 
 def _results(wall: str) -> dict[str, Result]:

@@ -323,7 +323,8 @@ def fmu_compare(
 @report_errors
 def fmu_info(file: Annotated[Path, typer.Argument(help="The .fmu file.")]) -> None:
     """Show what an FMU is and its variables."""
-    from fmus.fmi.validate import FmuFileError, info
+    from fmus.fmi.archive import FmuFileError
+    from fmus.fmi.validate import info
 
     from ..errors import MistakeError
 

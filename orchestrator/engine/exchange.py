@@ -131,7 +131,7 @@ class Exchange:
     @cached_property
     def offers(self) -> list[CompiledCalls | str]:
         """The calls that each participant offers to compiled code, or why it offers none."""
-        if numba.config.DISABLE_JIT:
+        if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
             return ["NUMBA_DISABLE_JIT is set"] * len(self.names)
         return [participant.compiled_calls() for participant in self.participants]
 

@@ -260,7 +260,7 @@ def interpolate(
 ) -> bool:
     """As `extrapolate`, through the last points and `values` (`rates`) at the time `end`; True if finite."""
     h = history
-    return interpolate_part(  # type: ignore[no-any-return]
+    return interpolate_part(
         h.times, h.values, h.rates, h.rated, h.degrees, h.smooth, h.end_smooth, h.count, degree, end, values,
         rates, out, 0, len(values),
     )  # fmt: skip

@@ -24,8 +24,8 @@ Sweep = Callable[[float, float], None]
 
 def jacobi_sweep(exchange: Exchange, order: Sequence[int]) -> Sweep:
     """All advance with the signals as they are, then all are read."""
-    if calls := _offered_calls(exchange, order):
-        return CompiledSweep(exchange, calls, order, compiled_sweeps.jacobi_sweep)
+    if offered := _offered_calls(exchange, order):
+        return CompiledSweep(exchange, offered, order, compiled_sweeps.jacobi_sweep)
     e, calls = exchange, exchange.calls
     signals, values, rates, inputs = e.signals, e.values, e.rates, e.all_inputs
     n = len(e.sources)
@@ -55,8 +55,8 @@ def jacobi_sweep(exchange: Exchange, order: Sequence[int]) -> Sweep:
 
 def gauss_seidel_sweep(exchange: Exchange, order: Sequence[int]) -> Sweep:
     """One after the other, the signals of each interpolating what it arrived at before the next advances."""
-    if calls := _offered_calls(exchange, order):
-        return CompiledSweep(exchange, calls, order, compiled_sweeps.gauss_seidel_sweep)
+    if offered := _offered_calls(exchange, order):
+        return CompiledSweep(exchange, offered, order, compiled_sweeps.gauss_seidel_sweep)
     e, calls = exchange, exchange.calls
     signals = e.signals
     first = (e.columns[order[0]], e.inputs[order[0]])

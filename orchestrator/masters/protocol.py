@@ -16,6 +16,11 @@ class Master(Protocol):
     implicit: ClassVar[bool]
 
     @property
+    def extrapolation(self) -> str:
+        """The name of the input signals, as a scenario has it."""
+        ...
+
+    @property
     def degree(self) -> int:
         """Degree of the input signals: 0 held, 1 linear, 2 quadratic, 3 Hermite."""
         ...

@@ -84,10 +84,10 @@ class BoundCalls:
         return transfer
 
     def save(self, state: ctypes.c_void_p) -> int:
-        return self._save(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]
+        return self._save(self._handle, ctypes.byref(state))
 
     def restore(self, state: ctypes.c_void_p) -> int:
-        return self._restore(self._handle, state)  # type: ignore[no-any-return]
+        return self._restore(self._handle, state)
 
     def release(self, state: ctypes.c_void_p) -> int:
-        return self._release(self._handle, ctypes.byref(state))  # type: ignore[no-any-return]
+        return self._release(self._handle, ctypes.byref(state))

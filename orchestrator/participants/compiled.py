@@ -57,12 +57,12 @@ class CompiledCalls:
     read, or None.
     """
 
-    picked: tuple[Vector, Vector]
+    picked: tuple[Any, Any]
     factors: Vector
     offsets: Vector
     given: Any
     taken: Any
-    rated: Vector
+    rated: Any
     describe: Callable[[Any], None]
     fail: Callable[[int, int, float, float], None]
     check_end: Callable[[float, float], None]

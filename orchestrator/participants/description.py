@@ -252,7 +252,7 @@ def _parse_number(text: Any) -> float | None:
 
 def _read_dependencies(found: Any) -> dict[str, tuple[str, ...]]:
     """The inputs that each output depends on, where the file states them."""
-    depends = {}
+    depends: dict[str, tuple[str, ...]] = {}
     for unknown in found.outputs:
         if unknown.variable is None or unknown.dependencies is None:
             continue

@@ -71,7 +71,7 @@ class FmuParticipant(ErrorReporter):
         self._variables = self._description.variables
         self.restorable = self._description.restorable
         try:
-            kind: type[Fmi2] | type[Fmi3] = Fmi3 if self._description.version == "3.0" else Fmi2
+            kind: Any = Fmi3 if self._description.version == "3.0" else Fmi2
             # fmpy goes into the library's folder, and stays there where the library cannot be loaded.
             with contextlib.chdir("."):
                 self._fmi: FmiInstance = kind(name, self._description, self._folder)

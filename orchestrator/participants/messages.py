@@ -31,4 +31,4 @@ def _exactly(pipe: Any, size: int) -> bytes:
         if not more:
             raise EOFError
         found += more
-    return found  # type: ignore[no-any-return]
+    return found

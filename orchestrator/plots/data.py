@@ -194,7 +194,7 @@ class FigureData:
 
 def list_parameters(scenario: Scenario) -> dict[str, float]:
     """The value of every parameter by "instance.parameter", in its unit; of a choice its number."""
-    found = {}
+    found: dict[str, float] = {}
     for name, table in scenario.components.items():
         layout = table.resolve().parameters
         values = {field.name: field.start for field in layout.fields} | to_numbers(layout, table.parameters)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -81,7 +82,7 @@ def _panel(ax: Axes, data: FigureData, name: str) -> bool:
     return bool(np.isnan(top).any())
 
 
-def envelope(values: Vector, bins: int = 400) -> tuple[Vector, Vector]:
+def envelope(values: Vector, bins: int = 400) -> tuple[Any, Vector]:
     """The largest value of each bin, and its first place: dips at changes of sign would hide the line."""
     if len(values) <= 2 * bins:
         return np.arange(len(values)), values

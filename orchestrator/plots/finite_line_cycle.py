@@ -54,8 +54,10 @@ def draw_finite_line_cycle(data: xarray.Dataset, values: Mapping[str, Any]) -> F
         each.set_ylim(UM * LEAST_SHOWN * float(np.max(data["line_film"].values)), None)
         each.set_xlabel("cam angle (degrees)")
     axes[1, 0].sharey(axes[1, 1])
-    titles = ("Largest pressure (MPa)", "Largest pressure over the line contact's")
-    titles += ("Smallest film at the ends (µm)", "Smallest film in the middle (µm)")
+    titles = (
+        "Largest pressure (MPa)", "Largest pressure over the line contact's",
+        "Smallest film at the ends (µm)", "Smallest film in the middle (µm)",
+    )  # fmt: skip
     for each, title in zip(axes.flat, titles, strict=True):
         each.set_title(title, loc="left")
     handles, labels = axes[0, 0].get_legend_handles_labels()

@@ -77,12 +77,15 @@ def draw_steps(steps: Steps, title: str) -> Figure:
     )  # fmt: skip
     add_title(made, f"{title}: macro steps")
     kinds, entries = _coloured(steps)
-    rows = iter(axes)
-    _lengths(*next(rows), steps, kinds)
+    rows: Any = iter(axes)
+    ax, side = next(rows)
+    _lengths(ax, side, steps, kinds)
     if judged:
-        _errors(*next(rows), steps, kinds)
+        ax, side = next(rows)
+        _errors(ax, side, steps, kinds)
     if iterated:
-        _counts(*next(rows), steps, kinds)
+        ax, side = next(rows)
+        _counts(ax, side, steps, kinds)
     for ax in axes[:, 0]:
         ax.set_xlim(steps.start[0], steps.end[-1])
     for ax in axes[:-1, 0]:
@@ -199,7 +202,7 @@ def _counts(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
     _sums(sums, steps.iterations, np.arange(0.5, most + 1.0), kinds)
 
 
-def _sums(ax: Axes, values: Vector, edges: Vector, kinds: Kinds) -> None:
+def _sums(ax: Axes, values: Vector, edges: Any, kinds: Kinds) -> None:
     """Histogram, stacked in the colours."""
     parts = [values[chosen] for _, chosen in kinds]
     share = [np.full(len(part), 100.0 / len(values)) for part in parts]

@@ -19,7 +19,7 @@ COUPLED, REFERENCE, ACCENT, MUTED = "#0b5fa5", "#d1495b", "#2a9d5c", "#8d99a6"
 # Input signals of masters.
 SIGNALS = {"hold": MUTED, "linear": ACCENT, "quadratic": COUPLED, "hermite": REFERENCE}
 
-RC = {
+RC: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 9.0,
     "axes.titlesize": 10.0,
@@ -45,9 +45,8 @@ def save_figure(make: Callable[[], Figure], path: Path, dpi: float | None = None
     with rc_context(RC):
         figure = make()
         figure.set_dpi(dpi or rcParams["savefig.dpi"])
-        FigureCanvasAgg(figure).print_png(
-            path, pil_kwargs={"compress_level": 3}
-        )  # `savefig` goes through the layout once more
+        # `savefig` would go through the layout twice.
+        FigureCanvasAgg(figure).print_png(path, pil_kwargs={"compress_level": 3})
     return path
 
 

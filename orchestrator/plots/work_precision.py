@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -67,5 +68,5 @@ def _lines(axes: Axes, rows: Sequence[Row], quantity: str) -> None:
             master, signal, *estimator = method.split(", ")
             marker, line = MASTERS.get(master, ("D", "-"))
             # With step control: open markers and a wide pale line.
-            style = {"mfc": "white", "lw": 2.4, "alpha": 0.7} if estimator else {}
+            style: dict[str, Any] = {"mfc": "white", "lw": 2.4, "alpha": 0.7} if estimator else {}
             axes.plot(x, y, marker=marker, ms=4.0, ls=line, color=SIGNALS[signal], label=method, **style)

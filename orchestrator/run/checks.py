@@ -42,12 +42,12 @@ def check_reference(scenario: Scenario, system: System) -> None:
 def _check_master(scenario: Scenario) -> None:
     """The master's order names every component once; what it iterates are components."""
     master = scenario.master.build()
-    order = getattr(master, "order", ())
+    order: tuple[str, ...] = getattr(master, "order", ())
     if order and sorted(order) != sorted(scenario.components):
         raise ScenarioError(
             f"master.order = {', '.join(order)}: must name each of {', '.join(scenario.components)} once"
         )
-    iterate = getattr(master, "iterate", ())
+    iterate: tuple[str, ...] = getattr(master, "iterate", ())
     if len(iterate) == 1:
         raise ScenarioError(
             f"master.iterate = {iterate[0]}: there is nothing to iterate one component with; name "

@@ -11,7 +11,7 @@ from numba.core import event
 COMPILING, PREPARING = "numba:compile", "numba:compiler_lock"
 
 
-class _Noticing(event.Listener):  # type: ignore[misc]
+class _Noticing(event.Listener):
     """Calls `begin` and `end` around compilations; kernels that are compiled for others count as one."""
 
     def __init__(self, begin: Callable[[], None], end: Callable[[], None]) -> None:

@@ -41,7 +41,7 @@ def build_participants(
             bare = without_estimates(instance)
             if name in files:
                 kind = open_in_own_process if table.own_process else open_fmu
-                make = partial(kind, name, files[name].path, bare, table.strings)
+                make: Callable[[], Participant] = partial(kind, name, files[name].path, bare, table.strings)
             else:
                 make = partial(in_process, name, bare)
             participants[name] = wrap(name, make)

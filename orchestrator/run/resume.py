@@ -35,8 +35,8 @@ def resume(out: Path, build: Builder, reporter: Reporter, figures: bool = True) 
         remedy = "tribocosim run makes one"
         if (out / SUMMARY).exists() or unfinished(out).exists():
             remedy = "put back the file that the run had written"
-        elif folder := meant(out):
-            remedy = f"did you mean {folder}?"
+        elif close := meant(out):
+            remedy = f"did you mean {close}?"
         raise OutputFolderError(f"{out}: holds no run (there is no {SCENARIO}); {remedy}")
     if not unfinished(out).exists():
         return _report_ended(out, reporter)

@@ -255,7 +255,11 @@ def _add_place(line: str) -> str:
     return line
 
 
-TABLES = {"step_control": StepControlTable, "reference": ReferenceTable, "energy": EnergyTable}
+TABLES: dict[str, type[Table]] = {
+    "step_control": StepControlTable,
+    "reference": ReferenceTable,
+    "energy": EnergyTable,
+}
 
 
 def _list_keys(location: Location) -> list[str]:

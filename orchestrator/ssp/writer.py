@@ -69,7 +69,7 @@ def export(scenario: Scenario, target: Path, build: Builder) -> None:
     resting = scenario.start == "equilibrium"
     started = resolve_start(scenario, system) if resting else system
     for name, instance in system.instances.items():
-        stated = {**_collect_values(instance), **scenario.components[name].strings}
+        stated: dict[str, Any] = {**_collect_values(instance), **scenario.components[name].strings}
         rest = collect_settings(started.instances[name]).values if resting else {}
         computed = {key: value for key, value in rest.items() if key not in instance.parameters}
         for suffix, values in (("", stated), (START, computed)):

@@ -30,7 +30,7 @@ class ConvergedMaster:
     implicit: ClassVar[bool] = True
 
     def __init__(self, master: Master, coupling: LinearCoupling, step: float) -> None:
-        self.degree, self._count = master.degree, coupling.count
+        self.extrapolation, self.degree, self._count = master.extrapolation, master.degree, coupling.count
         # Options that an implicit master may have.
         self._order: Any = getattr(master, "order", ())
         self._iterate: Any = getattr(master, "iterate", ())
@@ -67,7 +67,7 @@ class ConvergedMaster:
                 sweep(exchange, part, time, step)
                 rest = interface.vector().reshape(len(matrix), -1)
                 roll_back()
-                agreed = np.linalg.solve(np.eye(len(matrix)) - matrix, rest)
+                agreed: Any = np.linalg.solve(np.eye(len(matrix)) - matrix, rest)
                 interface.assume(agreed.ravel(), time + step)
                 sweep(exchange, part, time, step)
             return 2
@@ -162,10 +162,12 @@ class Behaviour:
         return self._last[1:]
 
     def _build_macro_step(self, step: float) -> tuple[MacroStep | None, float]:
-        coupling, stepping, contraction = self._couplings.get(self.point, self.master), self.master, math.nan
+        coupling, contraction = self._couplings.get(self.point, self.master), math.nan
+        stepping: Master = self.master
         if self.master.implicit:
-            stepping = ConvergedMaster(self.master, coupling, step)
-            radii = [spectral_radius(matrix) for matrix in stepping.sweeps.values()]
+            converged = ConvergedMaster(self.master, coupling, step)
+            stepping = converged
+            radii = [spectral_radius(matrix) for matrix in converged.sweeps.values()]
             contraction = max(radii, default=0.0)
             if not self._converges(step):
                 return None, contraction

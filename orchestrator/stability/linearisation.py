@@ -289,7 +289,7 @@ def _participant(scenario: Scenario, system: System, name: str, build: Builder |
         return open_fmu(name, Path(table.participant), instance)
     if table.participant == "in-process" or build is None:
         return in_process(name, instance)
-    return open_fmu(name, build(table.component, table.structure, table.participant), instance)
+    return open_fmu(name, build(str(table.component), table.structure, table.participant), instance)
 
 
 def select_participants(

@@ -87,6 +87,7 @@ class ControlledSteps:
         exchange, shortest = self._exchange, self._control.minimum_step
         rejected, early = 0, self._master.implicit
         with exchange.point() as saved:
+            attempt: Any
 
             def again(shorter: float) -> None:
                 nonlocal attempt

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -68,7 +69,7 @@ class Locator:
         """A known event is due at `time`."""
         return bool(np.any(np.abs(self._exchange.values[self._ahead] - time) <= self.tolerance))
 
-    def bent(self, time: float, source: int = -1) -> Vector:
+    def bent(self, time: float, source: int = -1) -> Any:
         """The sources whose rates do not hold next to the event that `source` tells of, or one due at `time`.
 
         Rates are differences over a small part of the motion, across what bends at an indicator's zero or
@@ -105,7 +106,7 @@ class Locator:
             if min(v * (v + r * whole / 3.0), v * (end - end_rate * whole / 3.0), v * end) >= 0.0:
                 continue
             second, third = hermite(v, r, end, end_rate, whole)
-            polynomial = Polynomial([v, r, second / 2.0, third / 6.0])
+            polynomial: Any = Polynomial([v, r, second / 2.0, third / 6.0])
             for s in polynomial.deriv().roots():
                 if np.isreal(s) and 0.0 < s.real < length and polynomial(s.real) * v < 0.0:
                     length = float(s.real)

@@ -93,7 +93,8 @@ class Journal:
     def _write(self) -> None:
         """What is in memory; where there is no room for all of it, as many whole rows as there is."""
         rows, self._held = self._held, 0
-        data = memoryview(self._rows[:rows]).cast("B") if rows else memoryview(b"")
+        waiting: Any = self._rows[:rows]
+        data = memoryview(waiting).cast("B") if rows else memoryview(b"")
         before = self._file.tell()
         try:
             self._put(data)
@@ -172,7 +173,10 @@ def _plain(quantity: Quantity) -> dict[str, Any]:
 
 
 def _quantity(content: dict[str, Any]) -> Quantity:
-    return Quantity(**{key: tuple(value) if key == "choices" else value for key, value in content.items()})
+    given: dict[str, Any] = {
+        key: tuple(value) if key == "choices" else value for key, value in content.items()
+    }
+    return Quantity(**given)
 
 
 def _read_header(path: Path) -> tuple[dict[str, Quantity], int]:

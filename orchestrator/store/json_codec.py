@@ -38,7 +38,7 @@ def _written(data: Plain) -> Any:
         if not _KINDS.fullmatch(data.dtype.str):
             raise TypeError(f"an array of {data.dtype} is not plain data")
         # The order in memory too: products of matrices depend on it in the last bit.
-        order = "F" if data.flags.fnc else "C"
+        order: Any = "F" if data.flags.fnc else "C"
         return {ARRAY: [data.dtype.str, list(data.shape), order, _base64(data.tobytes(order))]}
     if isinstance(data, np.generic):
         return _written(data.item())

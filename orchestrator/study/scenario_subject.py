@@ -31,7 +31,7 @@ from ..scenario.warnings import list_warnings
 from ..store.result_file import open_result
 from .subjects import MOST_DRAWN
 
-STATISTICS = {"minimum": np.min, "maximum": np.max, "mean": np.mean}
+STATISTICS: dict[str, Any] = {"minimum": np.min, "maximum": np.max, "mean": np.mean}
 ERRORS = {
     "error": ("relative RMS error", lambda error: error.relative_rms),
     "uncertainty": (

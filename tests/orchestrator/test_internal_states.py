@@ -41,7 +41,7 @@ def test_an_internal_state_has_no_start_in_a_scenario(tables: dict) -> None:
     """Also where it is set to what it starts with: it is not the user's to set."""
     tables["components"]["layer"]["start"] = {"sheet_velocity[2]": 0.0}
     with pytest.raises(
-        ScenarioError, match=r"layer\.start\.sheet_velocity\[2\]: .*component's own.*leave it out"
+        ScenarioError, match=r"layer\.start\.sheet_velocity\[2\]: .*sets this state itself.*leave it out"
     ):
         made(tables)
 

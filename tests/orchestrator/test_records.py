@@ -67,12 +67,12 @@ def test_rare_records_do_not_hide_an_error_from_the_comparison(tmp_path: Path) -
         (
             ["output_step=12.5 us"],
             2,
-            "1.25e-05 s: is no multiple of macro_step = 5e-06 s; records are made every 1e-05",
+            "1.25e-05 s: is no multiple of macro_step = 5e-06 s; the interval is 1e-05 s, 2 macro steps",
         ),
         (
             ["output_step=1 us"],
             1,
-            "1e-06 s: is shorter than macro_step = 5e-06 s; records are made every 5e-06 s, 1 macro",
+            "1e-06 s: is shorter than macro_step = 5e-06 s; the interval is 5e-06 s, 1 macro",
         ),
         (["output_step=2 ms"], 240, "0.002 s: is too long for the comparison with the reference"),
         (["stop_time=1 ms"], 2, "2e-05 s: is too long for the comparison with the reference"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -40,13 +41,13 @@ class ContactObserver:
         self._accumulator = Accumulator(self._system, self._names, exchange.values, origins)
         units = dict(zip(exchange.names, exchange.participants, strict=True))
         self._calls: list[CompiledCalls] = []
-        self._others: list[tuple[Participant, Vector, Vector, Vector]] = []
+        self._others: list[tuple[Participant, Vector, Any, Vector]] = []
         records, self._references = [], []
         for i, name in enumerate(self._names):
             unit, row = units[name], self._accumulator.seen[i]
             calls = unit.compiled_calls()
             reading = None if isinstance(calls, str) else calls.bind_reading(OUTPUTS, row[: len(OUTPUTS)])
-            if reading is not None:
+            if not isinstance(calls, str) and reading is not None:
                 self._calls.append(calls)
                 records.append(reading[0])
                 self._references.append(reading[1])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +49,8 @@ class Steps:
     @classmethod
     def of(cls, columns: Mapping[str, Any], outputs: tuple[str, ...]) -> Steps:
         """Of the columns of /steps."""
-        return cls(*(np.asarray(columns[name], kind) for name, kind in COLUMNS.items()), outputs)
+        values: list[Any] = [np.asarray(columns[name], kind) for name, kind in COLUMNS.items()]
+        return replace(cls(*values), outputs=outputs)
 
     def __len__(self) -> int:
         return len(self.end)

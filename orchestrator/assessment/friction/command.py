@@ -53,14 +53,14 @@ def friction(
         cycle = last_revolution(name, *_read(folder, name, cams[name]))
         worn = wear(cycle, "asperity_load", coefficient, values[f"{name}.length"])
         found.append(Judged(cycle, worn, coefficient, cycles, values[f"{name}.roughness"]))
-    for each in tables(found):
-        reporter.console.print(each)
+    for page in tables(found):
+        reporter.console.print(page)
     for line in chain.from_iterable(map(remarks, found)):
         reporter.line(line)
     try:
         for each in found:
-            files = (contact_file(path, each, found) for path in (table, figure))
-            _write(each, scenario.name, *files, reporter)
+            own_table, own_figure = (contact_file(path, each, found) for path in (table, figure))
+            _write(each, scenario.name, own_table, own_figure, reporter)
     except OSError as error:
         raise MistakeError(
             f"{error.filename}: cannot be written ({error.strerror}); choose another"

@@ -41,7 +41,7 @@ def draw_force(
 
 def plot_force(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     figure, axes = create_figure("Constraint forces", values, width=6.8, height=3.0)
-    columns = (data[name].values for name in ("theta", "upper", "lower"))
-    draw_force(axes, *columns, window=(values["start"], values["end"]))
+    theta, upper, lower = (data[name].values for name in ("theta", "upper", "lower"))
+    draw_force(axes, theta, upper, lower, window=(values["start"], values["end"]))
     add_legend(figure, axes)
     return figure

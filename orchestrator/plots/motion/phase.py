@@ -47,7 +47,7 @@ def draw_phase(
 
 def plot_phase(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     figure, axes = create_figure("Phase portrait", values, width=5.2, height=4.2)
-    columns = (data[name].values for name in ("theta", "psi", "psi_rate", "side"))
+    theta, psi, rate, side = (data[name].values for name in ("theta", "psi", "psi_rate", "side"))
     wall = data["upper"].values
-    draw_phase(axes, *columns, walls=(float(wall.min()), float(wall.max())))
+    draw_phase(axes, theta, psi, rate, side, walls=(float(wall.min()), float(wall.max())))
     return figure

@@ -71,9 +71,9 @@ def _name_between(axes: Axes, gap: Vector, upper: Vector, lower: Vector, span: f
 def plot_regions(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     shown = {name: value for name, value in values.items() if name not in ("damping", "gap")}
     figure, axes = create_figure("Regions of sliding", shown, width=5.6, height=3.8)
-    columns = [data[name].values for name in ("gap", "upper", "lower")]
-    highest = 1.4 * max(columns[1].max(), columns[2].max(), values["damping"])
-    draw_regions(axes, *columns, damping=(0.0, highest))
+    gap, upper, lower = (data[name].values for name in ("gap", "upper", "lower"))
+    highest = 1.4 * max(upper.max(), lower.max(), values["damping"])
+    draw_regions(axes, gap, upper, lower, damping=(0.0, highest))
     axes.plot(values["damping"], values["gap"], "o", color="#3a444e", ms=4.5)
     axes.annotate(
         "this machine", (values["damping"], values["gap"]), (6, -3), textcoords="offset points", fontsize=7.5

@@ -7,6 +7,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from models.slider_crank.equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI
 
@@ -28,10 +29,13 @@ def create_figure(
 ) -> tuple[Figure, Any]:
     """Figure and its axes, by name where `mosaic` (as matplotlib's) has several; the title stands on the
     left, with the machine in a second line."""
-    figure = Figure(figsize=(width, height + TITLE), layout="constrained")
-    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - TITLE / (height + TITLE)))
+    layout = ConstrainedLayoutEngine(rect=(0.0, 0.0, 1.0, 1.0 - TITLE / (height + TITLE)))
+    figure = Figure(figsize=(width, height + TITLE), layout=layout)
     axes = figure.subplot_mosaic(mosaic, **more)
-    lines = ((title, 0.06, {"fontsize": 11, "fontweight": "bold"}), (describe_machine(values), 0.27, MACHINE))
+    lines: Any = (
+        (title, 0.06, {"fontsize": 11, "fontweight": "bold"}),
+        (describe_machine(values), 0.27, MACHINE),
+    )
     for text, below, look in lines:
         figure.text(0.012, 1.0 - below / (height + TITLE), text, ha="left", va="top", **look)
     return figure, axes if len(axes) > 1 else axes["A"]

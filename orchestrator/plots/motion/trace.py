@@ -43,7 +43,9 @@ def draw_walls(axes: Axes, angle: Vector, upper: Vector, lower: Vector) -> None:
 
 def plot_trace(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     figure, axes = create_figure("Time trace", values, width=6.8, height=3.0)
-    columns = (data[name].values for name in ("theta", "psi", "side", "upper", "lower"))
-    draw_trace(axes, *columns)
+    theta, psi, side, upper, lower = (
+        data[name].values for name in ("theta", "psi", "side", "upper", "lower")
+    )
+    draw_trace(axes, theta, psi, side, upper, lower)
     add_legend(figure, axes)
     return figure

@@ -84,7 +84,8 @@ def build_problem(name: str, duration: float | None = None) -> CouplingProblem:
             f"samples of {name}"
         )
     # The start is no sample: nothing has been coupled there yet.
-    return kind.make(kind.spacing * np.arange(1, round(samples) + 1))
+    times: Vector = kind.spacing * np.arange(1.0, round(samples) + 1.0)
+    return kind.make(times)
 
 
 def quarter_car(times: Vector) -> CouplingProblem:
