@@ -21,6 +21,7 @@ from ..store.journal import FLUSH_SECONDS, SUFFIX, Recorded
 from ..store.json_codec import Plain
 from ..store.run_state import shown
 from .checkpoint import Checkpoints, Identity
+from .compilation import PREPARING, noticed
 from .exit_guard import guarding
 from .interruption import Interruption
 from .nan_monitor import NotNumbers
@@ -127,15 +128,17 @@ def _couple(
                     observers.append(
                         Checkpoints(path, identity, every, stop, lambda: interruption.asked, say)
                     )
-                return simulate(
-                    system,
-                    participants,
-                    scenario.build_master(),
-                    scenario.build_steps(),
-                    stop,
-                    [*observers, bar, Forecast(stop, reporter.line), interruption],
-                    resumed=checkpoint[1] if checkpoint else None,
-                )
+                forecast = Forecast(stop, reporter.line)
+                with noticed(PREPARING, begin=lambda: None, end=forecast.restart):
+                    return simulate(
+                        system,
+                        participants,
+                        scenario.build_master(),
+                        scenario.build_steps(),
+                        stop,
+                        [*observers, bar, forecast, interruption],
+                        resumed=checkpoint[1] if checkpoint else None,
+                    )
         finally:
             observation.warnings = _collect_warnings(units)
             for participant in participants.values():

@@ -91,6 +91,10 @@ class Forecast:
         if left > LONG_SECONDS:
             self._tell(f"the coupled run will take about {duration(left)} at this speed; Ctrl-C ends it")
 
+    def restart(self) -> None:
+        """Measure anew from the next step: kernels were compiled, which the other steps do not repeat."""
+        self._began = None
+
     def end(self, complete: bool, message: str) -> None:
         pass
 

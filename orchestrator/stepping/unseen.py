@@ -15,7 +15,7 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..engine.exchange import Exchange, Saved
-from ..engine.signals import History, interpolate
+from ..engine.signals import History, interpolate, parabola
 from ..masters.jacobi import parallel
 from .estimators import Attempt
 
@@ -36,7 +36,7 @@ def judged(
     try:
         exchange.settle(exchange.listed, time + length)
         values, rates = exchange.values.copy(), exchange.rates.copy()
-        missed = np.abs(values - predicted(saved.history, time + length))
+        missed = np.abs(values - predict(saved.history, time + length))
         moved = np.maximum(np.abs(values - saved.values), np.ptp(saved.history.values, axis=0))
         left = (missed > LEFT * moved) & (missed > allowed)
         if left[exchange.connected].any():
@@ -52,14 +52,7 @@ def judged(
     return attempt
 
 
-def predicted(history: History, time: float) -> Vector:
+def predict(history: History, time: float) -> Vector:
     """The values at `time` by the parabola through the known points, or what fewer of them give."""
-    t, v = history.times, history.values
-    if history.count == 1:
-        return v[0].copy()
-    slope = (v[0] - v[1]) / (t[0] - t[1])
-    found = v[0] + (time - t[0]) * slope
-    if history.count > 2:
-        bend = (slope - (v[1] - v[2]) / (t[1] - t[2])) / (t[0] - t[2])
-        found = found + (time - t[0]) * (time - t[1]) * bend
-    return np.asarray(found)
+    (t0, t1, t2), points = history.times, history.count
+    return np.array([parabola(t0, v0, t1, v1, t2, v2, points, time)[0] for v0, v1, v2 in history.values.T])
