@@ -1,9 +1,9 @@
-"""Other tools run our FMUs: `python -m interop` writes the tables of docs/reference/tools.md.
+"""Other tools run our FMUs: `python -m interop` writes docs/reference/tools.md.
 
 A tool is a file in `tools/`. It runs with the interpreter of the tool's own environment, which can import
 only the tool's packages and this folder. It has
 
-- TITLE; REQUIREMENTS, the packages that pip installs; USE, what else its user needs, in a few words;
+- TITLE; REQUIREMENTS, the packages that pip installs; USE, what else its user needs, or "nothing";
 - version(): the tool's version, or an exception that says what is missing;
 - values(case): all outputs after every step. Each step holds its row of the case's input table;
 - timing(case): a context that gives a function from a number of steps to the seconds that the tool's own

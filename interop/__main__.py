@@ -1,7 +1,7 @@
 """`python -m interop [TOOL ...] [--fmu NAME ...] [--install]` runs our FMUs in other tools.
 
 Without names it runs every tool that is installed. --install first makes an environment for each tool.
---fmu limits the run to these FMUs. docs/reference/tools.md keeps its results of other FMUs and other tools.
+--fmu limits the run to these FMUs. docs/reference/tools.csv keeps the results of other FMUs and other tools.
 """
 
 from __future__ import annotations
@@ -9,12 +9,13 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from itertools import product
 
 from fmus.build import NAMES as FMUS
 from fmus.native.machine_code import NativeBuildError
 
 from .comparison import KINDS, compare
-from .document import FILE, Section, describe_machine, format_page, read_sections
+from .document import make_result, read_results, write_results
 from .processes import NAMES, explain_missing, install
 
 RUNS = 4  # the best one counts
@@ -29,7 +30,7 @@ def main() -> int:
     given = parser.parse_args()
     if unknown := [name for name in given.tools if name not in NAMES]:
         parser.error(f"no tool {unknown[0]!r}: there are {', '.join(NAMES)}")
-    sections, absent = read_sections(), []
+    results, absent = read_results(), []
     for name in given.tools or NAMES:
         if given.install and not install(name):
             print(f"{name}: could not be installed")
@@ -39,22 +40,15 @@ def main() -> int:
             print(why)
             absent.append(name)
             continue
-        kept = sections.get(name) if given.fmu else None
-        sections[name] = kept or Section(name, "", describe_machine())
-        for fmu in given.fmu or FMUS:
-            run(sections[name], fmu)
-        FILE.write_text(format_page(sections), "utf-8")
+        for fmu, kind in product(given.fmu or FMUS, KINDS):
+            began = time.perf_counter()
+            result = make_result(fmu, *compare(name, fmu, KINDS[kind], RUNS))
+            results[name, fmu, kind] = result
+            passed = time.perf_counter() - began
+            shown = " ".join((result.difference, result.steps_per_s, result.message))
+            print(f"{name}: {fmu}, {KINDS[kind].title}: {shown} ({passed:.1f} s)", flush=True)
+        write_results(results)
     return 1 if given.tools and absent else 0
-
-
-def run(section: Section, fmu: str) -> None:
-    """Run every kind of this FMU in the section's tool."""
-    for name, kind in KINDS.items():
-        began = time.perf_counter()
-        difference, answer = compare(section.tool, fmu, kind, RUNS)
-        cells = " ".join(section.add(fmu, name, difference, answer))
-        passed = time.perf_counter() - began
-        print(f"{section.tool}: {fmu}, {kind.title}: {cells} {answer.failed} ({passed:.1f} s)", flush=True)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from ..case import Case, RefusedError
 
 TITLE = "program in C"
 REQUIREMENTS = ("fmpy", "ziglang")
-USE = "nothing; for FMUs in Python, [libpython3.x.so](../how-to/use-the-fmus.md#prepare-the-host)"
+USE = "[libpython3.x.so](../how-to/use-the-fmus.md#prepare-the-host) for FMUs in Python"
 
 
 def version() -> str:
