@@ -97,7 +97,7 @@ def summarise(tool: str, results: Mapping[tuple[str, str], Result]) -> list[str]
         if rates := [int(result.steps_per_s) for result in ran if result.steps_per_s]:
             words.append(f"{min(rates)} to {max(rates)}")
         cells.append(", ".join(words))
-    version = next((result.version for result in reversed(results.values()) if result.version), "")
+    version = max(result.version for result in results.values())
     return [load_tool(tool).TITLE, version, *cells]
 
 

@@ -86,7 +86,7 @@ class Instance:
         exchange = ("state.", "der(state.", "event_indicator")
         return self.get([name for name in names if not name.startswith(exchange)])
 
-    def step(self, t: float, h: float) -> None:
+    def step(self, t: float, h: float) -> Any:
         self.fmu.doStep(t, h)
 
     def save(self) -> ctypes.c_void_p:

@@ -70,7 +70,7 @@ def joined(name: str, order: int) -> str:
 
 def wave(component: Component, t: float) -> dict[str, float]:
     """Smooth inputs and their three derivatives at time t; a crank turns steadily."""
-    values = {}
+    values: dict[str, float] = {}
     for j, field in enumerate(component.inputs.fields):
         if field.name == "crank_angle":
             derivatives = [100.0 * t, 100.0, 0.0, 0.0]
