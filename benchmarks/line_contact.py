@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from models.contact.asperities import Asperities, pressure_scale
+from models.contact.ehl_contact import ContactParameters
 from models.contact.fluid import Lubricant
 from models.contact.hertz import deflection, elastic_compliance
 from models.contact.line.hierarchical import Jacobian, factorise, solve_below
@@ -25,7 +26,6 @@ from models.contact.line.transient import (
     wanted_scale,
 )
 from models.contact.line.workspace import Workspace, workspace_in, workspace_size
-from models.contact.records import ContactParameters
 from models.valve_train.camshaft import CamshaftParameters
 from models.valve_train.rigid import contact_conditions
 from models.valve_train.valve_spring import ValveSpringParameters

@@ -8,7 +8,6 @@ build leaves no trace in the building process.
 from __future__ import annotations
 
 import importlib
-import inspect
 import io
 import os
 import tempfile
@@ -35,6 +34,8 @@ HERE = Path(__file__).parent
 
 # Every component that has a folder here.
 NAMES: tuple[str, ...] = tuple(name for name in CATALOGUE if (HERE / name / "__init__.py").is_file())
+# Those with reference results.
+REFERENCED: tuple[str, ...] = tuple(name for name in NAMES if (HERE / name / "reference").is_dir())
 
 # Zip files cannot say less; a fixed time makes equal content equal bytes.
 _EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -86,8 +87,8 @@ def build(
 
     `destination` is a file (*.fmu) or a folder; without it the file goes to the user's cache folder under
     its digest, is made only if it isn't there, and is kept until it was not asked for in some weeks.
-    `structure` gives structural sizes, such as {"coil_masses": 8}; without it they are those of
-    `default_structure`. With `libpython`, the name of a Python library, the Linux binary loads it, so that
+    `structure` gives structural sizes, such as {"coil_masses": 8}; without it they are the
+    component's own. With `libpython`, the name of a Python library, the Linux binary loads it, so that
     hosts that aren't Python need not. Existing files are replaced whole: a reader sees the old or the new
     one. KeyError with the known names for an unknown one; ValueError for sizes that the component refuses,
     and for what cannot be such a library.
@@ -120,11 +121,6 @@ def written(content: bytes, name: str, destination: Path) -> Path:
         Path(temporary).unlink(missing_ok=True)
         raise
     return target
-
-
-def default_structure(name: str, kind: str = "STRUCTURE") -> dict[str, int]:
-    """Sizes of the FMU that is built without any: `kind` of its folder, the rest the component's own."""
-    return dict(getattr(importlib.import_module(f"fmus.{name}"), kind, {}))
 
 
 def packed(files: Mapping[str, bytes]) -> bytes:
@@ -171,14 +167,11 @@ def content_of(
     return files
 
 
-def chosen(
-    name: str, structure: Mapping[str, int] | None, kind: str = "STRUCTURE"
-) -> tuple[dict[str, int], Component]:
+def chosen(name: str, structure: Mapping[str, int] | None) -> tuple[dict[str, int], Component]:
     """The sizes of an FMU, and the component with them; KeyError and ValueError as `build`."""
     if name not in NAMES:
         raise KeyError(f"FMU {name!r}: must be one of {', '.join(NAMES)}")
-    given = default_structure(name, kind) if structure is None else structure
-    sizes = {key: int(value) for key, value in sorted(given.items())}
+    sizes = {key: int(value) for key, value in sorted((structure or {}).items())}
     try:
         return sizes, CATALOGUE[name](**sizes)
     except (TypeError, ValueError) as error:
@@ -186,13 +179,8 @@ def chosen(
 
 
 def referenced(name: str, component: Component) -> bool:
-    """Whether the reference results are of this component's sizes: those of the native FMU without others,
-    and those that its folder says move likewise (`ALIKE`)."""
-    factory = inspect.signature(CATALOGUE[name]).parameters.values()
-    usual = {parameter.name: parameter.default for parameter in factory}
-    alike = getattr(importlib.import_module(f"fmus.{name}"), "ALIKE", ())
-    sizes = [default_structure(name, "NATIVE_STRUCTURE"), *alike]
-    return dict(component.structure) in [usual | found for found in sizes]
+    """Whether the FMU's folder has reference results of this component's sizes."""
+    return name in REFERENCED and component.structure == CATALOGUE[name]().structure
 
 
 def experiment(name: str) -> Experiment:

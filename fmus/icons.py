@@ -45,6 +45,13 @@ def ehl_contact(axes: Axes) -> None:
     axes.annotate("", (7.1, 7.1), (6.9, 6.4), arrowprops={"arrowstyle": "->", "color": INK, "lw": 2.5})
 
 
+def ehl_line_contact(axes: Axes) -> None:
+    """The contact, with its pressure over the film."""
+    ehl_contact(axes)
+    x = np.linspace(-1.0, 1.0, 60)
+    axes.plot(5 + 2.6 * x, 0.9 + 2.0 * np.sqrt(1.0 - x**2), color=INK, linewidth=2.5)
+
+
 def flywheel(axes: Axes) -> None:
     axes.add_patch(Circle((5, 5), 4.1, facecolor=STEEL, **_LINE))
     axes.add_patch(Circle((5, 5), 3.0, facecolor="white", **_LINE))
@@ -157,6 +164,7 @@ ICONS: tuple[Callable[[Axes], None], ...] = (
     camshaft,
     valve_spring,
     ehl_contact,
+    ehl_line_contact,
     flywheel,
     slider_crank,
     piston_crank,

@@ -11,7 +11,7 @@ import sys
 import time
 from itertools import product
 
-from fmus.build import NAMES as FMUS
+from fmus.native.fmu import NAMES as FMUS
 from fmus.native.machine_code import NativeBuildError
 
 from .comparison import KINDS, compare

@@ -11,7 +11,7 @@ import fmpy
 import numpy as np
 
 from fmus.build import build as build_python
-from fmus.build import default_structure, experiment
+from fmus.build import experiment
 from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
 from tests.fmus.reference import Reference, wave
@@ -24,12 +24,11 @@ STEPS = 100
 
 @dataclass(frozen=True)
 class Kind:
-    """A way to build an FMU. `structure` names the component's constant with its array sizes."""
+    """A way to build an FMU."""
 
     title: str
     fmi: int
     native: bool
-    structure: str
 
     def build(self, name: str, platform: str = "") -> Path:
         if self.native:
@@ -38,9 +37,9 @@ class Kind:
 
 
 KINDS: Mapping[str, Kind] = {
-    "python": Kind("Python, FMI 2", 2, False, "STRUCTURE"),
-    "native": Kind("native, FMI 2", 2, True, "NATIVE_STRUCTURE"),
-    "native3": Kind("native, FMI 3", 3, True, "NATIVE_STRUCTURE"),
+    "python": Kind("Python, FMI 2", 2, False),
+    "native": Kind("native, FMI 2", 2, True),
+    "native3": Kind("native, FMI 3", 3, True),
 }
 
 
@@ -51,7 +50,7 @@ def choose_step(name: str) -> float:
 
 def make_case(name: str, kind: Kind, fmu: Path, steps: int = STEPS) -> Case:
     """The case of an FMU: inputs that follow `wave`, and all real outputs."""
-    reference = Reference(name, **default_structure(name, kind.structure))
+    reference = Reference(name)
     description = fmpy.read_model_description(str(fmu), validate=False)
     known = {v.name: v for v in description.modelVariables}
     inputs = reference.component.inputs.names
@@ -80,7 +79,7 @@ def compute_expected(
     next_inputs: bool = False,
 ) -> list[list[float]]:
     """The component's outputs after each step (time and size), with its inputs or those of the next step."""
-    reference = Reference(name, **default_structure(name, kind.structure))
+    reference = Reference(name)
     outputs = reference.component.outputs
     rated = [f"der({f.name})" for f in outputs.fields if not f.quantity.discrete]
     found, rows = [], case.rows()

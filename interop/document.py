@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
 
-from fmus.build import NAMES as FMUS
+from fmus.native.fmu import NAMES as FMUS
 
 from .comparison import KINDS, STEPS
 from .processes import NAMES, ROOT, Answer, load_tool

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from .contact.ehl_contact import ehl_contact
+from .contact.ehl_line_contact import ehl_line_contact
 from .core.component import Component
 from .flywheel import flywheel
 from .oscillators.bouncing_mass import falling_mass, spring_stop
@@ -22,6 +23,7 @@ CATALOGUE: Mapping[str, Callable[..., Component]] = {
     "camshaft": camshaft,
     "valve_spring": valve_spring,
     "ehl_contact": ehl_contact,
+    "ehl_line_contact": ehl_line_contact,
     "flywheel": flywheel,
     "slider_crank": slider_crank,
     "piston_crank": piston_crank,

@@ -14,7 +14,6 @@ from models.core.component import Component
 from models.core.quantities import Vector
 from models.monolithic.driven import Driven, Piece, solve_driven
 
-from ..build import default_structure
 from .files import Options, Table, csv_text, read_csv
 from .stimulus import Course, slope_of
 
@@ -46,7 +45,7 @@ class Results:
 
 def component_of(name: str) -> Component:
     """The component with the sizes for which there is a reference: those of the native FMU."""
-    return CATALOGUE[name](**default_structure(name, "NATIVE_STRUCTURE"))
+    return CATALOGUE[name]()
 
 
 def results(name: str, course: Course) -> Results:

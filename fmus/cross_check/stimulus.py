@@ -75,7 +75,7 @@ def course_of(name: str) -> Course | None:
     try:
         module = importlib.import_module(f"fmus.{name}.stimulus")
     except ModuleNotFoundError as error:
-        if error.name != f"fmus.{name}.course":
+        if error.name != f"fmus.{name}.stimulus":
             raise
         return None
     found: Course = module.COURSE

@@ -51,8 +51,8 @@ def build(
     `name`-native-fmi3.fmu. `told` is called with each step of the work (seconds to minutes) as it begins.
     TranslationError for kernels and sizes that need Python, NativeBuildError without the tools.
     """
-    sizes, component = python_build.chosen(name, structure, "NATIVE_STRUCTURE")
-    check_sizes(name, sizes)
+    sizes, component = python_build.chosen(name, structure)
+    check_component(name)
     label = f"{name}-native" if fmi == 2 else f"{name}-native-fmi{fmi}"
 
     @cache
@@ -148,11 +148,19 @@ def check_tools() -> None:
         _version(tool)
 
 
-def check_sizes(name: str, sizes: Mapping[str, int]) -> None:
-    """TranslationError for sizes that only the FMU in Python has."""
-    for size, said in getattr(import_module(f"fmus.{name}"), "ONLY_IN_PYTHON", {}).items():
-        if sizes.get(size):
-            raise TranslationError(f"{size} = {sizes[size]}: {said}")
+def check_component(name: str) -> None:
+    """TranslationError for a component whose FMU needs Python."""
+    if reason := _python_only(name):
+        raise TranslationError(f"{name}: {reason}")
+
+
+def _python_only(name: str) -> str:
+    """Why there is no native FMU of the component: PYTHON_ONLY of its folder; "" if there is one."""
+    return str(getattr(import_module(f"fmus.{name}"), "PYTHON_ONLY", ""))
+
+
+# The components of which there are native FMUs.
+NAMES: tuple[str, ...] = tuple(name for name in python_build.NAMES if not _python_only(name))
 
 
 def _version(tool: str) -> str:

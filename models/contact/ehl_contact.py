@@ -12,19 +12,26 @@ deflection is delta = approach - retreat + h and W = W_Hertz(delta) (1 + c delta
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Annotated, NamedTuple
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
-from ..core.component import Component, PowerBond
-from ..core.quantities import Layout, Vector
-from ..core.requirements import Requirement
+from ..core.component import Component
+from ..core.quantities import Layout, Quantity, Vector
 from .films import FILMS, film_by_number
 from .films.groups import groups
-from .hertz import compliance_of, deflection, elastic_energy, half_width, load_of, maximum_pressure
-from .line.field import with_field
-from .mixed_lubrication import film_ratio, mixed_lubrication
-from .records import ContactInputs, ContactOutputs, ContactParameters, ContactState
+from .hertz import compliance_of, elastic_energy, load_and_deflection
+from .mixed_lubrication import fill_surface_outputs
+from .records import (
+    BONDS,
+    ContactInputs,
+    FilmThickness,
+    SharedOutputs,
+    SharedParameters,
+    feedthrough_of_load,
+)
+from .relaxation import SQUEEZE_CONSTANT, relaxation_rate
 
 # Ranges of the groups in the regression behind K (10) (K Table 3), with E = pi / compliance.
 TABLE_3 = {
@@ -40,7 +47,40 @@ U_LOW, U_HIGH = TABLE_3["speed"]
 
 
 FILM_IS_DRY = float(list(FILMS).index("dry"))
-FILM_IS_SOLVED = float(list(FILMS).index("line_transient"))
+
+
+@dataclass
+class ContactParameters(SharedParameters):
+    """Defaults: the set `kushwaha2000`; damping ratio 0.05 of the 6.7 kHz contact mode at 450 N."""
+
+    film_model: Annotated[float, Quantity("1", "film thickness formula", choices=tuple(FILMS))] = 0.0
+    squeeze_constant: Annotated[
+        float, Quantity("1", "constant C of the squeeze term (K 10)", nominal=100.0, positive=True)
+    ] = SQUEEZE_CONSTANT
+    contact_damping: Annotated[
+        float, Quantity("N.s/m", "damping c of the contact at the reference load", nominal=1e3, minimum=0.0)
+    ] = 920.0
+    damping_reference_load: Annotated[
+        float,
+        Quantity("N", "load at which the damping is c; it grows with the load", nominal=500.0, positive=True),
+    ] = 450.0
+
+
+@dataclass
+class ContactState:
+    film_thickness: FilmThickness = 1e-6
+
+
+@dataclass
+class ContactOutputs(SharedOutputs):
+    damping_margin: Annotated[
+        float, Quantity("1", "1 + c delta'/W_ref: where it is negative the damping takes the whole load")
+    ] = 0.0
+    separated: Annotated[float, Quantity("1", "the contact carries no load", boolean=True)] = 0.0
+    material_in_range: Annotated[float, Quantity("1", "G inside K Table 3", boolean=True)] = 0.0
+    squeeze_in_range: Annotated[float, Quantity("1", "w_s inside K Table 3", boolean=True)] = 0.0
+    load_in_range: Annotated[float, Quantity("1", "W inside K Table 3", boolean=True)] = 0.0
+    speed_in_range: Annotated[float, Quantity("1", "U inside K Table 3", boolean=True)] = 0.0
 
 
 class Contact(NamedTuple):
@@ -58,33 +98,14 @@ class Contact(NamedTuple):
 
 
 @kernel
-def relaxation_rate(film: float, steady_film: float, velocity: float, squeeze_constant: float) -> float:
-    """dh/dt = -(|u|/C) ln(h/h_ss): K (10) solved for its squeeze velocity; 0 at u = 0.
-
-    A film that is not positive has no rate (nan): an integrator must reject the trial.
-    """
-    if velocity == 0.0 or steady_film <= 0.0:
-        return 0.0
-    if film <= 0.0:
-        return math.nan
-    return -abs(velocity) / squeeze_constant * math.log(film / steady_film)
-
-
-@kernel
 def contact(x: ContactState, u: ContactInputs, p: ContactParameters) -> Contact:
     """Deflection, load and film rate. The film sees the elastic load, which keeps the law explicit."""
     compliance = compliance_of(p)
-    radius = u.radius_of_curvature
     film = 0.0 if p.film_model == FILM_IS_DRY else x.film_thickness
-    if p.load_is_given != 0.0:
-        elastic_load = max(0.0, u.applied_load)
-        delta = deflection(elastic_load, radius, p.length, compliance)
-    else:
-        delta = u.approach - u.retreat + film
-        elastic_load = load_of(delta, radius, p.length, compliance)
+    elastic_load, delta = load_and_deflection(film, compliance, u, p)
     steady = film_by_number(
-        p.film_model, max(elastic_load, p.film_load_floor), abs(u.entraining_velocity), radius, p.length,
-        compliance, p.viscosity, p.pressure_viscosity,
+        p.film_model, max(elastic_load, p.film_load_floor), abs(u.entraining_velocity),
+        u.radius_of_curvature, p.length, compliance, p.viscosity, p.pressure_viscosity,
     )  # fmt: skip
     film_rate = relaxation_rate(x.film_thickness, steady, u.entraining_velocity, p.squeeze_constant)
     delta_rate = u.approach_rate - u.retreat_rate + film_rate
@@ -118,14 +139,7 @@ def output(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, y:
     y.steady_film_thickness = c.steady_film
     y.deflection = c.deflection
     load = max(0.0, c.load)
-    y.half_width = half_width(load, radius, p.length, c.compliance)
-    y.maximum_pressure = maximum_pressure(load, radius, p.length, c.compliance)
-    mixed = mixed_lubrication(load, c.film, y.half_width, c.compliance, u, p)
-    y.asperity_load = mixed.asperity_load
-    y.film_ratio = film_ratio(mixed.film, p.roughness)
-    y.viscous_friction = mixed.viscous_friction
-    y.boundary_friction = mixed.boundary_friction
-    y.friction_force = mixed.viscous_friction + mixed.boundary_friction
+    fill_surface_outputs(load, c.film, c.compliance, p.film_model, u, p, y)
     y.damping_margin = c.damping_margin
     y.separated = 1.0 if c.load <= 0.0 else 0.0
     g = groups(math.pi / c.compliance, load, speed, radius, p.length, p.viscosity, p.pressure_viscosity)
@@ -146,41 +160,13 @@ def energy(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, e:
     e[2] = c.load * c.film_rate if p.film_model != FILM_IS_DRY else 0.0
 
 
-@kernel
-def film_has_a_formula(p: ContactParameters, told: Vector) -> bool:
-    """The film that is solved for needs a field."""
-    return p.film_model != FILM_IS_SOLVED
-
-
-REQUIREMENTS = (
-    Requirement(
-        film_has_a_formula,
-        "film_model = line_transient: needs a pressure field; give the structural size nodes = 301, in "
-        "Python (native FMUs have no field: their film follows formulas)",
-    ),
-)
-
-
 @counts_energies
-def ehl_contact(nodes: int = 0) -> Component:
-    """The lubricated line contact, compliant or in adherence form.
-
-    `nodes` of a pressure field, which the film model line_transient needs; 0: none. ValueError for a number
-    of nodes that cannot be.
-    """
-    return with_field(_formula_contact(), nodes) if nodes else _formula_contact()
-
-
-def _formula_contact() -> Component:
-    """The contact without a field."""
+def ehl_contact() -> Component:
+    """The lubricated line contact whose film follows a formula, compliant or in adherence form."""
     inputs = Layout(ContactInputs)
     surfaces = tuple(name for name in inputs.names if name != "sliding_velocity")
-    statics = ("approach", "retreat", "applied_load", "radius_of_curvature")
     rated = ("entraining_velocity", "applied_load", "radius_of_curvature", "approach", "retreat")
-    friction = inputs.names
     return Component(
-        requirements=REQUIREMENTS,
-        structure={"nodes": 0},
         name="ehl_contact",
         description="Elastohydrodynamic finite line contact: load and film thickness",
         parameters=Layout(ContactParameters),
@@ -191,26 +177,14 @@ def _formula_contact() -> Component:
         output=output,
         energy=energy,
         feedthrough={
-            "load": surfaces,
+            **feedthrough_of_load(inputs),
             "squeeze_velocity": rated,
             "steady_film_thickness": rated,
-            "deflection": statics,
-            "half_width": surfaces,
-            "maximum_pressure": surfaces,
-            "friction_force": friction,
-            "viscous_friction": friction,
-            "asperity_load": surfaces,
-            "film_ratio": surfaces,
-            "boundary_friction": friction,
             "damping_margin": surfaces,
-            "separated": surfaces,
             "squeeze_in_range": rated,
             "load_in_range": surfaces,
             "speed_in_range": ("entraining_velocity", "radius_of_curvature"),
         },
-        bonds=(
-            PowerBond("load", "approach_rate", +1),
-            PowerBond("load", "retreat_rate", -1),
-        ),
+        bonds=BONDS,
         event_indicators=("deflection", "damping_margin"),
     )

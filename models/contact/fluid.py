@@ -42,10 +42,10 @@ class Lubricant(NamedTuple):
 
 
 @kernel
-def lubricant_of(p: Any) -> Lubricant:
+def lubricant_of(p: Any, density_law: float) -> Lubricant:
     """The lubricant of a contact's parameters."""
     return Lubricant(
-        p.viscosity, p.pressure_viscosity, p.viscosity_law, p.density_law, p.roelands_exponent,
+        p.viscosity, p.pressure_viscosity, p.viscosity_law, density_law, p.roelands_exponent,
         p.roelands_pressure, p.eyring_stress,
     )  # fmt: skip
 

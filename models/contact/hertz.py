@@ -29,6 +29,20 @@ def compliance_of(p: Any) -> float:
 
 
 @kernel
+def load_and_deflection(film: float, compliance: float, u: Any, p: Any) -> tuple[float, float]:
+    """Elastic load (N) and deflection (m) of a contact with a film (m).
+
+    Of the inputs u, the load if p.load_is_given; else the approach, for the film fills the gap.
+    """
+    radius = u.radius_of_curvature
+    if p.load_is_given != 0.0:
+        load = max(0.0, u.applied_load)
+        return load, deflection(load, radius, p.length, compliance)
+    delta = u.approach - u.retreat + film
+    return load_of(delta, radius, p.length, compliance), delta
+
+
+@kernel
 def half_width(load: float, radius: float, length: float, compliance: float) -> float:
     """b = sqrt(4 W R compliance / (pi L)) (K 6)."""
     return math.sqrt(4.0 * load * radius * compliance / (math.pi * length))

@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 
 from ..compile.kernel import kernel
 from .asperities import Asperities
-from .fluid import lubricant_of
+from .fluid import DOWSON_HIGGINSON, lubricant_of
 from .friction import Traction, hertzian_friction
+from .hertz import half_width, maximum_pressure
 from .load_sharing import FilmFormula, shared
 
 
@@ -43,17 +44,35 @@ def film_ratio(film: float, roughness: float) -> float:
 
 @kernel
 def mixed_lubrication(
-    load: float, film: float, half_width: float, compliance: float, u: Any, p: Any
+    load: float, film: float, width: float, compliance: float, film_model: float, u: Any, p: Any
 ) -> MixedLubrication:
-    """Sharing of the load W >= 0 (N) under a film (m) of smooth surfaces, and the friction."""
+    """Sharing of the load W >= 0 (N) under a film (m) of smooth surfaces, and the friction.
+
+    `film_model` numbers the formula in FILMS by which the film thickens as asperities take load.
+    """
     surfaces = surfaces_of(p)
     formula = FilmFormula(
-        p.film_model, u.entraining_velocity, u.radius_of_curvature, p.length, compliance, p.viscosity,
+        film_model, u.entraining_velocity, u.radius_of_curvature, p.length, compliance, p.viscosity,
         p.pressure_viscosity,
     )  # fmt: skip
-    carried = shared(load, film, 2.0 * half_width * p.length, surfaces, formula)
-    fluid = lubricant_of(p)
+    carried = shared(load, film, 2.0 * width * p.length, surfaces, formula)
+    fluid = lubricant_of(p, DOWSON_HIGGINSON)  # friction does not depend on the density
     friction = hertzian_friction(
-        load, half_width, p.length, u.sliding_velocity, carried, fluid, surfaces, traction_of(p)
+        load, width, p.length, u.sliding_velocity, carried, fluid, surfaces, traction_of(p)
     )
     return MixedLubrication(carried.film, carried.asperity_load, friction.viscous, friction.boundary)
+
+
+@kernel
+def fill_surface_outputs(
+    load: float, film: float, compliance: float, film_model: float, u: Any, p: Any, y: Any
+) -> None:
+    """Outputs y of a Hertzian contact under the load W >= 0 (N): width, pressure, sharing and friction."""
+    y.half_width = half_width(load, u.radius_of_curvature, p.length, compliance)
+    y.maximum_pressure = maximum_pressure(load, u.radius_of_curvature, p.length, compliance)
+    mixed = mixed_lubrication(load, film, y.half_width, compliance, film_model, u, p)
+    y.asperity_load = mixed.asperity_load
+    y.film_ratio = film_ratio(mixed.film, p.roughness)
+    y.viscous_friction = mixed.viscous_friction
+    y.boundary_friction = mixed.boundary_friction
+    y.friction_force = mixed.viscous_friction + mixed.boundary_friction

@@ -1,4 +1,4 @@
-"""Parameters, state, inputs and outputs of the lubricated contact.
+"""Parameters, inputs and outputs that the lubricated contacts have in common.
 
 Numbers in parentheses refer to Kushwaha et al. 2000 (K).
 """
@@ -8,7 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from ..core.quantities import Quantity
+from ..core.component import PowerBond
+from ..core.quantities import Layout, Quantity
 from ..plausible import (
     CURVATURE,
     FILM,
@@ -18,29 +19,25 @@ from ..plausible import (
     YIELD_PRESSURE,
     YOUNGS_MODULUS,
 )
-from .films import FILMS
-from .fluid import DENSITY_LAWS, VISCOSITY_LAWS
+from .fluid import VISCOSITY_LAWS
 from .hertz import ELASTIC_LIMIT
 
 # Larger values are slips of the unit. A line contact (m) is no longer than the largest rollers. SAE J300 lets
 # an engine's oil be no thicker (Pa.s) where it is cranked in the cold (grade 25W). Two coarsely turned
 # surfaces of Ra 12.5 um (ISO 1302: N10) have 22 um rms together.
 LONGEST, THICKEST, ROUGHEST = 1.0, 13.0, 22e-6
-# A tenth of it takes 2.5 times as long. At 1e-9 a swing of the approach ends with a load 2e-8 from that of
-# 1e-11, much closer than `line.newton` promises (1e-6 of the pressure): less would only take time.
-LEAST_FIELD_TOLERANCE = 1e-9
 
 
 @dataclass
-class ContactParameters:
-    """Defaults: the set `kushwaha2000`; damping ratio 0.05 of the 6.7 kHz contact mode at 450 N."""
+class SharedParameters:
+    """Bodies, lubricant, surfaces and friction. Defaults: the set `kushwaha2000`."""
 
-    film_model: Annotated[float, Quantity("1", "film thickness formula", choices=tuple(FILMS))] = 0.0
     load_is_given: Annotated[float, Quantity("1", "adherence form: the load is an input", boolean=True)] = 0.0
     length: Annotated[
         float,
         Quantity("m", "contact length L_c", nominal=1e-2, positive=True, maximum=LONGEST, display_unit="mm"),
     ] = 12e-3
+
     youngs_modulus_1: Annotated[
         float,
         Quantity(
@@ -94,25 +91,10 @@ class ContactParameters:
             plausible=PRESSURE_VISCOSITY,
         ),
     ] = 1.8e-8
-    squeeze_constant: Annotated[
-        float, Quantity("1", "constant C of the squeeze term (K 10)", nominal=100.0, positive=True)
-    ] = 96.775
     film_load_floor: Annotated[
         float, Quantity("N", "least load that the film is computed for", positive=True)
     ] = 1.0
-    contact_damping: Annotated[
-        float, Quantity("N.s/m", "damping c of the contact at the reference load", nominal=1e3, minimum=0.0)
-    ] = 920.0
-    damping_reference_load: Annotated[
-        float,
-        Quantity("N", "load at which the damping is c; it grows with the load", nominal=500.0, positive=True),
-    ] = 450.0
-    viscosity_law: Annotated[
-        float, Quantity("1", "viscosity under pressure (friction, line_transient)", choices=VISCOSITY_LAWS)
-    ] = 0.0
-    density_law: Annotated[
-        float, Quantity("1", "density under pressure (line_transient)", choices=DENSITY_LAWS)
-    ] = 0.0
+    viscosity_law: Annotated[float, Quantity("1", "viscosity under pressure ", choices=VISCOSITY_LAWS)] = 0.0
     roelands_exponent: Annotated[
         float, Quantity("1", "exponent z of Roelands' law", positive=True, maximum=1.0)
     ] = 0.68
@@ -130,15 +112,6 @@ class ContactParameters:
             plausible=SHEAR_STRESS,
         ),
     ] = 0.0
-    field_tolerance: Annotated[
-        float,
-        Quantity(
-            "1",
-            "error of load and film per micro-step (line_transient)",
-            minimum=LEAST_FIELD_TOLERANCE,
-            maximum=0.1,
-        ),
-    ] = 1e-4
     roughness: Annotated[
         float,
         Quantity(
@@ -184,14 +157,12 @@ class ContactParameters:
     ] = 0.07
 
 
-@dataclass
-class ContactState:
-    film_thickness: Annotated[
-        float,
-        Quantity(
-            "m", "lubricant film thickness h", nominal=1e-6, positive=True, display_unit="um", plausible=FILM
-        ),
-    ] = 1e-6
+FilmThickness = Annotated[
+    float,
+    Quantity(
+        "m", "lubricant film thickness h", nominal=1e-6, positive=True, display_unit="um", plausible=FILM
+    ),
+]
 
 
 @dataclass
@@ -225,7 +196,7 @@ class ContactInputs:
 
 
 @dataclass
-class ContactOutputs:
+class SharedOutputs:
     load: Annotated[float, Quantity("N", "contact load W", nominal=500.0)] = 0.0
     film_thickness: Annotated[
         float, Quantity("m", "lubricant film thickness h", nominal=1e-6, display_unit="um")
@@ -254,11 +225,26 @@ class ContactOutputs:
     boundary_friction: Annotated[float, Quantity("N", "boundary share of the friction", nominal=10.0)] = 0.0
     asperity_load: Annotated[float, Quantity("N", "load W_a on asperities", nominal=10.0)] = 0.0
     film_ratio: Annotated[float, Quantity("1", "film of the fluid's share over roughness; 0: smooth")] = 0.0
-    damping_margin: Annotated[
-        float, Quantity("1", "1 + c delta'/W_ref: where it is negative the damping takes the whole load")
-    ] = 0.0
-    separated: Annotated[float, Quantity("1", "the contact carries no load", boolean=True)] = 0.0
-    material_in_range: Annotated[float, Quantity("1", "G inside K Table 3", boolean=True)] = 0.0
-    squeeze_in_range: Annotated[float, Quantity("1", "w_s inside K Table 3", boolean=True)] = 0.0
-    load_in_range: Annotated[float, Quantity("1", "W inside K Table 3", boolean=True)] = 0.0
-    speed_in_range: Annotated[float, Quantity("1", "U inside K Table 3", boolean=True)] = 0.0
+
+
+# The components that are lubricated contacts.
+CONTACTS = ("ehl_contact", "ehl_line_contact")
+
+BONDS = (PowerBond("load", "approach_rate", +1), PowerBond("load", "retreat_rate", -1))
+
+
+def feedthrough_of_load(inputs: Layout) -> dict[str, tuple[str, ...]]:
+    """The inputs that outputs of a contact under Hertzian load depend on at the same instant."""
+    surfaces = tuple(name for name in inputs.names if name != "sliding_velocity")
+    return {
+        "load": surfaces,
+        "deflection": ("approach", "retreat", "applied_load", "radius_of_curvature"),
+        "half_width": surfaces,
+        "maximum_pressure": surfaces,
+        "friction_force": inputs.names,
+        "viscous_friction": inputs.names,
+        "asperity_load": surfaces,
+        "film_ratio": surfaces,
+        "boundary_friction": inputs.names,
+        "separated": surfaces,
+    }

@@ -17,6 +17,8 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property, wraps
 from typing import Any
 
+import numpy as np
+
 from ..compile.kernel import kernel
 from .component import DISSIPATED_POWER, IMPACT_LOSS, SOURCE_POWER, STORED, Component, PowerBond
 from .integrator import OK, copy, taylor
@@ -51,9 +53,9 @@ def counts_energies(factory: Callable[..., Component]) -> Callable[..., Componen
 
 
 def counting(plain: Component) -> CountingComponent:
-    """`plain` with its energies counted; ValueError if its own advance takes no samples."""
-    if not plain.samples:
-        raise ValueError(f"{plain.name}: its own advance takes no samples, by which energies are counted")
+    """`plain` with its energies counted; ValueError if its equations are unknown."""
+    if plain.opaque:
+        raise ValueError(f"{plain.name}: its equations are unknown, by which energies are counted")
     counted = {name: Quantity("J", text) for name, text in _COUNTED.items()}
     for bond in plain.bonds:
         power = f"{'-' if bond.sign < 0 else ''}{bond.effort} * {bond.flow}"
@@ -66,7 +68,7 @@ def counting(plain: Component) -> CountingComponent:
         "feedthrough": {**plain.feedthrough, STORED_ENERGY: plain.inputs.names},
         "structure": {**plain.structure, "energies": 1},
     }
-    return (plain.counting_class or CountingComponent)(**attributes, plain=plain)
+    return CountingComponent(**attributes, plain=plain)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +110,27 @@ class CountingComponent(Component):
             copy(y[m + 1 :], x[n:])
 
         return counting_output
+
+    @cached_property
+    def flat_rates(self) -> Any:
+        """Those of the component. The stored energy of one that is no ODE changes by its powers: differences
+        along its derivative would miss that."""
+        rates = super().flat_rates
+        if self.ode:
+            return rates
+        n, m, powers = self.plain.state.size, self.plain.outputs.size, _INNER + len(self.bonds)
+        own_rates, find_powers = self.plain.flat_rates, make_powers(self.plain)
+
+        @kernel
+        def counting_rates(t: float, x: Any, u: Any, du: Any, p: Any, work: Any, yd: Any) -> None:
+            own_rates(t, x[:n], u, du, p, work, yd[:m])
+            y, e = work[:m], work[m : m + _ENERGIES]
+            power = work[m + _ENERGIES : m + _ENERGIES + powers]
+            find_powers(t, x[:n], u, p, y, e, power)
+            yd[m:] = 0.0
+            yd[m] = np.sum(power[1:]) - power[0]
+
+        return counting_rates
 
     @cached_property
     def flat_energy(self) -> Any:

@@ -84,10 +84,11 @@ class Component:
 
     `advance_maker(component)` returns an advance kernel that replaces the standard integrator (with events:
     the hybrid one). It has `extra_work` elements of scratch after those of the integrator. With h = 0 it
-    leaves the state unchanged. `samples`: it calls `sample`, which energies need (see `quadrature`).
-    `ode`: dx/dt = derivative describes the motion. Without that (a pressure field that only `advance` finds)
-    the derivative serves rates of outputs and equilibria only. Solvers of ODEs refuse such a component; the
-    monolithic reference needs its `implicit`.
+    leaves the state unchanged, and it calls `sample` where that is given (see `quadrature`).
+    `implicit_maker(component)` returns the implicit steps of a component whose motion is not dx/dt =
+    derivative, such as a pressure field that only `advance` finds. Its derivative serves rates of outputs and
+    equilibria only. Solvers of ODEs refuse it; the monolithic reference takes the implicit steps.
+    `opaque`: the equations are unknown, as of an FMU of another tool.
     `resting`: the states that stand still in an equilibrium of the system. None: all. (): none, as for
     a crank, which turns while the mechanisms that it drives are at rest.
 
@@ -114,8 +115,8 @@ class Component:
     start_requirements: Sequence[Requirement] = ()
     advance_maker: Callable[[Component], Any] | None = None
     extra_work: int = 0
-    samples: bool = True
-    ode: bool = True
+    implicit_maker: Callable[[Component], ImplicitSteps] | None = None
+    opaque: bool = False
     sample: Any = None
     structure: Mapping[str, int] = field(default_factory=dict)
     resting: Sequence[str] | None = None
@@ -211,12 +212,12 @@ class Component:
     @cached_property
     def implicit(self) -> ImplicitSteps | None:
         """Implicit steps of a component that is no ODE, for the monolithic reference; None: it has none."""
-        return None
+        return self.implicit_maker(self) if self.implicit_maker else None
 
     @property
-    def counting_class(self) -> Any:
-        """The class that counts this component's energies; None: `bonds.CountingComponent`."""
-        return None
+    def ode(self) -> bool:
+        """Whether dx/dt = derivative describes the motion."""
+        return not self.opaque and self.implicit_maker is None
 
     @cached_property
     def step(self) -> Any:

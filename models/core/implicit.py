@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
-
-from .quantities import Vector
 
 
 @dataclass(frozen=True)
@@ -16,7 +13,6 @@ class ImplicitSteps:
     Every implicit one-step or multistep method solves (q(x) - base)/interval = F(x, u); `base` and `interval`
     (s) follow from earlier steps.
 
-    `needed(p)`: whether these parameters need implicit steps; with others the derivative suffices.
     begin(x, u, p, work): prepares x for the first step, once.
     carry(x, u, p, work, q): writes q, `carried` elements.
     stage(x, u, p, base, interval, work) -> status: replaces the guess x by the solution, valid if OK.
@@ -25,7 +21,6 @@ class ImplicitSteps:
 
     carried: int
     work_size: int
-    needed: Callable[[Vector], bool]
     begin: Any
     carry: Any
     stage: Any

@@ -49,7 +49,7 @@ class DrivenProblem:
     """A component's state, with inputs along one piece; ModelError if the component is no ODE."""
 
     def __init__(self, component: Component, piece: Piece, p: Vector) -> None:
-        if not component.ode and (component.implicit is None or component.implicit.needed(p)):
+        if not component.ode:
             raise ModelError(f"{component.name}: has no form as ordinary differential equations")
         self.component, self.piece, self.p = component, piece, p
         self.nominal = component.state.nominal

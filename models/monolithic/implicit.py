@@ -22,7 +22,7 @@ from ..core.integrator import FAILURES, OK
 from ..core.quantities import Vector
 from ..core.system import System
 from .energy import QUADRATURES, Energies
-from .problem import check_solvable, is_ode
+from .problem import check_solvable
 
 # Newton's corrections of the states that are no field's end below this of nominal + |value|: a few roundings,
 # as a contact's deflection is a small difference of large positions.
@@ -67,7 +67,7 @@ class ImplicitProblem:
         self.system = s = system
         self.evaluation = Evaluation(s)
         self.energies = Energies(s)
-        names = [name for name in s.instances if not is_ode(s, name)]
+        names = [name for name, instance in s.instances.items() if not instance.component.ode]
         others = np.ones(s.state.size, dtype=np.bool_)
         for name in names:
             others[s.state.of(name)] = False

@@ -70,7 +70,7 @@ class CompiledProblem(Problem, Protocol):
 def check_ode(system: System) -> None:
     """ModelError if a component's motion is not that of its derivative (`Component.ode`)."""
     for name, instance in system.instances.items():
-        if not is_ode(system, name):
+        if not instance.component.ode:
             raise ModelError(
                 f"{name}: {instance.component.name} with {_sizes(instance.component)} has no form as "
                 "ordinary differential equations, which this solver needs (its own steps move it); "
@@ -78,20 +78,10 @@ def check_ode(system: System) -> None:
             )
 
 
-def is_ode(system: System, name: str) -> bool:
-    """Whether this instance's motion is that of its derivative: by its component, or by its parameters."""
-    component = system.instances[name].component
-    if component.ode:
-        return True
-    return component.implicit is not None and not component.implicit.needed(
-        system.p[system.parameters.of(name)]
-    )
-
-
 def check_solvable(system: System) -> None:
     """ModelError if the reference cannot be solved: see `check_ode` and `implicit`."""
-    others = [name for name in system.instances if not is_ode(system, name)]
-    if any(system.instances[name].component.implicit is None for name in others):
+    others = [name for name, instance in system.instances.items() if not instance.component.ode]
+    if any(system.instances[name].component.opaque for name in others):
         check_ode(system)
     for name, instance in system.instances.items():
         if others and instance.component.events:

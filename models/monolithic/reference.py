@@ -22,7 +22,7 @@ from .energy import EnergyBalance
 from .implicit import ImplicitProblem
 from .implicit_methods import Bdf3, ImplicitMethod, Sdirk4, march_implicit
 from .march import Method, march
-from .problem import Event, ObservableProblem, Problem, SystemProblem, is_ode
+from .problem import Event, ObservableProblem, Problem, SystemProblem
 from .runge_kutta import RungeKutta
 
 # The integrators' tolerance per step and unit of nominal, over the tolerance that the user asks for: a
@@ -103,7 +103,7 @@ def solve(
     """
     begun = time.perf_counter()
     times = check_times(times, t0)
-    if not all(is_ode(system, name) for name in system.instances):
+    if not all(instance.component.ode for instance in system.instances.values()):
         return _solve_implicit(system, times, x0, t0, progress, longest_step, begun)
     problem = SystemProblem(system)
     z0 = problem.start(system.x0 if x0 is None else np.asarray(x0, dtype=np.float64))

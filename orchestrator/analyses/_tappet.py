@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from models.contact.ehl_contact import ContactParameters
 from models.contact.finite_line.contact import FiniteLine, Running
 from models.contact.finite_line.grid import Resolution
 from models.contact.finite_line.profiles import (
@@ -18,7 +19,6 @@ from models.contact.finite_line.profiles import (
 )
 from models.contact.fluid import Lubricant
 from models.contact.hertz import ELASTIC_LIMIT, elastic_compliance
-from models.contact.records import ContactParameters
 from models.core.quantities import Layout
 from models.valve_train.camshaft import CamshaftParameters, static_slope
 from models.valve_train.rigid import contact_conditions

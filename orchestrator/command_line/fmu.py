@@ -39,9 +39,9 @@ def build_fmu(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Pat
         raise RunError(f"building the FMU {name}: {error.args[-1] if error.args else error}") from None
 
 
-def check_native(sizes: Mapping[str, tuple[str, Mapping[str, int]]]) -> None:
-    """MistakeError if native FMUs of these instances (component, structural sizes) cannot be built here."""
-    from fmus.native.fmu import check_sizes, check_tools
+def check_native(instances: Mapping[str, str]) -> None:
+    """MistakeError if native FMUs of these instances (with their components) cannot be built here."""
+    from fmus.native.fmu import check_component, check_tools
     from fmus.native.machine_code import NativeBuildError
     from fmus.native.translate import TranslationError
 
@@ -51,12 +51,12 @@ def check_native(sizes: Mapping[str, tuple[str, Mapping[str, int]]]) -> None:
         check_tools()
     except NativeBuildError as error:
         remedy = "or take them without --native (participant = 'fmu')"
-        raise MistakeError(f"components {', '.join(sizes)}: {error}; {remedy}") from None
-    for name, (component, structure) in sizes.items():
+        raise MistakeError(f"components {', '.join(instances)}: {error}; {remedy}") from None
+    for name, component in instances.items():
         try:
-            check_sizes(component, structure)
+            check_component(component)
         except TranslationError as error:
-            raise MistakeError(f"components.{name}.structure.{error} (participant = 'fmu')") from None
+            raise MistakeError(f"components.{name}.component = {error} (participant = 'fmu')") from None
 
 
 def _build_native_here(name: str, destination: Path | None, structure: Mapping[str, int]) -> Path:
@@ -116,6 +116,7 @@ def _check_options(
 ) -> Sequence[str]:
     """Check the options; return the components to build."""
     from fmus.build import NAMES
+    from fmus.native.fmu import NAMES as NATIVE_NAMES
     from models.core.system import suggestion
 
     from ..errors import MistakeError
@@ -142,7 +143,7 @@ def _check_options(
             build_component(name, tuple((sizes or {}).items()))
         except ValueError as error:
             raise MistakeError(f"--structure: {error}") from None
-    return names or NAMES
+    return names or (NATIVE_NAMES if native else NAMES)
 
 
 @contextmanager

@@ -55,7 +55,7 @@ def run_scenario(
             scenario, [*overrides, *(f"components.{name}.participant=native" for name in built_ones)]
         )
     natives = {
-        name: (str(table.component), table.structure)
+        name: str(table.component)
         for name, table in loaded.components.items()
         if table.participant == "native"
     }

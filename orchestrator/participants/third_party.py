@@ -81,8 +81,7 @@ def _read_component(path: Path, changed: int, size: int) -> Component:
         output=_refuse_equations,
         energy=_refuse_equations,
         feedthrough={v.name: about.depends.get(v.name, every) for v in outputs},
-        samples=False,
-        ode=False,
+        opaque=True,
         about=about,
     )
 

@@ -10,8 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
-from models.contact.ehl_contact import FILM_IS_SOLVED
-
 from .data import FigureData
 from .style import (
     ACCENT,
@@ -44,7 +42,7 @@ def applies(data: FigureData) -> bool:
 def contacts(data: FigureData) -> list[str]:
     """Those whose film is solved for."""
     names = [name.split(".")[0] for name in data.all("film_ratio")]
-    return [name for name in names if data.parameters.get(f"{name}.film_model") == FILM_IS_SOLVED]
+    return [name for name in names if f"{name}.field_tolerance" in data.parameters]
 
 
 def figure(data: FigureData) -> Figure:

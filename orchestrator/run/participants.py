@@ -63,12 +63,12 @@ def build_participants(
 def select_counting(scenario: Scenario, system: System) -> list[str]:
     """The instances that can count their energies.
 
-    Components that take no samples cannot, nor can given FMUs that lack the variables for it.
+    Components of unknown equations cannot, nor can given FMUs that lack the variables for it.
     """
     names = []
     for name, table in scenario.components.items():
         component = system.instances[name].component
-        if not component.samples:
+        if component.opaque:
             continue
         given = table.participant.endswith(".fmu")
         if not given or not find_missing(Path(table.participant), counting(component).outputs.names):

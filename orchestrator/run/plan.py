@@ -132,7 +132,7 @@ def resolve_fmus(scenario: Scenario, build: Builder) -> dict[str, FmuFile]:
         if table.participant == "in-process":
             continue
         own = table.participant in BUILT_KINDS
-        counts = scenario.energy.ledger and table.resolve().samples
+        counts = scenario.energy.ledger and not table.resolve().opaque
         structure = counting_structure(table.structure) if counts else table.structure
         path = Path(table.participant)
         if own and table.component:

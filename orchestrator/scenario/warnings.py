@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from models.contact.records import CONTACTS
+
 from ..participants import ThirdPartyComponent
 from . import Scenario, parse_line
 from .capabilities import list_unsynchronised
@@ -97,7 +99,7 @@ def _list_unloaded(scenario: Scenario) -> list[str]:
         f"components.{name}.parameters.load_is_given = true: nothing drives {name}.applied_load, so the "
         f"contact has no load; connect it, or give components.{name}.inputs.applied_load"
         for name, table in scenario.components.items()
-        if table.component == "ehl_contact"
+        if table.component in CONTACTS
         and table.parameters.get("load_is_given")
         and f"{name}.applied_load" not in driven
         and not table.inputs.get("applied_load")

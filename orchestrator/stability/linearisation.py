@@ -260,9 +260,8 @@ def open_linearisations(
                 # Measured on valve-train-ehl at 4 us: residuals of 54 to 878 %, and limits far too low.
                 raise ScenarioError(
                     f"components.{name}: its coupling cannot be analysed: the errors of its field's steps "
-                    "(field_tolerance) hide the responses to small changes; take a formula in its place, "
-                    f"--set components.{name}.structure.nodes=0 "
-                    f"--set components.{name}.parameters.film_model=dowson_higginson"
+                    "(field_tolerance) hide the responses to small changes; take a film formula in its "
+                    f"place, --set components.{name}.component=ehl_contact"
                 )
             if ode and not (every or table.participant.endswith(".fmu")):
                 linearisations[name] = Equations(system, name)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
+from models.contact.records import CONTACTS
 from models.core.quantities import Quantity
 
 from ..analyses import Result
@@ -39,7 +40,6 @@ ERRORS = {
         lambda error: error.uncertainty.relative_rms,
     ),
 }
-CONTACT = "ehl_contact"
 SEPARATION: dict[str, tuple[str, str, Callable[[Course], float]]] = {
     "separations": ("1", "how often it opened", lambda c: c.separation.count if c.separation else 0.0),
     "separated": ("1", "share of the time without load", lambda c: c.lost),
@@ -89,7 +89,7 @@ class ScenarioSubject:
         found |= {
             f"{name}.{key}": Result(unit, f"{name}: {text}")
             for name, table in self.scenario.components.items()
-            if table.component == CONTACT
+            if table.component in CONTACTS
             for key, (unit, text, _) in SEPARATION.items()
         }
         found["macro_steps"] = Result("1", "macro steps")
@@ -178,7 +178,7 @@ class ScenarioSubject:
             if (Path(folder) / RESULT).exists():
                 found = _statistics(Path(folder))
         for name, table in scenario.components.items():
-            if table.component == CONTACT:
+            if table.component in CONTACTS:
                 found |= _contact(name, summary.contacts.get(name))
         found["macro_steps"] = summary.macro_steps
         found["iterations"] = summary.iterations

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.contact.ehl_contact import TABLE_3
-from models.contact.fluid import lubricant_of
+from models.contact.ehl_contact import TABLE_3, ContactParameters
+from models.contact.fluid import DOWSON_HIGGINSON, lubricant_of
 from models.contact.hertz import compliance_of, maximum_pressure
 from models.contact.line.history import FilmHistory, film_history, formula_history
 from models.contact.line.line_contact import LineContact
-from models.contact.records import ContactParameters
 from models.core.quantities import Vector
 
 from ..kushwaha2000.runs import NOSE_DEG
@@ -115,7 +114,7 @@ def contacts(train: ValveTrain, turn: Turn, at: Vector) -> list[LineContact | No
     """The contact at these angles, under the load of the adherence solution with spring surge; None where
     no oil is entrained."""
     p = train.parameters("contact")
-    compliance, fluid = compliance_of(p), lubricant_of(p)
+    compliance, fluid = compliance_of(p), lubricant_of(p, DOWSON_HIGGINSON)
     found: list[LineContact | None] = []
     for angle in at:
         if np.min(np.abs(angle - np.array(train.reversals_deg))) <= AT_REST_DEG:

@@ -6,12 +6,11 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from models.contact.ehl_contact import TABLE_3
+from models.contact.ehl_contact import TABLE_3, ContactParameters
 from models.contact.films import FILMS
 from models.contact.films.groups import groups
 from models.contact.hertz import compliance_of
 from models.contact.line.line_contact import LineContact
-from models.contact.records import ContactParameters
 
 CENTRAL, MINIMUM = "central", "minimum"
 

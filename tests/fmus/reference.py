@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from fmus.build import default_structure
 from models.catalogue import CATALOGUE
 from models.core.component import Component
 
@@ -19,7 +18,7 @@ class Reference:
     """A component stepped directly, with the sizes that its FMU has without others."""
 
     def __init__(self, name: str, start_time: float = 0.0, **structure: int) -> None:
-        self.component: Component = CATALOGUE[name](**(structure or default_structure(name)))
+        self.component: Component = CATALOGUE[name](**structure)
         c = self.component
         self.t = start_time
         self.x, self.p = c.state.start.copy(), c.parameters.start.copy()

@@ -13,7 +13,7 @@ import pytest
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
-from fmus.build import NAMES, default_structure
+from fmus.build import NAMES
 from fmus.documentation import MARKER, page
 from fmus.fmi.units import base, display_factor, factors, per_second
 from fmus.variable_layout import Memory
@@ -46,7 +46,7 @@ def number(text: str) -> float:
 @pytest.mark.parametrize("name", NAMES)
 def test_every_quantity_is_described(name: str, fmu_files: dict[str, Path]) -> None:
     """Names, units, ranges, nominals, start values and dependencies are those of the component."""
-    component = CATALOGUE[name](**default_structure(name))
+    component = CATALOGUE[name]()
     described = read_model_description(str(fmu_files[name]))
     found = {v.name: v for v in described.modelVariables}
     for layout, causality in (
@@ -97,7 +97,7 @@ def test_every_file_that_the_standard_offers(name: str, fmu_files: dict[str, Pat
     assert not [n for n in code if "system.py" in n or "monolithic" in n]
     assert b"import scipy" not in text
     assert b"from scipy" not in text
-    for variable in Memory(CATALOGUE[name](**default_structure(name))).variables():
+    for variable in Memory(CATALOGUE[name]()).variables():
         assert variable.derivative_order or f"<td>{variable.name}</td>" in html
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.build import NAMES, default_structure
+from fmus.build import NAMES
 from models.catalogue import CATALOGUE
 from models.core.component import Component
 from models.core.quantities import Vector
@@ -64,7 +64,7 @@ class Bound:
 
 
 def both(name: str, path: Path, rows: int) -> tuple[Bound, Bound]:
-    instance = Instance(CATALOGUE[name](**default_structure(name)))
+    instance = Instance(CATALOGUE[name]())
     packaged, direct = open_fmu(name, path, instance), in_process(name, instance)
     return Bound(packaged, instance.component, rows), Bound(direct, instance.component, rows)
 
@@ -148,7 +148,7 @@ def test_only_declared_rates_are_given(third_party: Path, fmu_files: dict[str, P
 
 
 def test_discrete_outputs_have_rate_zero(fmu_files: dict[str, Path]) -> None:
-    instance = Instance(CATALOGUE["ehl_contact"](**default_structure("ehl_contact")))
+    instance = Instance(CATALOGUE["ehl_contact"]())
     names = ["load", "separated"]
     for unit in (open_fmu("contact", fmu_files["ehl_contact"], instance), in_process("contact", instance)):
         rates: Vector = np.full(2, 7.0)

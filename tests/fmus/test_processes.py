@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 import models
-from fmus.build import build, content_of, default_structure, packed
-from fmus.fmi.validate import info
+from fmus.build import build, content_of, packed
 
 from .conftest import Isolated, clean_environment
 from .reference import Reference
@@ -185,21 +184,6 @@ def test_build_leaves_no_trace_in_the_process(tmp_path: Path) -> None:
     assert sys.path == path
     added = {name for name in set(sys.modules) - before if not name.startswith(("fmus.", "markdown_it"))}
     assert not {name for name in added if "tribocosim" in name or "camshaft" in name}
-
-
-def test_sizes_without_others_are_those_of_the_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Sizes that are given, if only as none, replace them."""
-    made = {key: build("valve_spring", tmp_path / f"{key}.fmu", {"coil_masses": key}) for key in (2, 5)}
-    monkeypatch.setattr("fmus.valve_spring.STRUCTURE", {"coil_masses": 5}, raising=False)
-    assert default_structure("valve_spring") == {"coil_masses": 5}
-    assert build("valve_spring", tmp_path).read_bytes() == made[5].read_bytes()
-
-    def names(path: Path) -> list[str]:
-        return [variable.name for variable in info(path).variables]
-
-    assert names(build("valve_spring", tmp_path, {})) == names(made[2]) != names(made[5])
 
 
 def test_unknown_names_and_sizes(tmp_path: Path) -> None:

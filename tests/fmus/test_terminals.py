@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import orchestrator
-from fmus.build import NAMES, default_structure
+from fmus.build import NAMES
 from fmus.fmi.terminals import Terminal, terminals_and_icons, terminals_of
 from fmus.fmi.validate import terminal_faults
 from fmus.variable_layout import Memory
@@ -19,7 +19,7 @@ SCENARIOS = Path(orchestrator.__file__).parent / "scenario" / "shipped"
 
 
 def variables_of(name: str, **structure: int) -> set[str]:
-    component = CATALOGUE[name](**(structure or default_structure(name, "NATIVE_STRUCTURE")))
+    component = CATALOGUE[name](**structure)
     return {v.name for v in Memory(component).variables()}
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import product
 
-from fmus.build import NAMES
+from fmus.native.fmu import NAMES
 from interop import document
 from interop.comparison import KINDS
 from interop.document import PAGE, Results, format_page, list_findings, make_result, read_results, summarise

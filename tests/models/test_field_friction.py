@@ -10,20 +10,20 @@ from models.contact.films import FILMS
 from models.core.component import Component
 from models.core.integrator import OK
 
-SOLVED = {"film_model": float(list(FILMS).index("line_transient")), "load_is_given": 1.0}
+GIVEN = {"load_is_given": 1.0}
 LOAD = 300.0
 
 
 @pytest.fixture(scope="module")
 def contact() -> Component:
-    return CATALOGUE["ehl_contact"](nodes=101)
+    return CATALOGUE["ehl_line_contact"](nodes=101)
 
 
 def settled(
     contact: Component, sliding: float, load: float = LOAD, entraining: float = 2.0, **parameters: float
 ) -> dict[str, float]:
     """Outputs after 1 ms of a constant load, in which the film passes the contact at least once."""
-    p = contact.parameters.vector({**SOLVED, **parameters})
+    p = contact.parameters.vector({**GIVEN, **parameters})
     x, U = contact.state.start.copy(), contact.input_polynomial()
     U[0] = contact.inputs.vector(
         {"applied_load": load, "entraining_velocity": entraining, "sliding_velocity": sliding}
@@ -58,7 +58,7 @@ def test_friction_of_a_heavy_contact_is_near_that_of_the_formula_with_its_film(c
     drives = {"load": 3000.0, "entraining": 0.3}
     solved = settled(contact, 0.1, **drives)
     plain = CATALOGUE["ehl_contact"]()
-    p = plain.parameters.vector({**SOLVED, "film_model": float(list(FILMS).index("moes_venner"))})
+    p = plain.parameters.vector({**GIVEN, "film_model": float(list(FILMS).index("moes_venner"))})
     u = plain.inputs.vector({"applied_load": 3000.0, "entraining_velocity": 0.3, "sliding_velocity": 0.1})
     y = np.zeros(plain.outputs.size)
     plain.flat_output(0.0, np.array([solved["film_thickness"]]), u, p, y)

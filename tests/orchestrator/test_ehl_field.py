@@ -96,7 +96,7 @@ def test_the_fmu_of_the_field_runs_as_the_component_to_the_last_bit(
     master, valve_train: System, tmp_path: Path
 ) -> None:
     instance, found = valve_train.instances["contact"], Recorder()
-    file = build("ehl_contact", tmp_path, instance.component.structure)
+    file = build("ehl_line_contact", tmp_path, instance.component.structure)
     units = in_processes(valve_train) | {"contact": open_fmu("contact", file, instance)}
     simulate(valve_train, units, master, STEP, STOP, [found])
     units["contact"].close()

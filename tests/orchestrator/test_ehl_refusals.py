@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fmus.build import build
-from models.contact.ehl_contact import FILM_IS_SOLVED, ehl_contact
+from models.contact.ehl_line_contact import ehl_line_contact
 from models.core.system import ModelError, System
 from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel
@@ -44,9 +44,8 @@ component = "falling_mass"
 start = {{ position = "1 mm", velocity = -10.0 }}
 
 [components.contact]
-component = "ehl_contact"
+component = "ehl_line_contact"
 structure = {{ nodes = {NODES} }}
-parameters = {{ film_model = "line_transient" }}
 inputs = {{ approach = "-0.5 um", entraining_velocity = 1.0 }}
 """
 
@@ -60,7 +59,7 @@ def falling(tmp_path_factory: pytest.TempPathFactory) -> System:
 
 @pytest.fixture(scope="module")
 def contact_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return build("ehl_contact", tmp_path_factory.mktemp("contact"), {"nodes": NODES})
+    return build("ehl_line_contact", tmp_path_factory.mktemp("contact"), {"nodes": NODES})
 
 
 @pytest.fixture(params=["in-process", "fmu"])
@@ -110,15 +109,11 @@ def test_the_coupling_of_a_field_is_not_analysed() -> None:
     scenario = load("valve-train-ehl", ["components.contact.structure.nodes=51"])
     system = build_system(scenario)
     with (
-        pytest.raises(ScenarioError, match=r"components\.contact: .*film_model=dowson_higginson"),
+        pytest.raises(ScenarioError, match=r"components\.contact: .*component=ehl_contact"),
         open_linearisations(scenario, system, None),
     ):
         pass
-    changes = [
-        "components.contact.structure.nodes=0",
-        "components.contact.parameters.film_model=dowson_higginson",
-    ]
-    formula = load("valve-train-ehl", changes)
+    formula = load("valve-train-ehl", ["components.contact.component=ehl_contact"])
     with open_linearisations(formula, build_system(formula), None) as made:
         assert set(made) == set(formula.components)
 
@@ -154,8 +149,8 @@ def test_extremes_that_exist_are_allowed(setting: str) -> None:
 
 @pytest.mark.parametrize("roughness", [0.2e-6, 2e-6, 20e-6])
 def test_the_film_ratio_before_the_first_step_is_that_of_the_film_shown(roughness: float) -> None:
-    component = ehl_contact(nodes=51)
-    p = component.parameters.vector({"film_model": FILM_IS_SOLVED, "roughness": roughness})
+    component = ehl_line_contact(nodes=51)
+    p = component.parameters.vector({"roughness": roughness})
     u = component.inputs.vector({"approach": 2e-6, "entraining_velocity": 1.0})
     y = np.zeros(component.outputs.size)
     component.flat_output(0.0, component.state.start.copy(), u, p, y)

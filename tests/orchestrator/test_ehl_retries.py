@@ -4,23 +4,19 @@ from __future__ import annotations
 
 import pytest
 
-from models.contact.ehl_contact import ehl_contact
-from models.contact.films import FILMS
+from models.contact.ehl_line_contact import ehl_line_contact
 from models.core.system import Instance
 from orchestrator.errors import DiscardedStepError
 from orchestrator.participants import in_process, substepped
 
 from .alone import Alone
 
-SOLVED = {"film_model": float(list(FILMS).index("line_transient"))}
 STEP, RADIUS = 1e-5, 0.01
 
 
 def contact(halvings: int) -> Alone:
     """Of a radius that is given."""
-    instance = Instance(
-        ehl_contact(nodes=101), parameters=SOLVED, inputs={"approach": 2e-6, "entraining_velocity": 1.0}
-    )
+    instance = Instance(ehl_line_contact(nodes=101), inputs={"approach": 2e-6, "entraining_velocity": 1.0})
     unit = in_process("contact", instance)
     if halvings:
         unit = substepped(unit, halvings=halvings)

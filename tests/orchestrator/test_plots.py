@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from models.contact.ehl_contact import FILM_IS_SOLVED
 from models.core.quantities import Quantity
 from orchestrator.assessment.diagnosis import Steps
 from orchestrator.plots import (
@@ -99,7 +98,7 @@ def test_only_solved_films_are_drawn_and_lost_contact_is_shaded(engine: FigureDa
         engine,
         coupled=engine.coupled | own,
         quantities=quantities,
-        parameters=engine.parameters | {"contact.film_model": FILM_IS_SOLVED},
+        parameters=engine.parameters | {"contact.field_tolerance": 1e-4},
     )
     assert solved_film.contacts(data) == ["contact"]
     figure = solved_film.figure(data)

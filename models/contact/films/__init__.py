@@ -15,7 +15,6 @@ from . import (
     dry,
     kushwaha,
     kushwaha_negative,
-    line_transient,
     moes_venner,
     pan_hamrock_central,
     pan_hamrock_minimum,
@@ -31,7 +30,6 @@ FILMS: dict[str, Any] = {
     "pan_hamrock_central": pan_hamrock_central.film,
     "moes_venner": moes_venner.film,
     "dry": dry.film,
-    "line_transient": line_transient.film,
 }
 
 

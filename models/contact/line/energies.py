@@ -36,11 +36,11 @@ import numpy as np
 
 from ...compile.kernel import kernel
 from ...core.component import DISSIPATED_POWER, SOURCE_POWER, STORED
-from ...core.quantities import Vector
+from ...core.integrator import copy
 from ..asperities import below, pressure_under
 from ..fluid import Lubricant, density_ratio, enthalpy, lubricant_of
-from .field_state import bodies_of
-from .grid import place_nodes
+from .field_state import begin, bodies_of
+from .grid import node_positions
 from .hierarchical import BAND
 from .mixed import Bodies, mean_plane_gap
 from .reynolds import Flow, Nodes, balance, cell, properties
@@ -48,13 +48,6 @@ from .workspace import FIELDS, nodes_in
 
 # Vectors besides those of Nodes and the two bands: nodes' enthalpy, no masses, and two balances.
 _VECTORS = 4
-
-
-def grid_of(nodes: int) -> Vector:
-    """X of the nodes."""
-    X = np.zeros(nodes)
-    place_nodes(X)
-    return X
 
 
 class Touching(NamedTuple):
@@ -149,22 +142,47 @@ def flow_powers(
     return lost * bodies.length, (lost - left) * bodies.length
 
 
-def make_field_energy(X: Vector) -> Any:
-    """energy(x, u, p, e) of records, as `Component.energy`, on the nodes X; takes its scratch when asked."""
-    nodes = X.size
+class SolvedFilm(NamedTuple):
+    """What energies see of a contact's state (see `field_state`)."""
+
+    pressure: Any
+    film: Any
+    grid_scale: float
+    rigid_approach: float
+    approach_rate: float
+    curvature: float
+    curvature_rate: float
+
+
+def make_field_energy(nodes: int) -> Any:
+    """energy(t, x, u, p, e) of records, as `Component.energy`, also of a field that is to begin."""
+    X = node_positions(nodes)
 
     @kernel
-    def field_energy(x: Any, u: Any, p: Any, e: Any) -> None:
-        bodies, fluid = bodies_of(p), lubricant_of(p)
+    def solved_energy(film: SolvedFilm, x: Any, u: Any, p: Any, e: Any) -> None:
+        bodies, fluid = bodies_of(p), lubricant_of(p, p.density_law)
         r = np.empty((FIELDS + _VECTORS, nodes))
         bands = np.empty((2, BAND, nodes))
-        lost, dragged = flow_powers(x, u, X, fluid, bodies, nodes_in(r), bands, r[FIELDS:])
+        lost, dragged = flow_powers(film, u, X, fluid, bodies, nodes_in(r), bands, r[FIELDS:])
         rubbed = (x.field_shear + x.field_boundary_friction) * u.sliding_velocity
-        e[STORED] = stored(x, u, p, X, fluid, bodies)
+        e[STORED] = stored(film, u, p, X, fluid, bodies)
         e[DISSIPATED_POWER] = lost + rubbed
-        e[SOURCE_POWER] = dragged + rubbed + shape_power(x, X, bodies)
+        e[SOURCE_POWER] = dragged + rubbed + shape_power(film, X, bodies)
         if p.load_is_given != 0.0:
             # The bodies approach as they must, and not as inputs say by which the bonds count.
-            e[SOURCE_POWER] += x.field_load * (x.approach_rate - u.approach_rate + u.retreat_rate)
+            e[SOURCE_POWER] += x.field_load * (film.approach_rate - u.approach_rate + u.retreat_rate)
+
+    @kernel
+    def field_energy(t: float, x: Any, u: Any, p: Any, e: Any) -> None:
+        pressure, film = np.empty(nodes), np.empty(nodes)
+        if x.grid_scale == 0.0:
+            begun = begin(x.film_thickness, u, p, X, pressure, film)
+            scale, approach, curvature = begun.grid_scale, begun.rigid_approach, 1.0 / u.radius_of_curvature
+        else:
+            copy(pressure, x.pressure)
+            copy(film, x.film)
+            scale, approach, curvature = x.grid_scale, x.rigid_approach, x.curvature
+        found = SolvedFilm(pressure, film, scale, approach, x.approach_rate, curvature, x.curvature_rate)
+        solved_energy(found, x, u, p, e)
 
     return field_energy

@@ -6,7 +6,7 @@ Outputs have their rates from `differences` of what is seen at the ends of micro
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 from ...compile.kernel import kernel
 from ...core.quantities import Layout, Quantity, per_element
@@ -15,7 +15,9 @@ from ..fluid import lubricant_of
 from ..friction import profile_friction
 from ..hertz import compliance_of, deflection, load_of, maximum_pressure
 from ..mixed_lubrication import surfaces_of, traction_of
+from ..records import FilmThickness
 from .differences import INSTANTS, follow, rate_of, restart, second_derivative_of
+from .grid import check_nodes
 from .mixed import Bodies, fill_total, film_of, mean_plane_gap
 from .newton import line_load_of
 from .reynolds import Flow
@@ -27,11 +29,13 @@ FOLLOWED = 7
 _LOAD, _FILM, _LEAST, _PRESSURE, _ASPERITIES, _SHEAR, _BOUNDARY = range(FOLLOWED)
 
 
-def with_field_state(plain: Layout, nodes: int) -> Layout:
-    """The state of the contact, then the field."""
+def field_layout(nodes: int) -> Layout:
+    """The state of a contact with a field of so many nodes."""
+    check_nodes(nodes)
 
     @dataclass
-    class FieldState(plain.record):  # type: ignore[name-defined, misc]
+    class FieldState:
+        film_thickness: FilmThickness = 1e-6
         field_load: Annotated[
             float, Quantity("N", "load of the pressure field", nominal=500.0, internal=True)
         ] = 0.0
@@ -77,7 +81,7 @@ def with_field_state(plain: Layout, nodes: int) -> Layout:
         waited: Annotated[float, Quantity("s", "time since the last of them", internal=True)] = 0.0
 
     sizes = {"nodes": nodes, "history": INSTANTS * FOLLOWED, "ages": INSTANTS - 1}
-    return Layout(FieldState, plain.sizes | sizes)
+    return Layout(FieldState, sizes)
 
 
 @kernel
@@ -122,7 +126,7 @@ def observe(x: Any, u: Any, p: Any, bodies: Bodies, w: Workspace) -> None:
     x.highest_pressure = highest(w.mixed.total)
     found = profile_friction(
         w.X, x.pressure, x.film, x.grid_scale * bodies.length, u.sliding_velocity, bodies.compliance,
-        lubricant_of(p), surfaces_of(p), traction_of(p),
+        lubricant_of(p, p.density_law), surfaces_of(p), traction_of(p),
     )  # fmt: skip
     x.field_asperity_load = found.asperity_load
     x.field_shear = found.viscous
@@ -150,6 +154,20 @@ def remember(x: Any, time_step: float, values: Any) -> None:
 
 
 @kernel
+def clear(dx: Any) -> None:
+    """Nothing moves."""
+    dx.film_thickness, dx.field_load, dx.least_film, dx.highest_pressure = 0.0, 0.0, 0.0, 0.0
+    dx.film_rate, dx.field_asperity_load, dx.field_shear, dx.field_boundary_friction = 0.0, 0.0, 0.0, 0.0
+    dx.rigid_approach, dx.approach_rate, dx.curvature, dx.curvature_rate = 0.0, 0.0, 0.0, 0.0
+    dx.grid_scale, dx.waited = 0.0, 0.0
+    dx.pressure[:] = 0.0
+    dx.film[:] = 0.0
+    dx.slope[:] = 0.0
+    dx.history[:] = 0.0
+    dx.ages[:] = 0.0
+
+
+@kernel
 def fill_rates(x: Any, dx: Any) -> None:
     """Rates of what outputs show."""
     table = x.history.reshape((INSTANTS, FOLLOWED))
@@ -172,22 +190,39 @@ def next_scale(x: Any, radius: float, time_step: float, bodies: Bodies) -> float
     return grid_scale_after(time_step, x.grid_scale, load / bodies.length, film, radius, bodies)
 
 
+class Begun(NamedTuple):
+    """Scale of the grid (m) and approach of the bodies (m) of a field that begins."""
+
+    grid_scale: float
+    rigid_approach: float
+
+
 @kernel
-def begin(x: Any, u: Any, p: Any, bodies: Bodies, X: Any) -> None:
-    """Hertz's pressure over a film of film_thickness."""
-    between, radius = mean_plane_gap(x.film_thickness, bodies.roughness), u.radius_of_curvature
+def begin(thickness: float, u: Any, p: Any, X: Any, pressure: Any, film: Any) -> Begun:
+    """Fill pressure and film: Hertz's pressure over a film of that thickness (m)."""
+    bodies = bodies_of(p)
+    between, radius = mean_plane_gap(thickness, bodies.roughness), u.radius_of_curvature
     if p.load_is_given != 0.0:
         load = max(u.applied_load, p.film_load_floor)
         if bodies.roughness > 0.0:
             # No film presses rough surfaces closer than they come dry.
-            pressure = maximum_pressure(load, radius, bodies.length, bodies.compliance)
-            dry = dry_separation(pressure, surfaces_of(p), bodies.compliance)
+            highest_pressure = maximum_pressure(load, radius, bodies.length, bodies.compliance)
+            dry = dry_separation(highest_pressure, surfaces_of(p), bodies.compliance)
             between = max(between, dry * bodies.roughness)
-        x.rigid_approach = deflection(load, radius, bodies.length, bodies.compliance) - between
+        approach = deflection(load, radius, bodies.length, bodies.compliance) - between
         gap = between
     else:
-        x.rigid_approach = u.approach - u.retreat
-        load = load_of(x.rigid_approach + between, radius, bodies.length, bodies.compliance)
-        gap = between if load > 0.0 else -x.rigid_approach
-    x.grid_scale = wanted_scale(load / bodies.length, film_of(gap, bodies.roughness), radius, bodies)
-    place_film(load, gap, radius, bodies, X, x.grid_scale, x.pressure, x.film)
+        approach = u.approach - u.retreat
+        load = load_of(approach + between, radius, bodies.length, bodies.compliance)
+        gap = between if load > 0.0 else -approach
+    scale = wanted_scale(load / bodies.length, film_of(gap, bodies.roughness), radius, bodies)
+    place_film(load, gap, radius, bodies, X, scale, pressure, film)
+    return Begun(scale, approach)
+
+
+@kernel
+def begin_state(x: Any, u: Any, p: Any, w: Workspace) -> None:
+    """Begin the field of a state that has none."""
+    begun = begin(x.film_thickness, u, p, w.X, x.pressure, x.film)
+    x.grid_scale, x.rigid_approach = begun.grid_scale, begun.rigid_approach
+    observe(x, u, p, bodies_of(p), w)

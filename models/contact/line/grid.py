@@ -14,7 +14,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from ...compile.kernel import kernel
+from ...core.quantities import Vector
 
 REACH = 10.0
 # Fewer nodes do not resolve a contact, whatever its conditions.
@@ -37,12 +40,19 @@ SLICES = 400
 def check_nodes(nodes: int) -> None:
     """ValueError for a number of nodes that a pressure field cannot have."""
     if nodes < FEWEST_NODES or nodes % 2 == 0:
-        raise ValueError(f"nodes = {nodes}: must be odd and >= {FEWEST_NODES}, or 0 for no pressure field")
+        raise ValueError(f"nodes = {nodes}: must be odd and >= {FEWEST_NODES}")
     if nodes > MOST_NODES:
         raise ValueError(
             f"nodes = {nodes}: must be <= {MOST_NODES} (deflections take 8 bytes for each pair "
             f"of nodes, here {8e-9 * nodes**2:.2g} GB); take 301, which find the cam's films to 0.2 %"
         )
+
+
+def node_positions(nodes: int) -> Vector:
+    """X of so many nodes."""
+    X = np.zeros(nodes)
+    place_nodes(X)
+    return X
 
 
 @kernel

@@ -13,10 +13,9 @@ from ...core.integrator import FAILURES, OK
 from ...core.quantities import Vector
 from ...core.system import ModelError
 from ..ehl_contact import ehl_contact
+from ..ehl_line_contact import ehl_line_contact
 from ..films import FILMS
-from .field import FieldContact
-
-SOLVED = "line_transient"
+from .grid import node_positions
 
 
 @dataclass(frozen=True)
@@ -48,17 +47,15 @@ def film_history(
     """The transient film under a load (N) with velocity (m/s) and radius (m) given at ascending `times` (s).
 
     Between the instants they follow cubic splines. It begins with Hertz's pressure over `film_thickness`
-    (m), and forgets that within a few passages through the contact. `parameters` of `ehl_contact` by name;
-    surfaces are smooth unless a roughness is among them.
+    (m), and forgets that within a few passages through the contact. `parameters` of `ehl_line_contact` by
+    name; surfaces are smooth unless a roughness is among them.
     ModelError for parameters out of range and where a step does not converge.
     """
-    component = ehl_contact(nodes=nodes)
-    assert isinstance(component, FieldContact)
-    work = np.zeros(component.work_size)
+    component = ehl_line_contact(nodes=nodes)
     given = _given(load, entraining_velocity, radius_of_curvature)
     chosen = {"roughness": 0.0, **(parameters or {})}
-    states = _stepped(component, work, SOLVED, times, given, chosen, film_thickness)
-    return _observed(np.asarray(times[1:]), states, component, work)
+    states = _stepped(component, times, given, chosen, film_thickness)
+    return _observed(np.asarray(times[1:]), states, component)
 
 
 def formula_history(
@@ -72,9 +69,9 @@ def formula_history(
 ) -> Vector:
     """As `film_history`, the film (m) of one of FILMS with its squeeze term: the contact's relaxation."""
     component = ehl_contact()
-    work = np.zeros(component.work_size)
     given = _given(load, entraining_velocity, radius_of_curvature)
-    states = _stepped(component, work, formula, times, given, parameters or {}, film_thickness)
+    chosen = {**(parameters or {}), "film_model": float(list(FILMS).index(formula))}
+    states = _stepped(component, times, given, chosen, film_thickness)
     return np.asarray(states[:, component.state.index("film_thickness")])
 
 
@@ -89,16 +86,13 @@ def _given(load: Vector, entraining_velocity: Vector, radius_of_curvature: Vecto
 
 def _stepped(
     component: Component,
-    work: Vector,
-    film_model: str,
     times: Vector,
     given: Mapping[str, Vector],
     parameters: Mapping[str, float],
     film_thickness: float,
 ) -> Vector:
     """The states at all times but the first."""
-    chosen = {"load_is_given": 1.0, "film_model": float(list(FILMS).index(film_model))}
-    p = component.parameters.vector({**parameters, **chosen})
+    p = component.parameters.vector({**parameters, "load_is_given": 1.0})
     if faults := component.parameter_faults(p):
         raise ModelError("; ".join(faults))
     x = component.state.vector({"film_thickness": film_thickness})
@@ -106,7 +100,7 @@ def _stepped(
     splines = {inputs.index(name): CubicSpline(times, values) for name, values in given.items()}
     U = component.input_polynomial()
     u, y = component.inputs.vector(), np.zeros(component.outputs.size)
-    states = np.empty((len(times) - 1, component.state.size))
+    states, work = np.empty((len(times) - 1, component.state.size)), np.zeros(component.work_size)
     for k, (t, h) in enumerate(zip(times[:-1], np.diff(times), strict=True)):
         for i, spline in splines.items():
             U[:, i] = [spline(t, order) for order in range(4)]
@@ -117,7 +111,7 @@ def _stepped(
     return states
 
 
-def _observed(times: Vector, states: Vector, component: FieldContact, work: Vector) -> FilmHistory:
+def _observed(times: Vector, states: Vector, component: Component) -> FilmHistory:
     layout = component.state
     nodes = component.structure["nodes"]
 
@@ -137,7 +131,7 @@ def _observed(times: Vector, states: Vector, component: FieldContact, work: Vect
         load=column("field_load"),
         asperity_load=column("field_asperity_load"),
         grid_scale=scale,
-        x=scale[:, None] * component.nodes_of(work)[None, :],
+        x=scale[:, None] * node_positions(nodes)[None, :],
         pressure=field("pressure"),
         film=field("film"),
     )

@@ -12,10 +12,8 @@ from typing import Any
 from ...compile.kernel import kernel, record_of
 from ...core.implicit import ImplicitSteps
 from ...core.integrator import NOT_CONVERGED, OK, copy
-from ...core.quantities import Vector
 from ..fluid import lubricant_of
-from .field import LINE_TRANSIENT
-from .field_state import begin, bodies_of, drives_of, observe
+from .field_state import begin_state, bodies_of, drives_of, observe
 from .mixed import fill_total
 from .newton import Task, forget_factors, line_load_of, newton
 from .reynolds import properties
@@ -27,14 +25,10 @@ _SCALE, _FILM, _CURVATURE, _APPROACH = range(4)
 
 
 def implicit_field(component: Any) -> ImplicitSteps:
-    """Implicit steps of an ehl_contact with a field."""
+    """Implicit steps of an ehl_line_contact."""
     nodes = component.structure["nodes"]
     solver = workspace_size(nodes)
     X, U, P = component.state.dtype, component.inputs.dtype, component.parameters.dtype
-    parameters = component.parameters
-
-    def needed(p: Vector) -> bool:
-        return bool(parameters.view(p).film_model == LINE_TRANSIENT)
 
     @kernel
     def start(x: Any, u: Any, p: Any, work: Any) -> None:
@@ -42,15 +36,13 @@ def implicit_field(component: Any) -> ImplicitSteps:
         w = workspace_in(work, nodes)
         forget_factors(w)
         if state.grid_scale == 0.0:
-            bodies = bodies_of(constants)
-            begin(state, given, constants, bodies, w.X)
-            observe(state, given, constants, bodies, w)
+            begin_state(state, given, constants, w)
 
     @kernel
     def carry(x: Any, u: Any, p: Any, work: Any, q: Any) -> None:
-        state = record_of(x, X)
+        state, constants = record_of(x, X), record_of(p, P)
         w = workspace_in(work, nodes)
-        properties(state.pressure, state.film, lubricant_of(record_of(p, P)), w.nodes)
+        properties(state.pressure, state.film, lubricant_of(constants, constants.density_law), w.nodes)
         masses(state.grid_scale, w, q[:nodes])
         rest = q[nodes:]
         rest[_SCALE], rest[_FILM] = state.grid_scale, state.film_thickness
@@ -64,7 +56,7 @@ def implicit_field(component: Any) -> ImplicitSteps:
         pressure, film = work[solver : solver + nodes], work[solver + nodes : solver + 2 * nodes]
         copy(pressure, state.pressure)
         copy(film, state.film)
-        bodies = bodies_of(constants)
+        bodies, fluid = bodies_of(constants), lubricant_of(constants, constants.density_law)
         before = base[nodes:]
         drives = drives_of(given, constants, state.rigid_approach)
         fill_total(pressure, film, bodies, w.mixed.total)
@@ -74,9 +66,7 @@ def implicit_field(component: Any) -> ImplicitSteps:
         scale = (before[_SCALE] + share * wanted) / (1.0 + share)
         rate = (scale - before[_SCALE]) / interval
         task = Task(scale, rate, drives.flow, drives.line_load, interval)
-        found = newton(
-            pressure, film, drives.approach, task, bodies, lubricant_of(constants), base[:nodes], w
-        )
+        found = newton(pressure, film, drives.approach, task, bodies, fluid, base[:nodes], w)
         copy(state.pressure, pressure)
         copy(state.film, film)
         if found.error != 0.0:
@@ -88,4 +78,4 @@ def implicit_field(component: Any) -> ImplicitSteps:
         state.approach_rate = (found.approach - before[_APPROACH]) / interval
         return OK
 
-    return ImplicitSteps(nodes + 4, solver + 2 * nodes, needed, start, carry, stage)
+    return ImplicitSteps(nodes + 4, solver + 2 * nodes, start, carry, stage)

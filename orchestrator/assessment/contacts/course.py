@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from models.compile.array_pointers import ArrayPointers
-from models.contact.ehl_contact import FILM_IS_DRY, FILM_IS_SOLVED, TABLE_3
+from models.contact.ehl_contact import TABLE_3
 from models.contact.films import FILMS
 from models.contact.films.groups import groups
 from models.contact.hertz import elastic_compliance
+from models.contact.records import CONTACTS
 from models.core.quantities import Vector
 from models.core.system import System
 
@@ -128,7 +129,7 @@ def contacts(system: System) -> dict[str, dict[str, float]]:
     return {
         name: instance.component.parameters.named(instance.component.parameters.vector(instance.parameters))
         for name, instance in system.instances.items()
-        if instance.component.name == "ehl_contact"
+        if instance.component.name in CONTACTS
     }
 
 
@@ -202,8 +203,9 @@ def _course(c: Any, ranges: Vector, parameters: Mapping[str, float]) -> Course:
     if not np.isnan(c.since) and c.time - c.since > c.longest_separation:
         c.longest_separation, c.separation_time = c.time - c.since, c.since
     finish(c)
-    film_model = int(parameters["film_model"])
-    dry = parameters["film_model"] == FILM_IS_DRY
+    solved = "film_model" not in parameters
+    formula = "" if solved else tuple(FILMS)[int(parameters["film_model"])]
+    dry = formula == "dry"
     separation = impact = None
     if c.separations:
         open_for = c.duration - c.loaded_duration
@@ -224,7 +226,7 @@ def _course(c: Any, ranges: Vector, parameters: Mapping[str, float]) -> Course:
             int(c.impact_steps),
         )
     excursions = {}
-    if tuple(FILMS)[film_model].startswith("kushwaha") and c.loaded_duration:
+    if formula.startswith("kushwaha") and c.loaded_duration:
         excursions = {
             group: Excursion(
                 float(r[DURATION] / c.loaded_duration), *_known(r[LEAST], r[MOST]), *TABLE_3[group]
@@ -248,7 +250,7 @@ def _course(c: Any, ranges: Vector, parameters: Mapping[str, float]) -> Course:
         separation=separation,
         impact=impact,
         ranges=excursions,
-        solved=parameters["film_model"] == FILM_IS_SOLVED,
+        solved=solved,
     )
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.build import NAMES
+from fmus.build import REFERENCED
 from fmus.cross_check.apart import compared
 from fmus.cross_check.compare import compare
 from fmus.cross_check.files import CrossCheckError, Options, csv_text, read_csv
@@ -17,7 +17,7 @@ from fmus.cross_check.inside import FOLDER, folder_of
 from tests.third_party.c_fmus import fmu as third_party
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", REFERENCED)
 def test_fmus_in_python_reproduce_their_references(name: str, fmu_files: dict[str, Path], record) -> None:
     """To the tolerance that ships with each: that of the component's own steps, as the FMU adds nothing."""
     (found,) = compare(fmu_files[name])

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from fmpy.cross_check.validate_vendor_repo import validate_repo, validate_test_fmu
 
-from fmus.build import NAMES
+from fmus.build import REFERENCED
 from fmus.cross_check.compare import compare
 from fmus.cross_check.files import CrossCheckError
 from fmus.cross_check.layout import lay_out
@@ -17,14 +17,14 @@ from fmus.cross_check.layout import lay_out
 
 def test_the_projects_script_finds_nothing(fmu_files: dict[str, Path], tmp_path: Path) -> None:
     """Every FMU that runs in Python, for both of its platforms."""
-    made = [folder for name in NAMES for folder in lay_out(name, fmu_files[name], "tool", tmp_path)]
+    made = [folder for name in REFERENCED for folder in lay_out(name, fmu_files[name], "tool", tmp_path)]
     count, _, problems = validate_repo(str(tmp_path))
     assert problems == []
-    assert count == len(made) == 2 * len(NAMES)
+    assert count == len(made) == 2 * len(REFERENCED)
     folder = tmp_path / "fmus/2.0/cs/linux64/tool"
     assert folder in made[0].parents
     assert sorted(path.name for path in made[0].iterdir()) == sorted(
-        ["README.md", *(f"{NAMES[0]}{suffix}" for suffix in (".fmu", "_in.csv", "_ref.csv", "_ref.opt"))]
+        ["README.md", *(f"{REFERENCED[0]}{suffix}" for suffix in (".fmu", "_in.csv", "_ref.csv", "_ref.opt"))]
     )
     for path in made[0].iterdir():
         assert path.stat().st_size < 1e6

@@ -10,7 +10,7 @@ import fmpy.util
 import numpy as np
 import pytest
 
-from fmus.build import NAMES
+from fmus.build import REFERENCED
 from fmus.cross_check.files import Table, csv_text, read_csv, read_options
 from fmus.cross_check.inside import folder_of
 from fmus.cross_check.reference import (
@@ -47,7 +47,7 @@ def apart(found: Table, wanted: Table) -> dict[str, float]:
     return {o: float(np.max(np.abs(found.columns[o] - values))) / largest(values) for o, values in columns}
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", REFERENCED)
 def test_shipped_results_are_what_the_physics_gives(name: str, record) -> None:
     """A change of an equation or a default fails here, by the component's and the output's name.
 
@@ -121,7 +121,7 @@ def test_the_piston_cranks_forget_a_small_error() -> None:
     assert off[-1] < 1e-15 < np.max(off)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", REFERENCED)
 def test_files_keep_the_rules(name: str) -> None:
     """Those of the project (4.1, appendix B), and as fmpy reads them."""
     own, component = course(name), component_of(name)
@@ -164,7 +164,7 @@ def test_the_page_states_the_tolerances_that_ship() -> None:
     """And the measured differences on the page are below them."""
     page = (Path(__file__).parents[3] / "docs" / "reference" / "reference-results.md").read_text("utf-8")
     lines = re.findall(r"^\| `(\w+)` \| .* \| (\S+) \| (\S+) \| (\S+) \| (\S+) \|$", page, re.MULTILINE)
-    assert [name for name, *_ in lines] == list(NAMES)
+    assert [name for name, *_ in lines] == list(REFERENCED)
     for name, *numbers in lines:
         stepped, stated, exchanged, allowed = map(float, numbers)
         assert stated == read_options(shipped(name, f"{name}_ref.opt"), "opt").tolerance

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from fmus.build import NAMES
+from fmus.native.fmu import NAMES
 
 # Those with impacts, vectors, events in time, a formula's choice and plain motion among them.
 ALWAYS = ("camshaft", "valve_spring", "ehl_contact", "slider_crank", "flywheel")

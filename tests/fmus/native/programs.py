@@ -65,14 +65,14 @@ def program(name: str, folder: Path, sanitized: bool) -> Path:
 @functools.cache
 def kernels(name: str) -> bytes:
     """Machine code of the component's kernels."""
-    sizes, component = chosen(name, None, "NATIVE_STRUCTURE")
+    sizes, component = chosen(name, None)
     plain = translated(name, sizes)
     return object_code(PLATFORMS[this_platform()], [plain, differentiated(plain, smooth(component))])
 
 
 def sanitized_library(name: str, folder: Path, fmi: int) -> Path:
     """The FMU's library with sanitizers in the shell, its kernels as they always are; its token is TOKEN."""
-    _, component = chosen(name, None, "NATIVE_STRUCTURE")
+    _, component = chosen(name, None)
     (folder / "kernels.o").write_bytes(kernels(name))
     for file, text in tables(component, name, "0" * 16, TOKEN, fmi).items():
         (folder / file).write_text(text, encoding="utf-8")

@@ -6,8 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from fmus.build import default_structure
-
 from ..conftest import Isolated
 from ..reference import Reference, schedule
 from ..test_agreement import STEP, STEPS, expected_of, replay
@@ -19,7 +17,7 @@ def test_native_fmu_equals_component(
     name: str, native_files: dict[str, Path], isolated: Isolated, tmp_path: Path, record
 ) -> None:
     """Outputs, their rates and energies; also between steps, and with steps of changing size."""
-    reference = Reference(name, **default_structure(name, "NATIVE_STRUCTURE"))
+    reference = Reference(name)
     plan = schedule(reference.component, STEPS, STEP)
     found, expected = replay(isolated, native_files[name], plan, tmp_path), expected_of(reference, plan)
     quantity = "outputs, rates and energies of native FMUs"

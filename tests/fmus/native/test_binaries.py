@@ -8,10 +8,9 @@ from pathlib import Path
 import pytest
 
 from fmus.binaries import functions, platform
-from fmus.build import NAMES
 from fmus.fmi.libraries import libraries
 from fmus.fmi.validate import validate
-from fmus.native.fmu import build
+from fmus.native.fmu import NAMES, build
 from fmus.native.machine_code import PLATFORMS
 
 # zig's linker exports where a library of macOS begins, under two names. Libraries there are searched one by

@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from fmus.build import default_structure
-
 from ..instance import Instance
 from ..reference import Reference, joined, wave
 from .names import EVERY
@@ -32,7 +30,7 @@ def by_calls(slave: Instance, values: dict[str, float], names: list[str]) -> Non
 def test_inputs_by_calls_and_by_variables_give_the_same_motion(
     name: str, native_files: dict[str, Path]
 ) -> None:
-    component = Reference(name, **default_structure(name, "NATIVE_STRUCTURE")).component
+    component = Reference(name).component
     one, other = (Instance(native_files[name]).initialize() for _ in range(2))
     names = [n for n in component.inputs.names if one.variables[n].type == "Real"]
     for i in range(STEPS):
@@ -48,7 +46,7 @@ def test_inputs_by_calls_and_by_variables_give_the_same_motion(
 
 @pytest.mark.parametrize("name", EVERY)
 def test_derivatives_of_outputs_are_their_rates(name: str, native_files: dict[str, Path]) -> None:
-    component = Reference(name, **default_structure(name, "NATIVE_STRUCTURE")).component
+    component = Reference(name).component
     slave = Instance(native_files[name]).initialize()
     slave.set(wave(component, 0.0))
     slave.step(0.0, STEP)

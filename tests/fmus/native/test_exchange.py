@@ -8,7 +8,6 @@ import fmpy
 import numpy as np
 import pytest
 
-from fmus.build import default_structure
 from fmus.fmi.validate import validate
 
 from ..instance import Instance
@@ -61,7 +60,7 @@ def test_the_hosts_integrator_finds_the_same_motion(name: str, native_files: dic
 @pytest.mark.parametrize("name", EVERY)
 def test_states_and_their_derivatives_are_shown(name: str, native_files: dict[str, Path]) -> None:
     """To the last bit those of the component after a step."""
-    reference = Reference(name, **default_structure(name, "NATIVE_STRUCTURE"))
+    reference = Reference(name)
     component, slave = reference.component, Instance(native_files[name]).initialize()
     reference.step(1e-4)
     slave.step(0.0, 1e-4)

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from fmpy.model_description import ModelDescription, ScalarVariable
 
-from fmus.build import default_structure
 from fmus.fmi.validate import validate
 from fmus.native.machine_code import this_platform
 
@@ -31,7 +30,7 @@ Files = dict[str, Path]
 @pytest.mark.parametrize("name", EVERY)
 def test_it_equals_the_component(name: str, fmi3_files: Files, isolated: Isolated, tmp_path: Path) -> None:
     """Outputs, their rates and energies; also between steps, and with steps of changing size."""
-    reference = Reference(name, **default_structure(name, "NATIVE_STRUCTURE"))
+    reference = Reference(name)
     plan = schedule(reference.component, STEPS, STEP)
     assert replay(isolated, fmi3_files[name], plan, tmp_path, "Instance3") == expected_of(reference, plan)
 
@@ -123,7 +122,7 @@ def dependencies(described: ModelDescription, unknowns: str, named: Callable[[st
 def test_derivatives_by_variables(name: str, native_files: Files, fmi3_files: Files) -> None:
     """Directional ones are those of FMI 2.0; the adjoint ones are the same matrix, transposed."""
     slaves = [Instance(native_files[name]), Instance3(fmi3_files[name])]
-    component = Reference(name, **default_structure(name, "NATIVE_STRUCTURE")).component
+    component = Reference(name).component
     values = held(wave(component, 1e-3))
     for slave in slaves:
         slave.initialize(1e-3, **values)
@@ -162,7 +161,7 @@ def test_event_indicators_have_derivatives(fmi3_files: Files) -> None:
 @pytest.mark.parametrize("name", ["valve_spring", "slider_crank", "ehl_contact"])
 def test_a_saved_state_brings_the_same_motion(name: str, fmi3_files: Files) -> None:
     """In the same instance, and from bytes in another."""
-    component = Reference(name, **default_structure(name, "NATIVE_STRUCTURE")).component
+    component = Reference(name).component
     slave, other = Instance3(fmi3_files[name]).initialize(), Instance3(fmi3_files[name]).initialize()
 
     def go_on(one: Instance3) -> list[float]:

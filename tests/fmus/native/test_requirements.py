@@ -13,7 +13,8 @@ from fmpy.fmi2 import FMU2Model
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from fmus.build import NAMES, build, default_structure
+from fmus.build import build
+from fmus.native.fmu import NAMES
 from fmus.variable_layout import of_start
 from models.catalogue import CATALOGUE
 from models.core.component import Component
@@ -22,7 +23,7 @@ from models.core.quantities import Field, Layout
 from ..instance import Instance, Instance3
 from .names import ALWAYS
 
-COMPONENTS = {name: CATALOGUE[name](**default_structure(name, "NATIVE_STRUCTURE")) for name in NAMES}
+COMPONENTS = {name: CATALOGUE[name]() for name in NAMES}
 REQUIRING = [name for name, c in COMPONENTS.items() if c.requirements or c.start_requirements]
 
 ROLLER = {"half_length": 0.0, "piston_inertia": 1e-4}
@@ -130,9 +131,7 @@ def natives(native_files: dict[str, Path]) -> Iterator[Instances]:
 def pythons(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Instances]:
     """With the native FMUs' sizes."""
     folder = tmp_path_factory.mktemp("pythons")
-    instances = Instances(
-        lambda name: build(name, folder, default_structure(name, "NATIVE_STRUCTURE") or None)
-    )
+    instances = Instances(lambda name: build(name, folder))
     yield instances
     instances.free()
 

@@ -15,7 +15,6 @@ import pytest
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
-from fmus.build import default_structure
 from fmus.native.differentiate import DifferentiationError, differentiated
 from fmus.variable_layout import ENERGIES
 from models.core.component import Component
@@ -135,7 +134,7 @@ def known_by(variables: Any, names: list[str]) -> list[str]:
 
 
 def started(name: str) -> Reference:
-    reference = Reference(name, **default_structure(name, "NATIVE_STRUCTURE"))
+    reference = Reference(name)
     for parameter, value in GIVEN.get(name, {}).items():
         reference.p[reference.component.parameters.index(parameter)] = value
     return reference

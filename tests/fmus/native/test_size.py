@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fmus.build import NAMES
-from fmus.native.fmu import build
+from fmus.native.fmu import NAMES, build
 from fmus.native.machine_code import PLATFORMS
 
 # In bytes: the requirement on native FMUs. docs/theory/native-fmus.md names those that exceed it.

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from models.contact.ehl_contact import ehl_contact
+from models.contact.ehl_line_contact import ehl_line_contact
 from models.core.component import Component
 from models.core.system import Instance, ModelError, System
 from models.monolithic import solve
@@ -89,13 +89,9 @@ def test_outputs_at_a_jump_are_those_after_it() -> None:
 
 
 def test_what_cannot_be_solved_is_refused() -> None:
-    contact = ehl_contact(nodes=51)
-    p = contact.parameters.start.copy()
-    p[contact.parameters.index("film_model")] = contact.parameters.field("film_model").quantity.choices.index(
-        "line_transient"
-    )
+    contact = ehl_line_contact(nodes=51)
     with pytest.raises(ModelError, match="no form as ordinary differential equations"):
-        solve_driven(contact, pieces(contact, "approach", [(0.0, 0.0, 0.0)]), np.array([1e-3]), p=p)
+        solve_driven(contact, pieces(contact, "approach", [(0.0, 0.0, 0.0)]), np.array([1e-3]))
     mass = falling_mass()
     with pytest.raises(ModelError, match="must ascend"):
         solve_driven(mass, pieces(mass, "force", [(0.1, 0.0, 0.0), (0.1, 1.0, 0.0)]), np.array([1.0]))

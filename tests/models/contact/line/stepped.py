@@ -7,26 +7,24 @@ from typing import Any
 
 import numpy as np
 
-from models.contact.ehl_contact import ehl_contact
-from models.contact.films import FILMS
+from models.contact.ehl_line_contact import ehl_line_contact
 from models.core.component import Component
 from models.core.integrator import OK
 from models.core.quantities import Vector
 
 NODES = 101
-SOLVED = float(list(FILMS).index("line_transient"))
 
-_made = functools.cache(ehl_contact)
+_made = functools.cache(ehl_line_contact)
 
 
 class Contact:
-    """An ehl_contact with a field; `inputs` are functions of time, linear in a step."""
+    """An ehl_line_contact; `inputs` are functions of time, linear in a step."""
 
     def __init__(self, film: float = 1e-6, nodes: int = NODES, **parameters: float) -> None:
         self.nodes = nodes
         self.component: Component = _made(nodes)
         c = self.component
-        self.p = c.parameters.vector({"film_model": SOLVED, **parameters})
+        self.p = c.parameters.vector(parameters)
         self.x = c.state.vector({"film_thickness": film})
         self.work = np.zeros(c.work_size)
         self.y = np.zeros(c.outputs.size)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from models.contact.asperities import Asperities, mean_gap, pressure_scale
-from models.contact.ehl_contact import ehl_contact
+from models.contact.ehl_line_contact import ehl_line_contact
 from models.contact.fluid import Lubricant, density_ratio, density_slope, enthalpy
 from models.contact.hertz import elastic_compliance, elastic_energy
 from models.contact.line.energies import asperities_at, oil_energy
@@ -17,7 +17,6 @@ from models.contact.line.mixed import Bodies
 from models.core.quantities import Vector
 
 from ...test_bonds import Unit
-from .stepped import SOLVED
 
 STEEL = elastic_compliance(207e9, 0.3, 207e9, 0.3)
 STORED, GAINED, DISSIPATED, SOURCED = (
@@ -30,8 +29,8 @@ FREQUENCY, STOP, COARSEST = 2000.0, 6e-4, 2e-5
 
 def counting(nodes: int = 51, energies: int = 1, **parameters: float) -> Unit:
     """A solved film of smooth surfaces whose steps are not cut."""
-    component = ehl_contact(nodes=nodes, energies=energies)
-    chosen = {"film_model": SOLVED, "field_tolerance": 0.1, "roughness": 0.0, **parameters}
+    component = ehl_line_contact(nodes=nodes, energies=energies)
+    chosen = {"field_tolerance": 0.1, "roughness": 0.0, **parameters}
     return Unit(component, parameters=chosen, inputs=RUNNING)
 
 
@@ -199,18 +198,6 @@ def test_the_motion_of_a_field_does_not_see_that_energies_are_counted() -> None:
     counts.step(1e-7)
     rate = rates[1][counts.component.outputs.index(STORED)]
     assert rate == pytest.approx((counts[STORED] - stored) / 1e-7, rel=0.02)
-
-
-def test_a_formula_in_a_contact_with_a_field_counts_as_without() -> None:
-    with_field, without = (
-        Unit(ehl_contact(nodes=nodes, energies=1), inputs={**RUNNING, "approach": 5e-6}) for nodes in (51, 0)
-    )
-    for unit in (with_field, without):
-        for _ in range(10):
-            swing(unit, "approach", 5e-6, 2e-6)
-            unit.step(5e-6)
-    assert with_field[DISSIPATED] != 0.0
-    np.testing.assert_array_equal(with_field.y, without.y)
 
 
 def test_a_step_that_fails_leaves_energies_and_field_as_they_were() -> None:

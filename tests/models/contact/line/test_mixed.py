@@ -22,6 +22,7 @@ from models.contact.films import FILMS
 from models.contact.fluid import Lubricant
 from models.contact.hertz import elastic_compliance, half_width
 from models.contact.line.fixed_grid import Mesh, cold_start, steady_on_grid, workspace
+from models.contact.line.grid import node_positions
 from models.contact.line.hierarchical import BAND
 from models.contact.line.history import film_history
 from models.contact.line.line_contact import LineContact
@@ -240,7 +241,7 @@ def test_load_and_friction_are_counted_once():
     asperities = contact["asperity_load"]
     assert 0.02 * LOAD < asperities < 0.98 * LOAD
     scale = contact.x[contact.component.state.index("grid_scale")]
-    x = scale * contact.component.nodes_of(contact.work)
+    x = scale * node_positions(contact.nodes)
     oil = float(np.trapezoid(contact.field("pressure"), x)) * LENGTH
     assert contact["load"] == pytest.approx(LOAD, rel=1e-6)
     assert oil + asperities == pytest.approx(LOAD, rel=PRESSED)

@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from models.contact.ehl_contact import ehl_contact
+from models.contact.ehl_line_contact import ehl_line_contact
 from models.contact.line.grid import REACH
 from models.contact.line.history import film_history
 from models.core.integrator import NOT_CONVERGED, OK
 
 from .cam_cycle import cycle, least_films, motion
-from .stepped import NODES, SOLVED, Contact
+from .stepped import NODES, Contact
 
 RIGID = {"youngs_modulus_1": 1e16, "youngs_modulus_2": 1e16, "viscosity_law": 2.0, "density_law": 1.0}
 # The numbers of the reference run are given to 0.01 um or three digits; it had other nodes and steps.
@@ -190,31 +190,10 @@ def test_a_step_that_cannot_be_made_leaves_the_state_as_it_was() -> None:
     assert contact.step(1e-5, **RUNNING) == OK
 
 
-def test_a_formula_moves_as_without_a_field() -> None:
-    plain = ehl_contact()
-    formula = {"film_model": 0.0}
-    contact = Contact(**formula)
-    assert contact.step(1e-4, **RUNNING) == OK
-    x, U = plain.state.vector(), plain.input_polynomial()
-    for name, value in RUNNING.items():
-        U[0, plain.inputs.index(name)] = value
-    u, y = np.zeros(plain.inputs.size), np.zeros(plain.outputs.size)
-    p = plain.parameters.vector(formula)
-    assert plain.step(0.0, 1e-4, x, U, p, plain.state.nominal, np.zeros(plain.work_size), u, y) == OK
-    np.testing.assert_array_equal(contact.y, y)
-
-
 @pytest.mark.parametrize("nodes", [1, 50, 100])
 def test_numbers_of_nodes_that_cannot_be_are_refused(nodes: int) -> None:
     with pytest.raises(ValueError, match=f"nodes = {nodes}: must be odd and >= 51"):
-        ehl_contact(nodes=nodes)
-
-
-def test_the_solved_film_needs_a_field() -> None:
-    component = ehl_contact()
-    faults = component.parameter_faults(component.parameters.vector({"film_model": SOLVED}))
-    assert len(faults) == 1
-    assert "nodes" in faults[0]
+        ehl_line_contact(nodes=nodes)
 
 
 @pytest.mark.parametrize("jump", [2e-6, -2e-6, 20e-6, -1e-3])

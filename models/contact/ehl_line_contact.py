@@ -1,0 +1,142 @@
+"""Lubricated line contact whose film is solved for in every step: Reynolds, elasticity, load balance.
+
+Pressure and film over the nodes of a grid, its scale and what outputs need are states that no variable shows.
+`line.transient` has the equations, `line.field` the steps. Load from the approach of the bodies, film out; or
+with `load_is_given` (adherence form) film and approach from the load.
+
+The field begins in the first step. Before, outputs are those of Hertz's contact over `film_thickness`, which
+relaxes to Moes' and Venner's steady film: an equilibrium at the start has that film.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import Component
+from ..core.quantities import Layout, Quantity
+from .films import FILMS, moes_venner
+from .fluid import DENSITY_LAWS
+from .hertz import compliance_of, half_width, load_and_deflection
+from .line.energies import make_field_energy
+from .line.field import field_work_size, make_field_advance
+from .line.field_state import carried_share, clear, field_layout, fill_rates
+from .line.implicit import implicit_field
+from .mixed_lubrication import fill_surface_outputs, film_ratio
+from .records import BONDS, ContactInputs, SharedOutputs, SharedParameters, feedthrough_of_load
+from .relaxation import SQUEEZE_CONSTANT, relaxation_rate
+
+# A tenth of it takes 2.5 times as long. At 1e-9 a swing of the approach ends with a load 2e-8 from that of
+# 1e-11, much closer than `line.newton` promises (1e-6 of the pressure): less would only take time.
+LEAST_FIELD_TOLERANCE = 1e-9
+NODES = 301
+# Before the field begins, asperities and film share the load by this formula.
+MOES_VENNER = float(list(FILMS).index("moes_venner"))
+
+
+@dataclass
+class LineContactParameters(SharedParameters):
+    """Defaults: the set `kushwaha2000`."""
+
+    density_law: Annotated[float, Quantity("1", "density under pressure", choices=DENSITY_LAWS)] = 0.0
+    field_tolerance: Annotated[
+        float,
+        Quantity(
+            "1",
+            "error of load and film per micro-step",
+            minimum=LEAST_FIELD_TOLERANCE,
+            maximum=0.1,
+        ),
+    ] = 1e-4
+
+
+@dataclass
+class LineContactOutputs(SharedOutputs):
+    separated: Annotated[float, Quantity("1", "the contact carries no load", boolean=True)] = 0.0
+
+
+@kernel
+def steady_film(hertz_load: float, compliance: float, u: ContactInputs, p: LineContactParameters) -> float:
+    """The film (m) of Moes and Venner under a load (N)."""
+    return moes_venner.film(
+        max(hertz_load, p.film_load_floor), abs(u.entraining_velocity), u.radius_of_curvature, p.length,
+        compliance, p.viscosity, p.pressure_viscosity,
+    )  # fmt: skip
+
+
+@kernel
+def film_rate(x: Any, steady: float, u: ContactInputs) -> float:
+    """dh/dt of the central film (m/s)."""
+    if x.grid_scale > 0.0:
+        return float(x.film_rate)
+    return relaxation_rate(x.film_thickness, steady, u.entraining_velocity, SQUEEZE_CONSTANT)
+
+
+@kernel
+def derivative(t: float, x: Any, u: ContactInputs, p: LineContactParameters, dx: Any) -> None:
+    """The rates that outputs need; pressure and film themselves move by steps only."""
+    clear(dx)
+    if x.grid_scale > 0.0:
+        fill_rates(x, dx)
+    else:
+        compliance = compliance_of(p)
+        hertz_load, _ = load_and_deflection(x.film_thickness, compliance, u, p)
+        dx.film_thickness = film_rate(x, steady_film(hertz_load, compliance, u, p), u)
+
+
+@kernel
+def output(t: float, x: Any, u: ContactInputs, p: LineContactParameters, y: LineContactOutputs) -> None:
+    compliance, radius = compliance_of(p), u.radius_of_curvature
+    hertz_load, y.deflection = load_and_deflection(x.film_thickness, compliance, u, p)
+    y.film_thickness = x.film_thickness
+    y.steady_film_thickness = steady_film(hertz_load, compliance, u, p)
+    y.squeeze_velocity = film_rate(x, y.steady_film_thickness, u)
+    if x.grid_scale == 0.0:
+        y.load = hertz_load
+        y.minimum_film_thickness = x.film_thickness
+        fill_surface_outputs(hertz_load, x.film_thickness, compliance, MOES_VENNER, u, p, y)
+    else:
+        share = carried_share(u, p)
+        y.load = share * x.field_load
+        y.minimum_film_thickness = x.least_film
+        y.half_width = half_width(max(0.0, y.load), radius, p.length, compliance)
+        y.maximum_pressure = share * x.highest_pressure
+        y.asperity_load = share * x.field_asperity_load
+        y.viscous_friction = share * x.field_shear
+        y.boundary_friction = share * x.field_boundary_friction
+        y.friction_force = y.viscous_friction + y.boundary_friction
+    # Also of the film that the field will begin with, which is not thickened by a formula's sharing.
+    y.film_ratio = film_ratio(x.film_thickness, p.roughness)
+    y.separated = 1.0 if y.load <= 0.0 else 0.0
+
+
+@counts_energies
+def ehl_line_contact(nodes: int = NODES) -> Component:
+    """The lubricated line contact with a pressure field of so many nodes; ValueError if they cannot be."""
+    inputs = Layout(ContactInputs)
+    state = field_layout(nodes)
+    rated = ("entraining_velocity", "applied_load", "radius_of_curvature", "approach", "retreat")
+    return Component(
+        name="ehl_line_contact",
+        description="Elastohydrodynamic line contact with its pressure field: load and film thickness",
+        parameters=Layout(LineContactParameters),
+        state=state,
+        inputs=inputs,
+        outputs=Layout(LineContactOutputs),
+        derivative=derivative,
+        output=output,
+        energy=make_field_energy(nodes),
+        feedthrough={
+            **feedthrough_of_load(inputs),
+            "steady_film_thickness": rated,
+            "squeeze_velocity": rated,
+        },
+        bonds=BONDS,
+        structure={"nodes": nodes},
+        advance_maker=make_field_advance,
+        extra_work=field_work_size(state.size, inputs.size, nodes),
+        implicit_maker=implicit_field,
+        event_indicators=("deflection",),
+    )
