@@ -13,7 +13,7 @@ from pathlib import Path
 
 NAMES = (
     "macro_steps", "reference", "start_up", "memory", "checkpoint", "slider_crank", "exponent_map",
-    "line_contact", "line_preconditioner", "native", "whole_command",
+    "line_contact", "line_preconditioner", "native", "own_process", "scaling", "whole_command",
 )  # fmt: skip
 PAGE = Path(__file__).parent.parent / "docs" / "reference" / "benchmarks.md"
 

@@ -114,8 +114,8 @@ def _prepare_calls(units: dict[str, Unit], now: ctypes.c_double) -> list[tuple[A
     return calls
 
 
-def run_bare(system: System, moving: bool = True) -> float:
-    """A loop of ctypes calls with prepared arguments, with or without moving values."""
+def run_bare(system: System) -> float:
+    """A loop of ctypes calls with prepared arguments."""
     units, now = open_units(system), ctypes.c_double()
     calls = _prepare_calls(units, now)
     for set_real, _, get_real, given, _, taken, inputs, sources in calls * len(calls):
@@ -127,9 +127,8 @@ def run_bare(system: System, moving: bool = True) -> float:
     for n in range(STEPS):
         now.value = n * STEP
         for set_real, do_step, get_real, given, step, taken, inputs, sources in calls:
-            if moving:
-                for k, (buffer, i) in enumerate(sources):
-                    inputs[k] = buffer[i]
+            for k, (buffer, i) in enumerate(sources):
+                inputs[k] = buffer[i]
             set_real(*given)
             do_step(*step)
             get_real(*taken)

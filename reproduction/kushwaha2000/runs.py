@@ -91,10 +91,6 @@ class Cycle:
         inside = (self.angle_deg >= low_deg) & (self.angle_deg <= high_deg)
         return np.asarray(self[name][inside])
 
-    def share(self, name: str) -> float:
-        """Share of the turn in which a truth value is true."""
-        return float(np.mean(self[name][:-1]))
-
     @cached_property
     def load(self) -> Vector:
         return self["contact.load"]
