@@ -7,12 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from models.slider_crank.flight.bouncing import UPPER
 from models.slider_crank.machine import Machine
+from models.slider_crank.motions.statistics import energies
 
 from ..statement import Numbers, Words
 from .cases import CYCLES, FORMS, MATRIX, Case, matrix
-from .forces import UPPER, changes, curve, limits
-from .impacts import energy
+from .forces import changes, curve, limits
 from .kinds import observe
 from .runs import STARTS, Runs
 
@@ -68,7 +69,8 @@ class Load(NamedTuple):
 def load(runs: Runs, case: Case) -> Load:
     """Of F's record."""
     impacts = runs.events(case).impacts
-    largest, taken = impacts.approach.max(initial=0.0), energy(case.machine, impacts, CYCLES)
+    largest = impacts.approach.max(initial=0.0)
+    taken = float(energies(case.machine, impacts).sum()) / CYCLES
     kind, share = observe(runs, case).kind, runs.sliding_share(case)
     return Load(kind, share, len(impacts.theta), largest, taken)
 
@@ -88,7 +90,7 @@ def section(runs: Runs) -> str:
 def _numbers(runs: Runs, own: Sequence[Load], right: Sequence[Load]) -> dict[str, object]:
     machines = [Machine(FAST, 0.01, form=form) for form in FORMS]
     pairs = list(zip(own[:9], right[:9], strict=True))
-    energies, speeds = [b.energy / a.energy for a, b in pairs], [b.largest / a.largest for a, b in pairs]
+    taken, speeds = [b.energy / a.energy for a, b in pairs], [b.largest / a.largest for a, b in pairs]
     from_on = [limits(form)[0] for form in FORMS]
     soft = [[runs.sliding_share(case) for case in matrix(MATRIX, form, AUTOMOTIVE)] for form in FORMS]
     return {
@@ -96,7 +98,7 @@ def _numbers(runs: Runs, own: Sequence[Load], right: Sequence[Load]) -> dict[str
         "changes": [len(changes(machine, UPPER)) for machine in machines],
         "force": [np.abs(curve(machine, UPPER)).max() for machine in machines],
         "still": [sum(not one.impacts for one in loads[9:]) for loads in (own, right)],
-        "energy": (min(energies), max(energies)), "speed": (min(speeds), max(speeds)),
+        "energy": (min(taken), max(taken)), "speed": (min(speeds), max(speeds)),
         "same": sum(a.kind == b.kind for a, b in pairs),
         "slides": [np.mean(shares) for shares in soft],
     }  # fmt: skip

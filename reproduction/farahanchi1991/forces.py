@@ -15,12 +15,9 @@ from models.slider_crank.motions.regions import (
     Interval,
     force_zeros,
     holding_intervals,
-    region,
     thresholds,
     wall_forces,
 )
-
-__all__ = ["LOWER", "TURN", "UPPER", "changes", "curve", "in_force", "limits", "pressed", "region", "shares"]
 
 
 def curve(machine: Machine, side: float, samples: int = 721) -> Vector:

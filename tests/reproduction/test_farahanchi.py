@@ -10,11 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from models.slider_crank.flight.bouncing import LOWER, UPPER
 from models.slider_crank.machine import Machine, Motion
+from models.slider_crank.motions.regions import TURN
 from reproduction.farahanchi1991 import SHOWN
 from reproduction.farahanchi1991.cases import CORRECTED, FORMS, PUBLISHED, Case
 from reproduction.farahanchi1991.figures import PICTURES, PREFIX
-from reproduction.farahanchi1991.forces import LOWER, TURN, UPPER, changes, curve, limits, shares
+from reproduction.farahanchi1991.forces import changes, curve, limits, shares
 from reproduction.farahanchi1991.lagrange import equation, printed
 from reproduction.farahanchi1991.numbers.derivation import M
 from reproduction.farahanchi1991.runs import Runs

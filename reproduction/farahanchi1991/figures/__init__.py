@@ -6,6 +6,8 @@ from functools import partial
 from itertools import product
 from pathlib import Path
 
+from models.slider_crank.flight.bouncing import LOWER, UPPER
+
 from ...pictures import compact
 from ..cases import GAPS, HIGH_DAMPINGS, LOW_DAMPINGS, Case
 from ..runs import Runs
@@ -28,8 +30,12 @@ def _spectra(first: int, case: Case) -> list[Picture]:
     """F's three figures of a case."""
     return [
         Picture(f"4.{first}", MAP, motions.plot_poincare, case),
-        Picture(f"4.{first + 1}", "Impact spectra, upper wall", impacts.plot_upper_spectrum, case),
-        Picture(f"4.{first + 2}", "Impact spectra, lower wall", impacts.plot_lower_spectrum, case),
+        Picture(
+            f"4.{first + 1}", "Impact spectra, upper wall", partial(impacts.plot_spectrum, side=UPPER), case
+        ),
+        Picture(
+            f"4.{first + 2}", "Impact spectra, lower wall", partial(impacts.plot_spectrum, side=LOWER), case
+        ),
     ]
 
 
@@ -43,11 +49,15 @@ PICTURES: tuple[Picture, ...] = (
     Picture("2.9", FORCE, forces.plot_constraint, Case(0.35, 0.01)),
     Picture("2.10", "Regions of sliding", forces.plot_regions),
     Picture("3.1", "Three-dimensional phase space", forces.plot_extended_phase_space),
-    Picture("4.1", TRACE, motions.plot_first_trace, EXAMPLE),
+    Picture("4.1", TRACE, partial(motions.plot_trace, cycles=2, after=25), EXAMPLE),
     Picture("4.2", "Phase portrait", motions.plot_phase, EXAMPLE),
     Picture("4.3", MAP, motions.plot_poincare, EXAMPLE),
-    Picture("4.4", f"First magnification of the {MAP}", motions.plot_first_magnification, EXAMPLE),
-    Picture("4.5", f"Second magnification of the {MAP}", motions.plot_second_magnification, EXAMPLE),
+    Picture(
+        "4.4", f"First magnification of the {MAP}", partial(motions.plot_magnification, level=1), EXAMPLE
+    ),
+    Picture(
+        "4.5", f"Second magnification of the {MAP}", partial(motions.plot_magnification, level=2), EXAMPLE
+    ),
     *_patterns(6, LOW_DAMPINGS),
     *_spectra(15, Case(0.025, 0.01)),
     *_spectra(18, Case(0.05, 0.015)),

@@ -10,7 +10,7 @@ from matplotlib.ticker import MultipleLocator, ScalarFormatter
 from models.slider_crank.flight.bouncing import LOWER, UPPER
 from models.slider_crank.machine import Machine
 from models.slider_crank.motions.portrait import portrait, wall_angles
-from models.slider_crank.motions.regions import thresholds, wall_forces
+from models.slider_crank.motions.regions import TURN, thresholds, wall_forces
 from orchestrator.plots.motion.angles import shift_to_first_turn
 from orchestrator.plots.motion.force import draw_force
 from orchestrator.plots.motion.regions import draw_regions
@@ -19,7 +19,7 @@ from orchestrator.plots.motion.trace import draw_walls
 from orchestrator.plots.style import COUPLED, MUTED, create_subplots
 
 from ..cases import CORRECTED, FORMS, Case
-from ..forces import TURN, changes
+from ..forces import changes
 from ..runs import Runs
 from .picture import LABELS, Picture, caption, note
 

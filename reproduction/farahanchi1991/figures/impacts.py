@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import cast
 
 from matplotlib.axes import Axes
@@ -12,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 
 from models.slider_crank.equations import THESIS_XI
-from models.slider_crank.flight.bouncing import LOWER, UPPER
+from models.slider_crank.flight.bouncing import UPPER
 from models.slider_crank.motions.statistics import (
     approach_velocities,
     impact_profile,
@@ -80,7 +78,3 @@ def plot_spectrum(runs: Runs, picture: Picture, side: float) -> Figure:
         draw_spectrum(cast(PolarAxes, axes[form]), found.edges, values, colour)
         axes[form].set_title(f"{LABELS[form]}: {describe(runs, case)}", fontsize=9, pad=12.0, color=INK)
     return figure
-
-
-plot_upper_spectrum: Callable[[Runs, Picture], Figure] = partial(plot_spectrum, side=UPPER)
-plot_lower_spectrum: Callable[[Runs, Picture], Figure] = partial(plot_spectrum, side=LOWER)

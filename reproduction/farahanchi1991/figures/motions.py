@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.core.quantities import Vector
+from models.slider_crank.flight.bouncing import UPPER
 from models.slider_crank.motions.portrait import portrait
 from orchestrator.plots.motion.phase import draw_phase
 from orchestrator.plots.motion.poincare import draw_poincare, magnify
@@ -17,7 +14,7 @@ from orchestrator.plots.motion.trace import draw_trace
 from orchestrator.plots.style import REFERENCE
 
 from ..cases import CORRECTED, FORMS, PUBLISHED, TRANSIENT, Case
-from ..impacts import UPPER, on_wall
+from ..impacts import on_wall
 from ..runs import NARROW, Runs
 from .picture import LABELS, Picture, caption, note
 
@@ -43,9 +40,6 @@ def plot_trace(runs: Runs, picture: Picture, cycles: int = 3, after: int = TRANS
     return figure
 
 
-plot_first_trace: Callable[[Runs, Picture], Figure] = partial(plot_trace, cycles=2, after=25)
-
-
 def plot_phase(runs: Runs, picture: Picture) -> Figure:
     """Fig 4.2."""
     figure, axes = picture.frame(7.4, 3.4, [list(FORMS)], sharey=True)
@@ -58,18 +52,13 @@ def plot_phase(runs: Runs, picture: Picture) -> Figure:
     return figure
 
 
-def find_points(runs: Runs, case: Case, cycles: int | None = None) -> tuple[Vector, Vector]:
-    """Crank angle and psi' of the upper impacts."""
-    upper = on_wall(runs.events(case, cycles) if cycles else runs.events(case), UPPER)
-    return upper.theta[-POINTS:], upper.rate[-POINTS:]
-
-
 def plot_poincare(runs: Runs, picture: Picture) -> Figure:
     """Figs 4.3, 4.15, 4.18, 4.21, 4.33, 4.34, 4.36 to 4.39."""
     figure, axes = picture.frame(7.4, 3.3, [list(FORMS)], sharey=True)
     for form in FORMS:
         case = picture.shown.in_form(form)
-        theta, rate = find_points(runs, case)
+        upper = on_wall(runs.events(case), UPPER)
+        theta, rate = upper.theta[-POINTS:], upper.rate[-POINTS:]
         draw_poincare(axes[form], theta, rate, label=form == PUBLISHED)
         _mark_orbit(axes[form], runs, case)
         axes[form].set_xlabel("crank angle θ (rad)")
@@ -108,7 +97,8 @@ def describe(runs: Runs, case: Case) -> str:
 
 def plot_magnification(runs: Runs, picture: Picture, level: int) -> Figure:
     """Figs 4.4 and 4.5: the window, and where it lies; as published only, see the table."""
-    theta, rate = find_many_points(runs, picture.shown)
+    upper = on_wall(runs.events(picture.shown, MAGNIFIED_CYCLES), UPPER)
+    theta, rate = upper.theta, upper.rate
     window = magnify(theta, rate, CENTRE, BY**level)
     whole = magnify(theta, rate, CENTRE, BY ** (level - 1)) if level > 1 else None
     figure, axes = picture.frame(7.4, 3.3, [["whole", "part"]], form=LABELS[PUBLISHED])
@@ -118,13 +108,3 @@ def plot_magnification(runs: Runs, picture: Picture, level: int) -> Figure:
     caption(axes["part"], f"× {BY**level:g}")
     axes["part"].set_ylabel("")
     return figure
-
-
-def find_many_points(runs: Runs, case: Case) -> tuple[Vector, Vector]:
-    """Of a record long enough for two magnifications."""
-    upper = on_wall(runs.events(case, MAGNIFIED_CYCLES), UPPER)
-    return upper.theta, upper.rate
-
-
-plot_first_magnification: Callable[[Runs, Picture], Figure] = partial(plot_magnification, level=1)
-plot_second_magnification: Callable[[Runs, Picture], Figure] = partial(plot_magnification, level=2)

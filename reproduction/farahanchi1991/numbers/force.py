@@ -15,11 +15,13 @@ from models.slider_crank.equations import (
     wall_angle,
     wall_rate,
 )
+from models.slider_crank.flight.bouncing import LOWER, UPPER
 from models.slider_crank.flight.histories import LIFT
 from models.slider_crank.machine import Machine, Motion
+from models.slider_crank.motions.regions import TURN, region
 
 from ..cases import GAPS, PUBLISHED
-from ..forces import LOWER, TURN, UPPER, changes, curve, in_force, limits, pressed, region, shares
+from ..forces import changes, curve, in_force, limits, pressed, shares
 from ..lagrange import printed
 from ..runs import Runs
 from .derivation import Numbers

@@ -8,10 +8,11 @@ import numpy as np
 
 from models.core.quantities import Vector
 from models.slider_crank.equations import THESIS_XI
-from models.slider_crank.motions.statistics import impact_profile
+from models.slider_crank.flight.bouncing import LOWER, UPPER
+from models.slider_crank.motions.statistics import impact_profile, wall_position
 
 from ..cases import CYCLES, GAPS, HIGH_DAMPINGS, LOW_DAMPINGS, MATRIX, TRANSIENT, Case, matrix
-from ..impacts import BINS, LOWER, UPPER, location, mean_approach, on_wall, profile, severity, spread
+from ..impacts import BINS, mean_approach, on_wall, profile, spread
 from ..kinds import CHAOTIC, observe
 from ..runs import Runs
 from .derivation import Numbers
@@ -29,7 +30,7 @@ def count_backward(runs: Runs, form: str) -> Numbers:
 
 def locate_stroke(runs: Runs) -> Numbers:
     """Places at crank angles 0, pi/2 and pi, and how far the ends are from 1 +- xi."""
-    head, middle, end = location(np.array([0.0, 0.5 * math.pi, math.pi]))
+    head, middle, end = wall_position(np.array([0.0, 0.5 * math.pi, math.pi]), THESIS_XI)
     off = max(abs(head - 1.0 - THESIS_XI), abs(end - 1.0 + THESIS_XI))
     return {"head": head, "middle": middle, "crank_end": end, "off": off}
 
@@ -128,7 +129,7 @@ def compare_walls(runs: Runs, form: str, dampings: tuple[float, ...]) -> Numbers
         wrong += [str(case) for case, a, b in zip(row, *means, strict=True) if a <= b]
         up.append(float(np.mean(means[0])))
         low.append(float(np.mean(means[1])))
-        sums = [sum(severity(part, CYCLES) for part in wall) for wall in parts]
+        sums = [sum(float(part.approach.sum()) / CYCLES for part in wall) for wall in parts]
         ratios.append(sums[0] / sums[1] if sums[1] else math.inf)
     return {
         "pairs": "; ".join(f"{a:.4f} and {b:.4f}" for a, b in zip(up, low, strict=True)),
@@ -178,7 +179,7 @@ def follow_lower(runs: Runs, form: str) -> Numbers:
     rows = {}
     for damping, row in _by_gap(runs, (*LOW_DAMPINGS, 0.15, 0.20), form).items():
         parts = [on_wall(runs.events(case), LOWER) for case in row]
-        if x := np.concatenate([location(part.theta) for part in parts]).tolist():
+        if x := np.concatenate([wall_position(part.theta, THESIS_XI) for part in parts]).tolist():
             speed = np.concatenate([part.approach for part in parts])
             rows[damping] = (np.quantile(x, 0.05), np.quantile(x, 0.95), speed.mean())
     first, *_, last = rows.values()

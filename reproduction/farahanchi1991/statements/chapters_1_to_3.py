@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from functools import partial
 
+from models.slider_crank.motions.regions import TURN
+
 from ...statement import Claim, Numbers, Verdict, near, nothing
-from ..forces import TURN
 from ..numbers import derivation, force, impacts, motions
 from ..runs import Runs
 from .both_forms import BothForms
@@ -43,12 +44,11 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "speed or low e", motions.count_chaotic,
         "chaotic: {fast} of 9 at λ ≤ 0.075, e = 0.9; {slow} of 9 at λ ≥ 0.15; {soft} of 9 at e = 0.5",
         lambda v: v.fast > max(9 / 2, v.slow, v.soft),
-        "prevalent: more than half of the cases, and more than at low speed or low e. As published λ = 0.15 "
-        "and 0.20 are as chaotic as small λ, and only λ = 0.25 is periodic"),
+        "prevalent: more than half of the cases. As published λ = 0.15 and 0.20 are as chaotic as small λ"),
     Claim("permuted-list", "List of figures",
         "Figs. 4.15-4.17 are (0.05, 0.015), Figs. 4.18-4.20 (0.025, 0.01)",
         nothing, "captions and text: Figs. 4.15-4.17 are (0.025, 0.01), Figs. 4.18-4.20 (0.05, 0.015)",
-        Verdict.CANNOT, "the list contradicts the captions, which agree with the text; drawn as captioned"),
+        Verdict.CANNOT, "the list contradicts the captions and the text; drawn as captioned"),
     Claim("gravity", "2.1", "Gravity may be ignored when the crank speed is sufficiently large",
         derivation.compute_engine,
         "g/(rΩ²) = {gravity_slow:.3f} at 600 r/min, {gravity_fast:.4f} at 3000 r/min",
@@ -57,24 +57,24 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         derivation.compute_rates,
         "by F's own displacements the rod turns with {seen:.4f} where φ' = {phi_rate:.4f} and ψ' = 0.2: φ' "
         "− ψ', not φ' + ψ' = {wrong:.4f}", Verdict.CANNOT,
-        "the rod's angle is φ − ψ. The error puts −β for +β into f(τ): its factor of (ξ³ − ξ) sin τ/Λ³ is "
-        "{published:.4f} for {corrected:.4f}. This is the whole difference between the two forms"),
+        "the rod's angle is φ − ψ. The error puts −β for +β into f(τ), a factor of (ξ³ − ξ) sin τ/Λ³ of "
+        "{published:.4f} for {corrected:.4f}: the whole difference between the two forms"),
     Claim("friction-moment", "2.2, (2.6)",
         "The friction moment is −c₂(−θ̇ − φ̇ + ψ̇), proportional to the rate of the rod relative to the "
         "crank", derivation.compute_rates,
         "relative rate from the positions {relative:.6f}, θ' + φ' − ψ' = {stated:.6f}",
         lambda v: abs(v.relative - v.stated) < ROUNDING,
-        "it uses the rod's rate φ̇ − ψ̇, which contradicts the φ̇ + ψ̇ of (2.1)"),
+        "it uses the rod's rate φ̇ − ψ̇, against (2.1)"),
     Claim("equation-2-8", "(2.8)",
         "½m{{−Ω²rl[sin Ωt cos(φ−ψ) − cos Ωt sin(φ−ψ)] …}} − M{{Ω²rl[… + l²(φ̈−ψ̈)]}} + …",
         derivation.compare_equations,
         "differs by up to {of_2_8:.3f} M l²Ω² from Lagrange's equation of F's own energy (2.5)",
         Verdict.CANNOT,
-        "the first minus must be a plus (as in (2.9)), and l²(φ̈−ψ̈) stands inside a bracket with the "
-        "factor Ω²rl, against its unit, here and in (2.9); (2.10) is right in both"),
+        "the first minus must be a plus, and l²(φ̈−ψ̈) does not belong into a bracket with the factor "
+        "Ω²rl; (2.10) is right in both"),
     Claim("scaling", "2.3", "τ = Ωt and ()' = Ω(˙)",
         nothing, "d/dt = Ω d/dτ: (˙) = Ω()'", Verdict.CANNOT,
-        "the two contradict each other; the equations use (˙) = Ω()'"),
+        "the equations use (˙) = Ω()'"),
     Claim("equation-2-10", "(2.10)", "The dimensionless equation of motion follows by Lagrange's method",
         derivation.compare_equations,
         "differs by {own:.0e} from Lagrange's equation of F's energy with φ' + ψ', by up to {rod:.3f} from "
@@ -89,7 +89,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         derivation.compare_equations,
         "with c₂ ∝ Ω the moments over Ω² at 10 and 300 rad/s are the same to {speed:.0e}",
         lambda v: v.speed < 1e-12,
-        "if the coefficient of restitution does not depend on the impact velocity, which is ∝ Ω"),
+        "if e does not depend on the impact velocity"),
     Claim("wall-angles", "(2.14), (A.4)", "For |ψ| ≪ 1, ψ_max = ρ/√(1 − ξ² sin²τ)", derivation.check_walls,
         "off by at most {off:.2f%} of ρ from sin(φ − ψ) = sin φ − ρ at ρ = 0.010, 0.015, 0.020",
         lambda v: v.off[2] < 0.01 and near(v.off[2] / v.off[0], 2.0, 0.025)),
@@ -107,7 +107,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "400 bounces at e = 0.9 take {share:.12f} of 2v/(g(1 − e)); at (0.25, 0.015) the roller is still "
         "after {impacts} impacts, when less than rounding is left of the sum",
         lambda v: near(v.share, 1.0, 1e-12),
-        "cited from Greenwood, pp. 160-161, which was not at hand; the sum is its own proof"),
+        "cited from Greenwood, pp. 160-161, which was not at hand"),
     Claim("when-it-slides", "2.6",
         "Sliding occurs when the friction is large or the coefficient of restitution small",
         derivation.measure_sliding,
@@ -122,17 +122,16 @@ CLAIMS: tuple[Claim[Runs], ...] = (
     Claim("repeated-energy", "2.6 after (2.26)",
         "T_total (from 2.5) = ½M{{… + [rΩ cos Ωt − ½l(φ̇−ψ̇) cos(φ−ψ)]²}} + …",
         nothing, "(2.4), (2.5): the slider's vertical velocity is r Ω cos Ωt − l(φ̇−ψ̇) cos(φ−ψ)",
-        Verdict.CANNOT, "a misprint: the ½ belongs to the rod alone; the equation that follows has it right"),
+        Verdict.CANNOT, "a misprint: the ½ belongs to the rod alone"),
     Claim("equation-2-27", "(2.27), (2.29)",
         "… − β(φ'' − ψ'') = −f_u cos(φ−ψ) + … in (2.27), … + β(φ'' + ψ'') … in (2.29)",
         derivation.compare_equations,
         "(2.27) differs by up to {own_2_27:.3f} from Lagrange's equation of F's energy (2.5) and by "
         "{rod_2_27:.0e} from that with the rod's right rate φ' − ψ'", Verdict.CANNOT,
-        "the two contradict each other. (2.27) is the right equation, printed once and not used: all "
-        "figures follow from (2.10) and (2.29)"),
+        "(2.27) is right, printed once and not used: all figures follow from (2.10) and (2.29)"),
     Claim("force-scale", "2.6 after (2.26)", "Dividing by M l Ω² gives (2.27)",
         nothing, "the terms are moments, M l² Ω²; F_u l over that is f_u = F_u/(M l Ω²), (2.28)",
-        Verdict.CANNOT, "must be M l² Ω², as in 2.3; (2.27) and (2.28) are right"),
+        Verdict.CANNOT, "must be M l² Ω², as in 2.3"),
     Claim("restitution-no-part", "2.6", "The coefficient of restitution cannot affect the constraint force",
         force.compare_restitutions, "forces with e = 0, 0.5 and 1 differ by {spread:.0e}",
         lambda v: v.spread == 0.0),
@@ -159,8 +158,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "about 0 to π, on the lower from π to 2π", force.find_changes_of_sign,
         "{upper_changes} changes of sign on the upper wall, {lower_changes} on the lower; may slide: upper "
         "wall {upper}, lower {lower}", lambda v: 0.0 < v.off < ABOUT,
-        "the main thing that the sign error hides: with the right sign the wall force changes side four "
-        "times a revolution at high speed"),
+        "with the right sign the wall force changes side four times a revolution at high speed"),
     BothForms("longer-upper", "2.6, Figs. 2.4-2.6",
         "As λ increases, the force on the upper wall increases and its sliding region is extended (ρ = 0.01)",
         force.compare_dampings,
@@ -173,9 +171,8 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "λ = 0.267, ρ = 0.02: upper wall over the entire cycle, and the lower too for 4.96 < θ < 5.14",
         force.find_holding_intervals, "upper wall {upper}, lower wall {lower}",
         lambda v: max(abs(v.begin - 4.96), abs(v.end - 5.14)) < GRAPH and not v.upper_changes,
-        "to what can be read from a graph; (2.29) taken with cos(φ−ψ), not linearized, at F's linear walls, "
-        "as the text has it, gives {mixed[0]:.3f}-{mixed[1]:.3f}, nearer to the printed numbers: the force "
-        "was drawn from the equation before its linearization"),
+        "as read from a graph; (2.29) not linearized, at F's linear walls, gives "
+        "{mixed[0]:.3f}-{mixed[1]:.3f}, nearer to the printed numbers"),
     BothForms("near-crossings", "2.6, Fig. 2.8",
         "At the crossing that continues θ = π either wall can hold the roller, at that of 2π neither, for "
         "all (λ, ρ) with crossings; the intervals are typically small",
@@ -194,28 +191,25 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         force.find_thresholds,
         "λ = {zero:.5f} as ρ → 0; at ρ = 0.02 I ends at {first:.5f} and III begins at {second:.5f}",
         lambda v: v.first < v.zero < v.second,
-        "with the right sign less than half of the friction holds the roller on the upper wall for good, or "
-        "the same friction up to more than twice the crank speed (λ ∝ 1/Ω)"),
+        "with the right sign less than half of the friction holds the roller on the upper wall for good"),
     BothForms("section", "(3.4)", "Σ = {{x₁ = ψ_max, x₂ > 0}} holds the impacts on the upper wall",
         impacts.count_backward, "{backward} of {total} upper impacts have ψ' ≤ 0, down to {least:.4f}",
         lambda v: v.backward == 0,
-        "the wall itself moves with ψ'_max = ½ξ² sin 2τ ψ_max/Λ²: a slow impact may have x₂ ≤ 0; x₂ > "
-        "ψ'_max it must be"),
+        "the wall itself moves: x₂ > ψ'_max it must be, with ψ'_max = ½ξ² sin 2τ ψ_max/Λ²"),
     Claim("ends-of-stroke", "3.2", "x ∈ [1 − ξ, 1 + ξ]; x = 1 − ξ at θ = (2n+1)π, x = 1 + ξ at θ = 2nπ",
         impacts.locate_stroke, "x = {head:.4f} at 0, {crank_end:.4f} at π; at π/2 {middle:.4f}",
         lambda v: v.off < 1e-12, "the middle of the stroke is passed after half of the time"),
     BothForms("profile-average", "(3.6), (3.7)",
         "⟨ψ̇(Δx_i)⟩ = Σ ψ̇_k/N is the average impact velocity of the interval Δx_i", impacts.average_profile,
         "the bars of (3.6) add up to {sum:.5f}, the mean impact velocity is {mean:.5f}", Verdict.NOT_MET,
-        "an average would divide by N_i. With N, as F itself notes, it is the average times the share N_i/N "
-        "of the impacts; the bars of both walls add up to the mean of all impacts"),
+        "an average would divide by N_i; with N it is the average times the share N_i/N of the impacts"),
     Claim("profile-without-limit", "(3.6), 4.4",
         "Profiles of motions that slide show the impacts and their severity", impacts.sum_velocities,
         "(0.25, 0.015): {counts[1]:.0f} impacts a cycle by F's threshold of sliding, {counts[0]:.0f} until "
         "rounding, infinitely many in the limit; velocities per cycle {sums[1]:.4f} and {sums[0]:.4f}",
         Verdict.CANNOT,
-        "divided by N, the profile of a motion with chatter falls without limit as the threshold is made "
-        "smaller; divided by the cycles it converges: so it is drawn and compared here"),
+        "divided by N, a profile with chatter falls without limit as the threshold is made smaller; "
+        "divided by the cycles, as here, it converges"),
     BothForms("limiting-distribution", "3.2", "As N → ∞ the profiles converge to a limiting distribution",
         impacts.compare_records,
         "(0.025, 0.02): {errors[0]:.1f%} and {errors[1]:.1f%} away after 3000 and 12000 cycles from the "
@@ -224,9 +218,9 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "Impact spectra are a polar representation of the data of the profiles", impacts.split_directions,
         "{out:.0f%} of the upper impacts on the way from the head, {back:.0f%} on the way back",
         lambda v: min(v.out, v.back) == 0.0,
-        "they hold more: θ and 2π − θ are the same place x, and a profile adds them up"),
+        "they hold more: θ and 2π − θ are the same place x"),
     Claim("transient-length", "4.2, appendix B",
         "Transients have decayed after 25 cycles (4.2); 30 are allowed to achieve steady state (appendix B)",
         nothing, "25 and 30", Verdict.CANNOT,
-        "the two differ; 30 taken. For transient chaos neither is enough"),
+        "30 taken. For transient chaos neither is enough"),
 )

@@ -27,7 +27,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         derivation.compute_engine,
         "a uniform rod has β = α/12 = {uniform:.4f}; 0.4719 is {of_uniform:.2f} times that and "
         "{of_most:.1f%} of α/4 = {most:.4f}, all of its mass at its ends", Verdict.CANNOT,
-        "no connecting rod has that; kept, as all figures follow from it"),
+        "no rod has that; kept, as all figures follow from it"),
     Claim("ford-engine", "4.1", "The values are those of a Ford four-cylinder engine",
         nothing, "-", Verdict.UNCHECKED, "cited from Denman (1988), which was not at hand"),
     BothForms("no-sliding", "4.1, 4.3",
@@ -37,15 +37,13 @@ CLAIMS: tuple[Claim[Runs], ...] = (
     BothForms("with-sliding", "4.1, 4.4",
         "λ = 0.15, 0.20, 0.25 are large enough that sliding occurs in the steady state",
         motions.list_sliding, "{count} of {cases} cases slide{listed}", lambda v: v.count == v.cases,
-        "with F's threshold as published {ruled} slide: {ruled_cases}. At λ = 0.15 and 0.20 the bounces are "
-        "cut short by the release before they come to rest: what F takes for sliding is a row of small "
-        "impacts, whose end the next flight remembers"),
+        "with F's threshold as published {ruled} slide: {ruled_cases}. At λ = 0.15 and 0.20 what F takes "
+        "for sliding is a row of small impacts, cut short by the release"),
     BothForms("kinds-in-both", "4.1",
         "All three kinds are observed with and without sliding, periodic motions more often with it",
         motions.count_kinds, "{sets}",
         lambda v: v.low_kinds == v.high_kinds == 3 and v.periodic_high > v.periodic_low,
-        "by the cases of 4.3 and 4.4; what slides again and again cannot be chaotic: it is released at a "
-        "fixed crank angle from rest on the wall, and is exactly periodic in the end"),
+        "by the cases of 4.3 and 4.4; what slides again and again is exactly periodic in the end"),
     BothForms("not-periodic", "4.2, Fig. 4.1",
         "(0.05, 0.01), after 25 cycles: no strict periodicity in two cycles", motions.measure_distance,
         "after 25 cycles successive cycles begin {apart:.0f%} of the range or more apart",
@@ -54,27 +52,27 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "The system has a chaotic response to periodic excitation; 3000 revolutions clearly show it",
         motions.find_exponent, "{kind}: {evidence}",
         lambda v: v.exponent > 3.0 * v.error and v.kind == CHAOTIC,
-        "corrected, this case is F's transient chaos: it slides in the end, and repeats"),
+        "corrected, this case is transient chaos: it slides in the end, and repeats"),
     BothForms("fractal", "4.2, Figs. 4.4, 4.5", "Two magnifications show the fractal nature of the attractor",
         motions.compute_dimension, "{words}", lambda v: 1.0 < v.dimension < 2.0),
     BothForms("descending-series", "4.2",
         "Impacts move from lobe to lobe, from the upper left to the lower right: each slower than the one "
         "before", impacts.count_descending,
         "{slower:.1f%} of the {pairs} upper impacts that follow another in the same cycle are slower than it",
-        lambda v: v.slower > 0.9, "taken as a rule with few exceptions: more than 90 %"),
+        lambda v: v.slower > 0.9, "as a rule: more than 90 %"),
     BothForms("several-lobes", "4.2, Fig. 4.3",
         "The attractor is composed of several lobes, some of them distinct",
         impacts.count_lobes, "{words}", lambda v: v.lobes > 1,
-        "distinct in crank angle, to half a degree; distinct lobes may still share crank angles"),
+        "distinct in crank angle, to half a degree"),
     Claim("gap-misprint", "4.3", "The matrix has ρ = 0.01, 0.015, 0.2",
         nothing, "figures, captions and text that follow have ρ = 0.020", Verdict.CANNOT,
-        "a misprint: ρ = 0.2 would let |ψ| reach 12°, beyond the equation linear in ψ"),
+        "a misprint: with ρ = 0.2, |ψ| reaches 12°"),
     BothForms("matrix-kinds", "4.3", "All three types of response occur in the 3 × 3 matrix",
         motions.count_kinds, "{low}", lambda v: v.low_kinds == 3),
     Claim("listed-twice", "4.3",
         "Transient chaos at (0.025, 0.01), (0.025, 0.01), 0.015), and (0.075, 0.01) (Figs. 4.6, 4.7, 4.12)",
         nothing, "Fig. 4.7 is (0.025, 0.015)", Verdict.CANNOT,
-        "a pair stands twice in the copy at hand; the second is (0.025, 0.015)"),
+        "a pair stands twice; the second is (0.025, 0.015)"),
     of_kind("kind-0.025-0.01", "4.3, Fig. 4.6", "(0.025, 0.01) exhibits transient chaos",
         Case(0.025, 0.01), TRANSIENT_CHAOS),
     of_kind("kind-0.025-0.015", "4.3, Fig. 4.7", "(0.025, 0.015) exhibits transient chaos",
@@ -99,8 +97,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "uniformity of the impact velocities over {bins} parts of the walls (1 even, 0 one spot): chaotic "
         "{chaotic}, others {other}", lambda v: v.least_chaotic > v.most_other,
         "of 3000 cycles, or of one period after the transient. Chaos in narrow bands, as at (0.15, 0.01), "
-        "wears in spots too; corrected, what slides may have a period of hundreds of cycles and wear as "
-        "evenly as chaos"),
+        "wears in spots too; corrected, long periods with slides wear as evenly as chaos"),
     BothForms("background", "4.3",
         "In transient chaos the uniform background of the distribution decreases with the length of the "
         "sample", impacts.measure_background,
@@ -119,7 +116,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "mean velocity on the upper wall less that on the lower, mean over ρ, at λ = 0.025, 0.05, 0.075: "
         "{differences:+.4f}; lower wall hit harder at {wrong}",
         lambda v: v.wrong == "none" and rising(v.differences),
-        "by the mean over a wall's impacts; the upper wall has many small ones"),
+        "by the mean; the upper wall has many small impacts"),
     BothForms("upper-worn", "4.3, Figs. 4.6-4.14", "The same, of the profiles' areas",
         partial(impacts.compare_walls, dampings=LOW_DAMPINGS),
         "velocities per cycle, upper wall over lower, at λ = 0.025, 0.05, 0.075: {ratios:.2f}",
@@ -129,7 +126,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         impacts.find_slowest,
         "{slow} of {cases} cases have impacts slower than {limit}; the slowest are {low:.0e} to "
         "{high:.0e}{others}", lambda v: v.slow == v.cases,
-        "very small: below a tenth of the mean; periodic motions have a few velocities only"),
+        "very small: below a tenth of the mean"),
     BothForms("slight-changes", "4.3",
         "Very slight changes of the parameters render the periodic motions chaotic",
         motions.vary_gap, "(0.05, 0.015) with ρ changed by {each}",
@@ -137,8 +134,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
     Claim("no-prediction", "4.3, 5",
         "Chaos and periodicity occur without rhyme or reason; an a priori prediction is impossible",
         nothing, "every kind here is found by computing, from 24 starts", Verdict.UNCHECKED,
-        "an impossibility cannot be computed; windows of periodicity in a map of the exponent have an "
-        "order, and sliding makes a motion periodic for a reason"),
+        "an impossibility cannot be computed; but maps of the exponent show ordered windows of periodicity"),
     BothForms("sliding-matrix", "4.4, Figs. 4.24-4.32",
         "The matrix λ = 0.15, 0.20, 0.25: periodic at λ = 0.25",
         motions.describe_matrix, "{each}", lambda v: v.periodic[-1] == 3),
@@ -146,15 +142,14 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "Periodic motions are much more prevalent as λ is increased",
         motions.describe_matrix, "periodic at λ = 0.15, 0.20, 0.25: {periodic} of 3",
         lambda v: v.periodic[-1] > v.periodic[0] and v.periodic == sorted(v.periodic),
-        "as published (0.15, 0.01) looks periodic too; corrected, all but one are simply at rest on the "
-        "upper wall"),
+        "as published (0.15, 0.01) looks periodic too; corrected, all but one rest on the upper wall"),
     BothForms("less-chaotic", "4.4", "In general dissipation tends to discourage chaos",
         motions.count_chaotic, "chaotic at λ = 0.025, 0.05, 0.075, 0.15, 0.20, 0.25: {counts} of 3",
-        lambda v: v.slow < v.fast, "as published only from about λ = 0.22 on; judged by both matrices"),
+        lambda v: v.slow < v.fast, "as published only from about λ = 0.22 on"),
     BothForms("sliding-faster-with-gap", "4.4",
         "With sliding too an increase of the gap results in larger impact velocities",
         impacts.find_fastest, "largest velocity at ρ = 0.010, 0.015, 0.020: {each}", lambda v: v.rising,
-        "by the largest velocities, as the mean over a row of bounces that ends in rest has no limit"),
+        "by the largest velocities: the mean over bounces that end in rest has no limit"),
     BothForms("difference-of-walls", "4.4",
         "Increases of λ increase the difference between the impact velocities on the upper and the lower "
         "wall", partial(impacts.compare_walls, dampings=HIGH_DAMPINGS),
@@ -165,16 +160,14 @@ CLAIMS: tuple[Claim[Runs], ...] = (
     BothForms("slides-not-seldom", "4.4, Fig. 4.33",
         "(0.20, 0.015): during the chaotic motion sliding occurs not infrequently",
         motions.count_slides, "{words}", lambda v: min(v.exact, v.ruled) > 30,
-        "F's routine may have taken any slow impact for the beginning of sliding, also where the force "
-        "points away from the wall; a motion that truly slides is released from a fixed state, so that what "
-        "follows is always the same: recurrent sliding and chaos exclude each other"),
+        "F's routine may have taken slow impacts for sliding; a motion that slides is released from a "
+        "fixed state, so recurrent sliding and chaos exclude each other"),
     of_kind("kind-0.22-0.015", "4.4", "(0.22, 0.015): approximately there only transient chaos is observed",
         Case(0.22, 0.015), TRANSIENT_CHAOS),
     BothForms("simple-periodic", "4.4", "At ρ = 0.015 simple periodic motion occurs for λ = 0.23 and above",
         motions.find_simple_periodic, "period 1 {exact_words}, with F's threshold {ruled_words}",
         lambda v: v.exact <= 0.23,
-        "as published met with F's threshold only: at 0.23 the exact motion has a longer period, as its "
-        "bounces are not cut off"),
+        "as published met with F's threshold only: the exact motion at 0.23 has a longer period"),
     of_kind("kind-0.25-0.015", "4.4, Fig. 4.35", "(0.25, 0.015) is periodic",
         Case(0.25, 0.015), PERIODIC),
     BothForms("low-velocity-cycles", "4.4, Figs. 4.34, 4.35",
@@ -188,7 +181,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
     BothForms("no-lower-impacts", "4.4", "At λ = 0.25, and above, there are no impacts on the lower wall",
         impacts.count_lower,
         "{count} impacts on the lower wall in 300 cycles each at λ = 0.25, 0.26, 0.28, 0.35 and F's gaps",
-        lambda v: v.count == 0, "although the force presses towards the lower wall in a part of the cycle"),
+        lambda v: v.count == 0, "although the force presses to the lower wall in a part of the cycle"),
     BothForms("lower-wall-trend", "4.4",
         "As λ increases the impacts on the lower wall become more limited in place, more severe, and shift "
         "to the head end",
@@ -210,9 +203,8 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         nothing,
         "Fig. 4.21 is (0.075, 0.02), Fig. 4.8 is (0.025, 0.02); the captions of 4.40 and 4.41 say λ = 0.025",
         Verdict.CANNOT,
-        "text and captions contradict each other; the distribution of (0.05, 0.02), e = 0.9, is Fig. 4.11, "
-        "and its Poincaré map is not shown. Figs. 4.40 and 4.41 are drawn for the caption's λ and for the "
-        "text's"),
+        "text and captions contradict each other; the distribution of (0.05, 0.02), e = 0.9, is Fig. 4.11. "
+        "Figs. 4.40 and 4.41 are drawn for the caption's λ and for the text's"),
     BothForms("more-sliding", "4.4",
         "As e is reduced motions increase their sliding duration and become periodic, over all λ and ρ",
         motions.compare_restitutions,
@@ -232,7 +224,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         partial(motions.measure_sliding, restitution=0.0),
         "e = 0: {sliding} of {cases} pairs (λ, ρ) slide, {regular} are periodic in the end",
         lambda v: v.sliding == v.cases and v.regular > v.cases // 2,
-        "with e = 0 an impact against the force leaves the roller on the wall but for the instant"),
+        "with e = 0 an impact against the force touches the wall for an instant"),
     BothForms("dominated-by-sliding", "5",
         "With e ≈ 0.4, as in automotive applications, sliding motions will most likely dominate",
         partial(motions.measure_sliding, restitution=0.4),
@@ -246,18 +238,17 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "throughout", lambda v: v.short > 0 and v.long > 0),
     Claim("beneficial", "Abstract, 5", "Chaotic motions may be beneficial, as they spread wear more evenly",
         nothing, "see the uniformities in 4.3; in print a possibility, not a result", Verdict.UNCHECKED,
-        "wear itself is not modelled, here or in F; what the impacts dissipate stands above"),
+        "a possibility in print; wear itself is not modelled, here or in F"),
     BothForms("fewer-impacts", "5",
         "Increases in sliding duration are typically correlated with fewer impacts per cycle",
         motions.correlate_sliding,
         "correlation of sliding share and impacts per cycle {value:+.2f} (54 cases, F's threshold)",
         lambda v: v.value < 0.0,
-        "counted with F's threshold, as every slide begins with infinitely many impacts"),
+        "with F's threshold, as every slide begins with infinitely many impacts"),
     Claim("averages-lost", "5",
         "An integral average measure cannot be obtained from the pattern of the Poincaré map",
         nothing, "(3.6) of the upper wall is the sum of x₂ over the points of Σ by θ", Verdict.NOT_MET,
-        "the map's points hold angle and velocity of every upper impact; only the printed pattern hides "
-        "their number"),
+        "the map's points hold angle and velocity of every upper impact"),
     Claim("four-dimensions", "5",
         "The Poincaré map of a model with two degrees of freedom is four-dimensional",
         nothing, "two angles, two rates and the crank angle, less one by the impact's condition: 4",
@@ -265,5 +256,5 @@ CLAIMS: tuple[Claim[Runs], ...] = (
     Claim("unpredictable", "5",
         "It may be practically impossible to predict the response over a range of speeds with any confidence",
         nothing, "-", Verdict.UNCHECKED,
-        "of motions, beyond some cycles; their statistics and kinds are computed here from any start"),
+        "of motions, beyond some cycles; their statistics and kinds are computed here"),
 )
