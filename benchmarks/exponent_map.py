@@ -19,7 +19,7 @@ from .measure import measure_medians
 SIDE, FULL, CYCLES, TRANSIENT, ROUNDS = 20, 200, 1000, 200, 3
 
 
-def points_per_second(workers: int) -> float:
+def measure_rate(workers: int) -> float:
     """Points of the map computed in a second of wall time."""
     x, y = ("damping", np.linspace(0.01, 0.25, SIDE)), ("gap", np.linspace(0.005, 0.02, SIDE))
     began = time.perf_counter()
@@ -30,7 +30,7 @@ def points_per_second(workers: int) -> float:
 def rows() -> list[tuple[str, str]]:
     """Figures for the report."""
     counts = sorted({1, cores()})
-    found = measure_medians({str(n): lambda n=n: points_per_second(n) for n in counts}, ROUNDS)
+    found = measure_medians({str(n): lambda n=n: measure_rate(n) for n in counts}, ROUNDS)
     one = found["1"]
     return [
         (

@@ -42,7 +42,7 @@ FLUID = Lubricant(0.036, 1.8e-8)
 ANY_ERROR = 1e9
 
 
-def drive(angle: float, approach: float) -> Drives:
+def build_drives(angle: float, approach: float) -> Drives:
     """The set kushwaha2000 with a massless spring, load given."""
     at = contact_conditions(angle, SPEED, CAM, SPRING)
     return Drives(Flow(at.entraining_velocity, 0.0, at.radius_of_curvature), approach, at.load / LENGTH)
@@ -62,7 +62,7 @@ class Turn:
     def run(self, first: float, last: float) -> float:
         """Processor time of the steps between these angles (s), compiled and begun before."""
         angle, film = math.radians(first), 1e-6
-        d = drive(angle, 0.0)
+        d = build_drives(angle, 0.0)
         load = d.line_load * LENGTH
         approach = deflection(load, d.flow.radius, LENGTH, BODIES.compliance) - film
         scale = wanted_scale(d.line_load, film, d.flow.radius, BODIES)
@@ -72,7 +72,7 @@ class Turn:
         interval = turned / SPEED
         spent = 0.0
         for _ in range(round((last - first) / self.degrees)):
-            drives = [drive(angle + share * turned, approach) for share in (0.0, GAMMA, 1.0)]
+            drives = [build_drives(angle + share * turned, approach) for share in (0.0, GAMMA, 1.0)]
             begun = time.thread_time()
             load = line_load_of(self.p, self.w.weight, scale)
             new_scale = grid_scale_after(
@@ -99,7 +99,7 @@ class Turn:
         return spent
 
 
-def dense_and_hierarchical(turn: Turn) -> tuple[float, float]:
+def time_factors(turn: Turn) -> tuple[float, float]:
     """Processor time of one factorisation and solution (s), by LAPACK and by the hierarchy."""
     w, n = turn.w, turn.p.size
     J = Jacobian(w.A, w.B, w.D, w.weight, 1e-15, 1.0)
@@ -121,16 +121,16 @@ def dense_and_hierarchical(turn: Turn) -> tuple[float, float]:
     return found["dense"], found["hierarchical"]
 
 
-def over_event(nodes: int, last: float) -> tuple[float, float]:
+def time_event(nodes: int, last: float) -> tuple[float, float]:
     """Milliseconds of a step of 0.1 degrees from 95 degrees on, and the ratio of dense factors to ours."""
     turn = Turn(nodes, 0.1)
     turn.run(95.0, 96.0)
     spent = turn.run(95.0, last) / ((last - 95.0) / 0.1) * 1e3
-    dense, ours = dense_and_hierarchical(turn)
+    dense, ours = time_factors(turn)
     return spent, dense / ours
 
 
-def over_turn(nodes: int, roughness: float = 0.0) -> float:
+def time_turn(nodes: int, roughness: float = 0.0) -> float:
     """Milliseconds of a step of 0.1 degrees over the whole turn."""
     turn = Turn(nodes, 0.1, roughness)
     turn.run(0.0, 1.0)
@@ -140,7 +140,7 @@ def over_turn(nodes: int, roughness: float = 0.0) -> float:
 def rows() -> Iterator[tuple[str, str]]:
     """Figures and their values."""
     for nodes in NODES:
-        spent, ratio = over_event(nodes, 225.0 if nodes < 1000 else 115.0)
+        spent, ratio = time_event(nodes, 225.0 if nodes < 1000 else 115.0)
         memory = workspace_size(nodes) * 8 / 1e6
         yield (
             f"line contact, {nodes} nodes: a step of 0.1 degrees over the cam's event; memory; "
@@ -151,7 +151,7 @@ def rows() -> Iterator[tuple[str, str]]:
             yield (
                 f"line contact, {nodes} nodes: a step of 0.1 degrees over the whole turn; with 0.2 um of "
                 "roughness",
-                f"{over_turn(nodes):.2f} ms; {over_turn(nodes, 0.2e-6):.2f} ms",
+                f"{time_turn(nodes):.2f} ms; {time_turn(nodes, 0.2e-6):.2f} ms",
             )
     turn = Turn(301, 1.0)
     turn.run(0.0, 10.0)

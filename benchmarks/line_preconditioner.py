@@ -12,7 +12,7 @@ from scipy.sparse.linalg import LinearOperator, gmres
 from models.contact.line.newton import deflection_factors
 from models.contact.line.transient import wanted_scale
 
-from .line_contact import BODIES, Turn, drive
+from .line_contact import BODIES, Turn, build_drives
 
 # Flank, a reversal and the nose (degrees of the cam).
 ANGLES = (112.0, 168.0, 180.0)
@@ -26,7 +26,7 @@ def jacobian(nodes: int, angle: float) -> np.ndarray:
     """A + B D of the step that ends at this cam angle, rows scaled by their largest element."""
     turn = Turn(nodes, 0.1)
     turn.run(95.0, angle)
-    w, at = turn.w, drive(math.radians(angle), 0.0)
+    w, at = turn.w, build_drives(math.radians(angle), 0.0)
     scale = wanted_scale(at.line_load, float(turn.h[nodes // 2]), at.flow.radius, BODIES)
     factor, offset = deflection_factors(scale, BODIES)
     deflections = factor * (w.D.T + offset * w.weight)

@@ -41,7 +41,7 @@ ENGINE_HEADER = """\
 """
 
 
-def phases() -> dict[str, float]:
+def list_phases() -> dict[str, float]:
     """Cam angle at crank angle zero (deg) by valve: the nose, at 180, comes when its cylinder asks for it."""
     found = {}
     for cylinder in sorted(FIRING_ORDER):
@@ -58,7 +58,7 @@ SPEED = {"motion": "prescribed", "initial_speed": "2000 rpm"}
 DEGREES_PER_SECOND = 2000.0 * 360.0 / 60.0
 
 
-def one_valve(base: Scenario, phase: float) -> System:
+def start_valve(base: Scenario, phase: float) -> System:
     """One valve train with that phase (deg), as it is when the crankshaft comes to angle zero."""
     content = base.model_dump(exclude_none=True)
     shaft, camshaft = content["components"]["flywheel"], content["components"]["camshaft"]
@@ -78,16 +78,16 @@ def one_valve(base: Scenario, phase: float) -> System:
     )
 
 
-def content() -> dict[str, Any]:
+def build_content() -> dict[str, Any]:
     """The scenario as plain data."""
     base = load("valve-train")
-    valves = phases()
+    valves = list_phases()
     components: dict[str, Any] = {
         "flywheel": {"component": "flywheel", "structure": {"loads": len(valves)}, "parameters": SPEED}
     }
     connections = []
     for i, (valve, phase) in enumerate(valves.items(), start=1):
-        started = one_valve(base, phase)
+        started = start_valve(base, phase)
         for part in ("camshaft", "valve_spring", "contact"):
             table = base.components[part].model_dump(exclude_none=True)
             start = {k: float(v) for k, v in started.instances[part].start.items() if abs(v) > 1e-15}
@@ -123,9 +123,9 @@ def _renamed(line: str, valve: str, number: int) -> str:
     return " -> ".join(parts)
 
 
-def valve_trains(count: int) -> System:
+def build_valve_trains(count: int) -> System:
     """As many valve trains on one crankshaft, all like the first intake valve's."""
-    one = one_valve(load("valve-train"), phases()["intake_1a"])
+    one = start_valve(load("valve-train"), list_phases()["intake_1a"])
     structure = {"loads": count}
     shaft = build_component("flywheel", tuple(structure.items()))
     instances = {"flywheel": Instance(shaft, one.instances["flywheel"].parameters)}
@@ -138,13 +138,13 @@ def valve_trains(count: int) -> System:
     return System(instances, connections)
 
 
-def engine() -> dict[str, Any]:
+def build_engine() -> dict[str, Any]:
     """The scenario with the cylinders as plain data: it adds to the one without.
 
     Each cylinder has its own crank throw, which is at zero where the cylinder fires, so that all cylinders
     have the same parameters.
     """
-    valves = len(phases())
+    valves = len(list_phases())
     throws = {
         f"throw[{cylinder}]": f"{180.0 * FIRING_ORDER.index(cylinder):g} deg"
         for cylinder in sorted(FIRING_ORDER)
@@ -175,8 +175,8 @@ def engine() -> dict[str, Any]:
 
 def write() -> list[Path]:
     """The scenario files."""
-    FILE.write_text(HEADER + tomli_w.dumps(content()), "utf-8")
-    ENGINE.write_text(ENGINE_HEADER + tomli_w.dumps(engine()), "utf-8")
+    FILE.write_text(HEADER + tomli_w.dumps(build_content()), "utf-8")
+    ENGINE.write_text(ENGINE_HEADER + tomli_w.dumps(build_engine()), "utf-8")
     return [FILE, ENGINE]
 
 

@@ -15,7 +15,7 @@ from orchestrator.masters import GaussSeidel
 from orchestrator.participants import in_process, open_fmu
 from orchestrator.run.simulation import simulate
 
-from .many_valves import valve_trains
+from .many_valves import build_valve_trains
 from .measure import Clock
 
 SIZES = (1, 2, 4, 8, 16, 32, 64)
@@ -23,15 +23,15 @@ STEPS, STEP = 500, 2e-6
 ROUNDS = 3
 
 
-def sized(count: int) -> System:
+def build_sized(count: int) -> System:
     """The first `count` instances of valve trains on one crankshaft; the last train may lack parts."""
-    whole = valve_trains(max(1, -(-(count - 1) // 3)))
+    whole = build_valve_trains(max(1, -(-(count - 1) // 3)))
     instances = dict(list(whole.instances.items())[:count])
     kept = [c for c in whole.connections if {c.source.instance, c.target.instance} <= set(instances)]
     return System(instances, [(str(c.source), str(c.target)) for c in kept])
 
 
-def seconds_per_step(system: System, packaged: bool) -> float:
+def time_step(system: System, packaged: bool) -> float:
     """Processor time of a macro step of the Gauss-Seidel master with quadratic signals."""
     participants = {
         name: open_fmu(name, build(i.component.name, structure=i.component.structure), i)
@@ -66,9 +66,9 @@ class Growth:
         return f"{line}, to {100.0 * self.off:.0f} %"
 
 
-def growth(packaged: bool, rounds: int = ROUNDS) -> Growth:
+def measure_growth(packaged: bool, rounds: int = ROUNDS) -> Growth:
     """The shortest of some runs for each size."""
-    times = {n: min(seconds_per_step(sized(n), packaged) for _ in range(rounds)) for n in SIZES}
+    times = {n: min(time_step(build_sized(n), packaged) for _ in range(rounds)) for n in SIZES}
     n, t = np.array(list(times)), np.array(list(times.values()))
     matrix = np.column_stack([1.0 / t, n / t])
     line = np.linalg.lstsq(matrix, np.ones(len(n)), rcond=None)[0]
@@ -79,7 +79,7 @@ def rows() -> list[tuple[str, str]]:
     """Figures for the report."""
     found = []
     for kind, packaged in (("in process", False), ("FMUs", True)):
-        grown = growth(packaged)
+        grown = measure_growth(packaged)
         for size, each in grown.times.items():
             figure = f"scaling: {size} instances, {kind}, time of a macro step"
             found.append((figure, f"{1e6 * each:.0f} us ({1e6 * each / size:.1f} us an instance)"))

@@ -13,7 +13,7 @@ from .publication import Publication
 SOURCES = ("farahanchi1991", "films", "kushwaha2000")
 
 
-def publication(source: str) -> Publication[Any]:
+def load_publication(source: str) -> Publication[Any]:
     """The source of that name."""
     found: Publication[Any] = import_module(f".{source}", __package__).PUBLICATION
     return found

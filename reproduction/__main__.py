@@ -11,7 +11,7 @@ from models.core.system import suggestion
 from orchestrator.command_line.error_report import report_errors
 from orchestrator.errors import MistakeError
 
-from . import SOURCES, publication
+from . import SOURCES, load_publication
 
 app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
 
@@ -26,7 +26,7 @@ def reproduce(
     """Draw the figures of a published source and check its quantitative statements."""
     if source not in SOURCES:
         raise MistakeError(f"no source {source!r} to reproduce; {suggestion(source, SOURCES)}")
-    publication(source).reproduce(out or Path("results") / source, overwrite)
+    load_publication(source).reproduce(out or Path("results") / source, overwrite)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from orchestrator.plots.style import save_figure
 PALETTE = 128
 
 
-def compact(make: Callable[[], Figure], path: Path, dpi: float | None = None) -> Path:
+def save_compact(make: Callable[[], Figure], path: Path, dpi: float | None = None) -> Path:
     """Save a figure in a palette, in which line drawings lose nothing."""
     save_figure(make, path, dpi)
     Image.open(path).convert("RGB").quantize(PALETTE).save(path, optimize=True)

@@ -60,8 +60,8 @@ class Publication(Generic[Runs]):
         table.write_csv(statements, folder / CSV)
         table.write_json(statements, folder / JSON)
         (folder / self.page_name).write_text(self.page(runs, statements), "utf-8")
-        table.show(statements, reporter.console)
-        reporter.line(table.tally(statements))
+        table.print_table(statements, reporter.console)
+        reporter.line(table.count_verdicts(statements))
         reporter.line(f"results in {folder}: {self.page_name}, {CSV}, {JSON}, {len(drawn)} in {FIGURES}")
         return statements
 

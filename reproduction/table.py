@@ -27,7 +27,7 @@ HEADINGS = ("Place", "Statement", "Computed", "Verdict", "Reason")
 TWO_FORMS = ("Place", "Statement", "As published", "Verdict", "Corrected", "Corrected verdict", "Reason")
 
 
-def tally(statements: Sequence[Statement]) -> str:
+def count_verdicts(statements: Sequence[Statement]) -> str:
     """How many statements have each verdict."""
     text = f"{len(statements)} statements: {_count(s.verdict for s in statements)}"
     second = [s.corrected_verdict for s in statements if s.corrected_verdict]
@@ -41,19 +41,19 @@ def _count(verdicts: Iterable[Verdict]) -> str:
     return ", ".join(f"{count[verdict]} {verdict}" for verdict in Verdict if count[verdict])
 
 
-def headings(statements: Sequence[Statement]) -> tuple[str, ...]:
+def choose_columns(statements: Sequence[Statement]) -> tuple[str, ...]:
     """The columns that these statements need."""
     return TWO_FORMS if any(s.corrected for s in statements) else HEADINGS
 
 
-def cells(s: Statement, columns: Sequence[str]) -> tuple[str, ...]:
+def list_cells(s: Statement, columns: Sequence[str]) -> tuple[str, ...]:
     """A statement's row."""
     if columns is HEADINGS:
         return s.place, s.text, s.computed, s.verdict, s.reason
     return s.place, s.text, s.computed, s.verdict, s.corrected, s.corrected_verdict or "", s.reason
 
 
-def show(statements: Sequence[Statement], console: Console) -> None:
+def print_table(statements: Sequence[Statement], console: Console) -> None:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_lines=True)
     for name, ratio in zip(HEADINGS[:3], (2, 6, 9), strict=True):
         table.add_column(name.lower(), ratio=ratio, overflow="fold")
@@ -71,22 +71,22 @@ def show(statements: Sequence[Statement], console: Console) -> None:
 
 
 def write_csv(statements: Sequence[Statement], path: Path) -> None:
-    columns = headings(statements)
+    columns = choose_columns(statements)
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["key", *(name.lower() for name in columns)])
-        writer.writerows([s.key, *cells(s, columns)] for s in statements)
+        writer.writerows([s.key, *list_cells(s, columns)] for s in statements)
 
 
 def write_json(statements: Sequence[Statement], path: Path) -> None:
     path.write_text(json.dumps([asdict(s) for s in statements], indent=2, ensure_ascii=False) + "\n", "utf-8")
 
 
-def markdown(statements: Sequence[Statement]) -> str:
-    columns = headings(statements)
+def format_rows(statements: Sequence[Statement]) -> str:
+    columns = choose_columns(statements)
     rows: list[Sequence[str]] = [columns, ("---",) * len(columns)]
     for s in statements:
-        row = cells(s, columns)
+        row = list_cells(s, columns)
         pairs = zip(columns, row, strict=True)
         rows.append([f"**{text}**" if "erdict" in name and text else text for name, text in pairs])
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows)

@@ -55,15 +55,15 @@ SHOWN = {
 }
 
 
-def page(runs: Runs, statements: Sequence[Statement]) -> str:
+def format_page(runs: Runs, statements: Sequence[Statement]) -> str:
     """The Markdown page: introduction, what it means, figures, table."""
-    parts = [INTRODUCTION, engineer.section(runs), "## Figures\n"]
+    parts = [INTRODUCTION, engineer.format_section(runs), "## Figures\n"]
     parts.append(f"The command draws {len(figures.PICTURES)}; six of them:\n")
     for picture in figures.PICTURES:
         if picture.number in SHOWN:
             name = f"{FIGURES}/{figures.PREFIX}{picture.file}"
             parts.append(f"![Fig. {picture.number}: {SHOWN[picture.number]}]({name})\n")
-    parts += ["## Statements\n", f"{table.tally(statements)}.\n", table.markdown(statements), ""]
+    parts += ["## Statements\n", f"{table.count_verdicts(statements)}.\n", table.format_rows(statements), ""]
     return "\n".join(parts)
 
 
@@ -73,5 +73,5 @@ PUBLICATION = Publication(
     claims=CLAIMS,
     figures=[figures.PREFIX + picture.file for picture in figures.PICTURES],
     draw=figures.draw,
-    page=page,
+    page=format_page,
 )

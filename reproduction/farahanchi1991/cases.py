@@ -45,6 +45,6 @@ class Case:
         return words if self.restitution == 0.9 else f"{words}, e = {self.restitution:g}"
 
 
-def matrix(dampings: tuple[float, ...], form: str = PUBLISHED, restitution: float = 0.9) -> list[Case]:
+def list_cases(dampings: tuple[float, ...], form: str = PUBLISHED, restitution: float = 0.9) -> list[Case]:
     """F's cases for these dampings, row by row."""
     return [Case(damping, gap, restitution, form) for damping in dampings for gap in GAPS]

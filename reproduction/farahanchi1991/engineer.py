@@ -12,8 +12,8 @@ from models.slider_crank.machine import Machine
 from models.slider_crank.motions.statistics import energies
 
 from ..statement import Numbers, Words
-from .cases import CYCLES, FORMS, MATRIX, Case, matrix
-from .forces import changes, curve, limits
+from .cases import CYCLES, FORMS, MATRIX, Case, list_cases
+from .forces import compute_curve, find_changes, find_limits
 from .kinds import observe
 from .runs import STARTS, Runs
 
@@ -66,7 +66,7 @@ class Load(NamedTuple):
         return [self.kind, f"{100 * self.slides:.0f} %", f"{self.largest:.3f}", f"{1e6 * self.energy:.0f}"]
 
 
-def load(runs: Runs, case: Case) -> Load:
+def measure_load(runs: Runs, case: Case) -> Load:
     """Of F's record."""
     impacts = runs.events(case).impacts
     largest = impacts.approach.max(initial=0.0)
@@ -75,13 +75,13 @@ def load(runs: Runs, case: Case) -> Load:
     return Load(kind, share, len(impacts.theta), largest, taken)
 
 
-def section(runs: Runs) -> str:
+def format_section(runs: Runs) -> str:
     """The Markdown section."""
-    own, right = ([load(runs, case) for case in matrix(MATRIX, form)] for form in FORMS)
+    own, right = ([measure_load(runs, case) for case in list_cases(MATRIX, form)] for form in FORMS)
     numbers = Numbers(_numbers(runs, own, right))
     findings = [f"- {Words().vformat(text, (numbers,), {})}" for text in FINDINGS]
     rows = [HEADINGS, ["---"] * len(HEADINGS)]
-    for case, first, second in zip(matrix(MATRIX), own, right, strict=True):
+    for case, first, second in zip(list_cases(MATRIX), own, right, strict=True):
         rows.append([str(case), *first.cells(), *second.cells()])
     table = ["| " + " | ".join(row) + " |" for row in rows]
     return "\n".join(["## What the sign error changes for an engineer\n", *findings, "", TABLE, *table, ""])
@@ -91,12 +91,12 @@ def _numbers(runs: Runs, own: Sequence[Load], right: Sequence[Load]) -> dict[str
     machines = [Machine(FAST, 0.01, form=form) for form in FORMS]
     pairs = list(zip(own[:9], right[:9], strict=True))
     taken, speeds = [b.energy / a.energy for a, b in pairs], [b.largest / a.largest for a, b in pairs]
-    from_on = [limits(form)[0] for form in FORMS]
-    soft = [[runs.sliding_share(case) for case in matrix(MATRIX, form, AUTOMOTIVE)] for form in FORMS]
+    from_on = [find_limits(form)[0] for form in FORMS]
+    soft = [[runs.sliding_share(case) for case in list_cases(MATRIX, form, AUTOMOTIVE)] for form in FORMS]
     return {
         "limits": from_on, "faster": from_on[0] / from_on[1],
-        "changes": [len(changes(machine, UPPER)) for machine in machines],
-        "force": [np.abs(curve(machine, UPPER)).max() for machine in machines],
+        "changes": [len(find_changes(machine, UPPER)) for machine in machines],
+        "force": [np.abs(compute_curve(machine, UPPER)).max() for machine in machines],
         "still": [sum(not one.impacts for one in loads[9:]) for loads in (own, right)],
         "energy": (min(taken), max(taken)), "speed": (min(speeds), max(speeds)),
         "same": sum(a.kind == b.kind for a, b in pairs),

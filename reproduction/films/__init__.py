@@ -12,13 +12,13 @@ from .. import table
 from ..publication import FIGURES, Publication
 from ..statement import Statement
 from . import figures
-from .across import text
 from .cam import NODES
-from .cycle_table import by_speed
-from .in_short import in_short
+from .cycle_table import format_speeds
+from .field_text import describe_field
 from .numerical import TOLERANCE
 from .runs import STEP_DEG, Runs
 from .statements import CLAIMS
+from .summary import summarise
 
 INTRODUCTION = f"""\
 # Published film formulas, judged
@@ -51,15 +51,17 @@ at the reversals (0: no film without squeeze); share of the event outside its co
 """
 
 
-def page(runs: Runs, statements: Sequence[Statement]) -> str:
+def format_page(runs: Runs, statements: Sequence[Statement]) -> str:
     """The Markdown page: introduction, figures, tables."""
     pictures = {name: f"![{caption}]({FIGURES}/{name}.png)\n" for name, caption in figures.CAPTIONS.items()}
-    across = ["## Across the contact\n", pictures.pop(figures.FIELD), text(runs.shown)]
+    across = ["## Across the contact\n", pictures.pop(figures.FIELD), describe_field(runs.shown)]
     cycle = ["## Through the cam's event\n", pictures.pop(figures.CYCLE)]
     over = ["## Over Table 3\n", *pictures.values()]
-    verdicts = ["## Verdicts\n", f"{table.tally(statements)}.\n", table.markdown(statements), ""]
-    brief = ["## In short\n", in_short(runs)]
-    return "\n".join([INTRODUCTION, *brief, *cycle, BY_SPEED, by_speed(runs), "", *across, *over, *verdicts])
+    verdicts = ["## Verdicts\n", f"{table.count_verdicts(statements)}.\n", table.format_rows(statements), ""]
+    brief = ["## In short\n", summarise(runs)]
+    return "\n".join(
+        [INTRODUCTION, *brief, *cycle, BY_SPEED, format_speeds(runs), "", *across, *over, *verdicts]
+    )
 
 
 PUBLICATION = Publication(
@@ -68,6 +70,6 @@ PUBLICATION = Publication(
     claims=CLAIMS,
     figures=figures.FILES,
     draw=figures.draw,
-    page=page,
+    page=format_page,
     solve=Runs.solve,
 )

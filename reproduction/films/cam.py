@@ -18,8 +18,8 @@ from models.core.quantities import Vector
 from ..kushwaha2000.runs import NOSE_DEG
 from ..kushwaha2000.runs import Cycle as Turn
 from ..kushwaha2000.runs import Runs as ValveTrain
-from .formulas import CENTRAL, FORMULAS, MINIMUM, in_table_3
-from .numerical import films_beside, heights
+from .formulas import CENTRAL, FORMULAS, MINIMUM, is_in_table_3
+from .numerical import list_heights, solve_films_beside
 
 Flags = NDArray[np.bool_]
 # The cam's event; before and after it lies the base circle, whose film is that at its ends.
@@ -102,7 +102,7 @@ class CamCycle:
         return float(films[k]), float(self.history_deg[self.in_event][k])
 
 
-def angles(train: ValveTrain, step_deg: float) -> Vector:
+def choose_angles(train: ValveTrain, step_deg: float) -> Vector:
     """Cam angles of the event, the nose's and those of the reversals among them."""
     even = np.arange(EVENT_DEG[0], EVENT_DEG[1] + 0.5 * step_deg, step_deg)
     special = [NOSE_DEG, *(angle for angle in train.reversals_deg if EVENT_DEG[0] < angle < EVENT_DEG[1])]
@@ -110,7 +110,7 @@ def angles(train: ValveTrain, step_deg: float) -> Vector:
     return np.sort(np.concatenate([even[away], special]))
 
 
-def contacts(train: ValveTrain, turn: Turn, at: Vector) -> list[LineContact | None]:
+def list_contacts(train: ValveTrain, turn: Turn, at: Vector) -> list[LineContact | None]:
     """The contact at these angles, under the load of the adherence solution with spring surge; None where
     no oil is entrained."""
     p = train.parameters("contact")
@@ -125,21 +125,21 @@ def contacts(train: ValveTrain, turn: Turn, at: Vector) -> list[LineContact | No
     return found
 
 
-def course(turn: Turn) -> tuple[Vector, Vector, Vector, Vector]:
+def select_trajectory(turn: Turn) -> tuple[Vector, Vector, Vector, Vector]:
     """Times and what the contact sees at them, from BEGIN_DEG to the end of the event."""
     inside = (turn.angle_deg >= BEGIN_DEG) & (turn.angle_deg <= EVENT_DEG[1])
     load, velocity, radius = (turn[name][inside] for name in SEEN)
     return turn.time[inside], load, velocity, radius
 
 
-def cam_cycle(train: ValveTrain, speed_rpm: float, step_deg: float, nodes: int = NODES) -> CamCycle:
+def solve_cycle(train: ValveTrain, speed_rpm: float, step_deg: float, nodes: int = NODES) -> CamCycle:
     """Solve for the films of one speed."""
-    turn, at = train.surge(speed_rpm), angles(train, step_deg)
-    given = course(turn)
+    turn, at = train.surge(speed_rpm), choose_angles(train, step_deg)
+    given = select_trajectory(turn)
     fine = np.interp(given[0][1:], turn.time, turn.angle_deg)
-    found, p = contacts(train, turn, at), train.parameters("contact")
-    films, history = films_beside(found, lambda: film_history(*given, nodes))
-    steady = {CENTRAL: heights(films, "central_film"), MINIMUM: heights(films, "minimum_film")}
+    found, p = list_contacts(train, turn, at), train.parameters("contact")
+    films, history = solve_films_beside(found, lambda: film_history(*given, nodes))
+    steady = {CENTRAL: list_heights(films, "central_film"), MINIMUM: list_heights(films, "minimum_film")}
     return CamCycle(
         speed_rpm,
         at,
@@ -181,8 +181,8 @@ def _judge_films(
         values = np.array([formula.film_at(p, *one) for one in seen])
         valid = np.array([contact is not None and formula.valid(contact) for contact in found])
         judged[formula.name] = Judged(formula.words, formula.film, values, valid)
-        if formula.valid is in_table_3:
-            times, load, velocity, radius = course(turn)
+        if formula.valid is is_in_table_3:
+            times, load, velocity, radius = select_trajectory(turn)
             relaxed = formula_history(formula.name, times, load, velocity, radius)
             film = np.interp(np.interp(at, turn.angle_deg, turn.time), times[1:], relaxed)
             judged[f"{formula.name} {SQUEEZED}"] = Judged(

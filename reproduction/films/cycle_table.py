@@ -16,27 +16,34 @@ from .runs import Runs
 MICRO = 1e6
 
 
-def by_speed(runs: Runs) -> str:
+def format_speeds(runs: Runs) -> str:
     """A Markdown table: the transient film, then each other film over it, in a column for each speed."""
     speeds = [f"{c.speed_rpm:.0f} r/min" for c in runs.cycles]
     rows = [["", "Film", *speeds], ["---"] * (2 + len(speeds))]
     for words, film, cell in NUMBERS:
         rows.append([words, film, *(cell(c) for c in runs.cycles)])
     for name, judged in runs.cycles[0].judged.items():
-        rows.append([f"{judged.words} / transient", judged.film, *(compare(c, name) for c in runs.cycles)])
+        rows.append(
+            [f"{judged.words} / transient", judged.film, *(format_ratio(c, name) for c in runs.cycles)]
+        )
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
-def compare(c: CamCycle, name: str) -> str:
+def format_ratio(c: CamCycle, name: str) -> str:
     """Ratio at the nose; median over the event; at the reversals; share outside the conditions."""
     ratio = c.ratio(name)
     outside = 100.0 * float(np.mean(~c.judged[name].valid))
     share = f"{outside:.0f} %"
-    parts = (f"{ratio[c.at(NOSE_DEG)]:.2f}", f"{np.nanmedian(ratio):.2f}", span(ratio[c.reversals]), share)
+    parts = (
+        f"{ratio[c.at(NOSE_DEG)]:.2f}",
+        f"{np.nanmedian(ratio):.2f}",
+        format_span(ratio[c.reversals]),
+        share,
+    )
     return "; ".join(parts)
 
 
-def span(values: Vector) -> str:
+def format_span(values: Vector) -> str:
     """Least and largest, 0 where no film is steady."""
     low, high = (float(f(np.nan_to_num(values))) for f in (np.min, np.max))
     return "0" if high < 0.005 else f"{low:.2f}-{high:.2f}"

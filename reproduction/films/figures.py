@@ -13,11 +13,11 @@ from matplotlib.ticker import FormatStrFormatter, NullFormatter
 from models.core.quantities import Vector
 from orchestrator.plots.style import COUPLED, MUTED, add_title, create_subplots
 
-from ..pictures import compact
+from ..pictures import save_compact
 from .cycle_figure import COLOURS, INK, plot_cycles
 from .field_figure import plot_field
 from .formulas import CENTRAL, FORMULAS, MINIMUM, Formula
-from .numerical import heights
+from .numerical import list_heights
 from .runs import Runs
 
 CYCLE, FIELD, TABLE_3, LAWS = "films-cycle", "films-field", "films-table-3", "films-power-laws"
@@ -36,10 +36,10 @@ DPI = 105.0
 def draw(runs: Runs, folder: Path) -> list[Path]:
     """Every figure, and the numbers of those that have many."""
     return [
-        compact(lambda: plot_cycles(runs.cycles), folder / f"{CYCLE}.png", DPI),
-        compact(lambda: plot_field(runs.shown), folder / f"{FIELD}.png", DPI),
-        compact(lambda: plot_table_3(runs), folder / f"{TABLE_3}.png"),
-        compact(lambda: plot_power_laws(runs), folder / f"{LAWS}.png"),
+        save_compact(lambda: plot_cycles(runs.cycles), folder / f"{CYCLE}.png", DPI),
+        save_compact(lambda: plot_field(runs.shown), folder / f"{FIELD}.png", DPI),
+        save_compact(lambda: plot_table_3(runs), folder / f"{TABLE_3}.png"),
+        save_compact(lambda: plot_power_laws(runs), folder / f"{LAWS}.png"),
         _write(folder / f"{CYCLE}.csv", _cycle_rows(runs)),
         _write(folder / f"{TABLE_3}.csv", _sample_rows(runs)),
     ]
@@ -79,7 +79,7 @@ def plot_power_laws(runs: Runs) -> Figure:
     s = runs.validation
     looks = ((False, MUTED, "power law"), (True, COUPLED, "joined with Martin's film"))
     for ax, film in zip(axes, (CENTRAL, MINIMUM), strict=True):
-        found = heights(s.steady, f"H_{film}")
+        found = list_heights(s.steady, f"H_{film}")
         for blended, colour, words in looks:
             ax.plot(s.M, runs.laws[film, blended].H(s, False) / found, ".", ms=4.0, color=colour, label=words)
         ax.axhline(1.0, color=INK, lw=0.9)
@@ -113,7 +113,7 @@ def _sample_rows(runs: Runs) -> list[list[Any]]:
     for words, s in (("fit", runs.fit), ("validation", runs.validation)):
         columns = [s.material, s.load, s.speed, s.squeeze, s.M, s.L]
         for films in (s.steady, s.squeezed):
-            columns += [heights(films, "H_central"), heights(films, "H_minimum")]
+            columns += [list_heights(films, "H_central"), list_heights(films, "H_minimum")]
         rows += [[words, *(f"{v:.6g}" for v in row)] for row in zip(*columns, strict=True)]
     return rows
 

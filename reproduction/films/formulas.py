@@ -46,7 +46,7 @@ class Formula:
         )
 
 
-def asymptotes(M: float, L: float) -> dict[str, float]:
+def compute_asymptotes(M: float, L: float) -> dict[str, float]:
     """The films in Moes' unit where one effect rules: Martin's, Blok's 1.66 (alpha eta0 u/R)^(2/3), and the
     elastic ones of Moes."""
     return {
@@ -57,21 +57,21 @@ def asymptotes(M: float, L: float) -> dict[str, float]:
     }
 
 
-def regime(contact: LineContact) -> str:
+def find_regime(contact: LineContact) -> str:
     """The effect that rules. Load flattens bodies and thins a piezoviscous film, so that the lower of its two
     asymptotes holds (rigid for M < 0.62 L^2/3); of that and the isoviscous ones, the largest."""
-    found = asymptotes(contact.M, contact.L)
+    found = compute_asymptotes(contact.M, contact.L)
     piezoviscous = ("rigid-piezoviscous", "elastic-piezoviscous")
     del found[max(piezoviscous, key=lambda name: found[name])]
     return max(found, key=lambda name: found[name])
 
 
-def elastic_piezoviscous(contact: LineContact) -> bool:
+def is_elastic_piezoviscous(contact: LineContact) -> bool:
     """What power laws of elastohydrodynamic films are made for."""
-    return regime(contact) == "elastic-piezoviscous"
+    return find_regime(contact) == "elastic-piezoviscous"
 
 
-def in_table_3(contact: LineContact) -> bool:
+def is_in_table_3(contact: LineContact) -> bool:
     """Whether G, W and U are inside Kushwaha's Table 3, without squeeze."""
     fluid = contact.lubricant
     g = groups(
@@ -91,27 +91,27 @@ _REGIME = "elastic-piezoviscous"
 FORMULAS = (
     Formula(
         "kushwaha", "Kushwaha (+)", "Kushwaha et al. 2000, (10), as printed", "1.67 W^0.059 U^0.541 G^0.421",
-        CENTRAL, _TABLE_3, in_table_3,
+        CENTRAL, _TABLE_3, is_in_table_3,
     ),
     Formula(
         "kushwaha_negative", "Kushwaha (−)", "the same, sign of the load changed",
-        "1.67 W^−0.059 U^0.541 G^0.421", CENTRAL, _TABLE_3, in_table_3,
+        "1.67 W^−0.059 U^0.541 G^0.421", CENTRAL, _TABLE_3, is_in_table_3,
     ),
     Formula(
         "dowson_toyoda", "Dowson-Toyoda", "Dowson and Toyoda 1979", "3.06 G^0.56 U^0.69 W^−0.10",
-        CENTRAL, _REGIME, elastic_piezoviscous,
+        CENTRAL, _REGIME, is_elastic_piezoviscous,
     ),
     Formula(
         "pan_hamrock_central", "Pan-Hamrock", "Pan and Hamrock 1989", "2.922 G^0.470 U^0.692 W^−0.166",
-        CENTRAL, _REGIME, elastic_piezoviscous,
+        CENTRAL, _REGIME, is_elastic_piezoviscous,
     ),
     Formula(
         "dowson_higginson", "Dowson-Higginson", "Dowson and Higginson 1966", "2.65 G^0.54 U^0.70 W^−0.13",
-        MINIMUM, _REGIME, elastic_piezoviscous,
+        MINIMUM, _REGIME, is_elastic_piezoviscous,
     ),
     Formula(
         "pan_hamrock_minimum", "Pan-Hamrock", "Pan and Hamrock 1989", "1.714 G^0.568 U^0.694 W^−0.128",
-        MINIMUM, _REGIME, elastic_piezoviscous,
+        MINIMUM, _REGIME, is_elastic_piezoviscous,
     ),
     Formula(
         "moes_venner", "Moes", "Moes 1992, Venner 1991", "H(M, L) between four asymptotes",

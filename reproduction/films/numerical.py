@@ -19,20 +19,20 @@ TOLERANCE = 2e-3
 Result = TypeVar("Result")
 
 
-def films(contacts: Sequence[LineContact | None]) -> list[SteadyFilm | None]:
+def solve_films(contacts: Sequence[LineContact | None]) -> list[SteadyFilm | None]:
     """Their films; None where there is no contact, or no film to the TOLERANCE."""
-    return films_beside(contacts, lambda: None)[0]
+    return solve_films_beside(contacts, lambda: None)[0]
 
 
-def films_beside(
+def solve_films_beside(
     contacts: Sequence[LineContact | None], work: Callable[[], Result]
 ) -> tuple[list[SteadyFilm | None], Result]:
     """As `films`, and what `work` returns, which this thread does meanwhile."""
     # Compiled in this thread, the only one that Ctrl-C reaches.
-    steady_film(next((contact for contact in contacts if contact is not None), None))
+    solve_film(next((contact for contact in contacts if contact is not None), None))
     # The kernels let go of the interpreter.
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        solving = [pool.submit(steady_film, contact) for contact in contacts]
+        solving = [pool.submit(solve_film, contact) for contact in contacts]
         try:
             result = work()
             return [one.result() for one in solving], result
@@ -41,7 +41,7 @@ def films_beside(
             raise
 
 
-def steady_film(contact: LineContact | None) -> SteadyFilm | None:
+def solve_film(contact: LineContact | None) -> SteadyFilm | None:
     """Its film; None where there is no contact, or no film to the TOLERANCE."""
     if contact is None:
         return None
@@ -51,6 +51,6 @@ def steady_film(contact: LineContact | None) -> SteadyFilm | None:
         return None
 
 
-def heights(found: Sequence[SteadyFilm | None], name: str) -> Vector:
+def list_heights(found: Sequence[SteadyFilm | None], name: str) -> Vector:
     """An attribute of each film, nan where there is none."""
     return np.array([np.nan if film is None else getattr(film, name) for film in found])

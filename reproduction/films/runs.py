@@ -11,9 +11,9 @@ from models.contact.line.history import FilmHistory, film_history
 from models.core.quantities import Vector
 
 from ..kushwaha2000.runs import Runs as ValveTrain
-from .cam import NODES, CamCycle, Flags, cam_cycle, course
+from .cam import NODES, CamCycle, Flags, select_trajectory, solve_cycle
 from .formulas import CENTRAL, MINIMUM
-from .samples import PowerLaw, Sample, fit_law, sample
+from .samples import PowerLaw, Sample, draw_sample, fit_law
 
 # Camshaft angles at which the film is solved for: formulas and film turn over some degrees at the reversals.
 STEP_DEG = 1.0
@@ -51,7 +51,7 @@ class Runs:
 
     def _cycle(self, speed_rpm: float) -> CamCycle:
         """The cam cycle at a speed."""
-        return cam_cycle(self.train, speed_rpm, self.step_deg, self.nodes)
+        return solve_cycle(self.train, speed_rpm, self.step_deg, self.nodes)
 
     @property
     def cycles(self) -> list[CamCycle]:
@@ -62,7 +62,7 @@ class Runs:
     def coarser(self) -> FilmHistory:
         """The transient film of `shown` with about half as many nodes."""
         turn = self.train.surge(self.shown.speed_rpm)
-        return film_history(*course(turn), nodes=self.nodes // 4 * 2 + 1)
+        return film_history(*select_trajectory(turn), nodes=self.nodes // 4 * 2 + 1)
 
     @property
     def shown(self) -> CamCycle:
@@ -84,12 +84,12 @@ class Runs:
     @cached_property
     def fit(self) -> Sample:
         """Contacts that the power laws are fitted to."""
-        return sample(*self._fit)
+        return draw_sample(*self._fit)
 
     @cached_property
     def validation(self) -> Sample:
         """Contacts that they are judged by."""
-        return sample(*self._validation)
+        return draw_sample(*self._validation)
 
     @cached_property
     def laws(self) -> dict[tuple[str, bool], PowerLaw]:

@@ -18,7 +18,7 @@ from models.contact.line.steady import SteadyFilm
 from models.core.quantities import Vector
 
 from .formulas import Formula
-from .numerical import films, heights
+from .numerical import list_heights, solve_films
 
 # Steel on steel; by similarity the other dimensions do not count.
 COMPLIANCE = elastic_compliance(207e9, 0.3, 207e9, 0.3)
@@ -63,15 +63,15 @@ class Sample:
     def over_numerical(self, formula: Formula) -> Vector:
         """A formula over the steady numerical film, at every contact."""
         film = np.array([formula.of(contact) for contact in self.contacts])
-        return film / heights(self.steady, f"{formula.film}_film")
+        return film / list_heights(self.steady, f"{formula.film}_film")
 
     def squeezed_over_numerical(self, formula: Formula) -> Vector:
         """Kushwaha's film with its squeeze term over the numerical film of the closing bodies."""
         film = np.array([formula.of(contact) for contact in self.contacts])
-        return film * np.exp(-SQUEEZE * self.squeeze) / heights(self.squeezed, f"{formula.film}_film")
+        return film * np.exp(-SQUEEZE * self.squeeze) / list_heights(self.squeezed, f"{formula.film}_film")
 
 
-def sample(exponent: int, seed: int) -> Sample:
+def draw_sample(exponent: int, seed: int) -> Sample:
     """2^exponent contacts."""
     unit = qmc.Sobol(4, scramble=True, rng=seed).random_base2(exponent)
     logs = [np.log(TABLE_3[name]) for name in ("material", "load", "speed")]
@@ -86,7 +86,7 @@ def sample(exponent: int, seed: int) -> Sample:
         for g, w, u in zip(G, W, U, strict=True)
     ]  # fmt: skip
     closing = [replace(c, squeeze=s * c.velocity) for c, s in zip(contacts, squeeze, strict=True)]
-    return Sample(contacts, G, W, U, squeeze, films(contacts), films(closing))
+    return Sample(contacts, G, W, U, squeeze, solve_films(contacts), solve_films(closing))
 
 
 @dataclass(frozen=True)
@@ -134,16 +134,16 @@ class Error:
     worst: float
 
 
-def error_of(law: PowerLaw, s: Sample, squeezed: bool) -> Error:
+def measure_error(law: PowerLaw, s: Sample, squeezed: bool) -> Error:
     """How far a power law is from the numerical films."""
-    found = heights(s.squeezed if squeezed else s.steady, f"H_{law.film}")
+    found = list_heights(s.squeezed if squeezed else s.steady, f"H_{law.film}")
     off = (law.H(s, squeezed) / found - 1.0)[np.isfinite(found)]
     return Error(float(np.sqrt(np.mean(np.square(off)))), float(np.max(np.abs(off))))
 
 
 def fit_law(film: str, s: Sample, blended: bool) -> PowerLaw:
     """Least squares of ln H on a sample. H = C M^c L^b by construction, alone or joined with Martin's."""
-    found = heights(s.steady, f"H_{film}")
+    found = list_heights(s.steady, f"H_{film}")
     known = np.isfinite(found)
     M, L, H = s.M[known], s.L[known], found[known]
     columns = np.column_stack([np.ones(H.size), np.log(M), np.log(L)])
@@ -168,7 +168,7 @@ def _join(H: Vector, M: Vector, blend: float) -> Vector:
 
 def _squeeze_constant(s: Sample, film: str) -> float:
     """k in h/h_steady = exp(-k w_s U_S^-1/4); the group of w_s that similarity asks for."""
-    ratio = heights(s.squeezed, f"H_{film}") / heights(s.steady, f"H_{film}")
+    ratio = list_heights(s.squeezed, f"H_{film}") / list_heights(s.steady, f"H_{film}")
     x = -s.squeeze * s.speed_group**-0.25
     known = np.isfinite(ratio)
     return float(np.sum(x[known] * np.log(ratio[known])) / np.sum(x[known] ** 2))

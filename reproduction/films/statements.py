@@ -11,9 +11,9 @@ from models.core.quantities import Vector
 
 from ..statement import Claim
 from .cam import SQUEEZED, STEADY
-from .formulas import CENTRAL, FORMULAS, MINIMUM, Formula, in_table_3
+from .formulas import CENTRAL, FORMULAS, MINIMUM, Formula, is_in_table_3
 from .runs import Runs
-from .samples import error_of
+from .samples import measure_error
 
 # A film that is right to this is right for any use; viscosity is hardly ever known better.
 RIGHT = 0.10
@@ -23,7 +23,7 @@ NOT_SEEN = 0.02
 Numbers = dict[str, Any]
 
 
-def summarize(name: str, values: Vector) -> Numbers:
+def summarise_ratios(name: str, values: Vector) -> Numbers:
     """Least, largest and median of some ratios, whether all are right, and words for them."""
     values = values[np.isfinite(values)]
     if not values.size:
@@ -47,7 +47,7 @@ def judge_in_cycle(runs: Runs, formula: Formula) -> Numbers:
     the transient film."""
     steady, transient = runs.over_steady(formula.name), runs.ratios(formula.name)
     valid = runs.valid(formula.name)
-    found = summarize("inside", steady[valid]) | summarize("outside", steady[~valid])
+    found = summarise_ratios("inside", steady[valid]) | summarise_ratios("outside", steady[~valid])
     found["elsewhere"] = f"; elsewhere {found['outside']}" if "outside_low" in found else ""
     return found | {"share": np.mean(valid), "median": np.median(transient), "near": near_share(transient)}
 
@@ -61,7 +61,7 @@ def judge_squeezed(runs: Runs, formula: Formula) -> Numbers:
     parts = {"all": ratio, "inside": ratio[valid], "outside": ratio[~valid], "at_rest": at_rest}
     found: Numbers = {"share": np.mean(valid)}
     for part, values in parts.items():
-        found |= summarize(part, values)
+        found |= summarise_ratios(part, values)
     return found
 
 
@@ -94,7 +94,7 @@ def measure_resolution(runs: Runs) -> Numbers:
 
 
 @cache
-def share_of_table_3(runs: Runs) -> Numbers:
+def measure_table_3_share(runs: Runs) -> Numbers:
     """How much of the cam's event is inside Table 3."""
     shares = {c.speed_rpm: np.mean(c.judged["kushwaha"].valid) for c in runs.cycles}
     each = [f"{100.0 * share:.0f} % at {speed:.0f}" for speed, share in shares.items()]
@@ -105,8 +105,8 @@ def share_of_table_3(runs: Runs) -> Numbers:
 def judge_over_table_3(runs: Runs, formula: Formula) -> Numbers:
     """Kushwaha's formula where he says it applies."""
     s = runs.fit
-    found = summarize("steady", s.over_numerical(formula))
-    found |= summarize("squeezed", s.squeezed_over_numerical(formula))
+    found = summarise_ratios("steady", s.over_numerical(formula))
+    found |= summarise_ratios("squeezed", s.squeezed_over_numerical(formula))
     return found | {"M_low": s.M.min(), "M_high": s.M.max(), "L_low": s.L.min(), "L_high": s.L.max()}
 
 
@@ -115,7 +115,7 @@ def judge_power_law(runs: Runs, film: str, blended: bool) -> Numbers:
     """The new regression, judged by contacts that it was not fitted to."""
     law = runs.laws[film, blended]
     fit, steady, squeezed = (
-        error_of(law, *given)
+        measure_error(law, *given)
         for given in ((runs.fit, False), (runs.validation, False), (runs.validation, True))
     )
     return {
@@ -125,7 +125,7 @@ def judge_power_law(runs: Runs, film: str, blended: bool) -> Numbers:
     }  # fmt: skip
 
 
-OF_TABLE_3 = [formula for formula in FORMULAS if formula.valid is in_table_3]
+OF_TABLE_3 = [formula for formula in FORMULAS if formula.valid is is_in_table_3]
 CYCLE = [
     Claim[Runs](
         f"cycle-{formula.name}", formula.source, f"{formula.film} film h/R = {formula.text}",
@@ -188,7 +188,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "met: films within 2 %; of an error of second order a third of this is left"),
     *SQUEEZED_CYCLE,
     Claim("table-3-share", "Kushwaha et al. 2000, Table 3",
-        "The ranges of G, W and U hold through the cycle", share_of_table_3,
+        "The ranges of G, W and U hold through the cycle", measure_table_3_share,
         "in a part of the event only: {each} r/min", lambda v: v.least == 1.0),
     *TABLE_3,
     *NEW,

@@ -40,12 +40,12 @@ models, copy `kushwaha2000.md` and `figures` to `docs`.
 """
 
 
-def page(runs: Runs, statements: Sequence[Statement]) -> str:
+def format_page(runs: Runs, statements: Sequence[Statement]) -> str:
     """The Markdown page: introduction, figures, table."""
     parts = [INTRODUCTION, "## Figures\n"]
     for number, (_, caption) in figures.FIGURES.items():
         parts.append(f"![Fig. {number}: {caption}]({FIGURES}/{figures.PREFIX}{number}.png)\n")
-    parts += ["## Statements\n", f"{table.tally(statements)}.\n", table.markdown(statements), ""]
+    parts += ["## Statements\n", f"{table.count_verdicts(statements)}.\n", table.format_rows(statements), ""]
     return "\n".join(parts)
 
 
@@ -55,5 +55,5 @@ PUBLICATION = Publication(
     claims=CLAIMS,
     figures=[f"{figures.PREFIX}{number}.png" for number in figures.FIGURES],
     draw=figures.draw,
-    page=page,
+    page=format_page,
 )

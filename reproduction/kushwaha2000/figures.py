@@ -15,7 +15,7 @@ from matplotlib.ticker import MultipleLocator
 
 from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, create_subplots
 
-from ..pictures import compact
+from ..pictures import save_compact
 from .runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, NOSE_DEG, SPEEDS, Runs
 
 PREFIX = "kushwaha2000-fig"
@@ -31,7 +31,7 @@ STATED_FILMS = {"stated minimum 0.04 µm": 0.04e-6, "stated maximum 1.3 µm": 1.
 def draw(runs: Runs, folder: Path) -> list[Path]:
     """Draw every figure into `folder`."""
     return [
-        compact(partial(plot, runs), folder / f"{PREFIX}{number}.png")
+        save_compact(partial(plot, runs), folder / f"{PREFIX}{number}.png")
         for number, (plot, _) in FIGURES.items()
     ]
 

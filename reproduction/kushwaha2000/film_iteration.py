@@ -44,7 +44,7 @@ def iterate(
             failed.append(n)
             found = before
             if sign > 0.0:
-                found = implicit(float(steady_film[n]), before, squeeze_constant, speed * step)
+                found = solve_implicit_step(float(steady_film[n]), before, squeeze_constant, speed * step)
         film.append(found)
     return FilmIteration(film, failed)
 
@@ -64,7 +64,7 @@ def _fixed_point(steady: float, before: float, constant: float, travel: float) -
     return None
 
 
-def implicit(steady: float, before: float, constant: float, travel: float) -> float:
+def solve_implicit_step(steady: float, before: float, constant: float, travel: float) -> float:
     """The solution of one step: h = a W0(h_ss/a exp(h_prev/a)) with a = |u| dt / C; without motion h_prev."""
     a = travel / constant
     if a <= 0.0 or steady <= 0.0 or before / a > 1e8:

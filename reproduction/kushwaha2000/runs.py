@@ -35,7 +35,7 @@ REVERSALS_DEG = (144.0, 168.0, 192.0, 216.0)
 NOSE_DEG = 180.0
 
 
-def parameters(system: System, instance: str) -> Any:
+def read_parameters(system: System, instance: str) -> Any:
     """The parameter record of a component in a system."""
     layout = system.instances[instance].component.parameters
     return layout.view(system.p[system.parameters.of(instance)])
@@ -131,7 +131,7 @@ class Runs:
 
     def parameters(self, instance: str) -> Any:
         """The parameter record of a component."""
-        return parameters(self.system, instance)
+        return read_parameters(self.system, instance)
 
     def lift(self, angle_deg: float) -> Lift:
         """Lift and its derivatives by the cam angle."""

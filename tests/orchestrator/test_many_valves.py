@@ -7,7 +7,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from benchmarks.many_valves import ENGINE, FILE, FIRING_ORDER, content, engine, phases
+from benchmarks.many_valves import ENGINE, FILE, FIRING_ORDER, build_content, build_engine, list_phases
 from models.core.system import System
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import in_process
@@ -40,7 +40,7 @@ def test_sixteen_valves_on_one_shaft(system):
 @pytest.mark.parametrize("kind", ["intake", "exhaust"])
 def test_noses_come_in_firing_order_half_a_crank_turn_apart(kind):
     """A cam is at its nose (180 deg) when the crank has turned by 2 (180 - phase)."""
-    crank = [2.0 * (180.0 - phases()[f"{kind}_{cylinder}a"]) % 720.0 for cylinder in FIRING_ORDER]
+    crank = [2.0 * (180.0 - list_phases()[f"{kind}_{cylinder}a"]) % 720.0 for cylinder in FIRING_ORDER]
     np.testing.assert_allclose(np.diff(crank) % 720.0, 180.0)
 
 
@@ -66,7 +66,7 @@ def test_the_file_is_what_the_script_writes():
         for key, value in table.items():
             yield from flat(value, f"{path}{key}.") if isinstance(value, dict) else [(path + key, value)]
 
-    written, made = dict(flat(tomllib.loads(FILE.read_text("utf-8")))), dict(flat(content()))
+    written, made = dict(flat(tomllib.loads(FILE.read_text("utf-8")))), dict(flat(build_content()))
     assert written.keys() == made.keys()
     for key, value in made.items():
         expected = pytest.approx(value, rel=1e-6, abs=1e-12) if isinstance(value, float) else value
@@ -91,4 +91,4 @@ def test_cylinders_turn_in_firing_order_and_as_they_do_alone():
 
 
 def test_the_engine_file_is_what_the_script_writes():
-    assert tomllib.loads(ENGINE.read_text("utf-8")) == engine()
+    assert tomllib.loads(ENGINE.read_text("utf-8")) == build_engine()

@@ -16,12 +16,12 @@ from models.slider_crank.motions.regions import TURN
 from reproduction.farahanchi1991 import SHOWN
 from reproduction.farahanchi1991.cases import CORRECTED, FORMS, PUBLISHED, Case
 from reproduction.farahanchi1991.figures import PICTURES, PREFIX
-from reproduction.farahanchi1991.forces import changes, curve, limits, shares
+from reproduction.farahanchi1991.forces import compute_curve, find_changes, find_limits, measure_shares
 from reproduction.farahanchi1991.lagrange import equation, printed
 from reproduction.farahanchi1991.numbers.derivation import M
 from reproduction.farahanchi1991.runs import Runs
 from reproduction.farahanchi1991.statements import CLAIMS, chapters_1_to_3
-from reproduction.pictures import compact
+from reproduction.pictures import save_compact
 from reproduction.statement import Statement, Verdict
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -92,7 +92,7 @@ def test_numbers_that_need_no_motion(
 def test_the_force_is_zero_at_the_threshold_of_permanent_sliding_and_nowhere_negative() -> None:
     for form in FORMS:
         for gap in (0.0, 0.01, 0.02):
-            least = curve(Machine(limits(form, gap)[0], gap, form=form), UPPER, 20_001).min()
+            least = compute_curve(Machine(find_limits(form, gap)[0], gap, form=form), UPPER, 20_001).min()
             # The samples lie within 1.6e-4 rad of the minimum: its curvature, at most 10, leaves 1.3e-7.
             assert least == pytest.approx(0.0, abs=2e-7)
 
@@ -101,7 +101,7 @@ def test_the_force_is_zero_at_the_threshold_of_permanent_sliding_and_nowhere_neg
 @given(gap=st.floats(0.0, 0.02), form=st.sampled_from(FORMS))
 def test_without_friction_the_walls_forces_are_mirror_images(gap: float, form: str) -> None:
     machine = Machine(0.0, gap, form=form)
-    upper, lower = curve(machine, UPPER, 361), curve(machine, LOWER, 361)
+    upper, lower = compute_curve(machine, UPPER, 361), compute_curve(machine, LOWER, 361)
     np.testing.assert_allclose(upper[::-1], lower, atol=1e-14)
 
 
@@ -109,8 +109,8 @@ def test_without_friction_the_walls_forces_are_mirror_images(gap: float, form: s
 @given(damping=st.floats(0.0, 0.5), gap=st.floats(0.001, 0.02), form=st.sampled_from(FORMS))
 def test_the_four_kinds_of_crank_angles_make_up_the_revolution(damping: float, gap: float, form: str) -> None:
     machine = Machine(damping, gap, form=form)
-    assert sum(shares(machine).values()) == pytest.approx(TURN, rel=1e-12)
-    assert len(changes(machine, UPPER)) % 2 == 0
+    assert sum(measure_shares(machine).values()) == pytest.approx(TURN, rel=1e-12)
+    assert len(find_changes(machine, UPPER)) % 2 == 0
 
 
 @settings(derandomize=True, deadline=None, max_examples=40)
@@ -164,7 +164,7 @@ def test_the_thesis_s_threshold_makes_a_chaotic_motion_periodic(runs: Runs) -> N
 )
 def test_figures_are_drawn(number: str, runs: Runs, tmp_path: Path) -> None:
     picture = next(picture for picture in PICTURES if picture.number == number)
-    path = compact(lambda: picture.draw(runs, picture), tmp_path / picture.file, dpi=60)
+    path = save_compact(lambda: picture.draw(runs, picture), tmp_path / picture.file, dpi=60)
     colours = np.unique(np.asarray(Image.open(path).convert("RGB")).reshape(-1, 3), axis=0)
     assert len(colours) > 20
 

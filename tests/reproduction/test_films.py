@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from models.contact.line.line_contact import moes_contact
-from reproduction import films, publication
-from reproduction.films.across import constriction_x, dimples
-from reproduction.films.cycle_table import by_speed
-from reproduction.films.formulas import FORMULAS, asymptotes, regime
+from reproduction import films, load_publication
+from reproduction.films.cycle_table import format_speeds
+from reproduction.films.field_text import find_dimples, locate_constriction
+from reproduction.films.formulas import FORMULAS, compute_asymptotes, find_regime
 from reproduction.films.runs import Runs
-from reproduction.films.samples import error_of, sample
+from reproduction.films.samples import draw_sample, measure_error
 from reproduction.films.statements import CLAIMS, NEW, TABLE_3
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -31,7 +31,7 @@ def test_regimes_have_their_places() -> None:
     places = {(0.1, 0.5): "rigid-isoviscous", (0.6, 15.0): "rigid-piezoviscous",
               (100.0, 0.5): "elastic-isoviscous", (50.0, 10.0): "elastic-piezoviscous"}  # fmt: skip
     for (M, L), name in places.items():
-        assert regime(moes_contact(M, L)) == name
+        assert find_regime(moes_contact(M, L)) == name
 
 
 def test_bloks_film_is_the_rigid_piezoviscous_asymptote() -> None:
@@ -40,11 +40,11 @@ def test_bloks_film_is_the_rigid_piezoviscous_asymptote() -> None:
     fluid = contact.lubricant
     h = 1.66 * (fluid.pressure_viscosity * fluid.viscosity * contact.velocity / contact.radius) ** (2.0 / 3.0)
     H = h * contact.radius / contact.film_scale
-    assert asymptotes(1.0, 8.0)["rigid-piezoviscous"] == pytest.approx(H, rel=5e-3)
+    assert compute_asymptotes(1.0, 8.0)["rigid-piezoviscous"] == pytest.approx(H, rel=5e-3)
 
 
 def test_samples_are_reproducible_and_in_range(runs: Runs) -> None:
-    again = sample(5, 1)
+    again = draw_sample(5, 1)
     np.testing.assert_array_equal(again.load, runs.fit.load)
     assert runs.fit.load.min() >= 0.34e-6
     assert runs.fit.load.max() <= 0.56e-5
@@ -66,8 +66,8 @@ def test_new_laws_obey_similarity(film: str, blended: bool, runs: Runs) -> None:
     law = runs.laws[film, blended]
     assert law.speed - 0.25 * law.material + 0.5 * law.load == pytest.approx(0.5, abs=1e-12)
     # Martin's film makes the law that knows it better everywhere by more than a half.
-    assert error_of(runs.laws[film, True], runs.validation, False).rms < 0.5 * (
-        error_of(runs.laws[film, False], runs.validation, False).rms
+    assert measure_error(runs.laws[film, True], runs.validation, False).rms < 0.5 * (
+        measure_error(runs.laws[film, False], runs.validation, False).rms
     )
 
 
@@ -75,10 +75,10 @@ def test_laws_are_least_squares(runs: Runs) -> None:
     """Of ln H: any other constant or exponent has a larger sum of squares on the sample fitted to."""
     from dataclasses import replace
 
-    from reproduction.films.numerical import heights
+    from reproduction.films.numerical import list_heights
 
     for law in (runs.laws["central", False], runs.laws["central", True]):
-        found = np.log(heights(runs.fit.steady, "H_central"))
+        found = np.log(list_heights(runs.fit.steady, "H_central"))
 
         def squares(trial, found=found):  # type: ignore[no-untyped-def]
             return float(np.sum((np.log(trial.H(runs.fit, False)) - found) ** 2))
@@ -143,13 +143,13 @@ def test_across_the_contact(runs: Runs) -> None:
     """Oil trapped at a reversal is thicker than the constrictions around it, and bears more than Hertz's
     pressure; away from the reversals the outlet has the constriction."""
     cycle = runs.shown
-    for dimple in dimples(cycle):
+    for dimple in find_dimples(cycle):
         assert dimple.film > max(dimple.left, dimple.right)
         assert dimple.pressure > dimple.hertz_pressure
     angle = cycle.history_deg[cycle.in_event]
     away = np.min(np.abs(angle[:, None] - np.array(cycle.reversals_deg)), axis=1) > 5.0
     velocity = np.interp(angle, cycle.angle_deg, cycle.velocity)
-    assert np.all((constriction_x(cycle) * velocity)[away] > 0.0)
+    assert np.all((locate_constriction(cycle) * velocity)[away] > 0.0)
 
 
 def test_every_formula_is_judged(runs: Runs) -> None:
@@ -158,23 +158,23 @@ def test_every_formula_is_judged(runs: Runs) -> None:
     statements = [claim.judge(runs) for claim in CLAIMS]
     assert keys <= {statement.key for statement in statements}
     # All sentences find their numbers.
-    page = films.page(runs, statements)
+    page = films.format_page(runs, statements)
     assert "nan" not in page
     assert "inf" not in page.replace("infl", "")
 
 
 def test_every_figure_is_drawn(runs: Runs, tmp_path: Path) -> None:
-    drawn = publication("films").draw(runs, tmp_path)
-    assert [path.name for path in drawn] == list(publication("films").figures)
+    drawn = load_publication("films").draw(runs, tmp_path)
+    assert [path.name for path in drawn] == list(load_publication("films").figures)
     assert all(path.stat().st_size > 0 for path in drawn)
 
 
 @pytest.mark.long
 def test_the_page_says_what_comes_out() -> None:
     """One speed of the table, and the regressions with their errors, at the page's own resolution."""
-    page = (DOCS / publication("films").page_name).read_text("utf-8")
+    page = (DOCS / load_publication("films").page_name).read_text("utf-8")
     runs = Runs(speeds=(1000.0,))
-    own = [line.split("|")[-2].strip() for line in by_speed(runs).splitlines()[2:]]
+    own = [line.split("|")[-2].strip() for line in format_speeds(runs).splitlines()[2:]]
     lines = page.splitlines()
     table = [line for line in lines[lines.index("## By speed") :] if line.startswith("| ")]
     column = table[0].split("|").index(" 1000 r/min ")

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reproduction.kushwaha2000.film_iteration import ITERATIONS, implicit, iterate
+from reproduction.kushwaha2000.film_iteration import ITERATIONS, iterate, solve_implicit_step
 from reproduction.kushwaha2000.runs import NEGATIVE, REVERSALS_DEG, Runs
 from reproduction.kushwaha2000.statements import CLAIMS
 from reproduction.statement import Statement, Verdict
@@ -112,10 +112,10 @@ def test_what_cannot_be_met_is_not_met_by_chance(runs: Runs) -> None:
 def test_the_implicit_step_solves_its_equation_and_keeps_the_film_at_rest() -> None:
     constant = 96.775
     for travel in (1e-8, 1e-6, 1e-4):
-        film = implicit(1e-6, 0.3e-6, constant, travel)
+        film = solve_implicit_step(1e-6, 0.3e-6, constant, travel)
         rate = math.log(film / 1e-6) + constant * (film - 0.3e-6) / travel
         assert rate == pytest.approx(0.0, abs=1e-9)
-    assert implicit(1e-6, 0.3e-6, constant, 0.0) == 0.3e-6
+    assert solve_implicit_step(1e-6, 0.3e-6, constant, 0.0) == 0.3e-6
 
 
 def test_the_iteration_repels_where_its_gain_exceeds_one() -> None:

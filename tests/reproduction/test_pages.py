@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from reproduction import SOURCES, publication
+from reproduction import SOURCES, load_publication
 from reproduction.__main__ import app
 from reproduction.publication import CSV, JSON
 
@@ -21,7 +21,7 @@ NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
 def page(source: str) -> str:
-    return (DOCS / publication(source).page_name).read_text("utf-8")
+    return (DOCS / load_publication(source).page_name).read_text("utf-8")
 
 
 def table_rows(text: str) -> list[list[str]]:
@@ -32,7 +32,7 @@ def table_rows(text: str) -> list[list[str]]:
 
 @pytest.mark.parametrize("source", SOURCES)
 def test_the_page_has_every_statement_and_small_figures(source: str) -> None:
-    text, found = page(source), publication(source)
+    text, found = page(source), load_publication(source)
     assert importlib.import_module(f"reproduction.{source}").INTRODUCTION in text
     places = [row[0] for row in table_rows(text)]
     assert places == [claim.place for claim in found.claims]
@@ -46,7 +46,7 @@ def test_the_page_has_every_statement_and_small_figures(source: str) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("source", SOURCES)
 def test_the_page_is_current(source: str, tmp_path: Path) -> None:
-    found, out = publication(source), tmp_path / "out"
+    found, out = load_publication(source), tmp_path / "out"
     done = CliRunner().invoke(app, [source, "--out", str(out)])
     assert done.exit_code == 0, done.output
     assert {path.name for path in (out / "figures").iterdir()} == set(found.figures)

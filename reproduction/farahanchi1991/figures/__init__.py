@@ -8,7 +8,7 @@ from pathlib import Path
 
 from models.slider_crank.flight.bouncing import LOWER, UPPER
 
-from ...pictures import compact
+from ...pictures import save_compact
 from ..cases import GAPS, HIGH_DAMPINGS, LOW_DAMPINGS, Case
 from ..runs import Runs
 from . import forces, impacts, motions
@@ -81,6 +81,6 @@ PICTURES: tuple[Picture, ...] = (
 def draw(runs: Runs, folder: Path) -> list[Path]:
     """Draw every figure into `folder`."""
     return [
-        compact(partial(picture.draw, runs, picture), folder / f"{PREFIX}{picture.file}", DPI)
+        save_compact(partial(picture.draw, runs, picture), folder / f"{PREFIX}{picture.file}", DPI)
         for picture in PICTURES
     ]

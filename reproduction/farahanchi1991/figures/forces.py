@@ -19,7 +19,7 @@ from orchestrator.plots.motion.trace import draw_walls
 from orchestrator.plots.style import COUPLED, MUTED, create_subplots
 
 from ..cases import CORRECTED, FORMS, Case
-from ..forces import changes
+from ..forces import find_changes
 from ..runs import Runs
 from .picture import LABELS, Picture, caption, note
 
@@ -42,7 +42,7 @@ def plot_constraint(runs: Runs, picture: Picture) -> Figure:
 
 
 def _changes(machine: Machine) -> str:
-    count = len(changes(machine, UPPER))
+    count = len(find_changes(machine, UPPER))
     return f"{count} changes of sign, upper wall" if count else "upper wall throughout"
 
 
@@ -51,7 +51,7 @@ def plot_blow_up(runs: Runs, picture: Picture) -> Figure:
     figure, axes = picture.frame(7.4, 4.6, [[f"{form} {n}" for n in range(2)] for form in FORMS])
     for form in FORMS:
         machine = Machine(picture.shown.damping, picture.shown.gap, form=form)
-        pairs = list(zip(changes(machine, UPPER), changes(machine, LOWER), strict=True))[:2]
+        pairs = list(zip(find_changes(machine, UPPER), find_changes(machine, LOWER), strict=True))[:2]
         for n, (a, b) in enumerate(pairs):
             ax, middle = axes[f"{form} {n}"], 0.5 * (a + b)
             theta = np.linspace(middle - BLOW_UP, middle + BLOW_UP, 201)

@@ -14,7 +14,7 @@ from orchestrator.plots.motion.trace import draw_trace
 from orchestrator.plots.style import REFERENCE
 
 from ..cases import CORRECTED, FORMS, PUBLISHED, TRANSIENT, Case
-from ..impacts import on_wall
+from ..impacts import select_wall
 from ..runs import NARROW, Runs
 from .picture import LABELS, Picture, caption, note
 
@@ -57,7 +57,7 @@ def plot_poincare(runs: Runs, picture: Picture) -> Figure:
     figure, axes = picture.frame(7.4, 3.3, [list(FORMS)], sharey=True)
     for form in FORMS:
         case = picture.shown.in_form(form)
-        upper = on_wall(runs.events(case), UPPER)
+        upper = select_wall(runs.events(case), UPPER)
         theta, rate = upper.theta[-POINTS:], upper.rate[-POINTS:]
         draw_poincare(axes[form], theta, rate, label=form == PUBLISHED)
         _mark_orbit(axes[form], runs, case)
@@ -73,7 +73,7 @@ def _mark_orbit(ax: Axes, runs: Runs, case: Case) -> None:
     kind = runs.kind(case)
     if not (0 < kind.period <= SHORT and kind.transient > TRANSIENT):
         return
-    upper = on_wall(runs.events(case), UPPER)
+    upper = select_wall(runs.events(case), UPPER)
     last = upper.where(upper.cycle > upper.cycle.max() - kind.period)
     ax.scatter(last.theta, last.rate, s=22.0, color=REFERENCE, zorder=3, label="in the end")
     ax.legend(loc="upper right", handletextpad=0.1)
@@ -97,7 +97,7 @@ def describe(runs: Runs, case: Case) -> str:
 
 def plot_magnification(runs: Runs, picture: Picture, level: int) -> Figure:
     """Figs 4.4 and 4.5: the window, and where it lies; as published only, see the table."""
-    upper = on_wall(runs.events(picture.shown, MAGNIFIED_CYCLES), UPPER)
+    upper = select_wall(runs.events(picture.shown, MAGNIFIED_CYCLES), UPPER)
     theta, rate = upper.theta, upper.rate
     window = magnify(theta, rate, CENTRE, BY**level)
     whole = magnify(theta, rate, CENTRE, BY ** (level - 1)) if level > 1 else None

@@ -21,7 +21,7 @@ from models.slider_crank.machine import Machine, Motion
 from models.slider_crank.motions.regions import TURN, region
 
 from ..cases import GAPS, PUBLISHED
-from ..forces import changes, curve, in_force, limits, pressed, shares
+from ..forces import can_hold, compute_curve, find_changes, find_limits, find_pressed, measure_shares
 from ..lagrange import printed
 from ..runs import Runs
 from .derivation import Numbers
@@ -39,39 +39,39 @@ def _intervals(pairs: Sequence[tuple[float, float]]) -> str:
 
 def compare_restitutions(runs: Runs) -> Numbers:
     """Largest difference of the forces with e = 0, 0.5 and 1."""
-    values = [curve(Machine(0.1, 0.01, e, PUBLISHED), UPPER, 361) for e in (0.0, 0.5, 1.0)]
+    values = [compute_curve(Machine(0.1, 0.01, e, PUBLISHED), UPPER, 361) for e in (0.0, 0.5, 1.0)]
     return {"spread": np.ptp(values, axis=0).max()}
 
 
 def check_symmetry(runs: Runs, form: str, damping: float, gap: float, half_turn: bool) -> Numbers:
     """What is missing of f_u = -f_l, or of f_u(theta + pi) = -f_u(theta), over the largest force."""
     machine = Machine(damping, gap, form=form)
-    upper = curve(machine, UPPER, 721)[:-1]
-    other = np.roll(upper, -360) if half_turn else curve(machine, LOWER, 721)[:-1]
+    upper = compute_curve(machine, UPPER, 721)[:-1]
+    other = np.roll(upper, -360) if half_turn else compute_curve(machine, LOWER, 721)[:-1]
     return {"fault": np.abs(upper + other).max() / np.abs(upper).max()}
 
 
 def divide_turn(runs: Runs, form: str) -> Numbers:
-    found = shares(Machine(0.1, 0.01, form=form))
+    found = measure_shares(Machine(0.1, 0.01, form=form))
     return {"each": [f"{name} {value:.4f}" for name, value in found.items()], "least": min(found.values())}
 
 
 def find_changes_of_sign(runs: Runs, form: str) -> Numbers:
     """`off`: how far the changes are from pi and 2 pi, infinite where there are not two of them."""
     machine = Machine(0.01, 0.01, form=form)
-    up, low = changes(machine, UPPER), changes(machine, LOWER)
+    up, low = find_changes(machine, UPPER), find_changes(machine, LOWER)
     ends = [*zip(up, (math.pi, TURN), strict=False), *zip(low, (math.pi, TURN), strict=False)]
     return {
         "upper_changes": len(up), "lower_changes": len(low),
-        "upper": _intervals(pressed(machine, UPPER)), "lower": _intervals(pressed(machine, LOWER)),
+        "upper": _intervals(find_pressed(machine, UPPER)), "lower": _intervals(find_pressed(machine, LOWER)),
         "off": max(abs(a - b) for a, b in ends) if len(up) == len(low) == 2 else math.inf,
     }  # fmt: skip
 
 
 def compare_dampings(runs: Runs, form: str) -> Numbers:
     machines = [Machine(damping, 0.01, form=form) for damping in (0.01, 0.1, 0.25)]
-    found = [shares(machine) for machine in machines]
-    grows = bool(np.all(np.diff([curve(machine, UPPER, 361) for machine in machines], axis=0) > 0.0))
+    found = [measure_shares(machine) for machine in machines]
+    grows = bool(np.all(np.diff([compute_curve(machine, UPPER, 361) for machine in machines], axis=0) > 0.0))
     return {
         "spans": [one["upper"] + one["both"] for one in found],
         "grows": grows, "where": "every angle" if grows else "not every angle",
@@ -80,16 +80,18 @@ def compare_dampings(runs: Runs, form: str) -> Numbers:
 
 def compare_gaps(runs: Runs, form: str) -> Numbers:
     machines = [Machine(0.1, gap, form=form) for gap in (0.0, 0.01, 0.02)]
-    return {"sums": [np.abs(curve(m, UPPER, 361) + curve(m, LOWER, 361)).max() for m in machines]}
+    return {
+        "sums": [np.abs(compute_curve(m, UPPER, 361) + compute_curve(m, LOWER, 361)).max() for m in machines]
+    }
 
 
 def find_holding_intervals(runs: Runs, form: str) -> Numbers:
     """Where the walls can hold the roller; the lower one's first interval."""
     machine = Machine(0.267, 0.02, form=form)
-    low, upper_changes = pressed(machine, LOWER), len(changes(machine, UPPER))
+    low, upper_changes = find_pressed(machine, LOWER), len(find_changes(machine, UPPER))
     begin, end = low[0] if low else (math.inf, math.inf)
     return {
-        "upper": _intervals(pressed(machine, UPPER)) if upper_changes else "the whole turn",
+        "upper": _intervals(find_pressed(machine, UPPER)) if upper_changes else "the whole turn",
         "lower": _intervals(low), "upper_changes": upper_changes, "begin": begin, "end": end,
         "mixed": _mixed_interval(),
     }  # fmt: skip
@@ -112,7 +114,9 @@ def measure_crossings(runs: Runs, form: str) -> Numbers:
     """Over pairs (lambda, rho) with crossings: radians in which either wall holds the roller, and neither."""
     pairs = [(d, gap) for d in np.linspace(0.01, 0.25, 9) for gap in (0.005, 0.01, 0.02)]
     machines = [Machine(float(damping), gap, form=form) for damping, gap in pairs]
-    found = [shares(m) for m in machines if min(len(changes(m, side)) for side in (UPPER, LOWER)) >= 2]
+    found = [
+        measure_shares(m) for m in machines if min(len(find_changes(m, side)) for side in (UPPER, LOWER)) >= 2
+    ]
     if not found:
         return {"words": "no crossings", "least": 0.0, "most": math.inf}
     both, neither = ([one[name] for one in found] for name in ("both", "neither"))
@@ -125,17 +129,17 @@ def measure_crossings(runs: Runs, form: str) -> Numbers:
 
 def find_crossings(runs: Runs, form: str) -> Numbers:
     machine = Machine(0.1, 0.01, form=form)
-    pairs = list(zip(changes(machine, UPPER), changes(machine, LOWER), strict=True))
+    pairs = list(zip(find_changes(machine, UPPER), find_changes(machine, LOWER), strict=True))
     return {
         "pairs": _intervals([(min(pair), max(pair)) for pair in pairs]),
-        "kinds": ["either" if in_force(machine, UPPER, 0.5 * sum(pair)) else "neither" for pair in pairs],
+        "kinds": ["either" if can_hold(machine, UPPER, 0.5 * sum(pair)) else "neither" for pair in pairs],
     }
 
 
 def count_releases(runs: Runs, form: str) -> Numbers:
     machine = Machine(0.35, 0.01, form=form)
     return {
-        "least": curve(machine, UPPER, 721).min(),
+        "least": compute_curve(machine, UPPER, 721).min(),
         "releases": int(np.sum(Motion(machine).skip(100).events(100).kind == LIFT)),
     }
 
@@ -150,17 +154,17 @@ def assign_regions(runs: Runs, form: str) -> Numbers:
 
 def find_thresholds(runs: Runs, form: str) -> Numbers:
     """lambda from which the upper wall holds throughout and from which the lower one holds nowhere."""
-    first, second = limits(form, 0.02)
-    return {"zero": limits(form)[0], "first": first, "second": second,
-            "lower": [limits(form, gap)[1] for gap in GAPS]}  # fmt: skip
+    first, second = find_limits(form, 0.02)
+    return {"zero": find_limits(form)[0], "first": first, "second": second,
+            "lower": [find_limits(form, gap)[1] for gap in GAPS]}  # fmt: skip
 
 
 def follow_lower_region(runs: Runs, form: str) -> Numbers:
     """Largest interval pressed to the lower wall at rho = 0.01: its size and its distance from theta = 0."""
     rows = []
     for share in (0.2, 0.6, 0.95):
-        damping = share * limits(form)[0]
-        found = pressed(Machine(damping, 0.01, form=form), LOWER)
+        damping = share * find_limits(form)[0]
+        found = find_pressed(Machine(damping, 0.01, form=form), LOWER)
         rows.append((damping, *max(found, key=lambda interval: interval.end - interval.start)))
     middles = [0.5 * (a + b) for _, a, b in rows]
     return {

@@ -11,8 +11,8 @@ from models.slider_crank.equations import THESIS_XI
 from models.slider_crank.flight.bouncing import LOWER, UPPER
 from models.slider_crank.motions.statistics import impact_profile, wall_position
 
-from ..cases import CYCLES, GAPS, HIGH_DAMPINGS, LOW_DAMPINGS, MATRIX, TRANSIENT, Case, matrix
-from ..impacts import BINS, mean_approach, on_wall, profile, spread
+from ..cases import CYCLES, GAPS, HIGH_DAMPINGS, LOW_DAMPINGS, MATRIX, TRANSIENT, Case, list_cases
+from ..impacts import BINS, average_approach, compute_profile, measure_spread, select_wall
 from ..kinds import CHAOTIC, observe
 from ..runs import Runs
 from .derivation import Numbers
@@ -24,7 +24,7 @@ SLOW = 0.004
 
 def count_backward(runs: Runs, form: str) -> Numbers:
     """Upper impacts with psi' <= 0."""
-    rates = np.concatenate([on_wall(runs.events(c), UPPER).rate for c in matrix(LOW_DAMPINGS, form)])
+    rates = np.concatenate([select_wall(runs.events(c), UPPER).rate for c in list_cases(LOW_DAMPINGS, form)])
     return {"backward": int(np.sum(rates <= 0.0)), "total": rates.size, "least": rates.min()}
 
 
@@ -55,7 +55,7 @@ def compare_records(runs: Runs, form: str) -> Numbers:
     events = runs.motion(Case(0.025, 0.02, form=form)).events(64 * CYCLES)
 
     def upper(cycles: int) -> Vector:
-        return profile(events.where(events.cycle < TRANSIENT + cycles), UPPER, cycles)
+        return compute_profile(events.where(events.cycle < TRANSIENT + cycles), UPPER, cycles)
 
     long = upper(64 * CYCLES)
     return {"errors": [np.abs(upper(n * CYCLES) - long).sum() / long.sum() for n in (1, 4)]}
@@ -63,13 +63,13 @@ def compare_records(runs: Runs, form: str) -> Numbers:
 
 def split_directions(runs: Runs, form: str) -> Numbers:
     """Shares of the upper impacts on the way from the head and back."""
-    out = np.mean(on_wall(runs.events(EXAMPLE.in_form(form)), UPPER).theta < math.pi)
+    out = np.mean(select_wall(runs.events(EXAMPLE.in_form(form)), UPPER).theta < math.pi)
     return {"out": out, "back": 1.0 - out}
 
 
 def measure_uniformity(runs: Runs, form: str) -> Numbers:
     """Uniformity of the velocities over the walls, of chaotic motions and of others."""
-    found = {case: spread(runs.final(case)) for case in matrix(MATRIX, form)}
+    found = {case: measure_spread(runs.final(case)) for case in list_cases(MATRIX, form)}
     kinds: tuple[list[float], list[float]] = ([], [])
     for case, value in found.items():
         if value == value:
@@ -101,7 +101,7 @@ def _by_gap(runs: Runs, dampings: tuple[float, ...], form: str) -> dict[float, l
 def compare_gaps(runs: Runs, form: str) -> Numbers:
     """Mean velocities, and radians of crank between impacts, at small friction."""
     rows = {d: [runs.events(c).impacts for c in row] for d, row in _by_gap(runs, LOW_DAMPINGS, form).items()}
-    speeds = {d: [mean_approach(events) for events in row] for d, row in rows.items()}
+    speeds = {d: [average_approach(events) for events in row] for d, row in rows.items()}
     flights = {d: [2.0 * np.pi * CYCLES / len(e.theta) for e in row] for d, row in rows.items()}
     return {
         "speeds": _rows(speeds, ".4f"), "flights": _rows(flights, ".2f"),
@@ -124,8 +124,8 @@ def compare_walls(runs: Runs, form: str, dampings: tuple[float, ...]) -> Numbers
     """Velocities on the walls by lambda, means over rho: of an impact, and in all of a cycle."""
     up, low, ratios, wrong = [], [], [], []
     for row in _by_gap(runs, dampings, form).values():
-        parts = [[on_wall(runs.events(case), side) for case in row] for side in (UPPER, LOWER)]
-        means = [[mean_approach(part) for part in wall] for wall in parts]
+        parts = [[select_wall(runs.events(case), side) for case in row] for side in (UPPER, LOWER)]
+        means = [[average_approach(part) for part in wall] for wall in parts]
         wrong += [str(case) for case, a, b in zip(row, *means, strict=True) if a <= b]
         up.append(float(np.mean(means[0])))
         low.append(float(np.mean(means[1])))
@@ -141,7 +141,7 @@ def compare_walls(runs: Runs, form: str, dampings: tuple[float, ...]) -> Numbers
 
 def find_slowest(runs: Runs, form: str) -> Numbers:
     """The slowest impact of each case."""
-    least = {case: runs.events(case).impacts.approach.min() for case in matrix(LOW_DAMPINGS, form)}
+    least = {case: runs.events(case).impacts.approach.min() for case in list_cases(LOW_DAMPINGS, form)}
     without = [str(case) for case, value in least.items() if value > SLOW]
     return {
         "slow": len(least) - len(without), "cases": len(least), "limit": SLOW, "without": without,
@@ -162,7 +162,7 @@ def count_lobes(runs: Runs, form: str) -> Numbers:
     case = EXAMPLE.in_form(form)
     if runs.kind(case).period:
         return {"words": "a finite set of points in the end", "lobes": 0}
-    theta = on_wall(runs.events(case), UPPER).theta
+    theta = select_wall(runs.events(case), UPPER).theta
     filled = np.histogram(theta, 720, (0.0, 2.0 * math.pi))[0] > 0
     count = int(np.sum(filled & ~np.roll(filled, 1)))
     return {"words": f"{count} separate ranges of crank angle hold all upper impacts", "lobes": count}
@@ -171,14 +171,14 @@ def count_lobes(runs: Runs, form: str) -> Numbers:
 def count_lower(runs: Runs, form: str) -> Numbers:
     """Impacts on the lower wall in 300 cycles at large friction."""
     cases = [Case(damping, gap, form=form) for damping in (0.25, 0.26, 0.28, 0.35) for gap in GAPS]
-    return {"count": sum(len(on_wall(runs.events(case, 300), LOWER).theta) for case in cases)}
+    return {"count": sum(len(select_wall(runs.events(case, 300), LOWER).theta) for case in cases)}
 
 
 def follow_lower(runs: Runs, form: str) -> Numbers:
     """Where the lower wall is hit (5 and 95 % of the places) and how hard, all gaps together."""
     rows = {}
     for damping, row in _by_gap(runs, (*LOW_DAMPINGS, 0.15, 0.20), form).items():
-        parts = [on_wall(runs.events(case), LOWER) for case in row]
+        parts = [select_wall(runs.events(case), LOWER) for case in row]
         if x := np.concatenate([wall_position(part.theta, THESIS_XI) for part in parts]).tolist():
             speed = np.concatenate([part.approach for part in parts])
             rows[damping] = (np.quantile(x, 0.05), np.quantile(x, 0.95), speed.mean())

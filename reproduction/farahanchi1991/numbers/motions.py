@@ -13,7 +13,7 @@ from models.slider_crank.flight.histories import LIFT, ONSET
 from models.slider_crank.machine import Machine, Motion
 from models.slider_crank.motions.classification import classify
 
-from ..cases import CYCLES, HIGH_DAMPINGS, LOW_DAMPINGS, MATRIX, THRESHOLD, TRANSIENT, Case, matrix
+from ..cases import CYCLES, HIGH_DAMPINGS, LOW_DAMPINGS, MATRIX, THRESHOLD, TRANSIENT, Case, list_cases
 from ..kinds import CHAOTIC, PERIODIC, TRANSIENT_CHAOS, observe
 from ..runs import STARTS, Runs
 from .derivation import Numbers
@@ -25,7 +25,7 @@ SLIGHT = 0.02
 
 
 def _kinds(runs: Runs, dampings: tuple[float, ...], form: str, restitution: float = 0.9) -> list[str]:
-    return [observe(runs, case).kind for case in matrix(dampings, form, restitution)]
+    return [observe(runs, case).kind for case in list_cases(dampings, form, restitution)]
 
 
 def describe_motion(runs: Runs, form: str, case: Case) -> Numbers:
@@ -73,7 +73,7 @@ def count_starts(runs: Runs, form: str) -> Numbers:
 
 def correlate_sliding(runs: Runs, form: str) -> Numbers:
     """Correlation of sliding share and impacts per cycle, with F's threshold."""
-    cases = [case.by_thesis_rule for e in RESTITUTIONS for case in matrix(MATRIX, form, e)]
+    cases = [case.by_thesis_rule for e in RESTITUTIONS for case in list_cases(MATRIX, form, e)]
     shares = [runs.sliding_share(case) for case in cases]
     return {"value": np.corrcoef(shares, [len(runs.events(c).impacts.theta) / CYCLES for c in cases])[0, 1]}
 
@@ -84,7 +84,7 @@ def _listed(cases: list[str]) -> str:
 
 def list_unexpected_sliding(runs: Runs, form: str) -> Numbers:
     """Cases of small friction whose records slide, and others that do so from another start."""
-    cases = matrix(LOW_DAMPINGS, form)
+    cases = list_cases(LOW_DAMPINGS, form)
     recorded = [str(case) for case in cases if np.any(runs.events(case).kind == ONSET)]
     other = [str(c) for c in cases if str(c) not in recorded and observe(runs, c).sliding]
     return {"count": len(recorded), "cases": len(cases), "recorded": _listed(recorded),
@@ -93,9 +93,9 @@ def list_unexpected_sliding(runs: Runs, form: str) -> Numbers:
 
 def list_sliding(runs: Runs, form: str) -> Numbers:
     """Cases of large friction that slide; as published with F's threshold too."""
-    cases = matrix(HIGH_DAMPINGS, form)
+    cases = list_cases(HIGH_DAMPINGS, form)
     sliding = [str(case) for case in cases if runs.sliding_share(case) > 0.0]
-    ruled = [str(c) for c in matrix(HIGH_DAMPINGS) if runs.sliding_share(c.by_thesis_rule) > 0.0]
+    ruled = [str(c) for c in list_cases(HIGH_DAMPINGS) if runs.sliding_share(c.by_thesis_rule) > 0.0]
     return {"count": len(sliding), "cases": len(cases), "listed": _listed(sliding),
             "ruled": len(ruled), "ruled_cases": "; ".join(ruled)}  # fmt: skip
 
@@ -139,7 +139,7 @@ def vary_gap(runs: Runs, form: str) -> Numbers:
 
 def describe_matrix(runs: Runs, form: str) -> Numbers:
     """The motions of the cases of large friction."""
-    seen = {case: observe(runs, case) for case in matrix(HIGH_DAMPINGS, form)}
+    seen = {case: observe(runs, case) for case in list_cases(HIGH_DAMPINGS, form)}
     counts = [_kinds(runs, (damping,), form).count(PERIODIC) for damping in HIGH_DAMPINGS]
     return {"each": "; ".join(f"{case} {one.words}" for case, one in seen.items()), "periodic": counts}
 
@@ -192,7 +192,9 @@ def find_periods(runs: Runs, form: str) -> Numbers:
 def compare_restitutions(runs: Runs, form: str) -> Numbers:
     """By e, over all pairs (lambda, rho): share of sliding, irregular motions; sliding at (0.05, 0.02)."""
     return {
-        "shares": [np.mean([runs.sliding_share(c) for c in matrix(MATRIX, form, e)]) for e in RESTITUTIONS],
+        "shares": [
+            np.mean([runs.sliding_share(c) for c in list_cases(MATRIX, form, e)]) for e in RESTITUTIONS
+        ],
         "irregular": [_kinds(runs, MATRIX, form, e).count(CHAOTIC) for e in RESTITUTIONS],
         "alone": [runs.sliding_share(Case(0.05, 0.02, e, form)) for e in RESTITUTIONS],
     }
@@ -200,7 +202,7 @@ def compare_restitutions(runs: Runs, form: str) -> Numbers:
 
 def measure_sliding(runs: Runs, form: str, restitution: float) -> Numbers:
     """Of all pairs (lambda, rho) with this restitution."""
-    shares = [runs.sliding_share(case) for case in matrix(MATRIX, form, restitution)]
+    shares = [runs.sliding_share(case) for case in list_cases(MATRIX, form, restitution)]
     kinds = _kinds(runs, MATRIX, form, restitution)
     return {
         "cases": len(shares), "sliding": sum(share > 0.0 for share in shares),

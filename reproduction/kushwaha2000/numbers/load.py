@@ -11,7 +11,7 @@ from models.core.quantities import Vector
 from models.valve_train.camshaft import shaft_element
 
 from ...statement import Words, rms
-from ..runs import FLEXIBLE_SPEED, INTERVALS, NOSE_DEG, SPEEDS, Cycle, Runs, parameters
+from ..runs import FLEXIBLE_SPEED, INTERVALS, NOSE_DEG, SPEEDS, Cycle, Runs, read_parameters
 from .parts import Numbers, compute_bending_rate
 
 # Before and after the nose, far from it and near to it.
@@ -60,7 +60,7 @@ def find_crossings(runs: Runs) -> Numbers:
 
 def _oscillation(cycle: Cycle, rigid: Cycle) -> Vector:
     """What the flexible shaft changes of the load, less the mean of that over one period of its bending."""
-    shaft = parameters(cycle.reference.system, "camshaft")
+    shaft = read_parameters(cycle.reference.system, "camshaft")
     period_deg = 2.0 * math.pi / compute_bending_rate(shaft) * cycle.run.speed_rpm * 6.0
     n = max(3, 2 * round(0.5 * period_deg / 360.0 * INTERVALS) + 1)
     change = (cycle.load - rigid.load)[:-1]
@@ -85,7 +85,7 @@ def compare_shafts(runs: Runs) -> Numbers:
         "swings": list(found.values()), "each_swing": [f"{v:.2f} N over {n}°" for n, v in found.items()],
         "lag": math.degrees(twist[lag]), "lag_deg": angle[lag],
         "lead": math.degrees(twist[lead]), "lead_deg": angle[lead],
-        "twist_stiffness": shaft_element(parameters(cycle.reference.system, "camshaft")).twist_stiffness,
+        "twist_stiffness": shaft_element(read_parameters(cycle.reference.system, "camshaft")).twist_stiffness,
         "lowest": change.min(), "highest": change.max(), "least_load": cycle.load.min(),
         "speed_share": np.abs(speed / np.mean(speed) - 1.0).max(),
         "velocity_share": np.abs(u - u0).max() / np.abs(u0).max(),

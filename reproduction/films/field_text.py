@@ -10,7 +10,7 @@ from scipy.signal import find_peaks
 from models.core.quantities import Vector
 
 from .cam import CamCycle, Flags
-from .in_short import bullets
+from .summary import format_bullets
 
 MICRO, GIGA = 1e6, 1e-9
 # A second maximum of the pressure counts where it rises so much of the highest above its surroundings.
@@ -30,7 +30,7 @@ class Dimple:
     hertz_pressure: float
 
 
-def dimples(c: CamCycle) -> list[Dimple]:
+def find_dimples(c: CamCycle) -> list[Dimple]:
     """At each reversal."""
     found = []
     for angle in c.reversals_deg:
@@ -48,27 +48,27 @@ def dimples(c: CamCycle) -> list[Dimple]:
     return found
 
 
-def constriction_x(c: CamCycle) -> Vector:
+def locate_constriction(c: CamCycle) -> Vector:
     """Where the film is least (m), over the angles of the history in the event."""
     history, inside = c.history, c.in_event
     least = np.argmin(history.film[inside], axis=1)
     return np.asarray(np.take_along_axis(history.x[inside], least[:, None], axis=1)[:, 0])
 
 
-def second_maxima(c: CamCycle) -> Flags:
+def find_second_maxima(c: CamCycle) -> Flags:
     """Whether the pressure has a second maximum, over the angles of the history in the event."""
     pressures = c.history.pressure[c.in_event]
     return np.array([find_peaks(p, prominence=PROMINENCE * p.max())[0].size > 1 for p in pressures])
 
 
-def text(c: CamCycle) -> str:
+def describe_field(c: CamCycle) -> str:
     """Markdown, with numbers of this cycle."""
     inside = c.in_event
     angle, highest = c.history_deg[inside], c.history.maximum_pressure[inside]
-    found, k = dimples(c), int(np.argmax(highest))
+    found, k = find_dimples(c), int(np.argmax(highest))
     after = angle[k] - max(d.angle_deg for d in found if d.angle_deg <= angle[k])
-    at_outlet = constriction_x(c) * np.interp(angle, c.angle_deg, c.velocity) > 0.0
-    second, part = second_maxima(c), np.searchsorted(c.reversals_deg, angle)
+    at_outlet = locate_constriction(c) * np.interp(angle, c.angle_deg, c.velocity) > 0.0
+    second, part = find_second_maxima(c), np.searchsorted(c.reversals_deg, angle)
     flank, lobe, nose = (_percent(second[np.isin(part, parts)]) for parts in ((0, 4), (1, 3), (2,)))
     sentences = [
         f"Dimple: before entrainment reverses, what was the inlet closes too. At the four reversals oil of "
@@ -84,7 +84,7 @@ def text(c: CamCycle) -> str:
         f"Second maximum of the pressure (Petrusevich's spike): in {lobe} of the angles between the first "
         f"two and the last two reversals, {nose} of those about the nose, {flank} on the flanks.",
     ]
-    return f"At {c.speed_rpm:.0f} r/min:\n\n{bullets(sentences)}"
+    return f"At {c.speed_rpm:.0f} r/min:\n\n{format_bullets(sentences)}"
 
 
 def _span(unit: float, values: list[float]) -> str:

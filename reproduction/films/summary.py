@@ -53,19 +53,19 @@ SENTENCES = (
 )
 
 
-def bullets(sentences: Sequence[str]) -> str:
+def format_bullets(sentences: Sequence[str]) -> str:
     """A Markdown list."""
     return "".join(
         textwrap.fill(text, 110, initial_indent="- ", subsequent_indent="  ") + "\n" for text in sentences
     )
 
 
-def in_short(runs: Runs) -> str:
+def summarise(runs: Runs) -> str:
     """A Markdown list."""
     quantities = {claim.key: claim.quantity for claim in CLAIMS}
     found: dict[str, Any] = {name: Numbers(quantities[key](runs)) for name, key in NAMES.items()}
     found |= {"laws": _conditions(runs), "new": _errors(runs, False), "joined": _errors(runs, True)}
-    return bullets([Words().vformat(text, (SimpleNamespace(**found),), {}) for text in SENTENCES])
+    return format_bullets([Words().vformat(text, (SimpleNamespace(**found),), {}) for text in SENTENCES])
 
 
 def _conditions(runs: Runs) -> SimpleNamespace:
