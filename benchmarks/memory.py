@@ -29,7 +29,7 @@ import sys
 from pathlib import Path
 from fmus.build import build
 from orchestrator.run.plan import build_system, resolve_start
-from orchestrator.engine.exchange import Exchange
+from orchestrator.engine.coupling import Coupling
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import open_fmu
 from orchestrator.scenario.files import load
@@ -41,8 +41,8 @@ participants = {
     for n, i in system.instances.items()
 }
 master = GaussSeidel("quadratic")
-exchange = Exchange(system, participants, master.degree)
-exchange.initialise(0.0, STEPS * STEP)
+coupling = Coupling(system, participants, master.degree)
+coupling.initialise(0.0, STEPS * STEP)
 
 def resident():
     return int(Path("/proc/self/status").read_text().split("VmRSS:")[1].split()[0])
@@ -50,13 +50,13 @@ def resident():
 for n in range(STEPS):
     time = n * STEP
     if n % 10 == 0:
-        with exchange.point() as saved:
-            master.step(exchange, time, STEP)
-            exchange.restore(saved)
-            master.step(exchange, time, STEP)
+        with coupling.points.keep() as saved:
+            master.step(coupling, time, STEP)
+            coupling.points.restore(saved)
+            master.step(coupling, time, STEP)
     else:
-        master.step(exchange, time, STEP)
-    exchange.accept(time + STEP)
+        master.step(coupling, time, STEP)
+    coupling.accept(time + STEP)
     if n == STEPS // 10:
         early = resident()
 print("resident", early, resident())

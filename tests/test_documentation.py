@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 import re
 import sys
@@ -17,7 +16,6 @@ import pytest
 
 from fmus.build import build
 from models.core.quantities import Quantity
-from orchestrator.engine.exchange import Exchange
 from orchestrator.masters.acceleration import ACCELERATIONS
 from orchestrator.participants import in_process
 from orchestrator.plots.data import FigureData
@@ -76,13 +74,6 @@ def test_the_example_with_a_third_party_fmu_is_a_whole_scenario(tmp_path: Path) 
 
 
 EXTENDING = (DOCS / "how-to" / "extending.md").read_text(encoding="utf-8")
-
-
-def test_what_masters_are_told_to_call_exists() -> None:
-    source = inspect.getsource(Exchange)
-    named = set(re.findall(r"exchange\.(\w+)", EXTENDING)) - {"py"}
-    assert named >= {"make", "history", "values"}
-    assert {name for name in named if not re.search(rf"(self\.|def ){name}\b", source)} == set()
 
 
 def test_the_files_named_for_extensions_exist() -> None:

@@ -17,7 +17,7 @@ from ..participants.compiled import CALLS, FINE, NOT_FINITE, STEP, CompiledCalls
 from .signals import gather, interpolate_part
 
 if TYPE_CHECKING:
-    from .exchange import Exchange
+    from .coupling import Coupling
 
 # An FMU in a sweep: its number, its sources, where its inputs and outputs begin, and its calls.
 # The calls come last: numba takes a record that begins with all of another's fields for a subtype of it,
@@ -32,20 +32,20 @@ class CompiledSweep:
 
     def __init__(
         self,
-        exchange: Exchange,
+        coupling: Coupling,
         calls: Sequence[CompiledCalls],
         order: Sequence[int],
         sweep: Callable[..., tuple[int, int, int]],
     ) -> None:
-        self._exchange, self._order, self._sweep = exchange, order, sweep
+        self._coupling, self._order, self._sweep = coupling, order, sweep
         self._calls = calls  # keeps the references alive
-        e, h, n = exchange, exchange.history, len(exchange.sources)
+        e, h, n = coupling, coupling.state.history, len(coupling.wiring.sources)
         # Where each number that is given lies in the signals, and where among values and rates each number
         # that is taken goes.
         origins, places = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
         for i, one in zip(order, calls, strict=True):
-            (rows, columns), own = one.picked, e.slices[i]
-            origins.append(n * rows + e.columns[i][columns])
+            (rows, columns), own = one.picked, e.wiring.slices[i]
+            origins.append(n * rows + e.wiring.columns[i][columns])
             places.append(np.concatenate([np.arange(own.start, own.stop), n + own.start + one.rated]))
         memory = {
             "origins": np.concatenate(origins),
@@ -56,22 +56,22 @@ class CompiledSweep:
             "taken": np.zeros(sum(map(len, places))),
         }
         self._memory = ArrayPointers(
-            **memory, signals=e.signals, arrived=e.arrived, calls=e.calls, times=h.times, past=h.values,
+            **memory, signals=e.signals, arrived=e.state.arrived, calls=e.calls, times=h.times, past=h.values,
             past_rates=h.rates, rated=h.rated, degrees=h.degrees, smooth=h.smooth, end_smooth=h.end_smooth,
         )  # fmt: skip
         self._turns = np.zeros(len(order), dtype=TURN)
         given = taken = 0
         for turn, i, one in zip(self._turns, order, calls, strict=True):
-            turn["number"], turn["first"], turn["last"] = i, e.slices[i].start, e.slices[i].stop
+            turn["number"], turn["first"], turn["last"] = i, e.wiring.slices[i].start, e.wiring.slices[i].stop
             turn["first_given"], turn["first_taken"] = given, taken
             one.bind(turn, memory["given"][given:], memory["taken"][taken:])
             given, taken = given + turn["given_count"], taken + turn["taken_count"]
 
     def __call__(self, time: float, step: float) -> None:
-        if self._exchange.ended and step:
+        if self._coupling.ended and step:
             for one in self._calls:
                 one.check_end(time, step)
-        known, done = self._exchange.history.count, 0
+        known, done = self._coupling.state.history.count, 0
         while True:
             turn, call, status = self._sweep(self._turns, self._memory.record, known, time, step, done)
             if call != STEP:
@@ -79,14 +79,14 @@ class CompiledSweep:
             self._finish_step(turn, status, time, step)
             done = turn + 1
         if call == NOT_FINITE:
-            self._exchange.refuse(slice(0, len(self._exchange.sources)))
+            self._coupling.refuse(slice(0, len(self._coupling.wiring.sources)))
         elif call != FINE:
             self._calls[turn].fail(call, status, time, step)
 
     def _finish_step(self, turn: int, status: int, time: float, step: float) -> None:
         """Have the participant make the step after all, or raise its error."""
-        e, i = self._exchange, self._order[turn]
-        gather(e.signals, e.columns[i], e.inputs[i])
+        e, i = self._coupling, self._order[turn]
+        gather(e.signals, e.wiring.columns[i], e.inputs[i])
         self._calls[turn].fail(STEP, status, time, step)
         e.ended = True  # it may ask for the end where this step ends, which the others reach too
         e.calls[i] += 1
@@ -184,7 +184,7 @@ def _give(turn: Any, m: Any) -> None:
 
 @numba.njit(cache=True)
 def _spread(turn: Any, m: Any) -> bool:
-    """Store the FMU's outputs and rates in the exchange; True if all are finite."""
+    """Store the FMU's outputs and rates in the coupling; True if all are finite."""
     taken, places, arrived = numbers(m.taken), integers(m.places), table(m.arrived)
     n = arrived.shape[1]
     finite = True

@@ -17,7 +17,7 @@ from models.core.system import Port
 from ..errors import NotFiniteError, RunError
 
 if TYPE_CHECKING:
-    from .exchange import Exchange
+    from .coupling import Coupling
 
 # Values agree when they are right to this share of their size (or nominal size, if that is larger).
 AGREED = 1e-12
@@ -34,50 +34,51 @@ CORRECTIONS, HALVINGS = 30, 20
 SINGULAR = 1e9
 
 
-def agree(exchange: Exchange, time: float) -> None:
+def make_consistent(coupling: Coupling, time: float) -> None:
     """Make values, and with Hermite signals rates, agree with the inputs at the present time.
 
     RunError where an algebraic loop has no solution, or more than one.
     """
-    start = exchange.values.copy()
-    if not _passed(exchange, time):
-        exchange.values[:] = start
-        _Loop(exchange, exchange.values, exchange.through, time, VALUE_PERTURBATION).solve(AGREED)
-    if exchange.degree == 3:
-        for _ in exchange.participants:
-            before = exchange.rates.copy()
-            exchange.propagate(exchange.listed, time)
-        if not _close(exchange, before, exchange.rates, RATES_AGREED) and _gain(exchange, time) > SMALL_GAIN:
-            exchange.rates[:] = 0.0
-            marked = exchange.through & exchange.rated & ~_discrete(exchange)
-            _Loop(exchange, exchange.rates, marked, time, RATE_PERTURBATION).solve(RATES_AGREED)
+    start = coupling.state.values.copy()
+    if not _pass_values(coupling, time):
+        coupling.state.values[:] = start
+        _value_loop(coupling, time).solve(AGREED)
+    if coupling.wiring.degree == 3:
+        for _ in coupling.participants:
+            before = coupling.state.rates.copy()
+            coupling.propagate(coupling.wiring.all, time)
+        closed = _close(coupling, before, coupling.state.rates, RATES_AGREED)
+        if not closed and _gain(coupling, time) > SMALL_GAIN:
+            coupling.state.rates[:] = 0.0
+            marked = coupling.wiring.passed_through & coupling.state.history.rated & ~_discrete(coupling)
+            _Loop(coupling, coupling.state.rates, marked, time, RATE_PERTURBATION).solve(RATES_AGREED)
 
 
-def _gain(exchange: Exchange, time: float) -> float:
+def _gain(coupling: Coupling, time: float) -> float:
     """The largest gain of an algebraic loop; zero without loops. All stays as it is."""
-    kept = exchange.arrived.copy()
-    loop = _Loop(exchange, exchange.values, exchange.through, time, VALUE_PERTURBATION)
-    gain = loop.gain()
-    exchange.arrived[:] = kept
-    exchange.propagate(exchange.listed, time)
-    exchange.arrived[:] = kept
+    kept = coupling.state.arrived.copy()
+    gain = _value_loop(coupling, time).gain()
+    coupling.state.arrived[:] = kept
+    coupling.propagate(coupling.wiring.all, time)
+    coupling.state.arrived[:] = kept
     return gain
 
 
-def _passed(exchange: Exchange, time: float) -> bool:
+def _pass_values(coupling: Coupling, time: float) -> bool:
     """Pass values on as long as that leads to an agreement; False where it doesn't."""
-    fewest, last = len(exchange.participants) + 1, np.inf
+    fewest, last = len(coupling.participants) + 1, np.inf
     for count in range(10 * fewest):
-        before = exchange.values.copy()
+        before = coupling.state.values.copy()
         try:
-            exchange.propagate(exchange.listed, time)
+            coupling.propagate(coupling.wiring.all, time)
         except NotFiniteError:
             if count < 2:
                 raise
             return False
-        if _close(exchange, before, exchange.values, AGREED):
+        if _close(coupling, before, coupling.state.values, AGREED):
             return True
-        change = float(np.max(np.abs(exchange.values - before) / _sizes(exchange, exchange.values)))
+        now = coupling.state.values
+        change = float(np.max(np.abs(now - before) / _sizes(coupling, now)))
         if count >= fewest and not change <= CONTRACTING * last:
             return False
         last = change
@@ -88,32 +89,32 @@ class _Loop:
     """What a pass makes of the `values` (the exchange's values or rates) of the sources `marked`."""
 
     def __init__(
-        self, exchange: Exchange, values: Vector, marked: Any, time: float, perturbation: float
+        self, coupling: Coupling, values: Vector, marked: Any, time: float, perturbation: float
     ) -> None:
-        self._exchange, self._values, self._time = exchange, values, time
+        self._coupling, self._values, self._time = coupling, values, time
         self._loop = np.flatnonzero(marked)
         self._perturbation = perturbation
 
     def solve(self, agreed: float) -> None:
         """Newton's method; the values are then those of the last pass."""
-        guess = self._passed(self._values[self._loop])
-        result = self._passed(guess)
+        guess = self._pass(self._values[self._loop])
+        result = self._pass(guess)
         for _ in range(CORRECTIONS):
-            sizes = _sizes(self._exchange, self._values)[self._loop]
+            sizes = _sizes(self._coupling, self._values)[self._loop]
             correction = self._correction(guess, result, sizes)
             if np.all(np.abs(correction) <= agreed * sizes):
-                self._passed(guess)
+                self._pass(guess)
                 return
-            guess, result = self._descended(guess, result, correction, sizes)
+            guess, result = self._descend(guess, result, correction, sizes)
         raise RunError(
             f"{self._worst(result - guess, sizes)}: the values at t = {self._time:.9g} s do not agree: "
             "Newton's method finds no solution of the algebraic loop; give other start values, break the "
             "loop, or change the parameters that close it"
         )
 
-    def _passed(self, guess: Vector) -> Vector:
+    def _pass(self, guess: Vector) -> Vector:
         self._values[self._loop] = guess
-        self._exchange.propagate(self._exchange.listed, self._time)
+        self._coupling.propagate(self._coupling.wiring.all, self._time)
         return self._values[self._loop].copy()
 
     def _correction(self, guess: Vector, result: Vector, sizes: Vector) -> Vector:
@@ -134,44 +135,50 @@ class _Loop:
         for j, size in enumerate(sizes):
             perturbed = guess.copy()
             perturbed[j] += self._perturbation * size
-            matrix[:, j] = (self._passed(perturbed) - result) / sizes / self._perturbation
+            matrix[:, j] = (self._pass(perturbed) - result) / sizes / self._perturbation
         return matrix
 
     def gain(self) -> float:
         """The spectral radius of dG/dv."""
         guess = self._values[self._loop].copy()
-        sizes = _sizes(self._exchange, self._values)[self._loop]
-        matrix = self._derivatives(guess, self._passed(guess), sizes)
+        sizes = _sizes(self._coupling, self._values)[self._loop]
+        matrix = self._derivatives(guess, self._pass(guess), sizes)
         return float(np.max(np.abs(np.linalg.eigvals(matrix)), initial=0.0))
 
-    def _descended(
+    def _descend(
         self, guess: Vector, result: Vector, correction: Vector, sizes: Vector
     ) -> tuple[Vector, Vector]:
         """The corrected guess and its result; of a correction that makes the residual larger, a part."""
         before = np.linalg.norm((result - guess) / sizes)
         for halving in range(HALVINGS):
             corrected = guess + 0.5**halving * correction
-            result = self._passed(corrected)
+            result = self._pass(corrected)
             if np.linalg.norm((result - corrected) / sizes) < before:
                 break
         return corrected, result
 
     def _worst(self, parts: Vector, sizes: Vector | float) -> Port:
-        return self._exchange.sources[self._loop[int(np.argmax(np.abs(parts) / sizes))]]
+        return self._coupling.wiring.sources[self._loop[int(np.argmax(np.abs(parts) / sizes))]]
 
 
-def _close(exchange: Exchange, before: Vector, now: Vector, agreed: float) -> bool:
-    return bool(np.all(np.abs(now - before) <= agreed * _sizes(exchange, now)))
+def _value_loop(coupling: Coupling, time: float) -> _Loop:
+    """The loop of the values that pass through participants."""
+    marked = coupling.wiring.passed_through
+    return _Loop(coupling, coupling.state.values, marked, time, VALUE_PERTURBATION)
 
 
-def _sizes(exchange: Exchange, values: Vector) -> Vector:
-    return np.asarray(exchange.nominal + np.abs(values))
+def _close(coupling: Coupling, before: Vector, now: Vector, agreed: float) -> bool:
+    return bool(np.all(np.abs(now - before) <= agreed * _sizes(coupling, now)))
 
 
-def _discrete(exchange: Exchange) -> Any:
+def _sizes(coupling: Coupling, values: Vector) -> Vector:
+    return np.asarray(coupling.wiring.nominal + np.abs(values))
+
+
+def _discrete(coupling: Coupling) -> Any:
     """The sources that have no rate but zero."""
     fields = (
-        exchange.system.instances[port.instance].component.outputs.field(port.variable)
-        for port in exchange.sources
+        coupling.wiring.system.instances[port.instance].component.outputs.field(port.variable)
+        for port in coupling.wiring.sources
     )
     return np.array([field.quantity.discrete for field in fields], dtype=np.bool_)

@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 
 from models.core.quantities import Vector
 
-from .exchange import Exchange
+from .coupling import Coupling
 from .step import Step
 
 
@@ -35,6 +35,6 @@ class Observer(Protocol):
 class Watching(Protocol):
     """An observer that reads what is exchanged and single participants itself."""
 
-    def watch(self, exchange: Exchange) -> None:
+    def watch(self, coupling: Coupling) -> None:
         """Before `begin`."""
         ...

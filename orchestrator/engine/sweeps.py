@@ -17,22 +17,22 @@ from .compiled_sweeps import CompiledSweep
 from .signals import finite, gather, gather_flat, interpolate_part, relay
 
 if TYPE_CHECKING:
-    from .exchange import Exchange
+    from .coupling import Coupling
 
 Sweep = Callable[[float, float], None]
 
 
-def jacobi_sweep(exchange: Exchange, order: Sequence[int]) -> Sweep:
+def jacobi_sweep(coupling: Coupling, order: tuple[int, ...]) -> Sweep:
     """All advance with the signals as they are, then all are read."""
-    if offered := _offered_calls(exchange, order):
-        return CompiledSweep(exchange, offered, order, compiled_sweeps.jacobi_sweep)
-    e, calls = exchange, exchange.calls
-    signals, values, rates, inputs = e.signals, e.values, e.rates, e.all_inputs
-    n = len(e.sources)
+    if offered := _offered_calls(coupling, order):
+        return CompiledSweep(coupling, offered, order, compiled_sweeps.jacobi_sweep)
+    e, calls = coupling, coupling.calls
+    signals, values, rates, inputs = e.signals, e.state.values, e.state.rates, e.all_inputs
+    n = len(e.wiring.sources)
     # Where each number of the inputs lies in the signals: participant by participant, row by row.
     places = [np.zeros(0, dtype=np.int64)]
-    rows = np.arange(e.degree + 1)[:, None]
-    feeding = [np.ravel(n * rows + e.columns[i]) for i in order]
+    rows = np.arange(e.wiring.degree + 1)[:, None]
+    feeding = [np.ravel(n * rows + e.wiring.columns[i]) for i in order]
     targets = [np.arange(e.offsets[i], e.offsets[i + 1]) for i in order]
     sources = np.concatenate(places + feeding)
     into = np.concatenate(places + targets)
@@ -53,13 +53,13 @@ def jacobi_sweep(exchange: Exchange, order: Sequence[int]) -> Sweep:
     return run
 
 
-def gauss_seidel_sweep(exchange: Exchange, order: Sequence[int]) -> Sweep:
+def gauss_seidel_sweep(coupling: Coupling, order: tuple[int, ...]) -> Sweep:
     """One after the other, the signals of each interpolating what it arrived at before the next advances."""
-    if offered := _offered_calls(exchange, order):
-        return CompiledSweep(exchange, offered, order, compiled_sweeps.gauss_seidel_sweep)
-    e, calls = exchange, exchange.calls
+    if offered := _offered_calls(coupling, order):
+        return CompiledSweep(coupling, offered, order, compiled_sweeps.gauss_seidel_sweep)
+    e, calls = coupling, coupling.calls
     signals = e.signals
-    first = (e.columns[order[0]], e.inputs[order[0]])
+    first = (e.wiring.columns[order[0]], e.inputs[order[0]])
     turns = []
     for i, following in zip(order, [*order[1:], order[0]], strict=True):
         unit = e.participants[i]
@@ -74,19 +74,19 @@ def gauss_seidel_sweep(exchange: Exchange, order: Sequence[int]) -> Sweep:
             calls[i] += 1
             read()
             if not arrived(end):
-                e.refuse(e.slices[i])
+                e.refuse(e.wiring.slices[i])
 
     return run
 
 
-def propagate(exchange: Exchange, order: Sequence[int]) -> Sweep:
+def propagate(coupling: Coupling, order: tuple[int, ...]) -> Sweep:
     """No time passes: one after the other is given the present values, and rates, and its answer is read."""
-    if calls := _offered_calls(exchange, order):
-        return CompiledSweep(exchange, calls, order, compiled_sweeps.propagate)
-    e = exchange
+    if calls := _offered_calls(coupling, order):
+        return CompiledSweep(coupling, calls, order, compiled_sweeps.propagate)
+    e = coupling
     present = np.zeros_like(e.signals)
-    arrived = e.arrived[: len(present)]
-    turns = [(i, e.columns[i], e.inputs[i], e.participants[i].write) for i in order]
+    arrived = e.state.arrived[: len(present)]
+    turns = [(i, e.wiring.columns[i], e.inputs[i], e.participants[i].write) for i in order]
 
     def run(time: float, step: float) -> None:
         for i, columns, inputs, write in turns:
@@ -98,11 +98,11 @@ def propagate(exchange: Exchange, order: Sequence[int]) -> Sweep:
     return run
 
 
-def _arrival(exchange: Exchange, i: int, following: int) -> Callable[[float], bool]:
+def _arrival(coupling: Coupling, i: int, following: int) -> Callable[[float], bool]:
     """Signals of participant i through its new values, and from them the inputs of the following one."""
-    e, h = exchange, exchange.history
-    own, degree, signals, values = e.slices[i], e.degree, e.signals, e.values
-    columns, inputs = e.columns[following], e.inputs[following]
+    e, h = coupling, coupling.state.history
+    own, degree, signals, values = e.wiring.slices[i], e.wiring.degree, e.signals, e.state.values
+    columns, inputs = e.wiring.columns[following], e.inputs[following]
     first, last = own.start, own.stop
     times, past = h.times, h.values
 
@@ -114,7 +114,7 @@ def _arrival(exchange: Exchange, i: int, following: int) -> Callable[[float], bo
     def arrived_with_rates(end: float) -> bool:
         fine: bool = interpolate_part(
             times, past, h.rates, h.rated, h.degrees, h.smooth, h.end_smooth, h.count, degree, end, values,
-            e.rates, signals, first, last,
+            e.state.rates, signals, first, last,
         )  # fmt: skip
         gather(signals, columns, inputs)
         return fine
@@ -122,8 +122,8 @@ def _arrival(exchange: Exchange, i: int, following: int) -> Callable[[float], bo
     return arrived_with_rates if degree == 3 else arrived
 
 
-def _offered_calls(exchange: Exchange, order: Sequence[int]) -> list[CompiledCalls]:
+def _offered_calls(coupling: Coupling, order: Sequence[int]) -> list[CompiledCalls]:
     """The calls that compiled code can make; none if a participant of the sweep offers none."""
-    offers = [exchange.offers[i] for i in order]
+    offers = [coupling.offers[i] for i in order]
     calls = [offer for offer in offers if isinstance(offer, CompiledCalls)]
     return calls if len(calls) == len(offers) else []

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from ..engine.exchange import Exchange
+from ..engine.coupling import Coupling
 from ..engine.signals import degree_of, extrapolate
 from ..engine.sweeps import gauss_seidel_sweep
-from .restart import repeated
+from .protocol import MasterStep
+from .restart import repeat_first_step
 
 
 @dataclass(frozen=True)
@@ -33,24 +33,31 @@ class GaussSeidel:
         """Degree of the input signals."""
         return degree_of(self.extrapolation)
 
-    def step(self, exchange: Exchange, time: float, step: float) -> int:
-        order = order_of(exchange, self.order)
-        if exchange.history.lacks(exchange.degree):
-            return repeated(exchange, sweep, order, time, step)
-        extrapolate(exchange.history, exchange.degree, exchange.signals)
-        sweep(exchange, order, time, step)
-        return 1
+    def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
+        order, history, degree = (
+            order_of(coupling, self.order),
+            coupling.state.history,
+            coupling.wiring.degree,
+        )
+        if history.lacks(degree):
+            return repeat_first_step(coupling, sweep_in_turn, order, time, step)
+        extrapolate(history, degree, coupling.signals)
+        sweep_in_turn(coupling, order, time, step)
+        return MasterStep()
 
 
-def order_of(exchange: Exchange, names: tuple[str, ...]) -> list[int]:
+def order_of(coupling: Coupling, names: tuple[str, ...]) -> tuple[int, ...]:
     """The participants' numbers in the order to advance; ValueError unless all are named once."""
-    if not names:
-        return exchange.listed
-    if sorted(names) != sorted(exchange.names):
-        raise ValueError(f"order = {', '.join(names)}: must name each of {', '.join(exchange.names)} once")
-    return [exchange.names.index(name) for name in names]
+    return coupling.bound(_find_order, names) if names else coupling.wiring.all
 
 
-def sweep(exchange: Exchange, order: Sequence[int], time: float, step: float) -> None:
-    """Advance in `order`, replacing each participant's signals by interpolation of its arrival."""
-    exchange.make(gauss_seidel_sweep, order)(time, step)
+def _find_order(coupling: Coupling, names: tuple[str, ...]) -> tuple[int, ...]:
+    known = coupling.wiring.names
+    if sorted(names) != sorted(known):
+        raise ValueError(f"order = {', '.join(names)}: must name each of {', '.join(known)} once")
+    return tuple(known.index(name) for name in names)
+
+
+def sweep_in_turn(coupling: Coupling, order: tuple[int, ...], time: float, step: float) -> None:
+    """Advance in `order`, replacing each participant's signals by interpolation to its new values."""
+    coupling.sweep(gauss_seidel_sweep, order)(time, step)

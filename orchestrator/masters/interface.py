@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numba
@@ -19,7 +18,7 @@ from models.compile.array_pointers import (
 )
 from models.core.quantities import Vector
 
-from ..engine.exchange import Exchange
+from ..engine.coupling import Coupling
 from ..engine.signals import evaluate, interpolate_part
 
 # A wrong end rate bends a cubic signal by 4/27 of it times the step at most.
@@ -33,21 +32,21 @@ class Interface:
     compiled code does what happens in every sweep.
     """
 
-    def __init__(self, exchange: Exchange, part: Sequence[int]) -> None:
-        self._exchange = exchange
-        self.slices = [exchange.slices[i] for i in part]
+    def __init__(self, coupling: Coupling, part: tuple[int, ...]) -> None:
+        self._coupling = coupling
+        self.slices = [coupling.wiring.slices[i] for i in part]
         own = np.concatenate([np.arange(s.start, s.stop) for s in self.slices])
-        self.sources = own[np.isin(own, exchange.connected)]
-        self.rated = self.sources[exchange.rated[self.sources]]
+        self.sources = own[np.isin(own, coupling.wiring.connected)]
+        self.rated = self.sources[coupling.state.history.rated[self.sources]]
         self.size = len(self.sources) + len(self.rated)
-        self._nominal = exchange.nominal[self.rated]
-        scale = np.concatenate([exchange.nominal[self.sources], self._nominal])
+        self._nominal = coupling.wiring.nominal[self.rated]
+        scale = np.concatenate([coupling.wiring.nominal[self.sources], self._nominal])
         self._rate_scale = scale[len(self.sources) :]
-        h = exchange.history
+        h = coupling.state.history
         bounds = np.array([(s.start, s.stop) for s in self.slices], dtype=np.int64)
         self._memory = ArrayPointers(
             sources=self.sources, rate_sources=self.rated, bounds=bounds, scale=scale,
-            assumed=exchange.arrived.copy(), arrived=exchange.arrived, signals=exchange.signals,
+            assumed=coupling.state.arrived.copy(), arrived=coupling.state.arrived, signals=coupling.signals,
             times=h.times, past=h.values, past_rates=h.rates, rated=h.rated,
             degrees=h.degrees, smooth=h.smooth, end_smooth=h.end_smooth,
         )  # fmt: skip
@@ -70,7 +69,7 @@ class Interface:
 
     def assume(self, vector: Vector, end: float) -> None:
         """Let the part's signals go to the vector's content at the time `end`."""
-        _assume(self._memory.record, vector, self._exchange.history.count, end)
+        _assume(self._memory.record, vector, self._coupling.state.history.count, end)
 
     def source(self, element: int) -> int:
         """The source that an element of the vector belongs to."""
@@ -78,9 +77,9 @@ class Interface:
         return int(self.sources[element] if element < n else self.rated[element - n])
 
 
-def interface_of(exchange: Exchange, part: Sequence[int], step: float) -> Interface:
+def interface_of(coupling: Coupling, part: tuple[int, ...], step: float) -> Interface:
     """That of a part, made at its first use, in the units of a step."""
-    found = exchange.bound(Interface, part)
+    found = coupling.bound(Interface, part)
     found.measure(step)
     return found
 

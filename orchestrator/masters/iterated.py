@@ -6,14 +6,17 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from ..engine.exchange import Exchange
+from models.core.quantities import Vector
+
+from ..engine.coupling import Coupling
 from ..engine.signals import degree_of
 from ..errors import one_of
 from .acceleration import ACCELERATIONS
-from .gauss_seidel import sweep
-from .iteration import check_limits, converge
-from .jacobi import parallel
+from .gauss_seidel import sweep_in_turn
+from .iteration import Limits, converge
+from .jacobi import sweep_parallel
 from .parts import step_in_parts
+from .protocol import MasterStep
 
 
 @dataclass(frozen=True)
@@ -42,18 +45,23 @@ class Iterated:
             raise ValueError(
                 f"acceleration = {self.acceleration!r}: {one_of(ACCELERATIONS, self.acceleration)}"
             )
-        check_limits(self.tolerance, self.maximum_iterations)
+        Limits(self.tolerance, self.maximum_iterations)
+
+    @cached_property
+    def limits(self) -> Limits:
+        """When the iteration ends."""
+        return Limits(self.tolerance, self.maximum_iterations)
 
     @cached_property
     def degree(self) -> int:
         """Degree of the input signals."""
         return degree_of(self.extrapolation)
 
-    def step(self, exchange: Exchange, time: float, step: float) -> int:
-        def iterate(part: list[int]) -> int:
+    def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
+        def iterate(part: tuple[int, ...], predicted: Vector) -> int:
             return converge(
-                exchange, part, time, step, parallel, sweep, ACCELERATIONS[self.acceleration],
-                self.tolerance, self.maximum_iterations,
+                coupling, part, time, step, sweep_parallel, sweep_in_turn, ACCELERATIONS[self.acceleration],
+                self.limits, predicted,
             )  # fmt: skip
 
-        return step_in_parts(exchange, self.order, self.iterate, time, step, iterate)
+        return step_in_parts(coupling, self.order, self.iterate, time, step, iterate)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numba
@@ -11,7 +12,7 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from ..engine.exchange import Exchange
+from ..engine.coupling import Coupling
 from ..errors import NonConvergenceError
 from .acceleration import Acceleration
 from .interface import Interface, interface_of
@@ -25,12 +26,18 @@ FINEST = 1e-3
 REMEMBERED = 25
 
 
-def check_limits(tolerance: float, maximum_iterations: int) -> None:
-    """ValueError unless an iteration can end by its tolerance or its limit."""
-    if not tolerance > 0.0:
-        raise ValueError(f"tolerance = {tolerance:g}: must be > 0")
-    if maximum_iterations < 1:
-        raise ValueError(f"maximum_iterations = {maximum_iterations}: must be at least 1")
+@dataclass(frozen=True)
+class Limits:
+    """When an iteration ends: at its tolerance, or as not converged. ValueError for what cannot be."""
+
+    tolerance: float
+    maximum_iterations: int
+
+    def __post_init__(self) -> None:
+        if not self.tolerance > 0.0:
+            raise ValueError(f"tolerance = {self.tolerance:g}: must be > 0")
+        if self.maximum_iterations < 1:
+            raise ValueError(f"maximum_iterations = {self.maximum_iterations}: must be at least 1")
 
 
 @numba.njit(cache=True)
@@ -133,52 +140,51 @@ class LoopConverging(Converging):
         return {"share": self._share} if math.isfinite(self._share) else {}
 
 
-def _has_algebraic_loop(exchange: Exchange, part: Sequence[int]) -> bool:
-    names = {exchange.names[i] for i in part}
-    return any(port.instance in names for port in exchange.system.torn)
+def _has_algebraic_loop(coupling: Coupling, part: tuple[int, ...]) -> bool:
+    names = {coupling.wiring.names[i] for i in part}
+    return any(port.instance in names for port in coupling.wiring.system.torn)
 
 
 def converge(
-    exchange: Exchange,
-    part: Sequence[int],
+    coupling: Coupling,
+    part: tuple[int, ...],
     time: float,
     step: float,
     first_sweep: Sweep,
     next_sweep: Sweep,
     accelerate: Callable[[dict[str, Any], float], Acceleration],
-    tolerance: float,
-    maximum_iterations: int,
+    limits: Limits,
+    predicted: Vector,
 ) -> int:
     """Sweep over `part` until its end values agree with those that its signals assumed.
 
     The exchange's signals hold the extrapolation, which the first sweep uses as it is; if an estimator wants
-    it, `exchange.predicted` gets what that sweep arrived at. Returns the number of sweeps. Raises
+    it, `coupling.predicted` gets what that sweep arrived at. Returns the number of sweeps. Raises
     NonConvergenceError.
     """
     end = time + step
-    interface = interface_of(exchange, part, step)
+    interface = interface_of(coupling, part, step)
     guess = interface.predicted(step)
     key = f"interface {part[0]}"
-    carried = exchange.carried.get(key, {})
+    carried = coupling.state.carried.get(key, {})
     acceleration = accelerate(carried.get("acceleration", {}), step)
-    kind = LoopConverging if _has_algebraic_loop(exchange, part) else Converging
-    progress = kind(tolerance, carried.get("convergence", {}), step)
+    kind = LoopConverging if _has_algebraic_loop(coupling, part) else Converging
+    progress = kind(limits.tolerance, carried.get("convergence", {}), step)
     plain = True
-    with exchange.rollback(part) as roll_back:
-        for iteration in range(1, maximum_iterations + 1):
+    with coupling.points.rollback(part) as roll_back:
+        for iteration in range(1, limits.maximum_iterations + 1):
             if iteration == 1:
-                first_sweep(exchange, part, time, step)
-                exchange.settle(part, end)
-                if exchange.predicted is not None:
-                    for own in interface.slices:
-                        exchange.predicted[own] = exchange.values[own]
+                first_sweep(coupling, part, time, step)
+                coupling.settle(part, end)
+                for own in interface.slices:
+                    predicted[own] = coupling.state.values[own]
             else:
                 roll_back()
                 interface.assume(guess, end)
-                next_sweep(exchange, part, time, step)
+                next_sweep(coupling, part, time, step)
             result = interface.vector()
             if progress.add(guess, result, plain):
-                exchange.carried[key] = {
+                coupling.state.carried[key] = {
                     "acceleration": acceleration.carried(),
                     "convergence": progress.carried(),
                 }
@@ -186,12 +192,12 @@ def converge(
             # The first sweep answered other signals than the ones that follow: no difference to learn from.
             guess = result.copy() if iteration == 1 else acceleration.next(guess, result)
             plain = np.array_equal(guess, result)
-    raise NonConvergenceError(_message(exchange, interface, progress, time, step))
+    raise NonConvergenceError(_message(coupling, interface, progress, time, step))
 
 
-def _message(exchange: Exchange, interface: Interface, seen: Converging, time: float, step: float) -> str:
-    source = exchange.sources[interface.source(seen.worst)]
-    targets = [str(c.target) for c in exchange.system.connections if c.source == source]
+def _message(coupling: Coupling, interface: Interface, seen: Converging, time: float, step: float) -> str:
+    source = coupling.wiring.sources[interface.source(seen.worst)]
+    targets = [str(c.target) for c in coupling.wiring.system.connections if c.source == source]
     return (
         f"{source} -> {', '.join(targets)}: no convergence at t = {time:.6g} s in "
         f"{len(seen.residuals)} iterations (change {seen.residuals[-1][seen.worst]:.2g} of nominal, "

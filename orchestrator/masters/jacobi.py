@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from ..engine.exchange import Exchange
+from ..engine.coupling import Coupling
 from ..engine.signals import degree_of, extrapolate
 from ..engine.sweeps import jacobi_sweep
-from .restart import repeated
+from .protocol import MasterStep
+from .restart import repeat_first_step
 
 
 @dataclass(frozen=True)
@@ -29,14 +29,15 @@ class Jacobi:
         """Degree of the input signals."""
         return degree_of(self.extrapolation)
 
-    def step(self, exchange: Exchange, time: float, step: float) -> int:
-        if exchange.history.lacks(exchange.degree):
-            return repeated(exchange, parallel, exchange.listed, time, step)
-        extrapolate(exchange.history, exchange.degree, exchange.signals)
-        parallel(exchange, exchange.listed, time, step)
-        return 1
+    def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
+        every, history, degree = coupling.wiring.all, coupling.state.history, coupling.wiring.degree
+        if history.lacks(degree):
+            return repeat_first_step(coupling, sweep_parallel, every, time, step)
+        extrapolate(history, degree, coupling.signals)
+        sweep_parallel(coupling, every, time, step)
+        return MasterStep()
 
 
-def parallel(exchange: Exchange, order: Sequence[int], time: float, step: float) -> None:
+def sweep_parallel(coupling: Coupling, order: tuple[int, ...], time: float, step: float) -> None:
     """Advance all in `order` with the signals as they are, then read them."""
-    exchange.make(jacobi_sweep, order)(time, step)
+    coupling.sweep(jacobi_sweep, order)(time, step)

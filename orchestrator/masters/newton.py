@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -11,13 +10,14 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from ..engine.exchange import Exchange
+from ..engine.coupling import Coupling
 from ..engine.signals import degree_of
 from .acceleration import Carried
 from .interface import interface_of
-from .iteration import check_limits, converge
-from .jacobi import parallel
+from .iteration import Limits, converge
+from .jacobi import sweep_parallel
 from .parts import step_in_parts
+from .protocol import MasterStep
 
 # Perturbation of an end value, in nominal sizes: far above what participants integrate to (1e-10), and far
 # below where they bend.
@@ -45,27 +45,32 @@ class Newton:
 
     def __post_init__(self) -> None:
         degree_of(self.extrapolation)
-        check_limits(self.tolerance, self.maximum_iterations)
+        Limits(self.tolerance, self.maximum_iterations)
+
+    @cached_property
+    def limits(self) -> Limits:
+        """When the iteration ends."""
+        return Limits(self.tolerance, self.maximum_iterations)
 
     @cached_property
     def degree(self) -> int:
         """Degree of the input signals."""
         return degree_of(self.extrapolation)
 
-    def step(self, exchange: Exchange, time: float, step: float) -> int:
-        def iterate(part: list[int]) -> int:
+    def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
+        def iterate(part: tuple[int, ...], predicted: Vector) -> int:
             key = f"jacobian {part[0]}"
-            held = exchange.carried.get(key)
+            held = coupling.state.carried.get(key)
             if held is None or not 1.0 / SERVES_WITHIN < step / held["step"] < SERVES_WITHIN:
-                held = {"step": step, "matrix": measured(exchange, part, time, step)}
+                held = {"step": step, "matrix": measure_jacobian(coupling, part, time, step)}
             iterations = converge(
-                exchange, part, time, step, parallel, parallel,
-                lambda carried, step: Correction(held["matrix"]), self.tolerance, self.maximum_iterations,
+                coupling, part, time, step, sweep_parallel, sweep_parallel,
+                lambda carried, step: Correction(held["matrix"]), self.limits, predicted,
             )  # fmt: skip
-            exchange.carried[key] = held if iterations <= SLOW else None
+            coupling.state.carried[key] = held if iterations <= SLOW else None
             return iterations
 
-        return step_in_parts(exchange, (), self.iterate, time, step, iterate)
+        return step_in_parts(coupling, (), self.iterate, time, step, iterate)
 
 
 class Correction:
@@ -82,31 +87,31 @@ class Correction:
         return {}
 
 
-def measured(exchange: Exchange, part: Sequence[int], time: float, step: float) -> Vector:
+def measure_jacobian(coupling: Coupling, part: tuple[int, ...], time: float, step: float) -> Vector:
     """d(end values after a Jacobi sweep) / d(end values that its signals assume), in the interface's units.
 
     The participants end where they were, and the signals are the extrapolation, as before.
     """
-    interface = interface_of(exchange, part, step)
+    interface = interface_of(coupling, part, step)
     end = time + step
-    values, rates, signals = exchange.values.copy(), exchange.rates.copy(), exchange.signals.copy()
+    arrived, signals = coupling.state.arrived.copy(), coupling.signals.copy()
     guess = interface.predicted(step)
-    with exchange.rollback(part) as roll_back:
+    with coupling.points.rollback(part) as roll_back:
         interface.assume(guess, end)
-        parallel(exchange, part, time, step)
+        sweep_parallel(coupling, part, time, step)
         result = interface.vector()
-        found_values, found_rates = exchange.values.copy(), exchange.rates.copy()
+        found = coupling.state.arrived.copy()
         matrix = np.zeros((len(guess), len(guess)))
         for j in range(len(guess)):
             source = interface.source(j)
-            fed = [i for i in part if source in exchange.columns[i]]
+            fed = tuple(i for i in part if source in coupling.wiring.columns[i])
             roll_back()
             perturbed = guess.copy()
             perturbed[j] += PERTURBATION
             interface.assume(perturbed, end)
-            parallel(exchange, fed, time, step)
+            sweep_parallel(coupling, fed, time, step)
             matrix[:, j] = (interface.vector() - result) / PERTURBATION
-            exchange.values[:], exchange.rates[:] = found_values, found_rates
+            coupling.state.arrived[:] = found
         roll_back()
-    exchange.values[:], exchange.rates[:], exchange.signals[:] = values, rates, signals
+    coupling.state.arrived[:], coupling.signals[:] = arrived, signals
     return matrix

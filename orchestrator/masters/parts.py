@@ -2,61 +2,75 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from graphlib import TopologicalSorter
 
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
-from ..engine.exchange import Exchange
+from models.core.quantities import Vector
+
+from ..engine.coupling import Coupling
 from ..engine.signals import extrapolate
-from .gauss_seidel import order_of, sweep
+from .gauss_seidel import order_of, sweep_in_turn
+from .protocol import MasterStep
 
 
 def step_in_parts(
-    exchange: Exchange,
+    coupling: Coupling,
     order: tuple[str, ...],
     together: tuple[str, ...],
     time: float,
     step: float,
-    iterate: Callable[[list[int]], int],
-) -> int:
-    """Make a step part by part: one participant by a sweep, several by `iterate`; the most sweeps taken.
+    iterate: Callable[[tuple[int, ...], Vector], int],
+) -> MasterStep:
+    """Make a step part by part: one participant by a sweep, several by `iterate`.
 
-    Signals are extrapolated where a part has not arrived yet.
+    `iterate(part, predicted)` returns its number of sweeps, and stores the part's values after the first one.
+    Signals are extrapolated where a part has not advanced yet.
     """
-    if exchange.parts is None:
-        exchange.parts = parts_of(exchange, order_of(exchange, order), together)
-    extrapolate(exchange.history, exchange.degree, exchange.signals)
+    parts = coupling.bound(find_parts, order, together)
+    predicted = coupling.bound(_make_predicted)
+    extrapolate(coupling.state.history, coupling.wiring.degree, coupling.signals)
     most = 1
-    for part in exchange.parts:
+    for part in parts:
         if len(part) == 1:
-            sweep(exchange, part, time, step)
+            sweep_in_turn(coupling, part, time, step)
+            own = coupling.wiring.slices[part[0]]
+            predicted[own] = coupling.state.values[own]
         else:
-            most = max(most, iterate(part))
-    return most
+            most = max(most, iterate(part, predicted))
+    return MasterStep(most, predicted)
 
 
-def parts_of(exchange: Exchange, order: Sequence[int], together: tuple[str, ...]) -> list[list[int]]:
-    """The participants in parts that advance one after the other; within a part in `order`.
+def _make_predicted(coupling: Coupling) -> Vector:
+    return np.zeros_like(coupling.state.values)
+
+
+def find_parts(
+    coupling: Coupling, names: tuple[str, ...], together: tuple[str, ...]
+) -> list[tuple[int, ...]]:
+    """The participants in parts that advance one after the other; within a part in the order `names`.
 
     Without `together`: the strongly connected parts of the graph, sources before targets, so that a part
     gets signals of earlier ones that are final. `together` names the participants that make the one part to
-    be iterated; the others are parts of their own, before or after it as in `order`.
+    be iterated; the others are parts of their own, before or after it as in the order.
     """
+    wiring, order = coupling.wiring, order_of(coupling, names)
     if together:
-        group = {exchange.names.index(name) for name in together}
+        group = {wiring.names.index(name) for name in together}
         first = min(order.index(i) for i in group)
-        before = [[i] for i in order[:first]]
-        return [*before, [i for i in order if i in group], *([i] for i in order[first:] if i not in group)]
-    size = len(exchange.names)
-    graph = np.zeros((size, size), dtype=bool)
-    for connection in exchange.system.connections:
-        source, target = (exchange.names.index(p.instance) for p in (connection.source, connection.target))
+        before, after = order[:first], [i for i in order[first:] if i not in group]
+        return [*((i,) for i in before), tuple(i for i in order if i in group), *((i,) for i in after)]
+    graph = np.zeros((len(order), len(order)), dtype=bool)
+    for connection in wiring.system.connections:
+        source, target = (wiring.names.index(p.instance) for p in (connection.source, connection.target))
         graph[source, target] = True
     _, label = connected_components(graph, directed=True, connection="strong")
     before_part: dict[int, set[int]] = {int(part): set() for part in label}
     for source, target in np.argwhere(graph):
         if label[source] != label[target]:
             before_part[int(label[target])].add(int(label[source]))
-    return [[i for i in order if label[i] == part] for part in TopologicalSorter(before_part).static_order()]
+    return [
+        tuple(i for i in order if label[i] == part) for part in TopologicalSorter(before_part).static_order()
+    ]

@@ -2,9 +2,22 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
-from ..engine.exchange import Exchange
+from models.core.quantities import Vector
+
+from ..engine.coupling import Coupling
+
+
+class MasterStep(NamedTuple):
+    """What a master did in a macro step.
+
+    `iterations`: sweeps over the participants that were iterated most; 1 of an explicit step. `predicted`:
+    the values of all sources after the first sweep; None of an explicit step.
+    """
+
+    iterations: int = 1
+    predicted: Vector | None = None
 
 
 class Master(Protocol):
@@ -25,6 +38,6 @@ class Master(Protocol):
         """Degree of the input signals: 0 held, 1 linear, 2 quadratic, 3 Hermite."""
         ...
 
-    def step(self, exchange: Exchange, time: float, step: float) -> int:
-        """From `time` to `time + step`; returns the number of iterations (1 for explicit masters)."""
+    def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
+        """From `time` to `time + step`."""
         ...

@@ -8,41 +8,42 @@ Hermite signals need one such step for their fourth.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
-from ..engine.exchange import Exchange
+from ..engine.coupling import Coupling
 from ..engine.signals import extrapolate, interpolate
+from .protocol import MasterStep
 
 # Each sweep makes one more order right, and passes rates one participant further.
 SWEEPS = 8
 UNCHANGED = 1e-12
 
-Sweep = Callable[[Exchange, Sequence[int], float, float], None]
+Sweep = Callable[[Coupling, tuple[int, ...], float, float], None]
 
 
-def repeated(exchange: Exchange, sweep: Sweep, order: Sequence[int], time: float, step: float) -> int:
+def repeat_first_step(
+    coupling: Coupling, sweep: Sweep, order: tuple[int, ...], time: float, step: float
+) -> MasterStep:
     """Make the step by `sweep`, each time with signals through the end values found, until these stay.
 
     At most SWEEPS times: this is no converged iteration. Once, with signals of lower degree, where a
-    participant cannot be rolled back. Returns the number of sweeps.
+    participant cannot be rolled back.
     """
-    end = time + step
-    extrapolate(exchange.history, exchange.degree, exchange.signals)
-    if not exchange.restorable:
-        sweep(exchange, order, time, step)
-        return 1
-    with exchange.rollback(exchange.listed) as roll_back:
+    end, state, nominal = time + step, coupling.state, coupling.wiring.nominal
+    history, degree = state.history, coupling.wiring.degree
+    extrapolate(history, degree, coupling.signals)
+    if not coupling.restorable:
+        sweep(coupling, order, time, step)
+        return MasterStep()
+    with coupling.points.rollback(order) as roll_back:
         for count in range(1, SWEEPS + 1):
             if count > 1:
                 roll_back()
-                interpolate(
-                    exchange.history, exchange.degree, end, exchange.values, exchange.rates, exchange.signals
-                )
-            before = exchange.values.copy()
-            sweep(exchange, order, time, step)
-            change = np.abs(exchange.values - before)
-            if np.all(change <= UNCHANGED * (exchange.nominal + np.abs(exchange.values))):
+                interpolate(history, degree, end, state.values, state.rates, coupling.signals)
+            before = state.values.copy()
+            sweep(coupling, order, time, step)
+            if np.all(np.abs(state.values - before) <= UNCHANGED * (nominal + np.abs(state.values))):
                 break
-    return count
+    return MasterStep(count)

@@ -1,6 +1,6 @@
 """Outputs that were no numbers (NaN) in a run.
 
-What is connected ends a run at once (`exchange`); what is only recorded does not, and is told at the end.
+What is connected ends a run at once (`coupling`); what is only recorded does not, and is told at the end.
 """
 
 from __future__ import annotations

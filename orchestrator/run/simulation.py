@@ -12,7 +12,7 @@ import numpy as np
 from models.core.quantities import Vector
 from models.core.system import System
 
-from ..engine.exchange import Exchange
+from ..engine.coupling import Coupling
 from ..engine.observer import Observer, Watching
 from ..engine.step import STOP, Step
 from ..errors import EndedError, RunError
@@ -41,9 +41,9 @@ class Statistics:
 class LatestOutputs:
     """All outputs of all participants after the latest step, read once, when they are asked for."""
 
-    def __init__(self, exchange: Exchange) -> None:
-        self._exchange = exchange
-        self._values = np.zeros(exchange.system.outputs.size)
+    def __init__(self, coupling: Coupling) -> None:
+        self._coupling = coupling
+        self._values = np.zeros(coupling.wiring.system.outputs.size)
         self._read = False
 
     def outdate(self) -> None:
@@ -52,7 +52,7 @@ class LatestOutputs:
 
     def __call__(self) -> Vector:
         if not self._read:
-            self._exchange.read_all(self._values)
+            self._coupling.read_all(self._values)
             self._read = True
         return self._values
 
@@ -80,8 +80,8 @@ def simulate(
         steps = FixedSteps(float(steps))
     if not stop_time > start_time:
         raise RunError(f"stop_time = {stop_time:g} s: must be after the start at {start_time:g} s")
-    exchange = Exchange(system, participants, master.degree, watched(system) if steps.locates else None)
-    outputs = LatestOutputs(exchange)
+    coupling = Coupling(system, participants, master.degree, watched(system) if steps.locates else None)
+    outputs = LatestOutputs(coupling)
     made = rejected = iterations = 0
     time, began = start_time, clock.perf_counter()
 
@@ -92,7 +92,7 @@ def simulate(
             "rejected": rejected,
             "iterations": iterations,
             "elapsed": clock.perf_counter() - began,
-            "exchange": exchange.snapshot(),
+            "exchange": coupling.snapshot(),
             "steps": steps.state(),
             "participants": serialised(participants),
             "observers": [observer.state() for observer in observers if isinstance(observer, Continuing)],
@@ -101,11 +101,11 @@ def simulate(
     message, complete = "", False
     for observer in observers:
         if isinstance(observer, Watching):
-            observer.watch(exchange)
+            observer.watch(coupling)
     _begin(observers, system.outputs.names, state, resumed)
     try:
-        exchange.initialise(start_time, stop_time)
-        steps.begin(exchange, master, start_time, stop_time)
+        coupling.initialise(start_time, stop_time)
+        steps.begin(coupling, master, start_time, stop_time)
         began = clock.perf_counter()
         if resumed is None:
             _show(observers, outputs, Step(start_time, 0.0, 0))
@@ -114,7 +114,7 @@ def simulate(
             iterations = resumed["iterations"]
             began -= resumed["elapsed"]
             with fitting():
-                exchange.resume(resumed["exchange"])
+                coupling.resume(resumed["exchange"])
                 steps.resume(resumed["steps"])
                 put_back(participants, resumed["participants"])
         while time < stop_time:
@@ -142,7 +142,7 @@ def simulate(
             for observer in reversed(observers):
                 ends.callback(observer.end, complete, message)
     return Statistics(
-        made, rejected, iterations, int(exchange.calls.sum()), elapsed, exchange.explain_python()
+        made, rejected, iterations, int(coupling.calls.sum()), elapsed, coupling.explain_python()
     )
 
 

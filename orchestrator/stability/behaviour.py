@@ -12,12 +12,13 @@ import numpy as np
 from models.core.quantities import Vector
 from models.core.system import Port, System
 
-from ..engine.exchange import Exchange
+from ..engine.coupling import Coupling
 from ..errors import NonConvergenceError
 from ..masters import Master
-from ..masters.gauss_seidel import order_of, sweep
+from ..masters.gauss_seidel import sweep_in_turn
 from ..masters.interface import interface_of
-from ..masters.parts import parts_of, step_in_parts
+from ..masters.parts import find_parts, step_in_parts
+from ..masters.protocol import MasterStep
 from .linear import spectral_radius
 from .linear_participants import LinearCoupling
 from .linearisation import Point
@@ -34,14 +35,13 @@ class ConvergedMaster:
         # Options that an implicit master may have.
         self._order: Any = getattr(master, "order", ())
         self._iterate: Any = getattr(master, "iterate", ())
-        e = coupling.exchange
-        e.parts = parts_of(e, order_of(e, self._order), self._iterate)
-        loops = [part for part in e.parts if len(part) > 1]
+        e = coupling.coupling
+        loops = [part for part in e.bound(find_parts, self._order, self._iterate) if len(part) > 1]
         self.sweeps = {part[0]: self._build_sweep_matrix(coupling, part, step) for part in loops}
 
-    def _build_sweep_matrix(self, coupling: LinearCoupling, part: list[int], step: float) -> Vector:
+    def _build_sweep_matrix(self, coupling: LinearCoupling, part: tuple[int, ...], step: float) -> Vector:
         """The matrix that maps assumed end values of a part's signals to those after one sweep."""
-        e = coupling.exchange
+        e = coupling.coupling
         interface = interface_of(e, part, step)
         size = interface.size // self._count
         matrix = np.empty((size, size))
@@ -52,27 +52,27 @@ class ConvergedMaster:
             assumed = np.zeros((size, self._count))
             assumed[:, : columns.shape[1]] = columns
             interface.assume(assumed.ravel(), step)
-            sweep(e, part, 0.0, step)
+            sweep_in_turn(e, part, 0.0, step)
             found = interface.vector().reshape(size, self._count)
             matrix[:, first : first + self._count] = found[:, : columns.shape[1]]
         return matrix
 
-    def step(self, exchange: Exchange, time: float, step: float) -> int:
-        def iterate(part: list[int]) -> int:
+    def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
+        def iterate(part: tuple[int, ...], predicted: Vector) -> int:
             matrix = self.sweeps[part[0]]
-            interface = interface_of(exchange, part, step)
-            with exchange.rollback(part) as roll_back:
+            interface = interface_of(coupling, part, step)
+            with coupling.points.rollback(part) as roll_back:
                 zero: Vector = np.zeros(len(matrix) * self._count)
                 interface.assume(zero, time + step)
-                sweep(exchange, part, time, step)
+                sweep_in_turn(coupling, part, time, step)
                 rest = interface.vector().reshape(len(matrix), -1)
                 roll_back()
                 agreed: Any = np.linalg.solve(np.eye(len(matrix)) - matrix, rest)
                 interface.assume(agreed.ravel(), time + step)
-                sweep(exchange, part, time, step)
+                sweep_in_turn(coupling, part, time, step)
             return 2
 
-        return step_in_parts(exchange, self._order, self._iterate, time, step, iterate)
+        return step_in_parts(coupling, self._order, self._iterate, time, step, iterate)
 
 
 # Growth per macro step that rounding alone may cause: a double eigenvalue one (angle and speed of a free
@@ -137,9 +137,9 @@ class Behaviour:
         self._last: tuple[float, MacroStep | None, float] | None = None
 
     @property
-    def sources(self) -> list[Port]:
+    def sources(self) -> Sequence[Port]:
         """The exchanged values."""
-        return self._couplings.get(self.point, self.master, 1).exchange.sources
+        return self._couplings.get(self.point, self.master, 1).coupling.wiring.sources
 
     @property
     def nominal(self) -> Vector:
@@ -196,14 +196,14 @@ class Behaviour:
     def count_participant_steps(self, step: float, amounts: Vector) -> float:
         """Count the participants' steps in one macro step with these extrapolation errors."""
         single = self._couplings.get(self.point, self.master, 1)
-        before = sum(single.exchange.calls)
+        before = sum(single.coupling.calls)
         single.set_state(np.zeros((single.size, 1)), step)
         single.add_extrapolation_error(amounts[:, None], step)
         try:
-            self.master.step(single.exchange, 0.0, step)
+            self.master.step(single.coupling, 0.0, step)
         except NonConvergenceError:
             return math.inf
-        return float(sum(single.exchange.calls) - before)
+        return float(sum(single.coupling.calls) - before)
 
     def find_growing_output(self, step: float) -> Port | None:
         """The exchanged value that grows fastest at an unstable step."""

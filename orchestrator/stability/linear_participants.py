@@ -16,7 +16,7 @@ from models.core.component import Component
 from models.core.quantities import Vector
 from models.core.system import Connection, Instance, Port, System
 
-from ..engine.exchange import Exchange
+from ..engine.coupling import Coupling
 from ..engine.signals import NEEDED, POINTS
 from ..masters import Master
 from ..participants.capabilities import HIGHEST
@@ -32,7 +32,7 @@ def name_copies(name: str, count: int) -> list[str]:
 
 
 class BatchedSystem:
-    """`count` copies of a system as an exchange sees it: outputs load#0, load#1, ..."""
+    """`count` copies of a system as a coupling sees it: outputs load#0, load#1, ..."""
 
     def __init__(self, system: System, count: int) -> None:
         self.instances: dict[str, Any] = {}
@@ -188,7 +188,6 @@ class LinearCoupling:
     ) -> None:
         self.system, self.degree, self.count = system, degree, count
         self._linears: Mapping[str, Linear] | None = None
-        self._master: Master | None = None
         names = {
             name: [copy for variable in variables for copy in name_copies(variable, count)]
             for name, variables in (watched or {}).items()
@@ -197,11 +196,11 @@ class LinearCoupling:
             name: LinearParticipant(name, instance, _build_static(instance.component), count)
             for name, instance in system.instances.items()
         }
-        # BatchedSystem has all of a System that an exchange uses.
-        self.exchange = Exchange(cast(System, BatchedSystem(system, count)), self.units, degree, names)
-        self.exchange.initialise(0.0, 1.0)
-        self.sources = len(self.exchange.sources) // count
-        self.nominal = self.exchange.nominal[::count]
+        # BatchedSystem has all of a System that a coupling uses.
+        self.coupling = Coupling(cast(System, BatchedSystem(system, count)), self.units, degree, names)
+        self.coupling.initialise(0.0, 1.0)
+        self.sources = len(self.coupling.wiring.sources) // count
+        self.nominal = self.coupling.wiring.nominal[::count]
         self.rated, self.rows = degree == HERMITE, NEEDED[degree]
         self.degrees = np.full(self.sources, degree)  # of the exchanged values' signals
 
@@ -214,8 +213,6 @@ class LinearCoupling:
             self._limit_degrees(linears)
             self.scales = {name: linears[name].scale[:, None] for name in self.units}
             self.states = sum(len(scale) for scale in self.scales.values())
-        if self._master is not master:
-            self._master, self.exchange.parts = master, None
 
     def _limit_degrees(self, linears: Mapping[str, Linear]) -> None:
         """Limit each signal to the degree that its participants follow."""
@@ -225,9 +222,9 @@ class LinearCoupling:
         self.highest = max(degrees.values(), default=HIGHEST)
         for port, degree in degrees.items():
             first = Port(port.instance, name_copies(port.variable, self.count)[0])
-            source = self.exchange.number[first] // self.count
+            source = self.coupling.wiring.number[first] // self.count
             self.degrees[source] = min(self.degree, degree)
-        self.exchange.history.degrees[:] = np.repeat(self.degrees, self.count)
+        self.coupling.state.history.degrees[:] = np.repeat(self.degrees, self.count)
 
     def _highest_degree(self, linears: Mapping[str, Linear], target: Port) -> int:
         followed = linears[target.instance].followed
@@ -246,14 +243,14 @@ class LinearCoupling:
 
         Copies beyond `data` get zeros.
         """
-        e, given = self.exchange, data.shape[1]
+        e, given = self.coupling, data.shape[1]
         first = 0
         for name, unit in self.units.items():
             unit.reset()
             scale = self.scales[name]
             unit.x[:, :given] = data[first : first + len(scale)] * scale
             first += len(scale)
-        h, block = e.history, self.rows * self.sources
+        h, block = e.state.history, self.rows * self.sources
         h.times[:] = -step * np.arange(POINTS)
         h.values[:], h.rates[:], h.count = 0.0, 0.0, POINTS
         shape = (self.rows, self.sources, given)
@@ -263,21 +260,21 @@ class LinearCoupling:
             rates = h.rates.reshape(POINTS, self.sources, self.count)
             ends = data[first + block :].reshape(shape) * self.nominal[:, None] / step
             rates[: self.rows, :, :given] = ends
-        e.values[:], e.rates[:] = h.values[0], h.rates[0]
-        e.carried = {}
+        e.state.values[:], e.state.rates[:] = h.values[0], h.rates[0]
+        e.state.carried = {}
 
     def step(self, master: Master, step: float) -> Vector:
         """Step by `master`; return the evolving data (size x copies). May raise NonConvergenceError."""
-        e = self.exchange
+        e = self.coupling
         master.step(e, 0.0, step)
         e.accept(step)
         parts = [unit.x / self.scales[name] for name, unit in self.units.items()]
         shape = (POINTS * self.sources, self.count)
         block = self.rows * self.sources
         tiled = np.tile(self.nominal, self.rows)[:, None]
-        parts.append(e.history.values.reshape(shape)[:block] / tiled)
+        parts.append(e.state.history.values.reshape(shape)[:block] / tiled)
         if self.rated:
-            parts.append(e.history.rates.reshape(shape)[:block] * step / tiled)
+            parts.append(e.state.history.rates.reshape(shape)[:block] * step / tiled)
         return np.concatenate(parts)
 
     def add_extrapolation_error(self, amounts: Vector, step: float) -> None:
@@ -286,11 +283,11 @@ class LinearCoupling:
         Amounts are in nominal units, (shapes after shapes of exchanged values) x copies. Call after
         `set_state`.
         """
-        e, given = self.exchange, amounts.shape[1]
+        e, given = self.coupling, amounts.shape[1]
         for number in np.flatnonzero(np.any(amounts, axis=1)):
             kind, source = divmod(int(number), self.sources)
             missing, at_end = shapes(step, self.degrees[source]), ends(step, self.degrees[source])
-            port = e.sources[source * self.count]
+            port = e.wiring.sources[source * self.count]
             variable = port.variable.partition("#")[0]
             if kind >= len(missing):  # this signal's degree is lower than others'
                 continue

@@ -107,7 +107,7 @@ class SampledCourse:
         return missed
 
 
-def sample_course(course: Course, system: System, sources: list[Port]) -> SampledCourse:
+def sample_course(course: Course, system: System, sources: Sequence[Port]) -> SampledCourse:
     """Values and rates of the sources along a course."""
     columns = [system.outputs.index(port) for port in sources]
     interval = float(course.times[1] - course.times[0])

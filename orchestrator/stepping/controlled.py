@@ -10,7 +10,8 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from ..engine.exchange import Exchange, Saved
+from ..engine.coupling import Coupling
+from ..engine.saved_points import SavedPoint
 from ..engine.step import (
     CONVERGENCE,
     DISCARD,
@@ -28,7 +29,7 @@ from ..masters import Master
 from .controller import GROW, PI
 from .estimators import ESTIMATORS, Attempt
 from .locator import Locator
-from .unseen import judged
+from .unseen import include_unseen_error
 
 # After an attempt that failed.
 FAILED = 0.25
@@ -78,40 +79,40 @@ class ControlledSteps:
         self._set_by = GROWTH  # which of the two
         self._over = 0  # steps over the tolerance in a row
 
-    def begin(self, exchange: Exchange, master: Master, start: float, stop: float) -> None:
+    def begin(self, coupling: Coupling, master: Master, start: float, stop: float) -> None:
         self._estimator.check(master)
-        self._exchange, self._master, self._stop = exchange, master, stop
-        self._locator = Locator(exchange, self._control.event_tolerance)
+        self._coupling, self._master, self._stop = coupling, master, stop
+        self._locator = Locator(coupling, self._control.event_tolerance)
 
     def step(self, time: float) -> Step:
-        exchange, shortest = self._exchange, self._control.minimum_step
+        coupling, shortest = self._coupling, self._control.minimum_step
         rejected, early = 0, self._master.implicit
-        with exchange.point() as saved:
+        with coupling.points.keep() as saved:
             attempt: Any
 
             def again(shorter: float) -> None:
                 nonlocal attempt
-                exchange.restore(saved)
-                attempt = self._estimator.attempt(exchange, self._master, time, shorter)
+                coupling.points.restore(saved)
+                attempt = self._estimator.attempt(coupling, self._master, time, shorter)
 
             while True:
                 length, gap, end, reason = self._proposed(time)
                 event, error = -1, 0.0
-                exchange.history.end_smooth[:] = ~self._locator.bent(end)
+                coupling.state.history.end_smooth[:] = ~self._locator.bent(end)
                 try:
                     attempt = self._attempted(saved, time, length)
-                    error, source = self._norm(saved.values, attempt.error)
+                    error, source = self._norm(saved.coupling.values, attempt.error)
                     # Over an event the estimate sees what jumps or bends there: it tells before it. (Of an
                     # explicit step of such an error nothing may be right.)
-                    met = early and self._locator.happened(saved.values) >= 0
+                    met = early and self._locator.happened(saved.coupling.values) >= 0
                     if error <= 1.0 or length <= shortest or met:
                         whole = length
                         length, over, event = self._locator.locate(saved, time, whole, again)
                         if length < whole:
                             gap, end, reason = over, time + length + over, EVENT
-                            error, source = self._norm(saved.values, attempt.error)
+                            error, source = self._norm(saved.coupling.values, attempt.error)
                         if length == 0.0:
-                            exchange.restore(saved)
+                            coupling.points.restore(saved)
                             error = 0.0
                         if error <= 1.0 or length <= shortest:
                             break
@@ -125,14 +126,14 @@ class ControlledSteps:
                 except EndedError as ended:
                     if not (ended.inside(time) and ended.reached < time + length):
                         raise
-                    exchange.restore(saved)
+                    coupling.points.restore(saved)
                     rejected, why = rejected + 1, STOP
                     self._next, self._set_by = ended.reached - time, STOP
                     continue
                 else:
                     rejected += 1
                     why = ERROR
-                exchange.restore(saved)
+                coupling.points.restore(saved)
                 self._next = max(shortest, length * self._controller.instead(error, attempt.exponent))
                 self._set_by = ERROR
         if rejected and reason in (ERROR, GROWTH):
@@ -141,9 +142,9 @@ class ControlledSteps:
         if gap:
             smooth = ~self._locator.bent(end, event)
             if length:
-                exchange.accept(time + length)
+                coupling.accept(time + length)
             gap = self._locator.cross(
-                self._master, time + length, gap, saved.values if reason == EVENT else None
+                self._master, time + length, gap, saved.coupling.values if reason == EVENT else None
             )
         if event >= 0:
             source, end = event, time + length + gap
@@ -168,10 +169,10 @@ class ControlledSteps:
             length = 0.5 * left
         return length, 0.0, time + length, reason
 
-    def _go_back(self, saved: Saved, length: float, error: RunError) -> None:
+    def _go_back(self, saved: SavedPoint, length: float, error: RunError) -> None:
         """Back to the start of the step for a shorter attempt; the error itself if there is none left."""
-        self._exchange.restore(saved)
-        self._exchange.carried = {}
+        self._coupling.points.restore(saved)
+        self._coupling.state.carried = {}
         self._next = max(self._control.minimum_step, FAILED * length)
         self._set_by = GROWTH  # from this length on
         if length <= self._control.minimum_step:
@@ -179,22 +180,23 @@ class ControlledSteps:
 
     def _norm(self, before: Vector, error: Vector) -> tuple[float, int]:
         """Root mean square of the errors over what is allowed, and the source with the largest."""
-        e = self._exchange
-        parts = (np.abs(error) / self._allowed(before))[e.connected]
+        e = self._coupling
+        parts = (np.abs(error) / self._allowed(before))[e.wiring.connected]
         if not parts.size:
             return 0.0, -1
-        return float(np.sqrt(np.mean(parts**2))), int(e.connected[np.argmax(parts)])
+        return float(np.sqrt(np.mean(parts**2))), int(e.wiring.connected[np.argmax(parts)])
 
-    def _attempted(self, saved: Saved, time: float, length: float) -> Attempt:
-        attempt = self._estimator.attempt(self._exchange, self._master, time, length)
+    def _attempted(self, saved: SavedPoint, time: float, length: float) -> Attempt:
+        attempt = self._estimator.attempt(self._coupling, self._master, time, length)
         if self._master.implicit:
             return attempt
-        return judged(self._exchange, saved, time, length, attempt, self._allowed(saved.values))
+        allowed = self._allowed(saved.coupling.values)
+        return include_unseen_error(self._coupling, saved, time, length, attempt, allowed)
 
     def _allowed(self, before: Vector) -> Vector:
-        e, control = self._exchange, self._control
-        sizes = np.maximum(np.abs(before), np.abs(e.values))
-        return np.asarray(control.absolute * e.nominal + control.relative * sizes)
+        e, control = self._coupling, self._control
+        sizes = np.maximum(np.abs(before), np.abs(e.state.values))
+        return np.asarray(control.absolute * e.wiring.nominal + control.relative * sizes)
 
     def _accepted(
         self, time: float, end: float, length: float, smooth: Any, attempt: Attempt, error: float,
@@ -204,16 +206,16 @@ class ControlledSteps:
 
         `smooth`: the sources whose rates hold after an event that was crossed; False for none.
         """
-        exchange = self._exchange
+        coupling = self._coupling
         discontinuous = error > 1.0
         self._over = self._over + 1 if discontinuous else 0
         if self._over > DISCONTINUITY:
             raise RunError(
-                f"{exchange.sources[source]}: the error of the coupling stays {error:.2g} times over the "
-                f"tolerance at t = {time:.9g} s with the shortest step of {length:g} s; lower minimum_step, "
-                "or relax [step_control]'s tolerances"
+                f"{coupling.wiring.sources[source]}: the error of the coupling stays {error:.2g} times over "
+                f"the tolerance at t = {time:.9g} s with the shortest step of {length:g} s; lower "
+                "minimum_step, or relax [step_control]'s tolerances"
             )
-        exchange.accept(end)
+        coupling.accept(end)
         if discontinuous:
             reason = SHORTEST
         factor = self._controller.after(min(error, 1.0), attempt.exponent, length)
@@ -226,12 +228,12 @@ class ControlledSteps:
             growing = self._controller.allowed(self._controller.error, attempt.exponent) >= GROW
             self._next, self._set_by = grown, GROWTH if growing else ERROR
         if smooth is not False or discontinuous or self._locator.due(end):
-            exchange.history.restart(smooth)
-            exchange.carried = {}
+            coupling.state.history.restart(smooth)
+            coupling.state.carried = {}
             self._controller = PI()
             self._next, self._set_by = RESTARTED * self._next, GROWTH
         self._next = min(max(self._next, self._control.minimum_step), self._control.maximum_step)
-        told = exchange.output_number(source)
+        told = coupling.wiring.output_number(source)
         return Step(end, end - time, attempt.iterations, rejected, error, told, reason)
 
     def state(self) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..engine.exchange import Exchange
+from ..engine.coupling import Coupling
 from ..engine.step import EVENT, FIXED, STOP, TIME_EVENT, Step
 from ..errors import EndedError
 from ..masters import Master
@@ -25,18 +25,18 @@ class FixedSteps:
     def locates(self) -> bool:
         return self._event_tolerance is not None
 
-    def begin(self, exchange: Exchange, master: Master, start: float, stop: float) -> None:
-        self._exchange, self._master = exchange, master
+    def begin(self, coupling: Coupling, master: Master, start: float, stop: float) -> None:
+        self._coupling, self._master = coupling, master
         self._start, self._stop = start, stop
-        self._guard = RunawayGuard(exchange, master)
+        self._guard = RunawayGuard(coupling, master)
         if self._event_tolerance is not None:
-            self._locator = Locator(exchange, self._event_tolerance)
+            self._locator = Locator(coupling, self._event_tolerance)
 
     def step(self, time: float) -> Step:
         end, reason = self._end(time)
         if self._locator is not None:
             return self._located(time, end, reason, self._locator)
-        iterations = self._master.step(self._exchange, time, end - time)
+        iterations = self._master.step(self._coupling, time, end - time).iterations
         return self._accepted(Step(end, end - time, iterations, reason=reason))
 
     def _end(self, time: float) -> tuple[float, int]:
@@ -53,7 +53,7 @@ class FixedSteps:
         return self._stop, FIXED if abs(end - self._stop) <= 1e-6 * self.macro_step else STOP
 
     def _located(self, time: float, end: float, reason: int, locator: Locator) -> Step:
-        exchange, gap = self._exchange, 0.0
+        coupling, gap = self._coupling, 0.0
         ahead = locator.ahead(time)
         if ahead < end - locator.tolerance:
             end, reason = ahead, TIME_EVENT
@@ -61,13 +61,13 @@ class FixedSteps:
         whole = end - time - gap
         iterations = 0
 
-        exchange.history.end_smooth[:] = ~locator.bent(end)
-        with exchange.point() as saved:
+        coupling.state.history.end_smooth[:] = ~locator.bent(end)
+        with coupling.points.keep() as saved:
 
             def attempt(length: float) -> None:
                 nonlocal iterations
-                exchange.restore(saved)
-                iterations = self._master.step(exchange, time, length)
+                coupling.points.restore(saved)
+                iterations = self._master.step(coupling, time, length).iterations
 
             try:
                 attempt(whole)
@@ -78,26 +78,27 @@ class FixedSteps:
                 attempt(whole)
             length, over, source = locator.locate(saved, time, whole, attempt)
             if length == 0.0:
-                exchange.restore(saved)
+                coupling.points.restore(saved)
         if length < whole:
             gap, end, reason = over, time + length + over, EVENT
         smooth: Any = False
         if gap:
             smooth = ~locator.bent(end, source)
             if length:
-                exchange.accept(time + length)
-            gap = locator.cross(self._master, time + length, gap, saved.values if reason == EVENT else None)
+                coupling.accept(time + length)
+            before = saved.coupling.values if reason == EVENT else None
+            gap = locator.cross(self._master, time + length, gap, before)
         if source >= 0:
             end = locator.last = time + length + gap
-        told = exchange.output_number(source)
+        told = coupling.wiring.output_number(source)
         made = self._accepted(Step(end, end - time, iterations, source=told, reason=reason))
         if gap or locator.due(end):
-            exchange.history.restart(smooth)
+            coupling.state.history.restart(smooth)
         return made
 
     def _accepted(self, step: Step) -> Step:
         self._guard.judge(step.end, step.length)
-        self._exchange.accept(step.end)
+        self._coupling.accept(step.end)
         return step
 
     def state(self) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from models.compile.array_pointers import ArrayPointers, numbers, table
 
-from ..engine.exchange import Exchange
+from ..engine.coupling import Coupling
 from ..engine.signals import parabola
 from ..errors import UnstableCouplingError
 from ..masters import Master, name_of
@@ -44,27 +44,27 @@ class RunawayGuard:
     SHARE = 0.5
     BOUND = 1e9
 
-    def __init__(self, exchange: Exchange, master: Master) -> None:
-        self._exchange = exchange
+    def __init__(self, coupling: Coupling, master: Master) -> None:
+        self._coupling = coupling
         self._master = master
         # Only what is exchanged is judged.
-        nominal = np.full(len(exchange.sources), np.inf)
-        nominal[exchange.connected] = exchange.nominal[exchange.connected]
+        nominal = np.full(len(coupling.wiring.sources), np.inf)
+        nominal[coupling.wiring.connected] = coupling.wiring.nominal[coupling.wiring.connected]
         self._patience = math.inf if master.implicit else float(self.FIRST)
         self._sums = {name: np.zeros(len(nominal)) for name in ("missed", "sizes", "swings", "unprovoked")}
         self._sums["landed"] = np.full(1, math.inf)  # steps since the last landing
-        past = exchange.history
+        past = coupling.state.history
         self._memory = ArrayPointers(
-            times=past.times, values=past.values, new=exchange.values, nominal=nominal, **self._sums
+            times=past.times, values=past.values, new=coupling.state.values, nominal=nominal, **self._sums
         )
 
     def judge(self, time: float, step: float) -> None:
         """UnstableCouplingError if the values after `step` at `time` run away."""
         self._patience -= 1
         share = self.SHARE if self._patience < 0 else math.inf
-        worst = _judge(self._memory.record, self._exchange.history.count, time, self.BOUND, share)
+        worst = _judge(self._memory.record, self._coupling.state.history.count, time, self.BOUND, share)
         if worst >= 0:
-            source = self._exchange.sources[worst]
+            source = self._coupling.wiring.sources[worst]
             remedies = ["reduce macro_step", *self._remedies()]
             raise UnstableCouplingError(
                 f"{source}: unstable coupling at t = {time:.6g} s: its values do not follow their "
@@ -74,10 +74,10 @@ class RunawayGuard:
 
     def _remedies(self) -> list[str]:
         """Those that the participants can take."""
-        remedies = ["use [step_control]"] * self._exchange.restorable
+        remedies = ["use [step_control]"] * self._coupling.restorable
         if not self._master.implicit:
-            return remedies + ["use the iterated master"] * self._exchange.restorable
-        return remedies + ["use another extrapolation"] * (self._exchange.degree > 0)
+            return remedies + ["use the iterated master"] * self._coupling.restorable
+        return remedies + ["use another extrapolation"] * (self._coupling.wiring.degree > 0)
 
     def state(self) -> dict[str, Any]:
         """The sums, as plain arrays."""

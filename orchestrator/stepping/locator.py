@@ -11,8 +11,10 @@ from numpy.polynomial import Polynomial
 from models.core.quantities import Vector
 from models.core.system import Port, System
 
-from ..engine.consistency import agree
-from ..engine.exchange import Exchange, Saved
+from ..engine.consistency import make_consistent
+from ..engine.coupling import Coupling
+from ..engine.coupling_state import CouplingState
+from ..engine.saved_points import SavedPoint
 from ..engine.signals import hermite
 from ..masters import Master
 
@@ -42,19 +44,19 @@ class Locator:
     bends, and a step of that length crosses it.
     """
 
-    def __init__(self, exchange: Exchange, tolerance: float) -> None:
+    def __init__(self, coupling: Coupling, tolerance: float) -> None:
         self.tolerance = tolerance
-        self._exchange = exchange
+        self._coupling = coupling
         self.last = -np.inf
         signs, counts, times, ahead = [], [], [], []
-        for name, instance in exchange.system.instances.items():
+        for name, instance in coupling.wiring.system.instances.items():
             c = instance.component
-            signs += [exchange.number[Port(name, v)] for v in c.event_indicators]
+            signs += [coupling.wiring.number[Port(name, v)] for v in c.event_indicators]
             if c.event_counter:
-                counts.append(exchange.number[Port(name, c.event_counter)])
-                times.append(exchange.number[Port(name, c.event_time)] if c.event_time else -1)
+                counts.append(coupling.wiring.number[Port(name, c.event_counter)])
+                times.append(coupling.wiring.number[Port(name, c.event_time)] if c.event_time else -1)
             if c.next_event:
-                ahead.append(exchange.number[Port(name, c.next_event)])
+                ahead.append(coupling.wiring.number[Port(name, c.next_event)])
         self._signs = np.array(signs, dtype=int)
         self._counts = np.array(counts, dtype=int)
         self._times = np.array(times, dtype=int)
@@ -62,12 +64,12 @@ class Locator:
 
     def ahead(self, time: float) -> float:
         """When the next known event is due, at least the tolerance after `time`; infinite if none."""
-        due = self._exchange.values[self._ahead]
+        due = self._coupling.state.values[self._ahead]
         return float(due[due > time + self.tolerance].min(initial=np.inf))
 
     def due(self, time: float) -> bool:
         """A known event is due at `time`."""
-        return bool(np.any(np.abs(self._exchange.values[self._ahead] - time) <= self.tolerance))
+        return bool(np.any(np.abs(self._coupling.state.values[self._ahead] - time) <= self.tolerance))
 
     def bent(self, time: float, source: int = -1) -> Any:
         """The sources whose rates do not hold next to the event that `source` tells of, or one due at `time`.
@@ -76,44 +78,31 @@ class Locator:
         at a known time: outputs of the participant that tells of it, and of those that it tells.
         An event inside a participant changes its state, and rates follow from the state.
         """
-        e = self._exchange
-        bent = np.zeros(len(e.sources), dtype=np.bool_)
-        telling = [i for i in self._ahead if abs(e.values[i] - time) <= self.tolerance]
+        e = self._coupling
+        bent = np.zeros(len(e.wiring.sources), dtype=np.bool_)
+        telling = [i for i in self._ahead if abs(e.state.values[i] - time) <= self.tolerance]
         telling += [source] if source in self._signs else []
         for i in telling:
-            for own, fed in zip(e.slices, e.columns, strict=True):
+            for own, fed in zip(e.wiring.slices, e.wiring.columns, strict=True):
                 bent[own] |= own.start <= i < own.stop or i in fed
         return bent
 
     def happened(self, before: Vector) -> int:
         """The source that tells of an event between the values `before` and now; -1 if none does."""
-        now = self._exchange.values
+        now = self._coupling.state.values
         changed = np.sign(before[self._signs]) * np.sign(now[self._signs]) < 0.0
         if changed.any():
             return int(self._signs[np.argmax(changed)])
         counted = now[self._counts] > before[self._counts]
         return int(self._counts[np.argmax(counted)]) if counted.any() else -1
 
-    def dip(self, start: Saved, length: float) -> float:
-        """How long after the start an indicator may be on its other side and back at the end of the step.
-
-        By the cubic through its values and rates at both ends, so only where it gives rates; else `length`.
-        """
-        e, whole = self._exchange, length
-        for i in self._signs[e.rated[self._signs]]:
-            v, r, end, end_rate = start.values[i], start.rates[i], e.values[i], e.rates[i]
-            # It lies within the hull of its Bezier points: on its other side only if one of them is.
-            if min(v * (v + r * whole / 3.0), v * (end - end_rate * whole / 3.0), v * end) >= 0.0:
-                continue
-            second, third = hermite(v, r, end, end_rate, whole)
-            polynomial: Any = Polynomial([v, r, second / 2.0, third / 6.0])
-            for s in polynomial.deriv().roots():
-                if np.isreal(s) and 0.0 < s.real < length and polynomial(s.real) * v < 0.0:
-                    length = float(s.real)
-        return length
+    def _find_dip(self, start: SavedPoint, length: float) -> float:
+        """`find_dip` of the indicators that give rates."""
+        state = self._coupling.state
+        return find_dip(self._signs[state.history.rated[self._signs]], start.coupling, state, length)
 
     def locate(
-        self, start: Saved, time: float, length: float, attempt: Callable[[float], None]
+        self, start: SavedPoint, time: float, length: float, attempt: Callable[[float], None]
     ) -> tuple[float, float, int]:
         """Length of the step from `time` to just before its first event, how long to cross it, its source.
 
@@ -121,10 +110,10 @@ class Locator:
         that of the length returned, unless that is zero. Without an event, or with one too close to the
         last: `length`, 0, -1 (a shorter one where something seemed to have happened and been undone inside).
         """
-        before = start.values
+        before = start.coupling.values
         while True:
             if self.happened(before) < 0:
-                shorter = self.dip(start, length)
+                shorter = self._find_dip(start, length)
                 if shorter == length:
                     return length, 0.0, -1
                 attempt(shorter)
@@ -138,7 +127,7 @@ class Locator:
             if low > 0.0 and made != low:
                 attempt(low)
             # Another event before this one, that had been undone?
-            if low == 0.0 or self.dip(start, low) == low:
+            if low == 0.0 or self._find_dip(start, low) == low:
                 return low, high - low, source
             length = low
 
@@ -147,8 +136,8 @@ class Locator:
     ) -> tuple[float, float, int, float]:
         """Lengths just before and after an event, its source, and the length of the last attempt."""
         low, high, made, source = 0.0, length, length, self.happened(before)
-        self._exchange.history.end_smooth[:] = ~self.bent(time + length, source)
-        values = {0.0: before.copy(), length: self._exchange.values.copy()}
+        self._coupling.state.history.end_smooth[:] = ~self.bent(time + length, source)
+        values = {0.0: before.copy(), length: self._coupling.state.values.copy()}
         for _ in range(ATTEMPTS):
             if high - low <= self.tolerance:
                 break
@@ -159,7 +148,7 @@ class Locator:
                     continue
                 attempt(trial)
                 made = trial
-                values[trial] = self._exchange.values.copy()
+                values[trial] = self._coupling.state.values.copy()
                 found = self.happened(before)
                 if found >= 0:
                     high, source = trial, found
@@ -175,18 +164,18 @@ class Locator:
         effect longer than this step. Then outputs and rates are made consistent with what is in effect
         after the event, and the history begins there.
         """
-        exchange = self._exchange
-        exchange.carried = {}
-        with exchange.point() as saved:
-            master.step(exchange, time, gap)
+        coupling = self._coupling
+        coupling.state.carried = {}
+        with coupling.points.keep() as saved:
+            master.step(coupling, time, gap)
             for _ in range(WIDER):
                 if before is None or self.happened(before) >= 0:
                     break
-                exchange.restore(saved)
+                coupling.points.restore(saved)
                 gap *= 2.0
-                master.step(exchange, time, gap)
-        agree(exchange, time + gap)
-        exchange.carried = {}
+                master.step(coupling, time, gap)
+        make_consistent(coupling, time + gap)
+        coupling.state.carried = {}
         return gap
 
     def _guess(self, values: dict[float, Vector], low: float, high: float, time: float) -> float:
@@ -202,3 +191,22 @@ class Locator:
         inside = low + margin < guess < high - margin or high - low < 50.0 * self.tolerance
         # A secant that clings to one end makes no progress: move in from there.
         return guess if inside else float(np.clip(guess, low + margin, high - margin))
+
+
+def find_dip(indicators: Any, before: CouplingState, now: CouplingState, length: float) -> float:
+    """How long after the start an indicator may be on its other side and back at the end of the step.
+
+    By the cubics through values and rates at both ends; `length` if none dips.
+    """
+    whole = length
+    for i in indicators:
+        v, r, end, end_rate = before.values[i], before.rates[i], now.values[i], now.rates[i]
+        # It lies within the hull of its Bezier points: on its other side only if one of them is.
+        if min(v * (v + r * whole / 3.0), v * (end - end_rate * whole / 3.0), v * end) >= 0.0:
+            continue
+        second, third = hermite(v, r, end, end_rate, whole)
+        polynomial: Any = Polynomial([v, r, second / 2.0, third / 6.0])
+        for s in polynomial.deriv().roots():
+            if np.isreal(s) and 0.0 < s.real < length and polynomial(s.real) * v < 0.0:
+                length = float(s.real)
+    return length

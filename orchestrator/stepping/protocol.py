@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-from ..engine.exchange import Exchange
+from ..engine.coupling import Coupling
 from ..engine.step import Step
 from ..masters import Master
 
@@ -15,12 +15,12 @@ class Stepper(Protocol):
     @property
     def locates(self) -> bool: ...
 
-    def begin(self, exchange: Exchange, master: Master, start: float, stop: float) -> None:
+    def begin(self, coupling: Coupling, master: Master, start: float, stop: float) -> None:
         """Before the first step."""
         ...
 
     def step(self, time: float) -> Step:
-        """The next step from `time`, accepted into the exchange; RunError where none can be made."""
+        """The next step from `time`, accepted into the coupling; RunError where none can be made."""
         ...
 
     def state(self) -> dict[str, Any]:

@@ -14,9 +14,10 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from ..engine.exchange import Exchange, Saved
+from ..engine.coupling import Coupling
+from ..engine.saved_points import SavedPoint
 from ..engine.signals import History, interpolate, parabola
-from ..masters.jacobi import parallel
+from ..masters.jacobi import sweep_parallel
 from .estimators import Attempt
 
 # A value has left its past where it misses the parabola by this share of how far it has moved.
@@ -25,30 +26,31 @@ LEFT = 0.5
 BENT = 2.0
 
 
-def judged(
-    exchange: Exchange, saved: Saved, time: float, length: float, attempt: Attempt, allowed: Vector
+def include_unseen_error(
+    coupling: Coupling, saved: SavedPoint, time: float, length: float, attempt: Attempt, allowed: Vector
 ) -> Attempt:
-    """The attempt, with the error that its estimator can't see; the exchange is then at its end, as before.
+    """The attempt, with the error that its estimator can't see; the coupling is then at its end, as before.
 
     `allowed` is what every source may be wrong by, `saved` the start of the step.
     """
-    end = exchange.save()
+    state, before, every = coupling.state, saved.coupling, coupling.wiring.all
+    end, end_time = coupling.points.save(), time + length
     try:
-        exchange.settle(exchange.listed, time + length)
-        values, rates = exchange.values.copy(), exchange.rates.copy()
-        missed = np.abs(values - predict(saved.history, time + length))
-        moved = np.maximum(np.abs(values - saved.values), np.ptp(saved.history.values, axis=0))
+        coupling.settle(every, end_time)
+        values, rates = state.values.copy(), state.rates.copy()
+        missed = np.abs(values - predict(before.history, end_time))
+        moved = np.maximum(np.abs(values - before.values), np.ptp(before.history.values, axis=0))
         left = (missed > LEFT * moved) & (missed > allowed)
-        if left[exchange.connected].any():
-            exchange.restore(saved)
-            interpolate(exchange.history, exchange.degree, time + length, values, rates, exchange.signals)
-            parallel(exchange, exchange.listed, time, length)
-            unseen = np.abs(exchange.values - values)
+        if left[coupling.wiring.connected].any():
+            coupling.points.restore(saved)
+            interpolate(state.history, coupling.wiring.degree, end_time, values, rates, coupling.signals)
+            sweep_parallel(coupling, every, time, length)
+            unseen = np.abs(state.values - values)
             if np.any(unseen > np.abs(attempt.error)):
                 attempt = replace(attempt, error=np.maximum(unseen, np.abs(attempt.error)), exponent=BENT)
-        exchange.restore(end)
+        coupling.points.restore(end)
     finally:
-        exchange.release(end)
+        coupling.points.release(end)
     return attempt
 
 

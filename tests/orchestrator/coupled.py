@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestrator.engine.exchange import Exchange
+from orchestrator.engine.coupling import Coupling
 from orchestrator.participants import in_process
 from orchestrator.run.simulation import simulate
 
@@ -25,12 +25,12 @@ def recorded(system, master, step, stop):
 
 def grown(system, units, master, step, steps):
     """By how much a run's values grow from its first tenth to its last, without the runaway guard."""
-    exchange = Exchange(system, units, master.degree)
-    exchange.initialise(0.0, steps * step)
+    coupling = Coupling(system, units, master.degree)
+    coupling.initialise(0.0, steps * step)
     seen = []
     for n in range(steps):
-        master.step(exchange, n * step, step)
-        exchange.accept((n + 1) * step)
-        seen.append(np.abs(exchange.values / exchange.nominal).max())
+        master.step(coupling, n * step, step)
+        coupling.accept((n + 1) * step)
+        seen.append(np.abs(coupling.state.values / coupling.wiring.nominal).max())
     tenth = max(10, steps // 10)
     return max(seen[-tenth:]) / max(seen[:tenth])

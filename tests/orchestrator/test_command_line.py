@@ -203,7 +203,7 @@ MISTAKES = {
     ("fmu", "build", "valve_spring", "--structure", "coil_masses=-3"): "coil_masses = -3: must be from 1 to",
     ("fmu", "build", "valve_spring", "--structure", "coil_masses=1000000"): "1000000: must be from 1 to 500",
     ("fmu", "build", "flywheel", "--structure", "loads=501"): "loads = 501: must be from 1 to 500",
-    ("fmu", "build", "ehl_contact", "--structure", "nodes=-1"): "nodes = -1: must be odd",
+    ("fmu", "build", "ehl_line_contact", "--structure", "nodes=-1"): "nodes = -1: must be odd",
     ("fmu", "build", "camshaft", "--platform", "x86_64-linux"): "for Linux and Windows alike",
     ("fmu", "build", "flywheel", "--fmi", "3"): "add --native",
     ("fmu", "build", "flywheel", "--native", "--fmi", "1"): "--fmi 1: must be 2 or 3",

@@ -14,7 +14,7 @@ import pytest
 
 from models.monolithic import solve
 from orchestrator.energy.bonds import bonds_of
-from orchestrator.engine.exchange import Exchange
+from orchestrator.engine.coupling import Coupling
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
 from orchestrator.run.plan import build_system
@@ -31,25 +31,25 @@ def systems():
 
 
 def at_point(system, master, start, length):
-    """An exchange whose participants, values and history are those of the exact motion, and what follows."""
+    """An coupling whose participants, values and history are those of the exact motion, and what follows."""
     times = np.concatenate([[0.0], start + length * np.arange(1 - PAST, 2)])
     reference = solve(system, times, tolerance=1e-13)
     units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-    exchange = Exchange(system, units, master.degree)
-    exchange.initialise(0.0, 1.0)
+    coupling = Coupling(system, units, master.degree)
+    coupling.initialise(0.0, 1.0)
     for k in range(1, PAST + 1):
         for name, unit in units.items():
             unit._x[:] = reference.state[k][system.state.of(name)]
             unit._t = times[k]
-        columns = [system.outputs.index(port) for port in exchange.sources]
-        exchange.values[:] = reference.outputs[k][columns]
+        columns = [system.outputs.index(port) for port in coupling.wiring.sources]
+        coupling.state.values[:] = reference.outputs[k][columns]
         for _ in range(3):  # values pass at once, rates one participant further each time
-            exchange.propagate(exchange.listed, times[k])
+            coupling.propagate(coupling.wiring.all, times[k])
         if k == 1:
-            exchange.history.restart()
-        exchange.accept(times[k])
-    exchange.history.count = PAST
-    return exchange, times[PAST], reference.outputs[PAST + 1][columns]
+            coupling.state.history.restart()
+        coupling.accept(times[k])
+    coupling.state.history.count = PAST
+    return coupling, times[PAST], reference.outputs[PAST + 1][columns]
 
 
 TIGHT = 1e-13
@@ -68,12 +68,12 @@ LENGTHS = {"hold": 1e-4, "linear": 1e-3, "quadratic": 2e-3, "hermite": 5e-3}
 def test_estimated_over_true_local_error_in_the_asymptotic_range(name, estimator, master, record):
     system = systems()[name]
     length = LENGTHS[master.extrapolation] * (1.0 if name == "quarter car" else 4.0)
-    exchange, time, truth = at_point(system, master, 0.3, length)
-    with exchange.point():
-        attempt = ESTIMATORS[estimator]().attempt(exchange, master, time, length)
-    true = exchange.values - truth
-    ratio = rms(attempt.error / exchange.nominal) / rms(true / exchange.nominal)
-    assert np.abs(true / exchange.nominal).max() > 1e-10  # above the reference's rounding
+    coupling, time, truth = at_point(system, master, 0.3, length)
+    with coupling.points.keep():
+        attempt = ESTIMATORS[estimator]().attempt(coupling, master, time, length)
+    true = coupling.state.values - truth
+    ratio = rms(attempt.error / coupling.wiring.nominal) / rms(true / coupling.wiring.nominal)
+    assert np.abs(true / coupling.wiring.nominal).max() > 1e-10  # above the reference's rounding
     # From a half to twice.
     quantity = f"log2 of estimated over true local error, {name}, {estimator}"
     record("Coupling", quantity, np.log2(ratio), 0.0, "monolithic solution", tolerance=1.0)
@@ -90,17 +90,17 @@ def created_ratio(signal):
     """
     system, master = two_masses(), Jacobi(signal)
     length = 4.0 * LENGTHS[signal]
-    exchange, time, _ = at_point(system, master, 0.25, length)  # not where it changes sign
+    coupling, time, _ = at_point(system, master, 0.25, length)  # not where it changes sign
     (bond,) = bonds_of(system)
-    with exchange.point():
-        attempt = ESTIMATORS["energy"]().attempt(exchange, master, time, length)
-    effort, flow = exchange.number[bond.effort], exchange.number[bond.flow]
+    with coupling.points.keep():
+        attempt = ESTIMATORS["energy"]().attempt(coupling, master, time, length)
+    effort, flow = coupling.wiring.number[bond.effort], coupling.wiring.number[bond.flow]
     s, weights = np.polynomial.legendre.leggauss(8)
     s = 0.5 * length * (s + 1.0)
     exact = solve(system, np.concatenate([[0.0], time + s]), tolerance=1e-13)
     assumed = {
-        str(port): sum(exchange.signals[k, i] * s**k / math.factorial(k) for k in range(master.degree + 1))
-        for i, port in enumerate(exchange.sources)
+        str(port): sum(coupling.signals[k, i] * s**k / math.factorial(k) for k in range(master.degree + 1))
+        for i, port in enumerate(coupling.wiring.sources)
     }
     f = exact.outputs[1:, system.outputs.index(bond.flow)]
     # The side that gives the effort computes it of the inputs that it assumes.
@@ -112,7 +112,9 @@ def created_ratio(signal):
         first.component.flat_output(0.0, x[i], inputs[i], p, y)
         e.append(y[first.component.outputs.index("force")])
     created = 0.5 * length * np.sum(weights * (e * assumed[str(bond.flow)] - assumed[str(bond.effort)] * f))
-    estimated = attempt.error[effort] * length * max(abs(exchange.values[flow]), exchange.nominal[flow])
+    estimated = (
+        attempt.error[effort] * length * max(abs(coupling.state.values[flow]), coupling.wiring.nominal[flow])
+    )
     return estimated / created
 
 

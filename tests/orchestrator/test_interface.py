@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import CubicHermiteSpline
 
-from orchestrator.engine.exchange import Exchange
+from orchestrator.engine.coupling import Coupling
+from orchestrator.engine.coupling_state import CouplingState
 from orchestrator.engine.signals import DEGREES
 from orchestrator.masters.interface import BEND, interface_of
 from orchestrator.participants import in_process
-from orchestrator.stepping.locator import Locator
+from orchestrator.stepping.locator import find_dip
 
 from .two_masses import two_masses
 
@@ -24,16 +23,16 @@ STEP = 0.01
 def exchanging(degree):
     system = two_masses()
     units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-    exchange = Exchange(system, units, degree)
-    exchange.initialise(0.0, 1.0)
-    return exchange
+    coupling = Coupling(system, units, degree)
+    coupling.initialise(0.0, 1.0)
+    return coupling
 
 
 @pytest.mark.parametrize("signal", DEGREES)
 def test_signals_that_go_to_a_vector_end_there(signal):
     """A round trip, to rounding. Of rates only cubic signals know."""
-    exchange = exchanging(DEGREES[signal])
-    interface = interface_of(exchange, exchange.listed, STEP)
+    coupling = exchanging(DEGREES[signal])
+    interface = interface_of(coupling, coupling.wiring.all, STEP)
     assert interface.size == (6 if signal == "hermite" else 3)
     wanted = np.random.default_rng(1).standard_normal(interface.size)
     interface.assume(wanted, STEP)
@@ -41,13 +40,16 @@ def test_signals_that_go_to_a_vector_end_there(signal):
 
 
 def test_the_vector_is_values_and_rates_in_units_of_the_step():
-    exchange = exchanging(3)
-    exchange.values[:], exchange.rates[:] = (2.0, 3.0, 5.0), (7.0, 11.0, 13.0)
+    coupling = exchanging(3)
+    coupling.state.values[:], coupling.state.rates[:] = (2.0, 3.0, 5.0), (7.0, 11.0, 13.0)
     for step in (STEP, 2.0 * STEP):
         expected = np.concatenate(
-            [exchange.values / exchange.nominal, BEND * step * exchange.rates / exchange.nominal]
+            [
+                coupling.state.values / coupling.wiring.nominal,
+                BEND * step * coupling.state.rates / coupling.wiring.nominal,
+            ]
         )
-        interface = interface_of(exchange, exchange.listed, step)
+        interface = interface_of(coupling, coupling.wiring.all, step)
         np.testing.assert_allclose(interface.vector(), expected, rtol=1e-15)
 
 
@@ -59,16 +61,10 @@ def test_an_indicator_that_dips_in_a_step_is_found_where_its_cubic_is_lowest(end
     """Against the cubic at a thousand instants: its second derivative is below 12 / L^2 + 6 / L, so that
     between two of them it is lower by less than 1e-5."""
     ends = ends[0], abs(ends[1]) * np.sign(ends[0])  # no change of sign from end to end
-    exchange = SimpleNamespace(
-        system=SimpleNamespace(instances={}),
-        rated=np.array([True]),
-        values=np.array(ends[1:]),
-        rates=np.array(rates[1:]),
-    )
-    locator = Locator(exchange, 1e-9)
-    locator._signs = np.array([0])
-    start = SimpleNamespace(values=np.array(ends[:1]), rates=np.array(rates[:1]))
-    found = locator.dip(start, length)
+    before, now = (CouplingState(1, np.array([True]), 3) for _ in range(2))
+    for state, value, rate in zip((before, now), ends, rates, strict=True):
+        state.values[:], state.rates[:] = value, rate
+    found = find_dip([0], before, now, length)
     cubic = CubicHermiteSpline([0.0, length], ends, rates)
     seen = np.sign(ends[0]) * cubic(np.linspace(0.0, length, 1001))
     if found == length:

@@ -94,10 +94,10 @@ def test_energies_that_a_component_counts_in_its_own_steps_close_to_rounding() -
     assert abs(layer.unaccounted) < 40 * 1e-11 * layer.dissipated
 
 
-def test_a_component_that_takes_no_samples_does_not_count_and_is_estimated() -> None:
+def test_a_component_of_unknown_equations_does_not_count_and_is_estimated() -> None:
     """Of what its plate and it exchange, to the order of the exchange."""
-    plain = dragged(changes={"samples": False})
-    with pytest.raises(ValueError, match="takes no samples"):
+    plain = dragged(changes={"opaque": True})
+    with pytest.raises(ValueError, match="fluid_layer"):
         counting(plain.instances["layer"].component)
     system = estimated(counted(plain, ["plate"]))
     ledger = Ledger(system)
@@ -115,7 +115,7 @@ def test_a_component_that_takes_no_samples_does_not_count_and_is_estimated() -> 
 
 
 def test_an_ode_is_asked_for_only_where_the_component_has_that_form() -> None:
-    system = dragged(changes={"ode": False})
+    system = dragged(changes={"opaque": True})
     with pytest.raises(
         ModelError, match=r"layer: fluid_layer with sheets = 20 has no form as ordinary.*enabled = false"
     ):

@@ -18,7 +18,7 @@ from scipy.linalg import expm
 
 from models.core.quantities import Vector
 from orchestrator.assessment.summary import Summary
-from orchestrator.engine.exchange import Exchange
+from orchestrator.engine.coupling import Coupling
 from orchestrator.masters import Iterated, Newton
 from orchestrator.run.participants import build_participants
 from orchestrator.run.pipeline import run
@@ -127,19 +127,19 @@ def test_end_values_are_right_to_the_iterations_tolerance(
     one = scenario(tables, connections=lines)
     system = build_system(one)
     units = build_participants(one, system, resolve_fmus(one, never), lambda name, make: make())
-    exchange = Exchange(system, units, master.degree)
-    exchange.initialise(0.0, 1.0)
+    coupling = Coupling(system, units, master.degree)
+    coupling.initialise(0.0, 1.0)
     time, errors = 0.0, []
     exact = replace(master, tolerance=1e-13, maximum_iterations=100)
     for length in np.tile([1e-2, 1e-2, 1e-3, 3e-4, 1e-3], 20):
-        with exchange.point() as saved:
-            exact.step(exchange, time, length)
-            best = exchange.values.copy()
-            exchange.restore(saved)
-            master.step(exchange, time, length)
-        errors.append(np.max(np.abs(exchange.values - best) / np.maximum(1.0, np.abs(best))))
+        with coupling.points.keep() as saved:
+            exact.step(coupling, time, length)
+            best = coupling.state.values.copy()
+            coupling.points.restore(saved)
+            master.step(coupling, time, length)
+        errors.append(np.max(np.abs(coupling.state.values - best) / np.maximum(1.0, np.abs(best))))
         time += length
-        exchange.accept(time)
+        coupling.accept(time)
     for unit in units.values():
         unit.close()
     assert max(errors) <= master.tolerance

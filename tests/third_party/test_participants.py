@@ -10,7 +10,7 @@ import pytest
 from fmpy import simulate_fmu
 
 from orchestrator.engine.compiled_sweeps import CompiledSweep
-from orchestrator.engine.exchange import Exchange
+from orchestrator.engine.coupling import Coupling
 from orchestrator.participants import read_component
 from orchestrator.participants.fmu import FmuParticipant, FmuSettings
 from orchestrator.participants.in_own_process import InOwnProcess
@@ -325,14 +325,15 @@ def test_the_declared_derivative_of_an_array_has_the_rates_of_its_elements(tmp_p
 def rated_of(tables: dict[str, Any], line: str, folder: Path) -> dict[str, bool]:
     """Of a coupled run with Hermite signals: whether the rate of each connected output is given."""
     rated: list[dict[str, bool]] = []
-    attached = Exchange.initialise
+    attached = Coupling.initialise
 
-    def initialise(self: Exchange, *times: float) -> None:
-        rated.append(dict(zip(map(str, self.sources), self.rated, strict=True)))
+    def initialise(self: Coupling, *times: float) -> None:
+        rates = self.state.history.rated
+        rated.append(dict(zip(map(str, self.wiring.sources), rates, strict=True)))
         attached(self, *times)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Exchange, "initialise", initialise)
+        patch.setattr(Coupling, "initialise", initialise)
         master = {"name": "gauss_seidel", "extrapolation": "hermite"}
         ran(scenario(tables, connections=[line], master=master), folder / "out")
     return rated[0]

@@ -11,7 +11,7 @@ import numpy as np
 from models.core.quantities import Vector
 from models.core.system import System
 
-from ...engine.exchange import Exchange
+from ...engine.coupling import Coupling
 from ...engine.step import Step
 from ...participants import Participant
 from ...participants.compiled import CALLS, FINE, CompiledCalls
@@ -31,15 +31,15 @@ class ContactObserver:
         self._names = list(contacts(system))
         self._accumulator = Accumulator(system, self._names)
 
-    def watch(self, exchange: Exchange) -> None:
-        """Before `begin`: the exchange that the run goes through."""
+    def watch(self, coupling: Coupling) -> None:
+        """Before `begin`: the coupling that the run goes through."""
         origins = {
-            str(c.target): exchange.number[c.source]
+            str(c.target): coupling.wiring.number[c.source]
             for c in self._system.connections
             if c.target.variable in INPUTS
         }
-        self._accumulator = Accumulator(self._system, self._names, exchange.values, origins)
-        units = dict(zip(exchange.names, exchange.participants, strict=True))
+        self._accumulator = Accumulator(self._system, self._names, coupling.state.values, origins)
+        units = dict(zip(coupling.wiring.names, coupling.participants, strict=True))
         self._calls: list[CompiledCalls] = []
         self._others: list[tuple[Participant, Vector, Any, Vector]] = []
         records, self._references = [], []
@@ -52,7 +52,7 @@ class ContactObserver:
                 records.append(reading[0])
                 self._references.append(reading[1])
             else:
-                outputs = exchange.system.instances[name].component.outputs
+                outputs = coupling.wiring.system.instances[name].component.outputs
                 index = np.array([outputs.index(variable) for variable in OUTPUTS])
                 self._others.append((unit, np.zeros(outputs.size), index, row[: len(OUTPUTS)]))
         self._records = np.concatenate([np.zeros(0, dtype=CALLS), *records])

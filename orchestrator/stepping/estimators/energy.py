@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...energy.bonds import exchanged_bonds
-from ...engine.exchange import Exchange
+from ...engine.coupling import Coupling
 from ...engine.signals import evaluate
 from ...masters import Master
 from .jacobi_only import refuse_interpolation
@@ -27,19 +27,19 @@ class EnergyResidual:
     def check(self, master: Master) -> None:
         refuse_interpolation("energy", "both sides", master)
 
-    def attempt(self, exchange: Exchange, master: Master, time: float, length: float) -> Attempt:
-        if exchange.history.lacks(exchange.degree):
-            return StepDoubling().attempt(exchange, master, time, length)
-        degree = effective_degree(exchange)
-        nodes = extrapolated(exchange.history, degree)
+    def attempt(self, coupling: Coupling, master: Master, time: float, length: float) -> Attempt:
+        if coupling.state.history.lacks(coupling.wiring.degree):
+            return StepDoubling().attempt(coupling, master, time, length)
+        degree = effective_degree(coupling)
+        nodes = extrapolated(coupling.state.history, degree)
         mean = nodes.integral(0.0, length) / (length * nodes(length))
-        iterations = master.step(exchange, time, length)
-        assumed, rates = np.zeros_like(exchange.values), np.zeros_like(exchange.rates)
-        evaluate(exchange.signals, length, assumed, rates)
-        error = np.zeros_like(exchange.values)
-        for bond in exchanged_bonds(exchange.system):
-            effort, flow = exchange.number[bond.effort], exchange.number[bond.flow]
-            e, f = exchange.values[effort], exchange.values[flow]
+        iterations = master.step(coupling, time, length).iterations
+        assumed, rates = np.zeros_like(coupling.state.values), np.zeros_like(coupling.state.rates)
+        evaluate(coupling.signals, length, assumed, rates)
+        error = np.zeros_like(coupling.state.values)
+        for bond in exchanged_bonds(coupling.wiring.system):
+            effort, flow = coupling.wiring.number[bond.effort], coupling.wiring.number[bond.flow]
+            e, f = coupling.state.values[effort], coupling.state.values[flow]
             residual = e * assumed[flow] - assumed[effort] * f
-            error[effort] += mean * residual / max(abs(f), exchange.nominal[flow])
+            error[effort] += mean * residual / max(abs(f), coupling.wiring.nominal[flow])
         return Attempt(iterations, error, degree + 1.0)

@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...engine.exchange import Exchange
+from ...engine.coupling import Coupling
 from ...engine.signals import History
 
 # Gauss's quadrature with three points is exact up to degree five; node polynomials have four at most.
@@ -58,10 +58,10 @@ def interpolated(history: History, degree: int, length: float) -> NodePolynomial
     return node_polynomial(degree, [length, *past(history)])
 
 
-def effective_degree(exchange: Exchange) -> int:
+def effective_degree(coupling: Coupling) -> int:
     """Degree of the signals that limit the order: of those that participants follow the lowest, quadratic
     where a Hermite signal lacks rates."""
-    lowest = exchange.history.degrees[exchange.connected].min(initial=exchange.degree)
-    if lowest == 3 and not exchange.rated[exchange.connected].all():
+    lowest = coupling.state.history.degrees[coupling.wiring.connected].min(initial=coupling.wiring.degree)
+    if lowest == 3 and not coupling.state.history.rated[coupling.wiring.connected].all():
         return 2
     return int(lowest)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from ...engine.exchange import Exchange
+from ...engine.coupling import Coupling
 from ...masters import Master
 from .nodes import effective_degree, extrapolated, interpolated
 from .protocol import Attempt
@@ -28,17 +26,16 @@ class PredictorCorrector:
                 "estimator schierz or step_doubling"
             )
 
-    def attempt(self, exchange: Exchange, master: Master, time: float, length: float) -> Attempt:
-        history = exchange.history
-        if history.lacks(exchange.degree) or (exchange.degree == 3 and not history.end_smooth.all()):
-            exchange.predicted = None
-            return StepDoubling().attempt(exchange, master, time, length)
-        degree = effective_degree(exchange)
-        predictor = extrapolated(exchange.history, degree).integral(0.0, length)
-        corrector = interpolated(exchange.history, degree, length).integral(0.0, length)
-        exchange.predicted = np.full(len(exchange.values), np.nan)
-        iterations = master.step(exchange, time, length)
-        # What was not iterated has no error of its own.
-        difference = np.nan_to_num(exchange.predicted - exchange.values, nan=0.0)
+    def attempt(self, coupling: Coupling, master: Master, time: float, length: float) -> Attempt:
+        history, highest = coupling.state.history, coupling.wiring.degree
+        if history.lacks(highest) or (highest == 3 and not history.end_smooth.all()):
+            return StepDoubling().attempt(coupling, master, time, length)
+        degree = effective_degree(coupling)
+        predictor = extrapolated(history, degree).integral(0.0, length)
+        corrector = interpolated(history, degree, length).integral(0.0, length)
+        made = master.step(coupling, time, length)
+        assert made.predicted is not None  # the master is implicit
+        # Of what was not iterated the two are equal.
+        difference = made.predicted - coupling.state.values
         share = corrector / (predictor - corrector)
-        return Attempt(iterations, difference * share, degree + 2.0)
+        return Attempt(made.iterations, difference * share, degree + 2.0)

@@ -7,7 +7,7 @@ from typing import Protocol
 
 from models.core.quantities import Vector
 
-from ...engine.exchange import Exchange
+from ...engine.coupling import Coupling
 from ...masters import Master
 
 
@@ -27,9 +27,9 @@ class Estimator(Protocol):
         """ValueError, with the remedy, if this estimator cannot judge that master."""
         ...
 
-    def attempt(self, exchange: Exchange, master: Master, time: float, length: float) -> Attempt:
-        """The step from `time`; values, rates and signals of the exchange are then those at its end.
+    def attempt(self, coupling: Coupling, master: Master, time: float, length: float) -> Attempt:
+        """The step from `time`; values, rates and signals of the coupling are then those at its end.
 
-        Called inside `exchange.point()` at `time`. Does not accept the end into the history.
+        Called inside `coupling.points.keep()` at `time`. Does not accept the end into the history.
         """
         ...

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ...engine.exchange import Exchange
+from ...engine.coupling import Coupling
 from ...engine.signals import move_origin
 from ...masters import Master
-from ...masters.jacobi import parallel
+from ...masters.jacobi import sweep_parallel
 from .jacobi_only import refuse_interpolation
 from .nodes import effective_degree
 from .protocol import Attempt
@@ -23,20 +23,22 @@ class Schierz:
     def check(self, master: Master) -> None:
         refuse_interpolation("schierz", "all signals", master)
 
-    def attempt(self, exchange: Exchange, master: Master, time: float, length: float) -> Attempt:
-        if exchange.history.lacks(exchange.degree):
-            return StepDoubling().attempt(exchange, master, time, length)
+    def attempt(self, coupling: Coupling, master: Master, time: float, length: float) -> Attempt:
+        if coupling.state.history.lacks(coupling.wiring.degree):
+            return StepDoubling().attempt(coupling, master, time, length)
         half = 0.5 * length
         middle_time = time + half
-        degree = effective_degree(exchange)
-        shares = ratios(exchange, degree, half)
-        with exchange.history.passing():
-            iterations = master.step(exchange, time, half)
-        move_origin(exchange.signals, half, exchange.signals)
-        exchange.accept(middle_time)
-        with exchange.point() as middle:
-            parallel(exchange, exchange.listed, middle_time, length - half)
-            continued = exchange.values.copy()
-            exchange.restore(middle)
-            iterations = max(iterations, master.step(exchange, middle_time, length - half))
-        return Attempt(iterations, (exchange.values - continued) / (1.0 - shares), exponent(exchange, degree))
+        degree = effective_degree(coupling)
+        shares = ratios(coupling, degree, half)
+        with coupling.state.history.passing():
+            iterations = master.step(coupling, time, half).iterations
+        move_origin(coupling.signals, half, coupling.signals)
+        coupling.accept(middle_time)
+        with coupling.points.keep() as middle:
+            sweep_parallel(coupling, coupling.wiring.all, middle_time, length - half)
+            continued = coupling.state.values.copy()
+            coupling.points.restore(middle)
+            iterations = max(iterations, master.step(coupling, middle_time, length - half).iterations)
+        return Attempt(
+            iterations, (coupling.state.values - continued) / (1.0 - shares), exponent(coupling, degree)
+        )

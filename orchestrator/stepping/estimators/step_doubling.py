@@ -6,7 +6,7 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from ...engine.exchange import Exchange
+from ...engine.coupling import Coupling
 from ...masters import Master
 from .nodes import effective_degree, extrapolated
 from .protocol import Attempt
@@ -25,42 +25,42 @@ class StepDoubling:
     def check(self, master: Master) -> None:
         pass
 
-    def attempt(self, exchange: Exchange, master: Master, time: float, length: float) -> Attempt:
+    def attempt(self, coupling: Coupling, master: Master, time: float, length: float) -> Attempt:
         half = 0.5 * length
-        degree = effective_degree(exchange)
-        restarting = exchange.history.lacks(exchange.degree)
-        with exchange.point() as start:
-            shares = None if master.implicit or restarting else ratios(exchange, degree, half)
-            iterations = master.step(exchange, time, length)
-            whole = exchange.values.copy()
-            exchange.restore(start)
-        with exchange.history.passing():
-            iterations = max(iterations, master.step(exchange, time, half))
-        exchange.accept(time + half)
-        iterations = max(iterations, master.step(exchange, time + half, length - half))
+        degree = effective_degree(coupling)
+        restarting = coupling.state.history.lacks(coupling.wiring.degree)
+        with coupling.points.keep() as start:
+            shares = None if master.implicit or restarting else ratios(coupling, degree, half)
+            iterations = master.step(coupling, time, length).iterations
+            whole = coupling.state.values.copy()
+            coupling.points.restore(start)
+        with coupling.state.history.passing():
+            iterations = max(iterations, master.step(coupling, time, half).iterations)
+        coupling.accept(time + half)
+        iterations = max(iterations, master.step(coupling, time + half, length - half).iterations)
         if shares is None:
             # The first step after a restart of a signal of degree 1 or 2 interpolates linearly.
             known = degree if master.implicit or degree in (0, 3) else 1
             shares, order = np.full(len(whole), 2.0 ** (known + 1)), known + 2.0
         else:
-            order = exponent(exchange, degree)
-        if not exchange.history.end_smooth.all():
-            shares = np.where(exchange.history.end_smooth, shares, 2.0)
+            order = exponent(coupling, degree)
+        if not coupling.state.history.end_smooth.all():
+            shares = np.where(coupling.state.history.end_smooth, shares, 2.0)
             order = 2.0
-        return Attempt(iterations, (exchange.values - whole) / (1.0 - shares), order)
+        return Attempt(iterations, (coupling.state.values - whole) / (1.0 - shares), order)
 
 
-def ratios(exchange: Exchange, degree: int, half: float) -> Vector:
+def ratios(coupling: Coupling, degree: int, half: float) -> Vector:
     """Error of one extrapolation over two halves, over that of one for each half; for every source."""
-    later = exchange.history.copy()
+    later = coupling.state.history.copy()
     whole = extrapolated(later, degree)
     later.append(later.times[0] + half, later.values[0], later.rates[0])
     second = extrapolated(later, degree)
     integrated = whole.integral(0.0, 2.0 * half) / (whole.integral(0.0, half) + second.integral(0.0, half))
     direct = whole(2.0 * half) / second(half)
-    return np.where(exchange.through, direct, integrated)
+    return np.where(coupling.wiring.passed_through, direct, integrated)
 
 
-def exponent(exchange: Exchange, degree: int) -> float:
+def exponent(coupling: Coupling, degree: int) -> float:
     """P of error ~ H^P for explicit masters: one less with feedthrough."""
-    return degree + (1.0 if exchange.through.any() else 2.0)
+    return degree + (1.0 if coupling.wiring.passed_through.any() else 2.0)
