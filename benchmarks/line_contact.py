@@ -79,18 +79,9 @@ class Turn:
                 interval, scale, load, central(self.h), drives[0].flow.radius, self.bodies
             )
             made = step(
-                self.p,
-                self.h,
-                self.slope,
-                scale,
-                new_scale,
-                interval,
-                *drives,
-                ANY_ERROR,
-                self.bodies,
-                FLUID,
-                self.w,
-            )
+                self.p, self.h, self.slope, scale, new_scale, interval, *drives, ANY_ERROR,
+                self.bodies, FLUID, self.w,
+            )  # fmt: skip
             spent += time.thread_time() - begun
             if not made.error <= 1.0:
                 raise RuntimeError(f"no step at {math.degrees(angle):g} degrees")

@@ -98,10 +98,10 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "bound at the reversals, and is positive in separation", Verdict.CANNOT,
         "a film that falls and recovers needs both signs"),
     Claim("axis-constraints", "(18), (19)", "Two equations hold the camshaft's axis in Euler 3-1-3 angles",
-        parts.rank_axis_constraints, "at θ = 0, where they hold it, their gradients have rank {rank}, not 2",
+        parts.check_constraints, "at θ = 0, where they hold it, their gradients have rank {rank}, not 2",
         Verdict.CANNOT, "θ = 0 is the singularity of 3-1-3 angles"),
     Claim("curve-constraint", "(27), (30)", "(∂y2/∂ψ2) y3 = 0 keeps cam and follower in contact",
-        parts.place_follower,
+        parts.check_constraints,
         "a follower on the cam at 120° has y3 = {lift:m.3f} mm and (∂y2/∂ψ2) y3 = {residual:µ.2f} mm²",
         Verdict.CANNOT, "not a contact condition; used instead: y3 − s(ψ) = 0"),
     Claim("constraint-count", "4.1, 4.6", "12 constraint functions",
@@ -137,7 +137,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "{first_velocity:m.3f} mm/s in the first step; a film 5 % off is {left_at_lift:.0e} off after the "
         "90° to the lift", lambda v: v.left_at_lift < 1e-6),
     Claim("load-factor", "(36)", "W = (s/β)[1 − cos(2πψ/β)] λ6 is the contact load",
-        parts.compute_load_factor,
+        parts.check_constraints,
         "the factor is {factor:.3g} at the nose and on the base circle, where the spring alone asks for "
         "{load:.0f} N and {preload:.0f} N", Verdict.CANNOT,
         "ds/dψ belongs to the camshaft's torque; the load is the multiplier itself"),
@@ -174,7 +174,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         lambda v: v.at_nose > 0.9 * v.lowest and v.at_nose >= 0.0,
         "a peak between two decelerations, with corners at both ends of the dwell"),
     Claim("no-steady-film", "1, 5", "Under pure entraining motion the film is zero at ±12° and ±36°",
-        cam.find_steady_film, "film of (10) without squeeze there: {film:µ.1e} µm at most",
+        cam.find_reversals, "film of (10) without squeeze there: {film:µ.1e} µm at most",
         lambda v: v.film < 1e-9),
     Claim("event", "5, Fig. 4", "Flank and nose action from 90° to 270°, nose at 180°", cam.measure_lift,
         "lift from {begin_deg:.1f}° to {end_deg:.1f}°, middle {middle_deg:.1f}°, greatest lift reached at "

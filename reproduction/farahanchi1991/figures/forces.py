@@ -115,13 +115,7 @@ def plot_extended_phase_space(runs: Runs, picture: Picture) -> Figure:
             np.tile(theta, (2, 1)), np.tile(wall, (2, 1)), np.tile(rates[:, None], (1, theta.size)),
             color=MUTED, alpha=0.25, linewidth=0.0,
         )  # fmt: skip
-    ax.plot(
-        shift_to_first_turn(motion.theta),
-        1e3 * motion.psi,
-        motion.psi_rate,
-        lw=1.0,
-        color=COUPLED,
-    )
+    ax.plot(shift_to_first_turn(motion.theta), 1e3 * motion.psi, motion.psi_rate, lw=1.0, color=COUPLED)
     ax.set_xlabel("crank angle θ (rad)")
     ax.set_ylabel("ψ (mrad)")
     ax.set_zlabel("ψ′")

@@ -108,12 +108,8 @@ def measure_distance(runs: Runs, form: str) -> Numbers:
 
 def find_exponent(runs: Runs, form: str) -> Numbers:
     kind = runs.kind(EXAMPLE.in_form(form))
-    return {
-        "kind": kind.kind,
-        "evidence": kind.evidence,
-        "exponent": kind.exponent,
-        "error": kind.uncertainty,
-    }
+    return {"kind": kind.kind, "evidence": kind.evidence,
+            "exponent": kind.exponent, "error": kind.uncertainty}  # fmt: skip
 
 
 def compute_dimension(runs: Runs, form: str) -> Numbers:

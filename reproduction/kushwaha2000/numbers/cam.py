@@ -60,18 +60,13 @@ def measure_acceleration(runs: Runs) -> Numbers:
 
 
 def find_reversals(runs: Runs) -> Numbers:
-    """Where entrainment reverses, from the nose."""
-    found = [angle - NOSE_DEG for angle in runs.reversals_deg]
+    """Where entrainment reverses, from the nose, and the largest film of (10) without squeeze there."""
+    found, film = [angle - NOSE_DEG for angle in runs.reversals_deg], "contact.steady_film_thickness"
     return {
         "angles": found,
         "off_deg": max(abs(a - b) for a, b in zip(found, STATED_REVERSALS, strict=True)),
+        "film": max(runs.kinematic().at(film, a) for a in runs.reversals_deg),
     }
-
-
-def find_steady_film(runs: Runs) -> Numbers:
-    """Largest film of (10) without squeeze where entrainment reverses."""
-    name = "contact.steady_film_thickness"
-    return {"film": max(runs.kinematic().at(name, a) for a in runs.reversals_deg)}
 
 
 def compute_entrainment(runs: Runs) -> Numbers:

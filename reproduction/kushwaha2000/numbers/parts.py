@@ -134,12 +134,6 @@ def measure_contact(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def rank_axis_constraints(runs: Runs) -> Numbers:
-    """(18), (19): sin(theta) sin(phi) = sin(theta) cos(phi) = 0, by (psi, theta, phi)."""
-    phi = 0.7  # any: the rank is the same
-    return {"rank": int(np.linalg.matrix_rank([[0.0, math.sin(phi), 0.0], [0.0, math.cos(phi), 0.0]]))}
-
-
 def compute_bending_rate(p: Any) -> float:
     """First angular frequency of the camshaft in bending (rad/s)."""
     e = shaft_element(p)
@@ -161,16 +155,13 @@ def compute_shaft(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def place_follower(runs: Runs) -> Numbers:
-    """A follower on the cam at 120 degrees: its lift (m) and (27), dy2/dpsi y3."""
-    cam = runs.lift(120.0)
-    return {"lift": cam.s, "residual": cam.ds * cam.s}
-
-
-def compute_load_factor(runs: Runs) -> Numbers:
-    """K (36) makes the load proportional to ds/dpsi."""
+def check_constraints(runs: Runs) -> Numbers:
+    """Rank of (18), (19): sin(theta) sin(phi) = sin(theta) cos(phi) = 0, by (psi, theta, phi); lift (m) and
+    residual of (27), dy2/dpsi y3, of a follower on the cam at 120 degrees; the factor ds/dpsi of (36)."""
+    phi, cam = 0.7, runs.lift(120.0)  # any phi has the same rank
     return {
-        "factor": runs.lift(NOSE_DEG).ds,
+        "rank": int(np.linalg.matrix_rank([[0.0, math.sin(phi), 0.0], [0.0, math.cos(phi), 0.0]])),
+        "lift": cam.s, "residual": cam.ds * cam.s, "factor": runs.lift(NOSE_DEG).ds,
         "load": runs.kinematic().at("contact.load", NOSE_DEG),
         "preload": runs.parameters("valve_spring").preload,
-    }
+    }  # fmt: skip
