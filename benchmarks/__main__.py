@@ -33,8 +33,8 @@ def main() -> None:
             found[figure] = value
             print(f"| {figure} | {value} |", flush=True)
     if options.write:
-        kept = read_page(PAGE.read_text("utf-8")) if named and PAGE.exists() else {}
-        PAGE.write_text(build_page(kept | found), encoding="utf-8")
+        before = read_page(PAGE.read_text("utf-8")) if named and PAGE.exists() else {}
+        PAGE.write_text(build_page(before | found), encoding="utf-8")
 
 
 def read_page(text: str) -> dict[str, str]:

@@ -78,14 +78,14 @@ class Turn:
             new_scale = grid_scale_after(
                 interval, scale, load, central(self.h), drives[0].flow.radius, self.bodies
             )
-            made = step(
+            taken = step(
                 self.p, self.h, self.slope, scale, new_scale, interval, *drives, ANY_ERROR,
                 self.bodies, FLUID, self.w,
             )  # fmt: skip
             spent += time.thread_time() - begun
-            if not made.error <= 1.0:
+            if not taken.error <= 1.0:
                 raise RuntimeError(f"no step at {math.degrees(angle):g} degrees")
-            scale, approach = made.scale, made.approach
+            scale, approach = taken.scale, taken.approach
             angle += turned
         return spent
 

@@ -91,8 +91,8 @@ def build_content() -> dict[str, Any]:
         for part in ("camshaft", "valve_spring", "contact"):
             table = base.components[part].model_dump(exclude_none=True)
             start = {k: float(v) for k, v in started.instances[part].start.items() if abs(v) > 1e-15}
-            kept = {k: v for k, v in table.items() if k in ("component", "structure", "parameters") and v}
-            components[f"{part}_{valve}"] = kept | ({"start": start} if start else {})
+            taken = {k: v for k, v in table.items() if k in ("component", "structure", "parameters") and v}
+            components[f"{part}_{valve}"] = taken | ({"start": start} if start else {})
         turning = {"drive_ratio": 0.5, "phase": f"{phase:g} deg"}
         camshaft = components[f"camshaft_{valve}"]
         camshaft["parameters"] = camshaft.get("parameters", {}) | turning

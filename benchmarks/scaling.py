@@ -27,8 +27,8 @@ def build_sized(count: int) -> System:
     """The first `count` instances of valve trains on one crankshaft; the last train may lack parts."""
     whole = build_valve_trains(max(1, -(-(count - 1) // 3)))
     instances = dict(list(whole.instances.items())[:count])
-    kept = [c for c in whole.connections if {c.source.instance, c.target.instance} <= set(instances)]
-    return System(instances, [(str(c.source), str(c.target)) for c in kept])
+    connections = [c for c in whole.connections if {c.source.instance, c.target.instance} <= set(instances)]
+    return System(instances, [(str(c.source), str(c.target)) for c in connections])
 
 
 def time_step(system: System, packaged: bool) -> float:

@@ -31,9 +31,9 @@ def compile_host(folder: Path, target: str = "", suffix: str = "") -> Path:
     platform = ["-target", target] if target else ["-mcpu=baseline"]
     command = [sys.executable, "-m", "ziglang", "cc", *platform, "-O1", "-std=gnu11", *WARNINGS]
     command += [f"-I{Path(fmpy.__file__).parent / 'c-code'}", str(SOURCE), "-o", str(program)]
-    made = subprocess.run(command, capture_output=True, text=True, check=False)
-    if made.returncode:
-        raise RefusedError(f"host.c does not compile: {made.stderr.strip()[-1000:]}")
+    compiled = subprocess.run(command, capture_output=True, text=True, check=False)
+    if compiled.returncode:
+        raise RefusedError(f"host.c does not compile: {compiled.stderr.strip()[-1000:]}")
     return program
 
 
@@ -100,11 +100,11 @@ class Host:
         command = [*self.runner, self.program, self.preload, *seen[:2], case.token, seen[2], at_end]
         # Python inside the program finds the packages of the interpreter that comes first on the path.
         path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
-        kept = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+        variables = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
         return subprocess.Popen(
             [str(part) for part in command],
             cwd=self.program.parent,
-            env=kept | {"PATH": path} | dict(environment),
+            env=variables | {"PATH": path} | dict(environment),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

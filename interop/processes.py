@@ -84,12 +84,13 @@ def ask(name: str, case: Case | None = None, runs: int = 0, python: Path | None 
         command = [str(python or find_interpreter(name)), "-m", "interop.tool_process", name]
         if case is not None:
             command += [str(case.write(Path(folder) / "case.json")), str(runs)]
-        kept = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+        environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
         try:
             finished = subprocess.run(
                 command,
                 cwd=folder,
-                env=kept | {"PYTHONPATH": str(ROOT), "TMPDIR": folder, FOLDER: str(environment_folder(name))},
+                env=environment
+                | {"PYTHONPATH": str(ROOT), "TMPDIR": folder, FOLDER: str(environment_folder(name))},
                 capture_output=True,
                 text=True,
                 errors="replace",
@@ -104,25 +105,25 @@ def ask(name: str, case: Case | None = None, runs: int = 0, python: Path | None 
 
 
 def _read_answer(finished: subprocess.CompletedProcess[str]) -> Answer:
-    told: dict[str, Any] = {}
+    reported: dict[str, Any] = {}
     for line in finished.stdout.splitlines():
         word, _, rest = line.partition(" ")
         if word in ("VERSION", "VALUES", "RATE", "FAILED", "UNTRIED"):
-            told[word] = json.loads(rest)
+            reported[word] = json.loads(rest)
         elif word == "LOADED":
-            told[word] = True
-    failed = told.get("FAILED", "") or told.get("UNTRIED", "")
+            reported[word] = True
+    failed = reported.get("FAILED", "") or reported.get("UNTRIED", "")
     if finished.returncode and not failed:
         failed = (
             _describe_exit(finished.returncode) + ": " + (finished.stderr.strip().splitlines() or [""])[-1]
         )
     return Answer(
-        version=told.get("VERSION", ""),
-        loaded="LOADED" in told,
-        values=told.get("VALUES"),
-        rate=told.get("RATE"),
+        version=reported.get("VERSION", ""),
+        loaded="LOADED" in reported,
+        values=reported.get("VALUES"),
+        rate=reported.get("RATE"),
         failed=failed,
-        tried="UNTRIED" not in told,
+        tried="UNTRIED" not in reported,
     )
 
 

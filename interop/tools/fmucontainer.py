@@ -47,7 +47,7 @@ def _contained(case: Case) -> Iterator[Case]:
             "rule;from_fmu;from_port;to_fmu;to_port\nFMU;unit.fmu;;;\n"
         )
         command = [str(PROGRAM), "-container", f"container.csv:{case.step!r}", "-fmi", str(case.fmi)]
-        made = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        if made.returncode:
-            raise RefusedError((made.stdout + made.stderr).strip().splitlines()[-1])
+        finished = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        if finished.returncode:
+            raise RefusedError((finished.stdout + finished.stderr).strip().splitlines()[-1])
         yield replace(case, fmu=str(Path(folder) / "container.fmu"))
