@@ -1,6 +1,6 @@
 """A component's flat kernels as C calls them: with pointers in the place of vectors.
 
-Each entry names the sizes of what its pointers point to; `shell/kernels.h` has the same signatures in C.
+Each entry names the sizes of what its pointers point to; `runtime/kernels.h` has the same signatures in C.
 """
 
 from __future__ import annotations

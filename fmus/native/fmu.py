@@ -25,7 +25,7 @@ from .entries import smooth
 from .machine_code import (
     FMI_HEADERS,
     PLATFORMS,
-    SHELL,
+    RUNTIME,
     NativeBuildError,
     shared_library,
     this_platform,
@@ -100,7 +100,7 @@ def content_of(
         "kernels.ll": "".join(kernels),
         "modelDescription.xml": xml,
     }
-    digest = digest_of({**_shell(), **{path: text.encode() for path, text in unnamed.items()}})
+    digest = digest_of({**_runtime(), **{path: text.encode() for path, text in unnamed.items()}})
     token = f"{{{uuid.UUID(digest[:32])}}}"
     named = tables(component, name, digest[:16], token, fmi)
     files = python_build.documents(name, component)
@@ -134,7 +134,7 @@ def _made_of(name: str, sizes: Mapping[str, int], platforms: Sequence[str]) -> s
     documents = {path.name: path.read_bytes() for path in (here.parent / name).iterdir() if path.is_file()}
     documents |= references(name, exchange=True)
     said = f"{package} {sorted(sizes.items())} {sorted(platforms)} {_versions()}"
-    return digest_of(files | documents | dict(_shell()) | {"said": said.encode()})
+    return digest_of(files | documents | dict(_runtime()) | {"said": said.encode()})
 
 
 def _versions() -> dict[str, str]:
@@ -173,7 +173,7 @@ def _version(tool: str) -> str:
 
 
 @cache
-def _shell() -> Mapping[str, bytes]:
-    """What is compiled besides the component: the shell, and the standard's headers."""
-    places = (*SHELL.iterdir(), *FMI_HEADERS.glob("*.h"))
-    return {f"shell/{path.name}": path.read_bytes() for path in places}
+def _runtime() -> Mapping[str, bytes]:
+    """What is compiled besides the component: the runtime, and the standard's headers."""
+    places = (*RUNTIME.iterdir(), *FMI_HEADERS.glob("*.h"))
+    return {f"runtime/{path.name}": path.read_bytes() for path in places}

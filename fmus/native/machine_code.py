@@ -20,7 +20,7 @@ import fmpy
 from .differentiate import llvm
 from .translate import MATHEMATICS
 
-SHELL = Path(__file__).parent / "shell"
+RUNTIME = Path(__file__).parent / "runtime"
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
 
 
@@ -94,16 +94,16 @@ class NativeBuildError(RuntimeError):
 def shared_library(
     place: Platform, kernels: Sequence[str], tables: Mapping[str, str], name: str, fmi: int = 2
 ) -> bytes:
-    """The library `name` for a platform: kernels (modules in LLVM's language) and tables in the shell of that
+    """The library `name` for a platform: kernels (modules in LLVM's language) and tables with the runtime of that
     version of FMI."""
     with tempfile.TemporaryDirectory(prefix="tribocosim-native-") as folder:
         here = Path(folder)
         (here / "kernels.o").write_bytes(object_code(place, kernels))
         for file, text in tables.items():
             (here / file).write_text(text, encoding="utf-8")
-        for path in SHELL.iterdir():
+        for path in RUNTIME.iterdir():
             (here / path.name).write_bytes(path.read_bytes())
-        sources = [*(source.name for source in shell_sources(fmi)), "tables.c"]
+        sources = [*(source.name for source in runtime_sources(fmi)), "tables.c"]
         target = f"{name}{place.suffix}"
         compiler = ["cc", "-target", place.zig, *_C, *_STRICT, "-I.", f"-I{FMI_HEADERS}"]
         if place.suffix == ".dll":
@@ -118,7 +118,7 @@ def shared_library(
 
 def _link_for_windows(folder: Path, target: str) -> None:
     """Of all object files there. Without the start-up code and the additions to the C library that zig would
-    compile, which are larger than most units; what is needed of them is in shell/windows.c."""
+    compile, which are larger than most units; what is needed of them is in runtime/windows.c."""
     objects = sorted(path.name for path in folder.glob("*.o"))
     libraries = []
     for part, names in _UCRT.items():
@@ -130,9 +130,9 @@ def _link_for_windows(folder: Path, target: str) -> None:
     _zig(["lld-link", *options, f"/out:{target}", *objects, *libraries], folder)
 
 
-def shell_sources(fmi: int) -> list[Path]:
-    """The C files of the shell for a version of FMI."""
-    paths = sorted(SHELL.glob("*.c"))
+def runtime_sources(fmi: int) -> list[Path]:
+    """The C files of the runtime for a version of FMI."""
+    paths = sorted(RUNTIME.glob("*.c"))
     return [path for path in paths if path.name.startswith(f"fmi{fmi}") or not path.name.startswith("fmi")]
 
 
@@ -175,7 +175,7 @@ def _optimised(text: str, triple: str, layout: str, machine: Any, vectors: bool)
 
 
 def _hide(module: Any) -> None:
-    """What the shell calls is not exported; of the rest not even names are left."""
+    """What the runtime calls is not exported; of the rest not even names are left."""
     for place in (*module.functions, *module.global_variables):
         if place.is_declaration:
             continue

@@ -84,7 +84,7 @@ def tables(component: Any, name: str, digest: str, token: str, fmi: int = 2) -> 
     )
     return {
         "sizes.h": "".join(f"#define {key} {value}\n" for key, value in defined.items()),
-        "tables.c": '#include <math.h>\n\n#include "kernels.h"\n#include "unit.h"\n\n'
+        "tables.c": '#include <math.h>\n\n#include "kernels.h"\n#include "instance.h"\n\n'
         + "\n".join(arrays)
         + "\n",
     }

@@ -21,9 +21,9 @@ from fmus.native.entries import smooth
 from fmus.native.machine_code import (
     FMI_HEADERS,
     PLATFORMS,
-    SHELL,
+    RUNTIME,
     object_code,
-    shell_sources,
+    runtime_sources,
     this_platform,
 )
 from fmus.native.tables import tables
@@ -71,13 +71,13 @@ def kernels(name: str) -> bytes:
 
 
 def sanitized_library(name: str, folder: Path, fmi: int) -> Path:
-    """The FMU's library with sanitizers in the shell, its kernels as they always are; its token is TOKEN."""
+    """The FMU's library with sanitizers in the runtime, its kernels as they always are; its token is TOKEN."""
     _, component = chosen(name, None)
     (folder / "kernels.o").write_bytes(kernels(name))
     for file, text in tables(component, name, "0" * 16, TOKEN, fmi).items():
         (folder / file).write_text(text, encoding="utf-8")
     target = folder / f"{name}.so"
-    inputs = [*shell_sources(fmi), folder / "tables.c", folder / "kernels.o", "-lm", "-o", target]
+    inputs = [*runtime_sources(fmi), folder / "tables.c", folder / "kernels.o", "-lm", "-o", target]
     compiler = [
         sanitizing_compiler() or "gcc",
         *SANITIZED,
@@ -86,7 +86,7 @@ def sanitized_library(name: str, folder: Path, fmi: int) -> Path:
         "-fPIC",
         "-shared",
     ]
-    subprocess.run([*compiler, *WARNINGS, f"-I{SHELL}", f"-I{folder}", *map(str, inputs)], check=True)
+    subprocess.run([*compiler, *WARNINGS, f"-I{RUNTIME}", f"-I{folder}", *map(str, inputs)], check=True)
     return target
 
 

@@ -1,7 +1,7 @@
 """C programs host native FMUs: instances that come and go, and calls at random, without a leak, an access to
 what is not theirs, or an answer that the standard does not know.
 
-Where gcc's sanitizers are, the shell is compiled with them; valgrind runs the library as it is shipped.
+Where gcc's sanitizers are, the runtime is compiled with them; valgrind runs the library as it is shipped.
 """
 
 from __future__ import annotations

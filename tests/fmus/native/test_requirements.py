@@ -148,7 +148,7 @@ def test_all_say_the_same(
 
 
 def test_fmi3_says_it_too(fmi3_files: dict[str, Path]) -> None:
-    """Its functions stand over the same shell: one component for all."""
+    """Its functions stand over the same runtime: one component for all."""
     component, fmu = COMPONENTS["slider_crank"], Instance3(fmi3_files["slider_crank"])
     for values in WRONG["slider_crank"]:
         assert refusal_by(fmu, as_variables(component, values)) == refusal(component, values)

@@ -3,16 +3,17 @@
 #define FMI3_H
 
 #include "fmi3Functions.h"
-#include "unit.h"
+#include "instance.h"
 
+/* An instance, and what the host asked of it when it made it. */
 typedef struct {
-    Unit *unit;
+    Instance *instance;
     bool event_mode, early_return; /* the host handles events; it lets steps end before their time */
     fmi3IntermediateUpdateCallback update;
     bool given[INPUTS + 1];   /* inputs that the host gives in the course of a step */
     bool gives, setting, getting; /* any of them; what it may do in the present call of its own */
     State before, beginning;      /* of the step that is being made: as the host left it, with all inputs */
-} Instance;
+} Session;
 
 /* What a list of value references stands for, with one reference for each element. */
 typedef struct {
@@ -24,24 +25,21 @@ typedef struct {
 
 /* For a call with so many values; false after a message if they are not as many as elements. Where `first` is true, as
    many as variables will do: then they are the first elements. */
-bool elements_of(Elements *some, const Unit *unit, const char *call, const fmi3ValueReference vr[], size_t count,
-                 size_t values, bool first);
+bool elements_of(Elements *some, const Instance *instance, const char *call, const fmi3ValueReference vr[],
+                 size_t count, size_t values, bool first);
 
-/* After a step: inputs go on as they were in it, from where it has ended. */
-void inputs_go_on(Unit *unit);
-
-#define INSTANCE ((Instance *)instance)
-#define UNIT (INSTANCE->unit)
+#define SESSION ((Session *)handle)
+#define INSTANCE (SESSION->instance)
 /* Leaves with an error where there is no instance, or the call is not allowed now. */
-#define NEEDS(phases, call)                                                 \
-    do {                                                                    \
-        if (!instance || !unit_may(UNIT, phases, call)) return fmi3Error;   \
+#define NEEDS(phases, call)                                                     \
+    do {                                                                        \
+        if (!handle || !instance_may(INSTANCE, phases, call)) return fmi3Error; \
     } while (0)
 /* The same for calls that one of the interface types has, or that need what the host has not asked for. */
-#define NEEDS_THAT(condition, phases, call, why)                                                \
-    do {                                                                                        \
-        NEEDS(phases, call);                                                                    \
-        if (!(condition)) return unit_say(UNIT, ERROR, "%s: not allowed %s", call, why);        \
+#define NEEDS_THAT(condition, phases, call, why)                                                 \
+    do {                                                                                         \
+        NEEDS(phases, call);                                                                     \
+        if (!(condition)) return instance_say(INSTANCE, ERROR, "%s: not allowed %s", call, why); \
     } while (0)
 #define MOVING (STEPPING | EVENT | CONTINUOUS)
 #define SETTABLE (INSTANTIATED | INITIALIZING | MOVING | INTERMEDIATE)

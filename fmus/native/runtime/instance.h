@@ -1,9 +1,9 @@
-/* One instance of the component: its memory, laid out as memory.py says, and what may be done with it.
+/* One instance of the component: its memory, laid out as variable_layout.py says, and what may be done with it.
 
    What a call does is told in docs/reference/fmus.md; it is the same as in the FMU that runs in Python (slave.py).
    Nothing here knows a version of FMI. */
-#ifndef UNIT_H
-#define UNIT_H
+#ifndef INSTANCE_H
+#define INSTANCE_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -74,10 +74,10 @@ typedef struct {
 
 #define MESSAGE 2048 /* longest text, with its end */
 
-typedef struct Unit Unit;
-typedef void (*Logger)(const Unit *unit, Status status, const char *category, const char *message);
+typedef struct Instance Instance;
+typedef void (*Logger)(const Instance *instance, Status status, const char *category, const char *message);
 
-struct Unit {
+struct Instance {
     State now;
     char *name;
     Logger logger;
@@ -88,70 +88,76 @@ struct Unit {
         guards[GUARDS + 1];
 };
 
-Unit *unit_new(const char *name, Logger logger, void *environment, void *callback, bool logging);
-void unit_free(Unit *unit);
-void unit_reset(Unit *unit);
+Instance *instance_new(const char *name, Logger logger, void *environment, void *callback, bool logging);
+void instance_free(Instance *instance);
+void instance_reset(Instance *instance);
 
 /* Tells the host; returns `status`. */
-Status unit_say(const Unit *unit, Status status, const char *format, ...);
+Status instance_say(const Instance *instance, Status status, const char *format, ...);
 /* Whether a call is allowed now; says so if not. */
-bool unit_may(const Unit *unit, int phases, const char *call);
+bool instance_may(const Instance *instance, int phases, const char *call);
 /* Adds to the message what is not met; false if all are. */
-bool unit_unmet(const Unit *unit, const Requirement *requirements, char *message, size_t size);
+bool instance_unmet(const Instance *instance, const Requirement *requirements, char *message, size_t size);
 /* Whether parameters that were set after the initialisation are not allowed; says so with that status. */
-bool unit_refuses_parameters(Unit *unit, Status status);
+bool instance_refuses_parameters(Instance *instance, Status status);
 
-Status unit_initialize(Unit *unit);                   /* at the end of the initialisation */
-Status unit_step(Unit *unit, double time, double step); /* DISCARD, and nothing changed, if it cannot be made */
+/* At the end of the initialisation. */
+Status instance_initialize(Instance *instance);
+/* DISCARD, and nothing changed, if the step cannot be made. */
+Status instance_step(Instance *instance, double time, double step);
+
+/* After a step: the inputs' polynomials begin where the step has ended. */
+void instance_continue_inputs(Instance *instance);
 
 /* When the experiment begins and, if that is defined, stops; ERROR, and nothing changed, for what cannot be. */
-Status unit_set_times(Unit *unit, double start, bool stop_defined, double stop);
+Status instance_set_times(Instance *instance, double start, bool stop_defined, double stop);
 /* Whether a step goes beyond the stop time; says so. Where the host adds up time to it, rounding is allowed. */
-bool unit_goes_too_far(const Unit *unit, double time, double step);
+bool instance_exceeds_stop(const Instance *instance, double time, double step);
 
 /* Values by reference. Nothing is set unless all can be. Kind: of the call. */
-Status unit_can_set(const Unit *unit, Kind kind, const uint32_t *references, size_t count, const double *values);
-Status unit_set(Unit *unit, Kind kind, const uint32_t *references, size_t count, const double *values);
-Status unit_get(Unit *unit, Kind kind, const uint32_t *references, size_t count, double *values);
+Status instance_can_set(const Instance *instance, Kind kind, const uint32_t *references, size_t count,
+                        const double *values);
+Status instance_set(Instance *instance, Kind kind, const uint32_t *references, size_t count, const double *values);
+Status instance_get(Instance *instance, Kind kind, const uint32_t *references, size_t count, double *values);
 /* A value as a whole number, or the limit that it is beyond. */
-int64_t unit_whole(double value, int64_t low, int64_t high);
+int64_t instance_whole(double value, int64_t low, int64_t high);
 
 /* Computes what is stale of the variables up to this reference. */
-void unit_ready(Unit *unit, uint32_t highest);
+void instance_ready(Instance *instance, uint32_t highest);
 /* The changes of unknown variables when known ones change, by the first derivative. */
-Status unit_directional(Unit *unit, const uint32_t *unknown, size_t unknowns, const uint32_t *known, size_t knowns,
-                        const double *changes, double *result);
+Status instance_directional(Instance *instance, const uint32_t *unknown, size_t unknowns, const uint32_t *known,
+                            size_t knowns, const double *changes, double *result);
 
 /* A variable by its reference, also a state, the derivative of one, time, an event indicator; NULL if there is
    none. */
-const Variable *unit_variable(uint32_t reference);
-const char *unit_name(const Variable *variable);
+const Variable *instance_variable(uint32_t reference);
+const char *instance_name(const Variable *variable);
 
 /* In model exchange: continuous states, their rates and sizes, what indicates events, and events. */
-void unit_get_states(const Unit *unit, double *x);
-Status unit_set_states(Unit *unit, const double *x);
-void unit_derivatives(Unit *unit, double *dx);
-void unit_all_derivatives(Unit *unit, double *dx); /* of modes and counts, too */
-void unit_indicators(Unit *unit, double *g);
-bool unit_event_is_due(Unit *unit); /* a guard has fallen, perhaps unseen, between two looks of the host */
+void instance_get_states(const Instance *instance, double *x);
+Status instance_set_states(Instance *instance, const double *x);
+void instance_derivatives(Instance *instance, double *dx);
+void instance_all_derivatives(Instance *instance, double *dx); /* of modes and counts, too */
+void instance_indicators(Instance *instance, double *g);
+bool instance_event_is_due(Instance *instance); /* a guard has fallen, perhaps unseen, between two looks of the host */
 /* Performs the events that are due. `changed`: states were; `next`: the time of the next known one, or INFINITY. */
-Status unit_events(Unit *unit, bool *changed, double *next);
+Status instance_events(Instance *instance, bool *changed, double *next);
 
 /* A saved state as bytes: what wrote it, the state, and a sum by which damage is seen. */
-size_t unit_saved_size(void);
-void unit_save(const State *state, unsigned char *bytes);
-Status unit_restore(const Unit *unit, State *state, const unsigned char *bytes, size_t size);
+size_t instance_saved_size(void);
+void instance_save(const State *state, unsigned char *bytes);
+Status instance_restore(const Instance *instance, State *state, const unsigned char *bytes, size_t size);
 
 /* States that the host keeps, with messages for what it does wrong. */
-Status unit_keep(const Unit *unit, void **kept);
-Status unit_put_back(Unit *unit, const void *kept);
-Status unit_forget(void **kept);
-Status unit_kept_size(const Unit *unit, const void *kept, size_t *size);
-Status unit_kept_to_bytes(const Unit *unit, const void *kept, void *bytes, size_t size);
-Status unit_kept_from_bytes(const Unit *unit, const void *bytes, size_t size, void **kept);
+Status instance_keep(const Instance *instance, void **kept);
+Status instance_put_back(Instance *instance, const void *kept);
+Status instance_forget(void **kept);
+Status instance_kept_size(const Instance *instance, const void *kept, size_t *size);
+Status instance_kept_to_bytes(const Instance *instance, const void *kept, void *bytes, size_t size);
+Status instance_kept_from_bytes(const Instance *instance, const void *bytes, size_t size, void **kept);
 
 /* First derivatives of continuous outputs by time. */
-Status unit_output_derivatives(Unit *unit, const uint32_t *references, size_t count, const int32_t *orders,
+Status instance_output_derivatives(Instance *instance, const uint32_t *references, size_t count, const int32_t *orders,
                                double *values);
 
 #endif

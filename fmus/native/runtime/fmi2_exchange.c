@@ -1,18 +1,19 @@
-/* FMI 2.0 for model exchange over `unit`. */
+/* FMI 2.0 for model exchange over `instance`. */
 #include <math.h>
 
 #include "fmi2.h"
 
-static fmi2Status sized(Unit *unit, size_t count, size_t expected, const void *values)
+static fmi2Status sized(Instance *instance, size_t count, size_t expected, const void *values)
 {
     if (count == expected && (values || !count)) return fmi2OK;
-    return unit_say(unit, ERROR, "%zu values: there are %zu, and a place for them must be given", count, expected);
+    return instance_say(instance, ERROR, "%zu values: there are %zu, and a place for them must be given", count,
+                        expected);
 }
 
 fmi2Status fmi2EnterEventMode(fmi2Component c)
 {
     NEEDS(EVENT | CONTINUOUS, "fmi2EnterEventMode");
-    UNIT->now.phase = EVENT;
+    INSTANCE->now.phase = EVENT;
     return fmi2OK;
 }
 
@@ -22,8 +23,8 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
     double next;
     Status status;
     NEEDS(EVENT, "fmi2NewDiscreteStates");
-    if (!info) return unit_say(UNIT, ERROR, "fmi2NewDiscreteStates: no place for what it tells");
-    status = unit_events(UNIT, &changed, &next);
+    if (!info) return instance_say(INSTANCE, ERROR, "fmi2NewDiscreteStates: no place for what it tells");
+    status = instance_events(INSTANCE, &changed, &next);
     info->newDiscreteStatesNeeded = info->terminateSimulation = fmi2False;
     info->nominalsOfContinuousStatesChanged = fmi2False;
     info->valuesOfContinuousStatesChanged = changed;
@@ -35,7 +36,7 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
 fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c)
 {
     NEEDS(EVENT, "fmi2EnterContinuousTimeMode");
-    UNIT->now.phase = CONTINUOUS;
+    INSTANCE->now.phase = CONTINUOUS;
     return fmi2OK;
 }
 
@@ -45,8 +46,8 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_set_state
     NEEDS(CONTINUOUS, "fmi2CompletedIntegratorStep");
     (void)no_set_state;
     if (!enter_event_mode || !terminate)
-        return unit_say(UNIT, ERROR, "fmi2CompletedIntegratorStep: no place for what it tells");
-    *enter_event_mode = unit_event_is_due(UNIT);
+        return instance_say(INSTANCE, ERROR, "fmi2CompletedIntegratorStep: no place for what it tells");
+    *enter_event_mode = instance_event_is_due(INSTANCE);
     *terminate = fmi2False;
     return fmi2OK;
 }
@@ -54,32 +55,32 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_set_state
 fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time)
 {
     NEEDS(EVENT | CONTINUOUS, "fmi2SetTime");
-    if (!isfinite(time)) return unit_say(UNIT, ERROR, "time = %g s: must be finite", time);
-    UNIT->now.data[T_AT] = time;
-    UNIT->now.outputs_stale = true;
+    if (!isfinite(time)) return instance_say(INSTANCE, ERROR, "time = %g s: must be finite", time);
+    INSTANCE->now.data[T_AT] = time;
+    INSTANCE->now.outputs_stale = true;
     return fmi2OK;
 }
 
 fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t count)
 {
     NEEDS(CONTINUOUS | EVENT, "fmi2SetContinuousStates");
-    if (sized(UNIT, count, CONTINUOUS_STATES, x)) return fmi2Error;
-    return unit_set_states(UNIT, x);
+    if (sized(INSTANCE, count, CONTINUOUS_STATES, x)) return fmi2Error;
+    return instance_set_states(INSTANCE, x);
 }
 
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t count)
 {
     NEEDS(READABLE, "fmi2GetContinuousStates");
-    if (sized(UNIT, count, CONTINUOUS_STATES, x)) return fmi2Error;
-    unit_ready(UNIT, OUTPUTS_AT);
-    unit_get_states(UNIT, x);
+    if (sized(INSTANCE, count, CONTINUOUS_STATES, x)) return fmi2Error;
+    instance_ready(INSTANCE, OUTPUTS_AT);
+    instance_get_states(INSTANCE, x);
     return fmi2OK;
 }
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x[], size_t count)
 {
     NEEDS(ANY, "fmi2GetNominalsOfContinuousStates");
-    if (sized(UNIT, count, CONTINUOUS_STATES, x)) return fmi2Error;
+    if (sized(INSTANCE, count, CONTINUOUS_STATES, x)) return fmi2Error;
     for (int i = 0; i < CONTINUOUS_STATES; i++) x[i] = nominal[continuous[i]];
     return fmi2OK;
 }
@@ -87,15 +88,15 @@ fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x[], size
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real dx[], size_t count)
 {
     NEEDS(READABLE, "fmi2GetDerivatives");
-    if (sized(UNIT, count, CONTINUOUS_STATES, dx)) return fmi2Error;
-    unit_derivatives(UNIT, dx);
+    if (sized(INSTANCE, count, CONTINUOUS_STATES, dx)) return fmi2Error;
+    instance_derivatives(INSTANCE, dx);
     return fmi2OK;
 }
 
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real g[], size_t count)
 {
     NEEDS(READABLE, "fmi2GetEventIndicators");
-    if (sized(UNIT, count, GUARDS, g)) return fmi2Error;
-    unit_indicators(UNIT, g);
+    if (sized(INSTANCE, count, GUARDS, g)) return fmi2Error;
+    instance_indicators(INSTANCE, g);
     return fmi2OK;
 }

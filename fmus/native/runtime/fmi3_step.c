@@ -1,4 +1,4 @@
-/* FMI 3.0 for co-simulation over `unit`: steps, which may end at an event or where the host wants it, and inputs
+/* FMI 3.0 for co-simulation over `instance`: steps, which may end at an event or where the host wants it, and inputs
    that the host gives in the course of a step. */
 #include <math.h>
 #include <stdlib.h>
@@ -13,29 +13,31 @@
 /* The polynomial of an input in a step has its value at the beginning and at so many points after. */
 #define POINTS 3
 
-fmi3Status fmi3EnterStepMode(fmi3Instance instance)
+fmi3Status fmi3EnterStepMode(fmi3Instance handle)
 {
-    NEEDS_THAT(!UNIT->now.exchange, EVENT, "fmi3EnterStepMode", "in model exchange");
-    UNIT->now.phase = STEPPING;
+    NEEDS_THAT(!INSTANCE->now.exchange, EVENT, "fmi3EnterStepMode", "in model exchange");
+    INSTANCE->now.phase = STEPPING;
     return fmi3OK;
 }
 
-fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance handle, const fmi3ValueReference vr[], size_t count,
                                     const fmi3Int32 orders[], fmi3Float64 values[], size_t size)
 {
     Elements some;
     Status status;
     int32_t *of_elements;
     NEEDS(INITIALIZING | MOVING | INTERMEDIATE | TERMINATED, "fmi3GetOutputDerivatives");
-    if (UNIT->now.phase == INTERMEDIATE && !INSTANCE->getting)
-        return unit_say(UNIT, ERROR, "fmi3GetOutputDerivatives: values cannot be read in this intermediate update");
-    if (!elements_of(&some, UNIT, "fmi3GetOutputDerivatives", vr, count, size, false)) return fmi3Error;
-    if (!some.made || !orders) return unit_output_derivatives(UNIT, some.references, some.count, orders, values);
+    if (INSTANCE->now.phase == INTERMEDIATE && !SESSION->getting)
+        return instance_say(INSTANCE, ERROR,
+                            "fmi3GetOutputDerivatives: values cannot be read in this intermediate update");
+    if (!elements_of(&some, INSTANCE, "fmi3GetOutputDerivatives", vr, count, size, false)) return fmi3Error;
+    if (!some.made || !orders)
+        return instance_output_derivatives(INSTANCE, some.references, some.count, orders, values);
     of_elements = malloc(some.count * sizeof *of_elements);
     for (size_t i = 0, j = 0; of_elements && i < count; i++)
-        for (uint32_t n = unit_variable(vr[i])->elements; n > 0; n--) of_elements[j++] = orders[i];
-    if (of_elements) status = unit_output_derivatives(UNIT, some.references, some.count, of_elements, values);
-    else status = unit_say(UNIT, ERROR, "out of memory");
+        for (uint32_t n = instance_variable(vr[i])->elements; n > 0; n--) of_elements[j++] = orders[i];
+    if (of_elements) status = instance_output_derivatives(INSTANCE, some.references, some.count, of_elements, values);
+    else status = instance_say(INSTANCE, ERROR, "out of memory");
     free(of_elements);
     free(some.made);
     return status;
@@ -44,16 +46,16 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueRefere
 /* Calls of the host's in the course of a step */
 
 /* `end` becomes earlier if the host wants the step to end there. */
-static void update(Instance *one, double time, bool setting, bool finished, double *end)
+static void update(Session *one, double time, bool setting, bool finished, double *end)
 {
-    Phase phase = one->unit->now.phase;
+    Phase phase = one->instance->now.phase;
     fmi3Boolean requested = false, possible = one->early_return && end;
     fmi3Float64 wanted = time;
     one->setting = setting;
     one->getting = finished;
-    one->unit->now.phase = INTERMEDIATE;
-    one->update(one->unit->environment, time, setting, finished, finished, possible, &requested, &wanted);
-    one->unit->now.phase = phase;
+    one->instance->now.phase = INTERMEDIATE;
+    one->update(one->instance->environment, time, setting, finished, finished, possible, &requested, &wanted);
+    one->instance->now.phase = phase;
     if (possible && requested && wanted < *end) *end = fmax(wanted, one->before.data[T_AT]);
 }
 
@@ -68,9 +70,9 @@ static void set_polynomial(double *U, const double u[POINTS + 1], double h)
 }
 
 /* Asks the host for the inputs that it gives: what they are in the coming step. */
-static void ask(Instance *one, double time, double step, double *end)
+static void ask(Session *one, double time, double step, double *end)
 {
-    State *now = &one->unit->now;
+    State *now = &one->instance->now;
     double u[INPUTS + 1][POINTS + 1];
     for (int i = 0; i < INPUTS; i++) u[i][0] = now->data[INPUTS_AT + i];
     for (int k = 1; k <= POINTS; k++) {
@@ -83,39 +85,26 @@ static void ask(Instance *one, double time, double step, double *end)
     now->outputs_stale = true;
 }
 
-void inputs_go_on(Unit *unit)
-{
-    State *now = &unit->now;
-    double s = now->data[S_AT];
-    for (int i = 0; i < INPUTS; i++) {
-        double *U = now->data + INPUTS_AT + i;
-        U[0] = now->data[U_AT + i];
-        U[INPUTS] += s * (U[2 * INPUTS] + s * U[3 * INPUTS] / 2.0);
-        U[2 * INPUTS] += s * U[3 * INPUTS];
-    }
-    now->data[S_AT] = 0.0;
-}
-
 /* Steps to events */
 
 #ifdef EVENT_COUNT_AT
 
 /* The step from the same beginning to another end, and how many events happen in it. */
-static Status make(Instance *one, double time, double step, double *events)
+static Status make(Session *one, double time, double step, double *events)
 {
-    State *now = &one->unit->now;
+    State *now = &one->instance->now;
     Status status;
     *now = one->beginning;
-    status = unit_step(one->unit, time, step);
+    status = instance_step(one->instance, time, step);
     *events = now->data[EVENT_COUNT_AT] - one->beginning.data[EVENT_COUNT_AT];
     return status;
 }
 
 /* After a step with events: the step to the first of them, which is due then in event mode, and over if the host
    has none. */
-static Status to_first_event(Instance *one, double time, double step, double events)
+static Status to_first_event(Session *one, double time, double step, double events)
 {
-    const double *data = one->unit->now.data;
+    const double *data = one->instance->now.data;
     double low = time, first = fmax(data[EVENT_TIME_AT], time), apart = 0.0, none;
     bool due = one->event_mode;
     Status status;
@@ -143,50 +132,50 @@ static Status to_first_event(Instance *one, double time, double step, double eve
 #endif
 
 /* The step; `to_event` if the host lets it end at an event, and it does. */
-static Status make_step(Instance *one, double time, double step, bool *to_event)
+static Status make_step(Session *one, double time, double step, bool *to_event)
 {
     *to_event = false;
 #ifdef EVENT_COUNT_AT
     if (one->early_return && step > 0.0) {
         double events;
         Status status;
-        unit_ready(one->unit, OUTPUTS_AT);
-        one->beginning = one->unit->now;
+        instance_ready(one->instance, OUTPUTS_AT);
+        one->beginning = one->instance->now;
         status = make(one, time, step, &events);
         *to_event = status == OK && events > 0.0;
         return *to_event ? to_first_event(one, time, step, events) : status;
     }
 #endif
-    return unit_step(one->unit, time, step);
+    return instance_step(one->instance, time, step);
 }
 
-fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step, fmi3Boolean no_set_state,
+fmi3Status fmi3DoStep(fmi3Instance handle, fmi3Float64 time, fmi3Float64 step, fmi3Boolean no_set_state,
                       fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *reached)
 {
-    Instance *one = instance;
+    Session *one = handle;
     double whole = time + step, end = whole;
     bool to_event, asks;
     Status status;
-    NEEDS_THAT(!UNIT->now.exchange, STEPPING, "fmi3DoStep", "in model exchange");
+    NEEDS_THAT(!INSTANCE->now.exchange, STEPPING, "fmi3DoStep", "in model exchange");
     (void)no_set_state;
     if (!event || !terminate || !early || !reached)
-        return unit_say(UNIT, ERROR, "fmi3DoStep: no place for what it tells");
+        return instance_say(INSTANCE, ERROR, "fmi3DoStep: no place for what it tells");
     *event = *terminate = *early = false; /* it never ends a run by itself */
-    *reached = UNIT->now.data[T_AT];
-    if (unit_goes_too_far(UNIT, time, step)) return fmi3Error;
+    *reached = INSTANCE->now.data[T_AT];
+    if (instance_exceeds_stop(INSTANCE, time, step)) return fmi3Error;
     asks = one->update && step > 0.0 && isfinite(whole);
-    if (asks || one->early_return) one->before = UNIT->now; /* else a step changes nothing unless it is made */
+    if (asks || one->early_return) one->before = INSTANCE->now; /* else a step changes nothing unless it is made */
     if (asks) {
         update(one, time, false, true, &end);
         if (one->gives) ask(one, time, step, &end);
     }
     status = make_step(one, time, end < whole ? end - time : step, &to_event);
     if (status != OK) {
-        if (asks || one->early_return) UNIT->now = one->before;
+        if (asks || one->early_return) INSTANCE->now = one->before;
         return status;
     }
-    if (one->gives) inputs_go_on(UNIT);
-    *reached = UNIT->now.data[T_AT];
+    if (one->gives) instance_continue_inputs(INSTANCE);
+    *reached = INSTANCE->now.data[T_AT];
     *event = to_event && one->event_mode;
     *early = *reached < whole;
     if (asks) update(one, *reached, false, true, NULL);

@@ -3,13 +3,13 @@
 #define FMI2_H
 
 #include "fmi2Functions.h"
-#include "unit.h"
+#include "instance.h"
 
-#define UNIT ((Unit *)c)
+#define INSTANCE ((Instance *)c)
 /* Leaves with an error where there is no instance, or the call is not allowed now. */
-#define NEEDS(phases, call)                                        \
-    do {                                                           \
-        if (!c || !unit_may(UNIT, phases, call)) return fmi2Error; \
+#define NEEDS(phases, call)                                                \
+    do {                                                                   \
+        if (!c || !instance_may(INSTANCE, phases, call)) return fmi2Error; \
     } while (0)
 #define MOVING (STEPPING | EVENT | CONTINUOUS)
 #define SETTABLE (INSTANTIATED | INITIALIZING | MOVING)

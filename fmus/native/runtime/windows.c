@@ -1,4 +1,4 @@
-/* What on Windows no system library has, so that a unit needs nothing else: the C library itself is part of the
+/* What on Windows no system library has, so that a instance needs nothing else: the C library itself is part of the
    system (ucrtbase.dll), and is ready without any start-up code. */
 #ifdef _WIN32
 

@@ -2,7 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "unit.h"
+#include "instance.h"
 
 /* Adds what a requirement says, with numbers and word in their places, to a message that has `used` bytes. */
 static void tell(const Requirement *requirement, const double *told, char *message, size_t used, size_t size)
@@ -27,9 +27,9 @@ static void tell(const Requirement *requirement, const double *told, char *messa
     }
 }
 
-bool unit_unmet(const Unit *unit, const Requirement *requirements, char *message, size_t size)
+bool instance_unmet(const Instance *instance, const Requirement *requirements, char *message, size_t size)
 {
-    const double *data = unit->now.data;
+    const double *data = instance->now.data;
     bool any = false;
     for (; requirements->met; requirements++) {
         double told[PLACES] = {0.0};
