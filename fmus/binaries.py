@@ -23,7 +23,7 @@ _PLATFORMS = {
     "linux64": (ELF, "x86_64"),
     "darwin64": (MACH_O, "x86_64 or aarch64"),
 }
-_TOLD = 3  # functions that are named where more are missing
+_NAMED_AT_MOST = 3  # functions that are named where more are missing
 
 
 def binary_faults(archive: zipfile.ZipFile, described: ModelDescription) -> list[str]:
@@ -35,7 +35,7 @@ def binary_faults(archive: zipfile.ZipFile, described: ModelDescription) -> list
         path = PurePosixPath(name)
         if not is_library(path):
             continue
-        needed = _needed(described) if path.stem in models else frozenset()
+        needed = _required_functions(described) if path.stem in models else frozenset()
         fault = library_fault(archive.read(name), path.parts[1], needed)
         faults += [f"{name}: {fault}"] if fault else []
     return faults
@@ -59,8 +59,8 @@ def library_fault(content: bytes, folder: str, needed: frozenset[str]) -> str:
         is_for = ", ".join(f"{one.processor} ({one.format})" for one in found)
         return f"is for {is_for}: must be for {wanted[1]} ({wanted[0]}), by its folder's name"
     if missing := sorted(needed - frozenset.intersection(*(one.exports for one in fitting))):
-        more = f" and {len(missing) - _TOLD} more" if len(missing) > _TOLD else ""
-        named = ", ".join(missing[:_TOLD])
+        more = f" and {len(missing) - _NAMED_AT_MOST} more" if len(missing) > _NAMED_AT_MOST else ""
+        named = ", ".join(missing[:_NAMED_AT_MOST])
         return f"does not export {named}{more}, which the standard asks for; it does not belong to this FMU"
     return ""
 
@@ -78,7 +78,7 @@ def _fits(library: Library, form: str, processors: str) -> bool:
     return library.format == form and library.processor in processors.split(" or ")
 
 
-def _needed(described: ModelDescription) -> frozenset[str]:
+def _required_functions(described: ModelDescription) -> frozenset[str]:
     if described.fmiVersion == "2.0":
         return functions(2, described.modelExchange is not None, described.coSimulation is not None)
     return functions(3)

@@ -23,12 +23,12 @@ from fmus.fmi.archive import digest_of, seal
 from models.catalogue import CATALOGUE
 from models.core.component import Component
 
-from .cross_check.inside import TOLD, references
-from .documentation import page
+from .cross_check.inside import REFERENCE_NOTE, references
+from .documentation import render_page
 from .fmi.description import GUID_PLACE, PYTHON, Experiment, Origin, model_description
-from .fmu_cache import cached, recall, there, tidy
-from .patch_elf import with_needed
-from .sources import shipped
+from .fmu_cache import cache_path, recall, tidy, use_cached
+from .patch_elf import add_needed_library
+from .sources import collect_sources
 
 HERE = Path(__file__).parent
 
@@ -94,20 +94,20 @@ def build(
     and for what cannot be such a library.
     """
     if destination is not None:
-        return written(packed(content_of(name, structure, libpython)), name, Path(destination))
+        return write_fmu(pack_files(content_of(name, structure, libpython)), name, Path(destination))
 
     def find() -> Path:
         files = content_of(name, structure, libpython)
-        target = cached(name, digest_of(files))
-        if not there(target):
-            written(packed(files), name, target)
+        target = cache_path(name, digest_of(files))
+        if not use_cached(target):
+            write_fmu(pack_files(files), name, target)
             tidy(target.parent)
         return target
 
     return recall(name, f"{structure} {libpython} {metadata.version('pythonfmu')}", find)
 
 
-def written(content: bytes, name: str, destination: Path) -> Path:
+def write_fmu(content: bytes, name: str, destination: Path) -> Path:
     """The file at `destination`, or called `name`.fmu in that folder; it appears whole or not at all."""
     target = destination if destination.suffix == ".fmu" else destination / f"{name}.fmu"
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -123,7 +123,7 @@ def written(content: bytes, name: str, destination: Path) -> Path:
     return target
 
 
-def packed(files: Mapping[str, bytes]) -> bytes:
+def pack_files(files: Mapping[str, bytes]) -> bytes:
     """The bytes of an FMU with these files."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -141,9 +141,9 @@ def content_of(
     name: str, structure: Mapping[str, int] | None = None, libpython: str | None = None
 ) -> dict[str, bytes]:
     """The FMU's files by path."""
-    sizes, component = chosen(name, structure)
+    sizes, component = sized_component(name, structure)
     factory = CATALOGUE[name]
-    package, code = shipped(factory)
+    package, code = collect_sources(factory)
     files = {f"resources/{path}": content for path, content in code.items()}
     script = _SCRIPT.format(
         name=name,
@@ -158,7 +158,7 @@ def content_of(
     licence = metadata.distribution("pythonfmu").read_text("licenses/LICENSE") or ""
     files["documentation/licenses/pythonfmu.txt"] = licence.encode()
     files |= _binaries(name, libpython) | documents(name, component)
-    if referenced(name, component):
+    if has_reference(name, component):
         files |= references(name, exchange=False)
     made_by = origin(f"PythonFMU {pythonfmu.__version__}")
     xml = model_description(component, name, experiment(name), made_by, PYTHON)
@@ -167,7 +167,7 @@ def content_of(
     return files
 
 
-def chosen(name: str, structure: Mapping[str, int] | None) -> tuple[dict[str, int], Component]:
+def sized_component(name: str, structure: Mapping[str, int] | None) -> tuple[dict[str, int], Component]:
     """The sizes of an FMU, and the component with them; KeyError and ValueError as `build`."""
     if name not in NAMES:
         raise KeyError(f"FMU {name!r}: must be one of {', '.join(NAMES)}")
@@ -178,7 +178,7 @@ def chosen(name: str, structure: Mapping[str, int] | None) -> tuple[dict[str, in
         raise ValueError(f"structure of {name}: {error}") from None
 
 
-def referenced(name: str, component: Component) -> bool:
+def has_reference(name: str, component: Component) -> bool:
     """Whether the FMU's folder has reference results of this component's sizes."""
     return name in REFERENCED and component.structure == CATALOGUE[name]().structure
 
@@ -217,7 +217,7 @@ def _binaries(name: str, libpython: str | None) -> dict[str, bytes]:
     for path in found:
         content = path.read_bytes()
         if libpython and path.suffix == ".so":
-            content = with_needed(content, libpython)
+            content = add_needed_library(content, libpython)
         files[f"binaries/{path.parent.name}/{name}{path.suffix}"] = content
     return files
 
@@ -225,9 +225,11 @@ def _binaries(name: str, libpython: str | None) -> dict[str, bytes]:
 def documents(name: str, component: Component) -> dict[str, bytes]:
     """What every FMU has for its readers."""
     folder = HERE / name
-    readme = (folder / "README.md").read_text("utf-8") + (TOLD if referenced(name, component) else "")
+    readme = (folder / "README.md").read_text("utf-8") + (
+        REFERENCE_NOTE if has_reference(name, component) else ""
+    )
     return {
-        "documentation/index.html": page(readme, component).encode(),
+        "documentation/index.html": render_page(readme, component).encode(),
         "documentation/licenses/LICENSE": _license().encode(),
         "model.png": (folder / "model.png").read_bytes(),
     }

@@ -36,7 +36,7 @@ _TITLES = {
 }
 
 
-def page(readme: str, component: Any) -> str:
+def render_page(readme: str, component: Any) -> str:
     """The HTML page of a README and its component. ValueError if the README lacks the marker."""
     before, marker, rest = readme.partition(f"\n{MARKER}")
     if not marker:

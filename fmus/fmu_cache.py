@@ -13,12 +13,12 @@ from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 
-from models.compile import cache_eviction as kept_files
+from models.compile import cache_eviction
 from models.compile.cache_eviction import use
 from models.compile.cache_folder import private_folder
 
 
-def cached(name: str, digest: str) -> Path:
+def cache_path(name: str, digest: str) -> Path:
     """Where the FMU made of what has this digest is kept; OSError where no such folder can be used."""
     return private_folder("fmus") / f"{name}-{digest[:16]}.fmu"
 
@@ -33,7 +33,7 @@ def recall(label: str, choice: str, find: Callable[[], Path]) -> Path:
     note = folder / f"{label}-{hashlib.sha256(f'{_sources()} {choice}'.encode()).hexdigest()[:16]}.note"
     use(note)
     with contextlib.suppress(OSError, UnicodeDecodeError):
-        if there(known := folder / note.read_text()):
+        if use_cached(known := folder / note.read_text()):
             return known
     found = find()
     note.write_text(found.name)
@@ -52,12 +52,12 @@ def _sources() -> str:
     return digest.hexdigest()
 
 
-def there(file: Path) -> bool:
-    """Whether the file is there; then it is kept from now on."""
+def use_cached(file: Path) -> bool:
+    """Whether the file exists. If so, it counts as used now, so that it is not evicted."""
     use(file)
     return file.is_file()
 
 
 def tidy(folder: Path) -> None:
     """Delete FMUs, their notes and what killed builds have left, where nobody has asked for them of late."""
-    kept_files.tidy([*folder.glob("*.fmu"), *folder.glob("*.note"), *folder.glob(".*.part")])
+    cache_eviction.tidy([*folder.glob("*.fmu"), *folder.glob("*.note"), *folder.glob(".*.part")])

@@ -33,7 +33,7 @@ KNOWN_VERSIONS = ("0.7.0",)
 # After the pointer to the table of virtual functions.
 _LOGGING_FLAG = ctypes.sizeof(ctypes.c_void_p)
 
-kept_threads: set[int] = set()
+attached_threads: set[int] = set()
 _closed_in_order: set[bytes] = set()
 
 
@@ -65,8 +65,8 @@ class Host:
     def keep_thread_state(self) -> None:
         """Keep the Python state of the calling thread, once per thread; Python's own threads lose nothing."""
         ident = threading.get_ident()
-        if ident not in kept_threads and self._logger:
-            kept_threads.add(ident)
+        if ident not in attached_threads and self._logger:
+            attached_threads.add(ident)
             ctypes.pythonapi.PyGILState_Ensure()
 
 

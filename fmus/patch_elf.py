@@ -12,7 +12,7 @@ from pathlib import Path
 _LIBRARY = re.compile(r"libpython3\.\d+\w*\.so[.\d]*")
 
 
-def with_needed(binary: bytes, library: str) -> bytes:
+def add_needed_library(binary: bytes, library: str) -> bytes:
     """An ELF binary with the Python library `library`, a name or a path, among those that it needs.
 
     ValueError for what is no such library, or if the tool that does it (patchelf) is missing or fails.

@@ -28,8 +28,8 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from .host import Host, kept_threads
-from .variable_layout import COEFFICIENTS, Memory, of_start
+from .host import Host, attached_threads
+from .variable_layout import COEFFICIENTS, Memory, name_as_start_value
 
 try:  # inside an FMU: the copy that belongs to its binary
     from .pythonfmu.enums import Fmi2Status
@@ -138,7 +138,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         if not faults:
             self._x[self.started] = self._x_start
             starts = component.start_faults(self._p, self._x, self._U[0])
-            faults = [of_start(fault) for fault in starts]
+            faults = [name_as_start_value(fault) for fault in starts]
         if faults:
             self._fatal("; ".join(faults))
         self._refresh()
@@ -153,7 +153,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Advance once by `step_size`; False, with a message and nothing changed, if that fails."""
-        if get_ident() not in kept_threads:
+        if get_ident() not in attached_threads:
             self._host.keep_thread_state()
         cells, at = self._cells, self.memory
         t = cells[at.t]

@@ -20,7 +20,7 @@ RUN_TIME = {"numpy", "numba", "llvmlite"}
 _SLAVE = ("host.py", "libpython.py", "variable_layout.py", "slave.py")
 
 
-def shipped(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]:
+def collect_sources(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]:
     """The name of the package that holds the code of `factory`'s component, and its files by path.
 
     The name has the digest of the content, so that two versions in one process never share modules.
@@ -28,12 +28,14 @@ def shipped(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]:
     root = Path(models.__file__).parent
     module = root.parent / Path(*factory.__module__.split(".")).with_suffix(".py")
     files = {
-        f"models/{path.relative_to(root).as_posix()}": path.read_bytes() for path in closure(module, root)
+        f"models/{path.relative_to(root).as_posix()}": path.read_bytes()
+        for path in find_imports(module, root)
     }
     files |= {name: (Path(__file__).parent / name).read_bytes() for name in _SLAVE}
     base = Path(pythonfmu.__file__).parent
     files |= {
-        f"pythonfmu/{path.name}": path.read_bytes() for path in closure(base / "fmi2slave.py", base, False)
+        f"pythonfmu/{path.name}": path.read_bytes()
+        for path in find_imports(base / "fmi2slave.py", base, False)
     }
     # Its own imports the builder and with it much that a slave has no need of.
     files["pythonfmu/__init__.py"] = b""
@@ -44,7 +46,7 @@ def shipped(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]:
     return package, {f"{package}/{name}": content for name, content in sorted(files.items())}
 
 
-def closure(module: Path, root: Path, packages: bool = True) -> list[Path]:
+def find_imports(module: Path, root: Path, packages: bool = True) -> list[Path]:
     """The files below `root` that `module` needs: itself, what it imports, and (with `packages`) the
     `__init__.py` of the packages on the way.
 
@@ -67,10 +69,10 @@ def closure(module: Path, root: Path, packages: bool = True) -> list[Path]:
 @functools.cache
 def _imports(file: Path, root: Path) -> tuple[Path, ...]:
     """Read once a process: the components of one command share most of their files."""
-    return tuple(_imported(file, root))
+    return tuple(_parse_imports(file, root))
 
 
-def _imported(file: Path, root: Path) -> Iterator[Path]:
+def _parse_imports(file: Path, root: Path) -> Iterator[Path]:
     for node in ast.walk(ast.parse(file.read_bytes(), str(file))):
         if isinstance(node, ast.ImportFrom) and node.level:
             folder = file.parents[node.level - 1]

@@ -154,7 +154,7 @@ class Memory:
         return tuple(found)
 
 
-def of_start(message: str) -> str:
+def name_as_start_value(message: str) -> str:
     """A message on a state as one on the variable of its start: psi = ... becomes psi_start = ..."""
     return re.sub(r"^\w+", r"\g<0>_start", message)
 

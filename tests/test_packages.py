@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from fmus.native.translate import translated
+from fmus.native.translate import translate
 from tribocosim.packages import NAMES
 
 ROOT = Path(__file__).parents[1]
@@ -81,4 +81,4 @@ def test_neither_does_the_translation_to_machine_code(
 ) -> None:
     occupied(tmp_path, "models", False)
     monkeypatch.chdir(tmp_path)
-    assert "kernel_step" in translated("coupled_mass", {})
+    assert "kernel_step" in translate("coupled_mass", {})

@@ -12,7 +12,7 @@ from .compare import Comparison, compare
 from .files import CrossCheckError
 
 
-def compared(
+def compare_in_process(
     paths: Sequence[Path], tolerance: float | None
 ) -> Iterator[tuple[Path, list[Comparison] | CrossCheckError]]:
     """What `compare` says of each file, or why nothing can be said; one process until a file ends it."""

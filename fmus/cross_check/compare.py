@@ -16,10 +16,10 @@ import numpy as np
 from fmpy.model_description import ModelDescription, read_model_description
 from numpy.typing import NDArray
 
-from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, one_line, opened
+from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, one_line, open_archive
 from models.monolithic.reference import SHARPEST
 
-from .exchange import integrated
+from .exchange import integrate
 from .files import CrossCheckError, Options, Table, read_csv, read_options
 from .inside import FOLDER
 
@@ -99,7 +99,7 @@ def compare(path: Path, tolerance: float | None = None) -> list[Comparison]:
     only. `tolerance` replaces that of the .opt file. CrossCheckError, in one line, where there is nothing to
     compare with or the FMU does not run.
     """
-    described = _described(path)
+    described = _read_description(path)
     files, place = _beside(path), "reference beside the file"
     if not files:
         files, place = _inside(path), "reference inside the file"
@@ -111,7 +111,7 @@ def compare(path: Path, tolerance: float | None = None) -> list[Comparison]:
             allowed = tolerance or reference.options.tolerance
             if allowed == 0.0:
                 raise CrossCheckError("RelTol = 0 in the .opt file says nothing; give --tolerance")
-            result = _simulated(path, described, kind, reference, allowed)
+            result = _simulate(path, described, kind, reference, allowed)
         except CrossCheckError as error:
             raise CrossCheckError(f"{path}: {error}") from None
         deviations = _deviations(described, reference.results, result)
@@ -119,9 +119,9 @@ def compare(path: Path, tolerance: float | None = None) -> list[Comparison]:
     return found
 
 
-def _described(path: Path) -> ModelDescription:
+def _read_description(path: Path) -> ModelDescription:
     try:
-        with opened(path) as archive:
+        with open_archive(path) as archive:
             faults = archive_faults(archive)
     except FmuFileError as error:
         raise CrossCheckError(str(error)) from None
@@ -161,7 +161,7 @@ def _beside(path: Path) -> dict[str, str]:
 
 def _inside(path: Path) -> dict[str, str]:
     """Reference files that the FMU, whose archive has no faults, ships, by name."""
-    with opened(path) as archive:
+    with open_archive(path) as archive:
         names = [n for n in archive.namelist() if n.startswith(FOLDER) and n.endswith((".csv", ".opt"))]
         texts = {name: archive.read(name).decode("utf-8", "replace") for name in names}
     return {name.removeprefix(FOLDER + "/"): text for name, text in texts.items()}
@@ -184,11 +184,11 @@ def _reference(kind: str, files: Mapping[str, str]) -> Reference:
     return Reference(
         options=options,
         inputs=None if inputs is None else read_csv(inputs, f"{name}_in.csv"),
-        results=_judged(read_csv(files[results], results), options, results),
+        results=_select_instants(read_csv(files[results], results), options, results),
     )
 
 
-def _judged(results: Table, options: Options, name: str) -> Table:
+def _select_instants(results: Table, options: Options, name: str) -> Table:
     """The results within the run, without instants that stand more than once: events, where values jump."""
     instants, counts = np.unique(results.times, return_counts=True)
     near = 1e-9 * (options.stop_time - options.start_time)
@@ -202,7 +202,7 @@ def _judged(results: Table, options: Options, name: str) -> Table:
 def _check_variables(described: ModelDescription, reference: Reference) -> None:
     known = {variable.name: variable for variable in described.modelVariables}
     inputs = [(name, None) for name in (reference.inputs.columns if reference.inputs else ())]
-    for name, place in [*(_recorded(described, name) for name in reference.results.columns), *inputs]:
+    for name, place in [*(_find_variable(described, name) for name in reference.results.columns), *inputs]:
         if name not in known:
             raise CrossCheckError(f"has no variable {name}, which its reference files name")
         array = bool(known[name].dimensions) and place is None
@@ -210,7 +210,7 @@ def _check_variables(described: ModelDescription, reference: Reference) -> None:
             raise CrossCheckError(f"{name}, which its reference files name, is no single number")
 
 
-def _recorded(described: ModelDescription, name: str) -> tuple[str, int | None]:
+def _find_variable(described: ModelDescription, name: str) -> tuple[str, int | None]:
     """The variable that is recorded for a column, and the place of the element where it is an array of FMI 3:
     x[2] is the second one of x."""
     stem, bracket, index = name.partition("[")
@@ -220,18 +220,18 @@ def _recorded(described: ModelDescription, name: str) -> tuple[str, int | None]:
     return name, None
 
 
-def _simulated(
+def _simulate(
     path: Path, described: ModelDescription, kind: str, reference: Reference, allowed: float
 ) -> NDArray[np.void]:
     """The run's variables over time, as fmpy gives them; an instant may stand more than once."""
-    columns = (_recorded(described, name)[0] for name in reference.results.columns)
+    columns = (_find_variable(described, name)[0] for name in reference.results.columns)
     o, named = reference.options, list(dict.fromkeys(columns))
     times = np.unique(reference.results.times)
     with _silence() as said:
         try:
             if kind == MODEL_EXCHANGE:
                 told = max(SOLVER_SHARE * allowed, SHARPEST)
-                return integrated(path, described, o, reference.inputs, times, named, told)
+                return integrate(path, described, o, reference.inputs, times, named, told)
             result: NDArray[np.void] = fmpy.simulate_fmu(
                 str(path),
                 validate=False,
@@ -265,7 +265,7 @@ def _deviations(described: ModelDescription, reference: Table, result: NDArray[n
     close = 1e-9 * max(abs(times[-1]), abs(times[0]))
     found = []
     for name, values in reference.columns.items():
-        recorded, place = _recorded(described, name)
+        recorded, place = _find_variable(described, name)
         run = np.asarray(result[recorded], dtype=np.float64)
         run = run if place is None else run[:, place]
         apart = np.array(

@@ -34,7 +34,7 @@ _MOST = 1000
 _SAME = 1e-12
 
 
-def integrated(
+def integrate(
     path: Path,
     described: ModelDescription,
     options: Options,

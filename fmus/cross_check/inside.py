@@ -13,7 +13,7 @@ FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 MANIFEST = f"{FOLDER}/fmi-ls-manifest.xml"
 
 # What the FMU's documentation says of it.
-TOLD = f"""
+REFERENCE_NOTE = f"""
 ## Reference results
 
 Inputs and results of a run, found by another solver, are in `{FOLDER}/` of this file; the `README.md` there

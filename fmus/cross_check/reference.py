@@ -59,12 +59,12 @@ def results(name: str, course: Course) -> Results:
     rows = np.column_stack([instants, solved.outputs[:, columns]])
     written = csv_text(["time", *course.outputs], rows.tolist(), DIGITS)
     values = read_csv(written, f"{name}_ref.csv").columns
-    steps = stepped(component, pieces, instants, course.step_size)
+    steps = step_component(component, pieces, instants, course.step_size)
     size = {output: largest(values[output]) for output in course.outputs}
     by_output = list(zip(course.outputs, columns, strict=True))
     uncertainty = {o: float(np.max(solved.difference[:, i])) / size[o] for o, i in by_output}
     apart = {o: float(np.max(np.abs(steps[:, i] - values[o]))) / size[o] for o, i in by_output}
-    tolerance = stated(max(*apart.values(), *uncertainty.values()))
+    tolerance = round_tolerance(max(*apart.values(), *uncertainty.values()))
     return Results(
         files={
             f"{name}_in.csv": inputs,
@@ -79,7 +79,7 @@ def results(name: str, course: Course) -> Results:
     )
 
 
-def stated(measured: float) -> float:
+def round_tolerance(measured: float) -> float:
     """The tolerance for a difference: the next power of ten above ten times as much, at least 1e-8."""
     return float(f"1e{math.ceil(math.log10(max(MARGIN * measured, LEAST)))}")
 
@@ -104,7 +104,7 @@ def pieces_of(component: Component, inputs: Table) -> list[Piece]:
     return pieces
 
 
-def stepped(component: Component, pieces: Sequence[Piece], instants: Vector, h: float) -> Vector:
+def step_component(component: Component, pieces: Sequence[Piece], instants: Vector, h: float) -> Vector:
     """Outputs at `instants`, rows, of the component moved by its own steps of h (s), as an FMU is.
 
     ValueError if a step fails.

@@ -53,7 +53,7 @@ class Course:
         interpolates what it reads has the right one on either side.
         """
         times = [Decimal(repr(float(t))) for t in np.asarray(self.corners)]
-        values = {name: [_rounded(v) for v in np.asarray(line)] for name, line in self.inputs.items()}
+        values = {name: [_round(v) for v in np.asarray(line)] for name, line in self.inputs.items()}
         slopes = {name: _slopes(times, line) for name, line in values.items()}
         moving = [name for name, line in slopes.items() if any(line)]
         names = ["time"]
@@ -88,7 +88,7 @@ def slope_of(name: str) -> str:
     return f"{stem}_der1{bracket}{index}"
 
 
-def _rounded(value: float) -> Decimal:
+def _round(value: float) -> Decimal:
     return Decimal(f"{float(value):.{DIGITS}g}")
 
 

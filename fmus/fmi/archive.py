@@ -25,7 +25,7 @@ class FmuFileError(ValueError):
     """The file is not an FMU that can be read; the message says why in one line."""
 
 
-def opened(path: Path) -> zipfile.ZipFile:
+def open_archive(path: Path) -> zipfile.ZipFile:
     """The archive, to be closed by the caller; FmuFileError if there is none."""
     if not path.is_file():
         raise FmuFileError(f"{path}: {'is a folder; give an .fmu file' if path.is_dir() else 'no such file'}")
@@ -87,10 +87,10 @@ def seal(files: Mapping[str, bytes]) -> bytes:
     return _SEAL + digest_of(files).encode()
 
 
-def sealed(path: Path) -> bool:
+def is_sealed(path: Path) -> bool:
     """Whether the FMU was made by this program, any version of it, and nothing in it has changed since."""
     try:
-        with opened(path) as archive:
+        with open_archive(path) as archive:
             if not archive.comment.startswith(_SEAL) or archive_faults(archive):
                 return False
             return archive.comment == seal({name: archive.read(name) for name in archive.namelist()})

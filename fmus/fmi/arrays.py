@@ -16,7 +16,7 @@ from ..variable_layout import Variable
 
 
 @dataclass(frozen=True)
-class Shaped:
+class ArrayVariable:
     """A variable of FMI 3.0: a scalar, or an array of one dimension with its elements; alike but for their
     names, references and start values."""
 
@@ -30,9 +30,12 @@ class Shaped:
         return self.elements[0]
 
 
-def shaped(variables: Iterable[Variable]) -> list[Shaped]:
+def group_arrays(variables: Iterable[Variable]) -> list[ArrayVariable]:
     """The variables of FMI 3.0, in the same order."""
-    return [Shaped(name, tuple(elements), array) for (name, array), elements in groupby(variables, _array_of)]
+    return [
+        ArrayVariable(name, tuple(elements), array)
+        for (name, array), elements in groupby(variables, _array_of)
+    ]
 
 
 def _array_of(variable: Variable) -> tuple[str, bool]:

@@ -10,7 +10,7 @@ from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
 from ..variable_layout import Memory, Variable
-from .arrays import Shaped, shaped
+from .arrays import ArrayVariable, group_arrays
 from .description import (
     GUID_PLACE,
     Experiment,
@@ -65,7 +65,7 @@ def model_description(component: Any, model_name: str, experiment: Experiment, o
     _types(SubElement(root, "TypeDefinitions"), types(variables))
     running(root, experiment)
     listed = SubElement(root, "ModelVariables")
-    declared = shaped(variables)
+    declared = group_arrays(variables)
     for one in declared:
         _variable(listed, one)
     # Of each element the reference of its array.
@@ -107,7 +107,7 @@ def _types(parent: Element, examples: Mapping[str, Variable]) -> None:
             items(SubElement(parent, "EnumerationType", name=name), variable)
 
 
-def _variable(parent: Element, declared: Shaped) -> None:
+def _variable(parent: Element, declared: ArrayVariable) -> None:
     variable = declared.first
     attributes = {
         "name": declared.name,

@@ -19,7 +19,7 @@ from fmpy.model_description import ModelDescription, read_model_description
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, one_line, opened
+from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, one_line, open_archive
 
 from ..binaries import binary_faults, is_library
 
@@ -88,7 +88,7 @@ def validate(path: Path | str) -> list[str]:
     """What is wrong with the FMU at `path`: the archive first, then its content (fmpy's checks and ours)."""
     path = Path(path)
     try:
-        with opened(path) as archive:
+        with open_archive(path) as archive:
             faults = archive_faults(archive)
             if faults:
                 return faults
@@ -101,7 +101,7 @@ def validate(path: Path | str) -> list[str]:
     if version != "1.0" and not faults:
         described = read_model_description(str(path), validate=False)
         faults += _content_faults(described, names)
-        with opened(path) as archive:
+        with open_archive(path) as archive:
             faults += binary_faults(archive, described)
         if terminals:
             faults += terminal_faults(terminals, {v.name for v in described.modelVariables})
@@ -134,7 +134,7 @@ def terminal_faults(xml: bytes, variables: Collection[str]) -> list[str]:
 def info(path: Path | str) -> FmuInfo:
     """What the FMU at `path` is. FmuFileError with one line if it cannot be read."""
     path = Path(path)
-    with opened(path) as archive:
+    with open_archive(path) as archive:
         if faults := archive_faults(archive):
             raise FmuFileError(f"{path}: {faults[0]}")
         _fmi_version(archive)

@@ -31,9 +31,9 @@ class DifferentiationError(ValueError):
     """An instruction whose derivative is not known; the message shows it."""
 
 
-def differentiated(kernels: str, entries: Sequence[str]) -> str:
+def differentiate(kernels: str, entries: Sequence[str]) -> str:
     """tangent_<entry> in LLVM's language, for these entries of translated `kernels`."""
-    module = _simplified(kernels, {_KERNEL + entry for entry in entries})
+    module = _simplify(kernels, {_KERNEL + entry for entry in entries})
     functions = [f for f in module.functions if not f.is_declaration]
     made = {f.name: _tangent_name(f.name) for f in functions}
     tangents = [_tangent_of(f, made) for f in functions]
@@ -61,7 +61,7 @@ def llvm() -> Any:
     return llvmlite.binding
 
 
-def _simplified(kernels: str, names: Set[str]) -> Any:
+def _simplify(kernels: str, names: Set[str]) -> Any:
     """The module with these functions and what they call, every value named."""
     module = llvm().parse_assembly(kernels)
     for f in module.functions:
@@ -98,12 +98,12 @@ def _tangent_of(function: Any, made: Mapping[str, str]) -> str:
     kind = str(function.global_value_type).partition(" ")[0]
     # They run where a host asks for derivatives, so that their size counts more than their speed.
     code.lines.append(
-        f"define {'' if kernel else 'internal '}{kind} @{_quoted(made[function.name])}"
+        f"define {'' if kernel else 'internal '}{kind} @{_quote(made[function.name])}"
         f"({', '.join(_arguments(function, exempt))}) minsize optsize {{"
     )
     tangents = _Tangents(code, exempt, made)
     for block in function.blocks:
-        code.lines.append(f"{_quoted(block.name)}:")
+        code.lines.append(f"{_quote(block.name)}:")
         instructions = [i for i in block.instructions if not any(name in str(i) for name in _IGNORED)]
         phis = sum(i.opcode == "phi" for i in instructions)
         code.lines += map(_text, instructions[:phis])
@@ -151,11 +151,11 @@ class _Tangents:
             if kind == "ptr" and self._is_lost(argument):
                 raise _unknown(i)
             if kind in ("double", "ptr"):
-                given.append(f"{kind} {self._passed(argument)}")
+                given.append(f"{kind} {self._pass_argument(argument)}")
         kind, result = str(i.type), f"{_local(i.name)} = " if i.name else ""
         if kind in ("double", "ptr"):
             raise _unknown(i)
-        name = _quoted(self.made[function.name])
+        name = _quote(self.made[function.name])
         self.code.lines.append(f"  {result}call {kind} @{name}({', '.join(given)})")
 
     def of_phi(self, phi: Any) -> None:
@@ -164,7 +164,7 @@ class _Tangents:
             pairs = list(zip(phi.operands, phi.incoming_blocks, strict=True))
             if kind == "ptr" and any(self._is_lost(value) for value, _ in pairs):
                 self.lost.add(phi.name)
-            arms = (f"[ {self._passed(value)}, {_local(block.name)} ]" for value, block in pairs)
+            arms = (f"[ {self._pass_argument(value)}, {_local(block.name)} ]" for value, block in pairs)
             self.code.lines.append(f"  {_shadow(phi.name)} = phi {kind} {', '.join(arms)}")
 
     def of(self, i: Any) -> None:
@@ -186,7 +186,7 @@ class _Tangents:
         constant = pointer.is_constant and _value(pointer) != _NO_POINTER
         return constant or pointer.name in self.lost or pointer.name in self.nothing
 
-    def _passed(self, value: Any) -> str:
+    def _pass_argument(self, value: Any) -> str:
         """The tangent of an operand, by its name where it has one."""
         if value.is_constant:
             return ZERO if str(value.type) == "double" else _NO_POINTER
@@ -307,11 +307,11 @@ def _value(value: Any) -> str:
     """An operand as it stands in instructions."""
     if value.is_constant and not value.is_global:
         return str(value).partition(" ")[2]
-    return f"@{_quoted(value.name)}" if value.is_global else _local(value.name)
+    return f"@{_quote(value.name)}" if value.is_global else _local(value.name)
 
 
 def _local(name: str) -> str:
-    return "%" + _quoted(name)
+    return "%" + _quote(name)
 
 
 def _shadow(name: str) -> str:
@@ -319,5 +319,5 @@ def _shadow(name: str) -> str:
     return _local(name + ".d")
 
 
-def _quoted(name: str) -> str:
+def _quote(name: str) -> str:
     return name if re.fullmatch(r"[-\w$.]+", name) else f'"{name}"'

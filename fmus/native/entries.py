@@ -104,7 +104,7 @@ def _of_requirements(component: Any, state: Layout, m: int, parameters: int) -> 
 
         return entry_requirement
 
-    def of_start(met: Any) -> Callable[..., Any]:
+    def requirement_of_start(met: Any) -> Callable[..., Any]:
         def entry_start_requirement(x: Any, u: Any, p: Any, told: Any) -> int:
             fits = met(
                 record_of(carray(x, (n,)), X),
@@ -120,7 +120,7 @@ def _of_requirements(component: Any, state: Layout, m: int, parameters: int) -> 
     for i, rule in enumerate(component.requirements):
         yield Entry(f"{REQUIREMENT}_{i}", of_parameters(rule.met), signature)
     for i, rule in enumerate(component.start_requirements):
-        yield Entry(f"{START_REQUIREMENT}_{i}", of_start(rule.met), signature)
+        yield Entry(f"{START_REQUIREMENT}_{i}", requirement_of_start(rule.met), signature)
 
 
 def _of_events(component: Any, n: int, m: int, parameters: int) -> Iterator[Entry]:

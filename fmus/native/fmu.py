@@ -17,10 +17,10 @@ from ..cross_check.inside import references
 from ..fmi import description3
 from ..fmi.description import EXCHANGE, GUID_PLACE, NATIVE, model_description
 from ..fmi.terminals import FOLDER, terminals_and_icons
-from ..fmu_cache import cached, recall, there, tidy
-from ..sources import shipped
+from ..fmu_cache import cache_path, recall, tidy, use_cached
+from ..sources import collect_sources
 from ..variable_layout import Memory
-from .differentiate import differentiated
+from .differentiate import differentiate
 from .entries import smooth
 from .machine_code import (
     FMI_HEADERS,
@@ -31,7 +31,7 @@ from .machine_code import (
     this_platform,
 )
 from .tables import tables
-from .translate import TranslationError, translated
+from .translate import TranslationError, translate
 
 # What makes machine code, and the constants in it; other versions may make others.
 _TOOLS = ("numba", "llvmlite", "ziglang", "fmpy", "numpy", "scipy")
@@ -43,26 +43,26 @@ def build(
     structure: Mapping[str, int] | None = None,
     platforms: Sequence[str] = tuple(PLATFORMS),
     fmi: int = 2,
-    told: Callable[[str], None] = lambda step: None,
+    progress: Callable[[str], None] = lambda step: None,
 ) -> Path:
     """Build the native FMU `name` for these platforms and this version of FMI, 2 or 3, and return its path.
 
     Otherwise as the build of the FMU that runs in Python; a file in a folder is called `name`-native.fmu or
-    `name`-native-fmi3.fmu. `told` is called with each step of the work (seconds to minutes) as it begins.
+    `name`-native-fmi3.fmu. `progress` is called at the beginning of each step of the work (seconds to minutes).
     TranslationError for kernels and sizes that need Python, NativeBuildError without the tools.
     """
-    sizes, component = python_build.chosen(name, structure)
+    sizes, component = python_build.sized_component(name, structure)
     check_component(name)
     label = f"{name}-native" if fmi == 2 else f"{name}-native-fmi{fmi}"
 
     @cache
     def pack() -> bytes:
-        return python_build.packed(content_of(name, component, sizes, platforms, fmi, told))
+        return python_build.pack_files(content_of(name, component, sizes, platforms, fmi, progress))
 
     def find() -> Path:
-        target = cached(label, _made_of(name, sizes, platforms))
-        if not there(target):
-            python_build.written(pack(), label, target)
+        target = cache_path(label, _digest_inputs(name, sizes, platforms))
+        if not use_cached(target):
+            python_build.write_fmu(pack(), label, target)
             tidy(target.parent)
         return target
 
@@ -71,11 +71,11 @@ def build(
         if destination is None:
             return target
         content = target.read_bytes()
-    except OSError:  # it is not kept, that is all
+    except OSError:  # the cache cannot be used
         if destination is None:
             raise
         content = pack()
-    return python_build.written(content, label, Path(destination))
+    return python_build.write_fmu(content, label, Path(destination))
 
 
 def content_of(
@@ -84,10 +84,10 @@ def content_of(
     sizes: Mapping[str, int],
     platforms: Sequence[str],
     fmi: int = 2,
-    told: Callable[[str], None] = lambda step: None,
+    progress: Callable[[str], None] = lambda step: None,
 ) -> dict[str, bytes]:
     """The FMU's files by path."""
-    told("its equations and their derivatives")
+    progress("its equations and their derivatives")
     kernels = _kernels(name, tuple(sorted(sizes.items())), tuple(smooth(component)))
     made_by = python_build.origin("LLVM and zig")
     experiment = python_build.experiment(name)
@@ -104,7 +104,7 @@ def content_of(
     token = f"{{{uuid.UUID(digest[:32])}}}"
     named = tables(component, name, digest[:16], token, fmi)
     files = python_build.documents(name, component)
-    if python_build.referenced(name, component):
+    if python_build.has_reference(name, component):
         files |= references(name, exchange=True)
     described = {variable.name for variable in Memory(component).variables()}
     icon = files.pop("model.png") if fmi == 3 else files["model.png"]
@@ -112,7 +112,7 @@ def content_of(
     files[f"{FOLDER}/{FOLDER}.xml"] = terminals_and_icons(name, described).encode()
     files["modelDescription.xml"] = xml.replace(GUID_PLACE, token).encode()
     for count, platform in enumerate(map(PLATFORMS.__getitem__, platforms), 1):
-        told(f"machine code for {platform.fmi3} ({count} of {len(platforms)})")
+        progress(f"machine code for {platform.fmi3} ({count} of {len(platforms)})")
         folder = platform.fmi2 if fmi == 2 else platform.fmi3
         library = shared_library(platform, kernels, named, name, fmi)
         files[f"binaries/{folder}/{name}{platform.suffix}"] = library
@@ -122,13 +122,13 @@ def content_of(
 @cache
 def _kernels(name: str, sizes: tuple[tuple[str, int], ...], smooth_ones: tuple[str, ...]) -> tuple[str, str]:
     """Kernels and their tangents, for both versions of FMI."""
-    plain = translated(name, dict(sizes))
-    return plain, differentiated(plain, smooth_ones)
+    plain = translate(name, dict(sizes))
+    return plain, differentiate(plain, smooth_ones)
 
 
-def _made_of(name: str, sizes: Mapping[str, int], platforms: Sequence[str]) -> str:
+def _digest_inputs(name: str, sizes: Mapping[str, int], platforms: Sequence[str]) -> str:
     """The digest of all that the FMU is made of."""
-    package, _ = shipped(CATALOGUE[name])
+    package, _ = collect_sources(CATALOGUE[name])
     here = Path(__file__).parent
     files = {f"fmus/{path.relative_to(here.parent)}": path.read_bytes() for path in here.parent.rglob("*.py")}
     documents = {path.name: path.read_bytes() for path in (here.parent / name).iterdir() if path.is_file()}

@@ -94,8 +94,8 @@ class NativeBuildError(RuntimeError):
 def shared_library(
     place: Platform, kernels: Sequence[str], tables: Mapping[str, str], name: str, fmi: int = 2
 ) -> bytes:
-    """The library `name` for a platform: kernels (modules in LLVM's language) and tables with the runtime of that
-    version of FMI."""
+    """The library `name` for a platform: the runtime for a version of FMI, tables, and kernels (modules in
+    LLVM's language)."""
     with tempfile.TemporaryDirectory(prefix="tribocosim-native-") as folder:
         here = Path(folder)
         (here / "kernels.o").write_bytes(object_code(place, kernels))
@@ -152,7 +152,7 @@ def object_code(place: Platform, kernels: Sequence[str]) -> bytes:
     machine = target.create_target_machine(opt=3, reloc="pic", codemodel="default")
     layout = str(machine.target_data)
     plain, *tangents = (
-        _optimised(text, place.triple, layout, machine, not i) for i, text in enumerate(kernels)
+        _optimise(text, place.triple, layout, machine, not i) for i, text in enumerate(kernels)
     )
     for other in tangents:
         plain.link_in(other)
@@ -160,7 +160,7 @@ def object_code(place: Platform, kernels: Sequence[str]) -> bytes:
     return machine.emit_object(plain)
 
 
-def _optimised(text: str, triple: str, layout: str, machine: Any, vectors: bool) -> Any:
+def _optimise(text: str, triple: str, layout: str, machine: Any, vectors: bool) -> Any:
     """A module with all that makes it faster, but for what makes it larger and no faster: loops written out,
     and vectors of values that happen to stand together. `vectors`: loops compute several elements at once."""
     binding = llvm()

@@ -11,8 +11,8 @@ from models.core.component import NO_EVENT
 from models.core.integrator import FAILURES
 from models.core.requirements import PLACES, Requirement
 
-from ..fmi.arrays import shaped
-from ..variable_layout import Memory, Variable, of_start
+from ..fmi.arrays import group_arrays
+from ..variable_layout import Memory, Variable, name_as_start_value
 from .entries import REQUIREMENT, START_REQUIREMENT
 
 _KINDS = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "Enumeration": "ENUMERATION"}
@@ -64,7 +64,7 @@ def tables(component: Any, name: str, digest: str, token: str, fmi: int = 2) -> 
     elements = {v.reference: 1 for v in variables}
     if fmi == 3:
         elements = {v.reference: 0 for v in variables}
-        elements |= {one.first.reference: len(one.elements) for one in shaped(variables)}
+        elements |= {one.first.reference: len(one.elements) for one in group_arrays(variables)}
     declared = (_variable(v, elements[v.reference]) for v in variables)
     told = (f'{_string(v.name)} "\\0" {_string(_allowed(v))} "\\0"' for v in variables)
     messages = [FAILURES.get(status, "") for status in range(max(FAILURES) + 1)]
@@ -80,7 +80,9 @@ def tables(component: Any, name: str, digest: str, token: str, fmi: int = 2) -> 
         _array("int", "rated", "", map(str, (*memory.rated, -1))),
         _array("char *const", "failures", "FAILURES", map(_string, messages)),
         _requirements("requirements", REQUIREMENT, component.requirements),
-        _requirements("start_requirements", START_REQUIREMENT, component.start_requirements, of_start),
+        _requirements(
+            "start_requirements", START_REQUIREMENT, component.start_requirements, name_as_start_value
+        ),
     )
     return {
         "sizes.h": "".join(f"#define {key} {value}\n" for key, value in defined.items()),

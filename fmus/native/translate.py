@@ -1,4 +1,4 @@
-"""A component's entries in LLVM's intermediate language, for any processor: `translated("camshaft", {})`.
+"""A component's entries in LLVM's intermediate language, for any processor: `translate("camshaft", {})`.
 
 Compiled in a process of its own for a processor without peculiarities, so that every machine makes the same.
 What the code calls must be elementary mathematics or LLVM's own: kernels that allocate, raise or call Python
@@ -42,7 +42,7 @@ class TranslationError(ValueError):
     """A kernel does what machine code without Python cannot; the message says what."""
 
 
-def translated(name: str, structure: Mapping[str, int]) -> str:
+def translate(name: str, structure: Mapping[str, int]) -> str:
     """The entries of the component `name` with these sizes, as functions kernel_<entry>."""
     sizes = [f"{key}={value}" for key, value in sorted(structure.items())]
     root = Path(__file__).parents[2]

@@ -182,8 +182,8 @@ def _build_native(
         if platform not in PLATFORMS:
             raise MistakeError(f"no platform {platform!r}; {suggestion(platform, PLATFORMS)}")
     try:
-        with _show_progress(name) as told:
-            return build(name, out, sizes, tuple(platforms or PLATFORMS), fmi, told)
+        with _show_progress(name) as progress:
+            return build(name, out, sizes, tuple(platforms or PLATFORMS), fmi, progress)
     except (NativeBuildError, TranslationError) as error:
         raise MistakeError(str(error)) from None
 
@@ -213,14 +213,14 @@ def _show_progress(name: str) -> Iterator[Callable[[str], None]]:
     begun = False
     with console.status(f"native FMU {name}") as status:
 
-        def told(step: str) -> None:
+        def show_step(step: str) -> None:
             nonlocal begun
             if not begun and not console.is_terminal:
                 say(f"building the native FMU {name} (once; up to minutes)")
             begun = True
             status.update(f"native FMU {name}: {step}")
 
-        yield told
+        yield show_step
 
 
 def _parse_size(text: str) -> tuple[str, int]:
@@ -296,7 +296,7 @@ def fmu_compare(
 ) -> int:
     """Run FMUs and compare with their reference results, inside the file or beside it; exit status 1 if one
     differs, 2 if one has no reference or does not run."""
-    from fmus.cross_check.apart import compared
+    from fmus.cross_check.apart import compare_in_process
     from fmus.cross_check.files import CrossCheckError
 
     from ..errors import MistakeError
@@ -310,7 +310,7 @@ def fmu_compare(
             raise MistakeError(f"{file}: has no .fmu files")
         paths += below
     status = 0
-    for path, found in compared(paths, tolerance):
+    for path, found in compare_in_process(paths, tolerance):
         if isinstance(found, CrossCheckError):
             say(str(found))
             status = 2

@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 
 from fmpy import read_model_description
 
-from fmus.fmi.archive import sealed
+from fmus.fmi.archive import is_sealed
 
 VERSIONS = ("2.0", "3.0")
 OWN_TOOL = "tribocosim "
@@ -132,7 +132,7 @@ def is_made_here(path: Path) -> bool:
 
 @functools.lru_cache(maxsize=256)
 def _is_made_here(path: Path, changed: int, size: int) -> bool:
-    return sealed(path) and read_description(path).is_own
+    return is_sealed(path) and read_description(path).is_own
 
 
 class DescriptionError(ValueError):

@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from fmus.fmi.archive import FmuFileError, archive_faults, opened
+from fmus.fmi.archive import FmuFileError, archive_faults, open_archive
 from models.core.component import Component
 from models.core.quantities import Field, Layout, Quantity, Vector
 from models.core.system import ModelError
@@ -61,7 +61,7 @@ def read_component(path: Path) -> Component:
 @functools.lru_cache(maxsize=256)
 def _read_component(path: Path, changed: int, size: int) -> Component:
     try:
-        with opened(path) as archive:
+        with open_archive(path) as archive:
             if faults := archive_faults(archive):
                 raise FmuFileError(f"{path}: {faults[0]}; give another file")
         about = read_description(path)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from fmus.fmi.archive import FmuFileError, archive_faults, opened
+from fmus.fmi.archive import FmuFileError, archive_faults, open_archive
 from models.core.evaluation import check_start
 from models.core.system import System, suggestion
 
@@ -81,7 +81,7 @@ def _check_file(name: str, path: Path, variables: Iterable[str]) -> None:
     """The file is a sound co-simulation FMU with these variables."""
     where = f"components.{name}.participant: "
     try:
-        with opened(path) as archive:
+        with open_archive(path) as archive:
             faults = archive_faults(archive)
     except FmuFileError as error:
         raise ScenarioError(f"{where}{error}") from None

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, opened
+from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, open_archive
 from models.compile.cache_folder import private_folder, user_cache_directory
 from models.core.component import Component
 from models.core.system import suggestion
@@ -59,7 +59,7 @@ def unpack_package(path: Path, folder: Path) -> dict[str, Any]:
 
 def _unpack(path: Path, folder: Path) -> None:
     try:
-        with opened(path) as archive:
+        with open_archive(path) as archive:
             faults = [text for text in archive_faults(archive) if DESCRIPTION not in text]
             if faults:
                 raise ScenarioError(f"{path}: {faults[0]}")

@@ -14,7 +14,7 @@ from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
 from fmus.build import NAMES
-from fmus.documentation import MARKER, page
+from fmus.documentation import MARKER, render_page
 from fmus.fmi.units import base, display_factor, factors, per_second
 from fmus.variable_layout import Memory
 from models.catalogue import CATALOGUE
@@ -112,7 +112,7 @@ def test_icons_are_what_the_script_draws() -> None:
 
 def test_page_needs_its_marker() -> None:
     with pytest.raises(ValueError, match=re.escape(MARKER)):
-        page("# no place for the variables", CATALOGUE["flywheel"]())
+        render_page("# no place for the variables", CATALOGUE["flywheel"]())
 
 
 @pytest.mark.parametrize(

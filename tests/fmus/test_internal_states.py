@@ -12,7 +12,7 @@ from fmus.fmi.validate import info, validate
 from fmus.variable_layout import Memory
 from models.core.integrator import OK
 from tests.fmus.instance import Instance
-from tests.fmus.packed import packed
+from tests.fmus.pack_component import pack_component
 from tests.models.fluid_layer import fluid_layer
 
 SHEETS = 40
@@ -22,7 +22,7 @@ STEP = 1e-6
 
 @pytest.fixture(scope="module")
 def layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return packed(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SHEETS)
+    return pack_component(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SHEETS)
 
 
 @pytest.fixture

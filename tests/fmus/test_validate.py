@@ -11,7 +11,7 @@ import pytest
 from fmus.build import NAMES
 from fmus.cross_check.compare import compare
 from fmus.cross_check.files import CrossCheckError
-from fmus.fmi.archive import sealed
+from fmus.fmi.archive import is_sealed
 from fmus.fmi.validate import FmuFileError, info, validate
 
 XML = "modelDescription.xml"
@@ -135,7 +135,7 @@ def test_a_library_of_another_name_is_named(fmu_files: dict[str, Path], tmp_path
 def test_only_what_is_as_it_was_packed_is_sealed(fmu_files: dict[str, Path], tmp_path: Path) -> None:
     """Whoever packs the files again, all of them or one changed, does not have the seal of these."""
     path, other = fmu_files["flywheel"], tmp_path / "other.fmu"
-    assert sealed(path)
+    assert is_sealed(path)
     with zipfile.ZipFile(path) as archive:
         files, seal = {name: archive.read(name) for name in archive.namelist()}, archive.comment
     library = "binaries/linux64/flywheel.so"
@@ -152,9 +152,9 @@ def test_only_what_is_as_it_was_packed_is_sealed(fmu_files: dict[str, Path], tmp
             target.comment = comment
             for name, one in content.items():
                 target.writestr(name, one)
-        assert sealed(other) is whole
+        assert is_sealed(other) is whole
     other.write_bytes(path.read_bytes()[:-500])
-    assert not sealed(other)
+    assert not is_sealed(other)
 
 
 def test_binary_and_ranges(fmu_files: dict[str, Path], tmp_path: Path) -> None:

@@ -50,7 +50,9 @@ def test_the_build_of_a_native_fmu_says_what_it_waits_for(
     assert said(called(*build)) == "tribocosim: building the native FMU coupled_mass (once; up to minutes)"
     assert not called(*build).stderr
     steps: list[str] = []
-    native.build("coupled_mass", tmp_path, platforms=["x86_64-linux", "x86_64-windows"], told=steps.append)
+    native.build(
+        "coupled_mass", tmp_path, platforms=["x86_64-linux", "x86_64-windows"], progress=steps.append
+    )
     assert steps == [
         "its equations and their derivatives",
         "machine code for x86_64-linux (1 of 2)",

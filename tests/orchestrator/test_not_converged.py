@@ -13,7 +13,7 @@ from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import substepped
 from orchestrator.run.simulation import simulate
 from orchestrator.stepping import ControlledSteps, StepControl
-from tests.fmus.packed import packed
+from tests.fmus.pack_component import pack_component
 from tests.models.fluid_layer import fluid_layer
 
 from .alone import Alone, two_alike
@@ -31,7 +31,7 @@ REMEDY = r"reduce macro_step, use \[step_control\], or raise components\.layer\.
 
 @pytest.fixture(scope="module")
 def layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return packed(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SHEETS)
+    return pack_component(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SHEETS)
 
 
 @pytest.fixture(params=["in-process", "fmu"])

@@ -16,7 +16,7 @@ from orchestrator.masters import GaussSeidel, Iterated, Newton
 from orchestrator.participants import Participant, in_process, open_fmu
 from orchestrator.run.simulation import simulate
 from orchestrator.store.json_codec import from_text
-from tests.fmus.packed import packed
+from tests.fmus.pack_component import pack_component
 from tests.models.fluid_layer import fluid_layer
 
 from .coupled import in_processes, recorded
@@ -31,7 +31,7 @@ ITERATED = Iterated("hermite", 1e-11)
 
 @pytest.fixture(scope="module")
 def layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return packed(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SHEETS)
+    return pack_component(fluid_layer, tmp_path_factory.mktemp("layer"), sheets=SHEETS)
 
 
 def packaged(system: System, path: Path) -> dict[str, Participant]:

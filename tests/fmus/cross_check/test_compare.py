@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fmus.build import REFERENCED
-from fmus.cross_check.apart import compared
+from fmus.cross_check.apart import compare_in_process
 from fmus.cross_check.compare import compare
 from fmus.cross_check.files import CrossCheckError, Options, csv_text, read_csv
 from fmus.cross_check.inside import FOLDER, folder_of
@@ -129,7 +129,7 @@ def test_a_crash_is_an_answer_and_the_next_file_is_run(fmu_files: dict[str, Path
     (tmp_path / f"{paths[0].stem}_ref.opt").write_text(
         "StartTime, 0\nStopTime, 1\nStepSize, 0.1\nRelTol, 1e-3\n"
     )
-    (_, crashed), (_, found), (_, absent) = compared(paths, None)
+    (_, crashed), (_, found), (_, absent) = compare_in_process(paths, None)
     assert isinstance(crashed, CrossCheckError)
     assert "the FMU crashed: it ended the process" in str(crashed)
     assert not isinstance(found, CrossCheckError)

@@ -20,7 +20,7 @@ from fmus.cross_check.reference import (
     largest,
     pieces_of,
     results,
-    stepped,
+    step_component,
 )
 from fmus.cross_check.stimulus import Course, course_of
 
@@ -92,7 +92,7 @@ def test_a_drift_of_a_millionth_in_the_physics_is_seen(name: str, parameter: str
     pieces = pieces_of(component, read_csv(shipped(name, f"{name}_in.csv"), "in"))
     start = component.parameters.start
     start[component.parameters.index(parameter)] *= 1.0 + 1e-6
-    rows = stepped(component, pieces, instants, own.step_size)
+    rows = step_component(component, pieces, instants, own.step_size)
     columns = {o: rows[:, component.outputs.index(o)] for o in own.outputs}
     wanted = read_csv(shipped(name, f"{name}_ref.csv"), "shipped")
     assert max(apart(Table(instants, columns), wanted).values()) > SAME
@@ -105,7 +105,7 @@ def moved(name: str, state: str, error: float, output: str) -> np.ndarray:
         component = component_of(name)
         component.state.start[component.state.index(state)] += beside
         pieces = pieces_of(component, read_csv(shipped(name, f"{name}_in.csv"), "in"))
-        rows = stepped(component, pieces, np.array(own.instants()), own.step_size)
+        rows = step_component(component, pieces, np.array(own.instants()), own.step_size)
         runs.append(rows[:, component.outputs.index(output)])
     return np.abs(runs[1] - runs[0])
 

@@ -15,8 +15,8 @@ import fmpy
 import pytest
 from fmpy.model_description import ModelDescription, ScalarVariable
 
-from fmus.build import chosen
-from fmus.native.differentiate import differentiated
+from fmus.build import sized_component
+from fmus.native.differentiate import differentiate
 from fmus.native.entries import smooth
 from fmus.native.machine_code import (
     FMI_HEADERS,
@@ -27,7 +27,7 @@ from fmus.native.machine_code import (
     this_platform,
 )
 from fmus.native.tables import tables
-from fmus.native.translate import translated
+from fmus.native.translate import translate
 
 HERE = Path(__file__).parent
 TOKEN = "{sanitized}"
@@ -65,14 +65,14 @@ def program(name: str, folder: Path, sanitized: bool) -> Path:
 @functools.cache
 def kernels(name: str) -> bytes:
     """Machine code of the component's kernels."""
-    sizes, component = chosen(name, None)
-    plain = translated(name, sizes)
-    return object_code(PLATFORMS[this_platform()], [plain, differentiated(plain, smooth(component))])
+    sizes, component = sized_component(name, None)
+    plain = translate(name, sizes)
+    return object_code(PLATFORMS[this_platform()], [plain, differentiate(plain, smooth(component))])
 
 
 def sanitized_library(name: str, folder: Path, fmi: int) -> Path:
-    """The FMU's library with sanitizers in the runtime, its kernels as they always are; its token is TOKEN."""
-    _, component = chosen(name, None)
+    """The FMU's library with sanitizers in the runtime, its kernels as shipped; its token is TOKEN."""
+    _, component = sized_component(name, None)
     (folder / "kernels.o").write_bytes(kernels(name))
     for file, text in tables(component, name, "0" * 16, TOKEN, fmi).items():
         (folder / file).write_text(text, encoding="utf-8")

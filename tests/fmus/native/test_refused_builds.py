@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from fmus.native.fmu import build
-from fmus.native.translate import TranslationError, translated
+from fmus.native.translate import TranslationError, translate
 from tests.orchestrator.commands import called, said
 
 
@@ -28,7 +28,7 @@ def test_what_the_compiler_says_is_one_line_without_colours(monkeypatch: pytest.
     """Its error and the first line of the explanation, not the last line of all."""
     monkeypatch.setenv("FORCE_COLOR", "1")
     with pytest.raises(TranslationError) as raised:
-        translated("ehl_line_contact", {"nodes": 51})
+        translate("ehl_line_contact", {"nodes": 51})
     said = str(raised.value)
     assert said.startswith("native code of ehl_line_contact: ")
     assert "\x1b" not in said

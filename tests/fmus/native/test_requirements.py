@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from fmus.build import build
 from fmus.native.fmu import NAMES
-from fmus.variable_layout import of_start
+from fmus.variable_layout import name_as_start_value
 from models.catalogue import CATALOGUE
 from models.core.component import Component
 from models.core.quantities import Field, Layout
@@ -81,7 +81,7 @@ def refusal(component: Component, values: Mapping[str, float]) -> str:
 
     p, x, u = vector(component.parameters), vector(component.state), vector(component.inputs)
     starts = component.start_faults(p, x, u)
-    return "; ".join(component.parameter_faults(p) or map(of_start, starts))
+    return "; ".join(component.parameter_faults(p) or map(name_as_start_value, starts))
 
 
 def as_variables(component: Component, values: Mapping[str, float]) -> dict[str, float]:
@@ -160,7 +160,7 @@ def test_every_requirement_is_tried(name: str) -> None:
     """The cases above leave none out: the words before the first number tell them apart."""
     component = COMPONENTS[name]
     texts = [rule.says for rule in component.requirements]
-    texts += [of_start(rule.says) for rule in component.start_requirements]
+    texts += [name_as_start_value(rule.says) for rule in component.start_requirements]
     said = [refusal(component, values) for values in WRONG[name]]
     for text in texts:
         plain = max(text.replace("}", "{").split("{"), key=len)

@@ -15,7 +15,7 @@ import pytest
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
-from fmus.native.differentiate import DifferentiationError, differentiated
+from fmus.native.differentiate import DifferentiationError, differentiate
 from fmus.variable_layout import ENERGIES
 from models.core.component import Component
 
@@ -341,4 +341,4 @@ def test_code_without_known_derivative_is_refused() -> None:
     }
     """
     with pytest.raises(DifferentiationError, match="@j0"):
-        differentiated(code, ["output"])
+        differentiate(code, ["output"])

@@ -26,7 +26,7 @@ except KeyError:
 """
 
 
-def packed(factory: Callable[..., Component], folder: Path, **sizes: int) -> Path:
+def pack_component(factory: Callable[..., Component], folder: Path, **sizes: int) -> Path:
     """The file, named after the component."""
     component = factory(**sizes)
     name = component.name
