@@ -48,7 +48,7 @@ def build(
     """Build the native FMU `name` for these platforms and this version of FMI, 2 or 3, and return its path.
 
     Otherwise as the build of the FMU that runs in Python; a file in a folder is called `name`-native.fmu or
-    `name`-native-fmi3.fmu. `progress` is called at the beginning of each step of the work (seconds to minutes).
+    `name`-native-fmi3.fmu. `progress` is called at the beginning of each step (seconds to minutes).
     TranslationError for kernels and sizes that need Python, NativeBuildError without the tools.
     """
     sizes, component = python_build.sized_component(name, structure)

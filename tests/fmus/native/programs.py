@@ -50,15 +50,16 @@ def sanitizing_compiler() -> str | None:
     )
 
 
-def program(name: str, folder: Path, sanitized: bool) -> Path:
-    """The program of `name`.c, compiled by zig, or with sanitizers by gcc."""
+def program(name: str, folder: Path, sanitized: bool, fmi: int = 2) -> Path:
+    """The program of `name`.c for a version of FMI, compiled by zig, or with sanitizers by gcc."""
     target = folder / f"{name}{'-sanitized' * sanitized}"
     # For any processor of this kind: valgrind does not know the latest instructions.
     compiler = [sys.executable, "-m", "ziglang", "cc", "-O1", "-mcpu=baseline"]
     if sanitized:
         compiler = [sanitizing_compiler() or "gcc", *SANITIZED]
     source = str(HERE / f"{name}.c")
-    subprocess.run([*compiler, "-std=gnu11", *WARNINGS, source, "-o", str(target), "-ldl", "-lm"], check=True)
+    options = ["-std=gnu11", f"-DFMI={fmi}", *WARNINGS]
+    subprocess.run([*compiler, *options, source, "-o", str(target), "-ldl", "-lm"], check=True)
     return target
 
 

@@ -1,37 +1,11 @@
-/* As fuzz.c, for FMI 3.0; the host also makes calls at random from within steps, in the intermediate update. */
-
-#include "fuzz_host.h"
-
-#include "fmi3Functions.h"
-#include "fuzz3_absent.h"
-
-#define SET (NEW | INIT | MOVING)
-#define GET (NEW | INIT | MOVING | END)
-#define SLOPES (INIT | MOVING | END)
-#define ANY GET
-#define CALLS(F)                                                                                                \
-    F(SetDebugLogging, ANY) F(EnterInitializationMode, NEW) F(ExitInitializationMode, INIT) F(Terminate, MOVING) \
-    F(Reset, ANY) F(GetFloat64, GET) F(GetInt32, GET) F(GetInt64, GET) F(GetBoolean, GET) F(SetFloat64, SET)    \
-    F(SetInt32, SET) F(SetInt64, SET) F(SetBoolean, SET) F(GetOutputDerivatives, SLOPES)                        \
-    F(GetDirectionalDerivative, SLOPES) F(GetAdjointDerivative, SLOPES) F(GetFMUState, ANY) F(SetFMUState, ANY) \
-    F(FreeFMUState, ANY) F(SerializedFMUStateSize, ANY) F(SerializeFMUState, ANY) F(DeserializeFMUState, ANY)   \
-    F(EnterEventMode, MOVING) F(UpdateDiscreteStates, EVENT) F(EnterStepMode, EVENT) F(DoStep, STEP)            \
-    F(EnterContinuousTimeMode, EVENT) F(CompletedIntegratorStep, TIME) F(SetTime, EVENT | TIME)                 \
-    F(SetContinuousStates, EVENT | TIME) F(GetContinuousStates, SLOPES) F(GetContinuousStateDerivatives, SLOPES) \
-    F(GetEventIndicators, SLOPES) F(GetNominalsOfContinuousStates, ANY) F(GetNumberOfEventIndicators, ANY)      \
-    F(GetNumberOfContinuousStates, ANY) ABSENT(F) ABSENT_OTHERS(F)
-#define INDEX(name, phases) AT_##name,
-#define POINTER(name, phases) static fmi3##name##TYPE *name;
-#define PHASES(name, phases) phases,
-#define NAME(name, phases) "fmi3" #name,
-enum { CALLS(INDEX) FUNCTIONS };
-CALLS(POINTER)
-static const int allowed[] = {CALLS(PHASES)};
-static const char *const names[] = {CALLS(NAME)};
+/* Calls of fuzz.c that are of FMI 3.0 alone. The host also makes calls at random from within steps, in the
+   intermediate update. */
+#define INSTANTIATE(F) F(InstantiateCoSimulation, 0) F(InstantiateModelExchange, 0)
+#define UPDATE AT_UpdateDiscreteStates
+#define RESUME AT_EnterStepMode
 
 static fmi3InstantiateCoSimulationTYPE *InstantiateCoSimulation;
 static fmi3InstantiateModelExchangeTYPE *InstantiateModelExchange;
-static fmi3FreeInstanceTYPE *FreeInstance;
 static struct {
     bool events, early; /* the host handles events; steps may end before their time */
 } hosts[INSTANCES];
@@ -112,87 +86,25 @@ static fmi3Status with_derivatives(int f, const char **wrong)
     return GetAdjointDerivative(at->unit, r, count, others, knowns, more, given, result, changes);
 }
 
-static fmi3Status with_states(int f, const char **wrong)
-{
-    Kept *some = &kept[below(KEPT)];
-    const bool nowhere = percent(3), seen = at->unit && percent(50);
-    fmi3Status status;
-    size_t size = 0;
-    switch (f) {
-    case AT_GetFMUState:
-        if (nowhere) return *wrong = "NULL", GetFMUState(at->unit, NULL);
-        if (seen) look(at->unit, some->values);
-        status = GetFMUState(at->unit, &some->state);
-        if (!status) was_kept(some, seen);
-        return status;
-    case AT_SetFMUState:
-        *wrong = foreign(some);
-        status = SetFMUState(at->unit, some->state);
-        if (!status) was_restored(some);
-        return status;
-    case AT_FreeFMUState: return FreeFMUState(at->unit, nowhere ? NULL : &some->state);
-    case AT_SerializedFMUStateSize:
-        if (nowhere || !some->state) *wrong = "NULL";
-        return SerializedFMUStateSize(at->unit, some->state, nowhere ? NULL : &size);
-    case AT_SerializeFMUState:
-        size = percent(80) ? BYTES : below(100);
-        if (nowhere || !some->state || size < 100) *wrong = "NULL, or no room";
-        status = SerializeFMUState(at->unit, some->state, nowhere ? NULL : (fmi3Byte *)bytes.data, size);
-        if (status) return status;
-        if (SerializedFMUStateSize(at->unit, some->state, &size)) fail("no size");
-        was_written(some, size);
-        return status;
-    default:
-        if (damaged() || nowhere) *wrong = "damaged";
-        status = DeserializeFMUState(at->unit, (fmi3Byte *)bytes.data, bytes.size, nowhere ? NULL : &some->state);
-        if (status) return status;
-        bytes.of.state = some->state;
-        *some = bytes.of;
-        return status;
-    }
-}
-
-static fmi3Status in_exchange(int f, const char **wrong)
+/* Calls for model exchange that FMI 2.0 does not have, or has in other words. */
+static int in_exchange3(int f, const char **wrong)
 {
     const bool nowhere = percent(3);
-    const size_t proper = f == AT_GetEventIndicators ? indicators : states, count = percent(80) ? proper : below(MOST);
-    double *values = nowhere ? NULL : reals, time;
     size_t number = 0;
-    fmi3Boolean enter, end;
-    fmi3Status status;
+    int status;
     if (!at->exchange) *wrong = "co-simulation";
-    if (f >= AT_SetContinuousStates && f < AT_GetNumberOfEventIndicators && ((nowhere && count) || count != proper))
-        *wrong = "size";
     switch (f) {
     case AT_EnterContinuousTimeMode:
-        status = EnterContinuousTimeMode(at->unit);
+        status = (int)EnterContinuousTimeMode(at->unit);
         if (!status) at->phase = TIME;
         return status;
-    case AT_CompletedIntegratorStep:
-        if (nowhere) *wrong = "NULL";
-        return CompletedIntegratorStep(at->unit, percent(50), nowhere ? NULL : &enter, &end);
-    case AT_SetTime:
-        time = percent(5) ? no_number() : percent(90) ? at->time + 1e-3 * unit_random() : wild_real();
-        if (!isfinite(time)) *wrong = "no number";
-        status = SetTime(at->unit, time);
-        if (!status) at->time = time;
-        return status;
-    case AT_SetContinuousStates:
-        for (size_t i = 0; i < count; i++) {
-            reals[i] = at->tame ? 1e-3 * unit_random() : percent(99) ? wild_real() : no_number();
-            if (!isfinite(reals[i])) *wrong = "no number";
-        }
-        return SetContinuousStates(at->unit, values, count);
-    case AT_GetContinuousStates: return GetContinuousStates(at->unit, values, count);
-    case AT_GetContinuousStateDerivatives: return GetContinuousStateDerivatives(at->unit, values, count);
-    case AT_GetEventIndicators: return GetEventIndicators(at->unit, values, count);
-    case AT_GetNominalsOfContinuousStates: return GetNominalsOfContinuousStates(at->unit, values, count);
-    default:
+    case AT_GetNumberOfEventIndicators: case AT_GetNumberOfContinuousStates:
         if (nowhere) *wrong = "NULL";
         if (f == AT_GetNumberOfEventIndicators) status = GetNumberOfEventIndicators(at->unit, nowhere ? NULL : &number);
         else status = GetNumberOfContinuousStates(at->unit, nowhere ? NULL : &number);
         if (!status && number != (f == AT_GetNumberOfEventIndicators ? indicators : states)) fail("%zu", number);
         return status;
+    default: return in_exchange(f, wrong);
     }
 }
 
@@ -257,7 +169,7 @@ static int perform(int f, const char **wrong)
     double start, stop, next;
     fmi3Status status;
     if (f >= AT_GetFloat32) return of_absent(f, wrong);
-    if (f >= AT_EnterContinuousTimeMode) return in_exchange(f, wrong);
+    if (f >= AT_EnterContinuousTimeMode) return in_exchange3(f, wrong);
     if (f >= AT_GetFMUState && f <= AT_DeserializeFMUState) return with_states(f, wrong);
     if (f >= AT_GetOutputDerivatives && f <= AT_GetAdjointDerivative) return with_derivatives(f, wrong);
     if (f >= AT_GetFloat64 && f <= AT_SetBoolean) return with_values(f, wrong);
@@ -293,28 +205,6 @@ static int perform(int f, const char **wrong)
     return status;
 }
 
-static int choose_function(void)
-{
-    if (percent(70)) return (int)below(FUNCTIONS);
-    switch (at->phase) {
-    case NEW: return AT_EnterInitializationMode;
-    case INIT: return AT_ExitInitializationMode;
-    case STEP: return AT_DoStep;
-    case EVENT:
-        if (percent(50)) return AT_UpdateDiscreteStates;
-        return at->exchange ? AT_EnterContinuousTimeMode : AT_EnterStepMode;
-    case TIME: return percent(50) ? AT_SetTime : AT_SetContinuousStates;
-    default: return AT_Reset;
-    }
-}
-
-static void call(void)
-{
-    const int f = choose_function();
-    if (f == AT_Reset && percent(50)) return; /* rarer than what leads away from the start */
-    make(f, names[f], allowed[f], GET, perform);
-}
-
 static void create(void)
 {
     Place place = {NULL, NEW, percent(40), percent(70), 0.0, INFINITY};
@@ -335,20 +225,3 @@ static void create(void)
     *at = place;
 }
 
-static int free_state(void *unit, void **state) { return (int)FreeFMUState(unit, state); }
-
-int main(int argc, char **argv)
-{
-    if (argc != 8) return 2;
-    void *library = dlopen(argv[1], RTLD_NOW | RTLD_LOCAL);
-    if (!library) return printf("%s\n", dlerror()), 3;
-#define FIND(name, phases) name = (fmi3##name##TYPE *)find(library, "fmi3" #name);
-    CALLS(FIND)
-    FIND(InstantiateCoSimulation, 0)
-    FIND(InstantiateModelExchange, 0)
-    FIND(FreeInstance, 0)
-    play(argv, create, call, FreeInstance, free_state);
-    for (int f = 0; f < FUNCTIONS; f++) printf("%s %lu %lu\n", names[f], taken[f], refused[f]);
-    dlclose(library);
-    return 0;
-}
