@@ -1,4 +1,4 @@
-"""The shared libraries in an FMU: whole, for the platform of their folder, with the standard's functions."""
+"""Checks the shared libraries in an FMU: complete, for the right platform, with the standard's functions."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _PLATFORMS = {
     "linux64": (ELF, "x86_64"),
     "darwin64": (MACH_O, "x86_64 or aarch64"),
 }
-_NAMED_AT_MOST = 3  # functions that are named where more are missing
+_NAMED_AT_MOST = 3  # missing functions in a message
 
 
 def binary_faults(archive: zipfile.ZipFile, described: ModelDescription) -> list[str]:
-    """What is wrong with them, a line each."""
+    """A line for each library that is wrong."""
     kinds = [described.coSimulation, described.modelExchange, described.scheduledExecution]
     models = {kind.modelIdentifier for kind in kinds if kind is not None}
     faults = []
@@ -47,8 +47,8 @@ def is_library(path: PurePosixPath) -> bool:
 
 
 def library_fault(content: bytes, folder: str, needed: frozenset[str]) -> str:
-    """What is wrong with a library in that folder of `binaries`, which has to export these functions; empty:
-    nothing."""
+    """What is wrong with a library in `folder` of `binaries` that must export the functions `needed`; "" if
+    nothing is."""
     try:
         found = libraries(content)
     except LibraryError as error:
@@ -66,7 +66,7 @@ def library_fault(content: bytes, folder: str, needed: frozenset[str]) -> str:
 
 
 def platform(folder: str) -> tuple[str, str] | None:
-    """Format and processor of the libraries in such a folder; None of one that the standard does not name."""
+    """Format and processor for a folder's name; None if the standard does not define it."""
     if folder in _PLATFORMS:
         return _PLATFORMS[folder]
     processor, _, system = folder.partition("-")

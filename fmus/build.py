@@ -1,8 +1,7 @@
 """Builds FMUs: `build("valve_spring")` gives the path of the packaged file.
 
-The same sources give the same bytes. What is shipped is described in `sources`, the description in
-`description`, the documentation in `documentation`. Nothing of the shipped code is run here, so that a
-build leaves no trace in the building process.
+The same sources give the same bytes. `sources` collects the code, `description` and `documentation` write
+the texts. A build does not run the code that it packs.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ NAMES: tuple[str, ...] = tuple(name for name in CATALOGUE if (HERE / name / "__i
 # Those with reference results.
 REFERENCED: tuple[str, ...] = tuple(name for name in NAMES if (HERE / name / "reference").is_dir())
 
-# Zip files cannot say less; a fixed time makes equal content equal bytes.
+# The earliest time that zip files allow. A fixed time makes equal content equal bytes.
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 _SCRIPT = '''"""The slave of {name}; see the package for the code."""
@@ -85,13 +84,11 @@ def build(
 ) -> Path:
     """Build the FMU `name` and return its path.
 
-    `destination` is a file (*.fmu) or a folder; without it the file goes to the user's cache folder under
-    its digest, is made only if it isn't there, and is kept until it was not asked for in some weeks.
-    `structure` gives structural sizes, such as {"coil_masses": 8}; without it they are the
-    component's own. With `libpython`, the name of a Python library, the Linux binary loads it, so that
-    hosts that aren't Python need not. Existing files are replaced whole: a reader sees the old or the new
-    one. KeyError with the known names for an unknown one; ValueError for sizes that the component refuses,
-    and for what cannot be such a library.
+    `destination` is a file (*.fmu) or a folder. Without it the file goes to the user's cache folder, is built
+    only if it is missing there, and is deleted after some weeks without use. `structure` gives structural
+    sizes, such as {"coil_masses": 8}; the component's own are the default. `libpython` names a Python library
+    that the Linux binary loads, for hosts that are not Python. Existing files are replaced atomically.
+    KeyError for an unknown name; ValueError for sizes that the component refuses, and for a bad `libpython`.
     """
     if destination is not None:
         return write_fmu(pack_files(content_of(name, structure, libpython)), name, Path(destination))
@@ -108,7 +105,7 @@ def build(
 
 
 def write_fmu(content: bytes, name: str, destination: Path) -> Path:
-    """The file at `destination`, or called `name`.fmu in that folder; it appears whole or not at all."""
+    """Write the file `destination`, or `name`.fmu in that folder, atomically; return its path."""
     target = destination if destination.suffix == ".fmu" else destination / f"{name}.fmu"
     target.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(prefix=f".{name}-", suffix=".part", dir=target.parent)
@@ -184,13 +181,13 @@ def has_reference(name: str, component: Component) -> bool:
 
 
 def experiment(name: str) -> Experiment:
-    """What a tool offers to run first."""
+    """The default experiment of tools."""
     offered: Experiment = importlib.import_module(f"fmus.{name}").EXPERIMENT
     return offered
 
 
 def origin(tool: str) -> Origin:
-    """Who made the FMUs, from the metadata of this distribution; `tool` packed them."""
+    """Author, licence and version, from the metadata of this distribution; `tool` packed the FMUs."""
     version = metadata.version("tribocosim")
     return Origin(
         author="tribocosim developers",
@@ -210,7 +207,7 @@ def _license() -> str:
 
 
 def _binaries(name: str, libpython: str | None) -> dict[str, bytes]:
-    """pythonfmu's C layer for every platform that it has one for."""
+    """pythonfmu's C layer for each of its platforms."""
     folder = Path(pythonfmu.__file__).parent / "resources" / "binaries"
     found = sorted(path for path in folder.rglob("*") if path.suffix in (".so", ".dll", ".dylib"))
     files = {}
@@ -223,7 +220,7 @@ def _binaries(name: str, libpython: str | None) -> dict[str, bytes]:
 
 
 def documents(name: str, component: Component) -> dict[str, bytes]:
-    """What every FMU has for its readers."""
+    """The documents and the icon of an FMU."""
     folder = HERE / name
     readme = (folder / "README.md").read_text("utf-8") + (
         REFERENCE_NOTE if has_reference(name, component) else ""

@@ -1,7 +1,7 @@
-"""FMUs that were built, kept in the user's cache folder until nobody has asked for them for a while.
+"""The cache of built FMUs in the user's cache folder.
 
-A file's name has the digest of all that it is made of, so that it never is out of date; but every edit of the
-code leaves the files of before behind. Whoever adds one deletes those.
+A file's name has the digest of its sources, so a cached file is never out of date. `tidy` deletes files that
+were not used for a while, such as those of older code; each build that adds a file calls it.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from models.compile.cache_folder import private_folder
 
 
 def cache_path(name: str, digest: str) -> Path:
-    """Where the FMU made of what has this digest is kept; OSError where no such folder can be used."""
+    """The path of the FMU with this digest; OSError if no cache folder can be used."""
     return private_folder("fmus") / f"{name}-{digest[:16]}.fmu"
 
 
 def recall(label: str, choice: str, find: Callable[[], Path]) -> Path:
-    """The file that `find()` gives for this choice; found again by a note as long as no source has changed.
+    """The file that `find()` returns for this choice, remembered in a note until a source changes.
 
-    To find it takes a third of a second, in which the imports of its sources are read. `choice` says all that
-    the file depends on besides the sources. OSError where there is no folder to keep files in.
+    `find` takes a third of a second, since it reads the imports of all sources. `choice` has everything that
+    the file depends on besides the sources. OSError if no cache folder can be used.
     """
     folder = private_folder("fmus")
     note = folder / f"{label}-{hashlib.sha256(f'{_sources()} {choice}'.encode()).hexdigest()[:16]}.note"
@@ -42,7 +42,7 @@ def recall(label: str, choice: str, find: Callable[[], Path]) -> Path:
 
 @functools.cache
 def _sources() -> str:
-    """A digest of this package's files, wherever they lie."""
+    """A digest of all files of `models` and `fmus`."""
     top = Path(__file__).parent.parent
     digest = hashlib.sha256(metadata.version("tribocosim").encode())
     for folder in ("models", "fmus"):
@@ -59,5 +59,5 @@ def use_cached(file: Path) -> bool:
 
 
 def tidy(folder: Path) -> None:
-    """Delete FMUs, their notes and what killed builds have left, where nobody has asked for them of late."""
+    """Delete FMUs, notes and parts of killed builds that were not used recently."""
     cache_eviction.tidy([*folder.glob("*.fmu"), *folder.glob("*.note"), *folder.glob(".*.part")])

@@ -1,7 +1,7 @@
-"""Python's library made visible to extension modules, where the FMU's binary alone had it loaded.
+"""Makes Python's library visible to extension modules, where only the FMU's binary loaded it.
 
-Extension modules such as numpy's name no Python library: they take what the process shows to all. Without any
-extension module, as none can be imported yet: the ones that are built in suffice.
+Extension modules such as numpy's use the Python symbols that are global in the process. This module imports
+built-in modules only, because no extension module can be imported before it has run.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from importlib.machinery import ModuleSpec
 
 
 def show_to_all() -> None:
-    """On Linux, load the library that is loaded once more, for all to see; elsewhere nothing."""
+    """On Linux, load the loaded library again with global symbols; elsewhere do nothing."""
     if not sys.platform.startswith("linux"):
         return
     with open("/proc/self/maps") as maps:
@@ -23,7 +23,7 @@ def show_to_all() -> None:
     sys.setdlopenflags(os.RTLD_NOW | os.RTLD_GLOBAL)
     try:
         for path in sorted(paths):
-            # It is no extension module, which is noticed when it has been loaded.
+            # Python loads the library, then finds that it is no extension module.
             with contextlib.suppress(ImportError):
                 _imp.create_dynamic(ModuleSpec("libpython", None, origin=path))
     finally:

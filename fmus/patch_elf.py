@@ -1,4 +1,4 @@
-"""Binaries that load Python's library by themselves, for hosts that are not Python."""
+"""Adds Python's library to those that a binary loads, for hosts that are not Python."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ _LIBRARY = re.compile(r"libpython3\.\d+\w*\.so[.\d]*")
 
 
 def add_needed_library(binary: bytes, library: str) -> bytes:
-    """An ELF binary with the Python library `library`, a name or a path, among those that it needs.
+    """The ELF binary, which now loads the Python library `library` (a name or a path).
 
-    ValueError for what is no such library, or if the tool that does it (patchelf) is missing or fails.
+    ValueError if `library` is no Python library, or if patchelf is missing or fails.
     """
     if not _LIBRARY.fullmatch(Path(library).name):
         raise ValueError(f"Python library {library!r}: must be a file's name, such as libpython3.11.so.1.0")

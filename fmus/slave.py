@@ -1,21 +1,19 @@
-"""The one slave that makes an FMU (FMI 2.0 co-simulation) of any component.
+"""The slave: an FMU (FMI 2.0 co-simulation) of any component.
 
-Shipped inside every FMU beside the physics. It knows components only by their attributes, and of its own
-package only `memory`.
+Every FMU contains this file beside the component's code. The slave uses a component's attributes only.
 
 Inputs. An input keeps the value that the master set. During a step it follows the polynomial with the
-coefficients `<input>`, `<input>_der1`, `_der2`, `_der3`; it is held if the derivatives stay zero. After a
-step the outputs are those at the end of the step, with the inputs where the polynomial ends. As soon as
-the master sets an input or a parameter, outputs are those of the values that are set, at the same time:
-this serves initialisation, iterations and events. So are the outputs' rates, with the slopes that the
-polynomials have there.
+coefficients `<input>`, `<input>_der1`, `_der2`, `_der3`; with zero derivatives it is constant. After a step
+the outputs belong to the end of the step and of the polynomials. When the master sets an input or a
+parameter, the outputs and their rates are computed from the new values at the same time. Initialisation,
+iterations and events need this.
 
-State. The evolving data is one vector and some flags; a saved state is a copy as bytes with the identity of
-the code that wrote it. Restored, in this or another instance, it continues to the last bit.
+State. The evolving data is one vector and some flags. A saved state is a copy as bytes, with a digest of the
+code that wrote it. An instance that restores it computes the same bits.
 
-Errors. A step that cannot be made is discarded: the message goes to the host's logger and nothing has
-changed. Parameters or start values out of range, and misuse, give fmi2Fatal, as pythonfmu's C layer offers
-nothing between; they reach the host's logger even where logging is off (see `host`).
+Errors. A step that fails is discarded: nothing changes, and the host's logger gets a message. Misuse, and
+parameters or start values out of range, give fmi2Fatal, since pythonfmu's C layer has nothing milder. Errors
+reach the host's logger even if logging is off (see `host`).
 """
 
 from __future__ import annotations
@@ -49,12 +47,12 @@ _STATE_FORMAT = b"tribocosim state 1 "
 
 
 class FmuError(Exception):
-    """A refusal with a message for the user."""
+    """Misuse, or values out of range; the message is for the user."""
 
 
 def slave_class(component: Any, model_name: str, digest: str, failures: dict[int, str]) -> type[Fmi2Slave]:
-    """The slave of `component`. `digest` identifies the code in saved states; `failures` says in words
-    what a non-zero status of the component's step means."""
+    """The slave of `component`. `digest` identifies the code in saved states; `failures` has a message for
+    each non-zero status of the component's step."""
     memory = Memory(component)
     started = np.array(memory.started, dtype=np.int64)
     identity = hashlib.sha256(f"{digest} {model_name} {sorted(component.structure.items())}".encode())
@@ -79,7 +77,7 @@ def slave_class(component: Any, model_name: str, digest: str, failures: dict[int
 
 
 class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
-    """See the module. The class attributes are set by `slave_class`."""
+    """An instance of the FMU; `slave_class` sets the class attributes."""
 
     component: Any
     memory: Memory
@@ -115,10 +113,10 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         self._rates_work = np.zeros(component.rates_work_size)
         self._phase = INSTANTIATED
         self._outputs_stale = self._energies_stale = self._rates_stale = True
-        # Looked at once more before they are used: values that were set and may be out of range.
+        # Values that were set since the last check, and may be out of range.
         self._parameters_unchecked = self._inputs_unchecked = True
         if self._host.present:
-            # The C layer prepends it at every instantiation; what it leads to is imported by now.
+            # The C layer prepends it at every instantiation. Its modules are imported by now.
             sys.path[:] = [entry for entry in sys.path if entry != self.resources]
 
     # Initialisation
@@ -152,7 +150,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
     # Stepping
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Advance once by `step_size`; False, with a message and nothing changed, if that fails."""
+        """Advance by `step_size`. False, after a message, if the step fails; then nothing has changed."""
         if get_ident() not in attached_threads:
             self._host.keep_thread_state()
         cells, at = self._cells, self.memory
@@ -161,7 +159,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
             step_size >= 0.0
             and abs(current_time - t) <= _TIME_SLACK * (1.0 + abs(t)) + _STEP_SLACK * step_size
         ):
-            return self._discard(self._misplaced_step(current_time, step_size, t))
+            return self._discard(self._explain_step(current_time, step_size, t))
         if self._parameters_unchecked or self._inputs_unchecked:
             if faults := self._faults():
                 return self._discard(faults)
@@ -179,7 +177,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         self._outputs_stale, self._energies_stale, self._rates_stale = False, True, True
         return True
 
-    def _misplaced_step(self, current_time: float, step_size: float, t: float) -> str:
+    def _explain_step(self, current_time: float, step_size: float, t: float) -> str:
         if not step_size >= 0.0:
             return f"step size = {step_size:g} s: must not be negative"
         return f"step from t = {current_time:.12g} s: must begin at {t:.12g} s, where the state is"
@@ -192,7 +190,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         return "; ".join(faults)
 
     def _refresh(self) -> None:
-        """Outputs of the values that are set, at the present time."""
+        """Compute the outputs from the values that are set, at the present time."""
         if self._phase != STEPPING:
             self._x[self.started] = self._x_start
         self._u[:] = self._U[0]
@@ -201,7 +199,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         self._outputs_stale, self._energies_stale, self._rates_stale = False, True, True
 
     def _ready(self, vrs: list[int]) -> None:
-        """Compute what is stale of these variables."""
+        """Compute those of these variables that are out of date."""
         at, highest = self.memory, max(vrs, default=0)
         if highest < at.outputs:
             return
@@ -233,7 +231,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
             cells = self._variables
             return [cells[i] for i in vrs]
         except Exception as error:
-            self._fatal(self._unreadable(vrs, error))
+            self._fatal(self._explain_unreadable(vrs, error))
 
     def get_integer(self, vrs: list[int]) -> list[int]:
         return [int(value) for value in self.get_real(vrs)]
@@ -255,7 +253,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
             self._inputs_unchecked = True
 
     def _check_settable(self, vrs: list[int]) -> None:
-        """Refuse outputs, and what is fixed once the initialisation is over."""
+        """Refuse outputs, and fixed variables after the initialisation."""
         if (highest := max(vrs)) >= self.memory.outputs:
             self._fatal(f"{self._name(highest)} is an output: it cannot be set")
         self._parameters_unchecked = True
@@ -281,7 +279,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
     def _name(self, reference: int) -> str:
         return self.names[reference] if 0 <= reference < len(self.names) else f"value reference {reference}"
 
-    def _unreadable(self, vrs: list[int], error: Exception) -> str:
+    def _explain_unreadable(self, vrs: list[int], error: Exception) -> str:
         unknown = [self._name(i) for i in vrs if i >= self.memory.end_of_variables]
         return f"there is no {', '.join(unknown)}" if unknown else f"outputs cannot be computed: {error!r}"
 
@@ -301,7 +299,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
     def _set_fmu_state(self, state: bytes) -> None:
         header, at = self.header, len(self.header)
         if state[:at] != header or len(state) != at + 1 + self._data.nbytes:
-            self._fatal(_foreign(state, header))
+            self._fatal(_mismatch(state, header))
         flags = state[at]
         self._data[:] = np.frombuffer(state, dtype=np.float64, offset=at + 1)
         self._phase = flags & 3
@@ -309,8 +307,8 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         self._parameters_unchecked, self._inputs_unchecked = bool(flags & 16), bool(flags & 32)
         self._rates_stale = bool(flags & 64)
 
-    # The C layer calls these two on the class; what the bytes mean is checked when they are set, where
-    # an error can be told to the host.
+    # The C layer calls these two on the class, where no message can reach the host. `_set_fmu_state` checks
+    # the bytes.
 
     @staticmethod
     def _fmu_state_to_bytes(state: bytes) -> bytes:
@@ -334,7 +332,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         raise FmuError(message)
 
 
-def _foreign(state: bytes, header: bytes) -> str:
+def _mismatch(state: bytes, header: bytes) -> str:
     if not state.startswith(_STATE_FORMAT):
         return "the saved state was not written by this FMU"
     theirs = state[len(_STATE_FORMAT) : len(header)].decode(errors="replace").strip()

@@ -1,4 +1,4 @@
-"""The source files that an FMU ships: a component's module and what it imports, and the slave."""
+"""The source files in an FMU: a component's module, its imports, and the slave."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ import pythonfmu
 import models
 from fmus.fmi.archive import digest_of
 
-# What the shipped code may import besides itself and the standard library.
+# Packages that the code in an FMU may import besides the standard library.
 RUN_TIME = {"numpy", "numba", "llvmlite"}
 
 _SLAVE = ("host.py", "libpython.py", "variable_layout.py", "slave.py")
 
 
 def collect_sources(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]:
-    """The name of the package that holds the code of `factory`'s component, and its files by path.
+    """The package with the code of `factory`'s component: its name, and its files by path.
 
-    The name has the digest of the content, so that two versions in one process never share modules.
+    The name has the digest of the content, so that two versions in one process do not share modules.
     """
     root = Path(models.__file__).parent
     module = root.parent / Path(*factory.__module__.split(".")).with_suffix(".py")
@@ -37,7 +37,7 @@ def collect_sources(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]
         f"pythonfmu/{path.name}": path.read_bytes()
         for path in find_imports(base / "fmi2slave.py", base, False)
     }
-    # Its own imports the builder and with it much that a slave has no need of.
+    # The original imports the builder, which a slave does not need.
     files["pythonfmu/__init__.py"] = b""
     files["__init__.py"] = (
         b'"""Code of an FMU made by tribocosim; the name has the digest of the content."""\n'
@@ -47,10 +47,10 @@ def collect_sources(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]
 
 
 def find_imports(module: Path, root: Path, packages: bool = True) -> list[Path]:
-    """The files below `root` that `module` needs: itself, what it imports, and (with `packages`) the
-    `__init__.py` of the packages on the way.
+    """The files below `root` that `module` imports, itself included; with `packages` also their packages'
+    `__init__.py`.
 
-    ImportError if one of them imports a package that an FMU must do without.
+    ImportError if one of them imports a package that FMUs may not import.
     """
     found: set[Path] = set()
     waiting = [module]
@@ -68,7 +68,7 @@ def find_imports(module: Path, root: Path, packages: bool = True) -> list[Path]:
 
 @functools.cache
 def _imports(file: Path, root: Path) -> tuple[Path, ...]:
-    """Read once a process: the components of one command share most of their files."""
+    """The imports of one file. Cached, because components share most files."""
     return tuple(_parse_imports(file, root))
 
 

@@ -1,7 +1,7 @@
 /* One instance of the component: its memory, laid out as variable_layout.py says, and what may be done with it.
 
-   What a call does is told in docs/reference/fmus.md; it is the same as in the FMU that runs in Python (slave.py).
-   Nothing here knows a version of FMI. */
+   docs/reference/fmus.md describes the calls, which do the same as those of the FMU in Python (slave.py). Nothing
+   here depends on the version of FMI. */
 #ifndef INSTANCE_H
 #define INSTANCE_H
 
@@ -21,7 +21,7 @@ typedef struct {
     double low, high;    /* of what may be set */
 } Variable;
 
-/* What ranges cannot say (models/requirements.py). A list of them ends with one that has no `met`. */
+/* Conditions besides ranges (models/requirements.py). A list ends with a requirement without `met`. */
 typedef struct {
     int32_t (*met)(void *result, void **exception, const double *x, const double *u, const double *p, double *told);
     const char *says;         /* with places such as {0:g} for the numbers told, and {word} */
@@ -92,13 +92,13 @@ Instance *instance_new(const char *name, Logger logger, void *environment, void 
 void instance_free(Instance *instance);
 void instance_reset(Instance *instance);
 
-/* Tells the host; returns `status`. */
+/* Sends the host a message; returns `status`. */
 Status instance_say(const Instance *instance, Status status, const char *format, ...);
-/* Whether a call is allowed now; says so if not. */
+/* Whether a call is allowed in this phase; a message if not. */
 bool instance_may(const Instance *instance, int phases, const char *call);
-/* Adds to the message what is not met; false if all are. */
+/* Adds unmet requirements to the message; false if all are met. */
 bool instance_unmet(const Instance *instance, const Requirement *requirements, char *message, size_t size);
-/* Whether parameters that were set after the initialisation are not allowed; says so with that status. */
+/* Whether parameters set after the initialisation are wrong; then a message with that status. */
 bool instance_refuses_parameters(Instance *instance, Status status);
 
 /* At the end of the initialisation. */
@@ -111,7 +111,7 @@ void instance_continue_inputs(Instance *instance);
 
 /* When the experiment begins and, if that is defined, stops; ERROR, and nothing changed, for what cannot be. */
 Status instance_set_times(Instance *instance, double start, bool stop_defined, double stop);
-/* Whether a step goes beyond the stop time; says so. Where the host adds up time to it, rounding is allowed. */
+/* Whether a step ends beyond the stop time, by more than rounding; then a message. */
 bool instance_exceeds_stop(const Instance *instance, double time, double step);
 
 /* Values by reference. Nothing is set unless all can be. Kind: of the call. */
@@ -122,7 +122,7 @@ Status instance_get(Instance *instance, Kind kind, const uint32_t *references, s
 /* A value as a whole number, or the limit that it is beyond. */
 int64_t instance_whole(double value, int64_t low, int64_t high);
 
-/* Computes what is stale of the variables up to this reference. */
+/* Computes the variables up to this reference that are out of date. */
 void instance_ready(Instance *instance, uint32_t highest);
 /* The changes of unknown variables when known ones change, by the first derivative. */
 Status instance_directional(Instance *instance, const uint32_t *unknown, size_t unknowns, const uint32_t *known,
@@ -143,12 +143,12 @@ bool instance_event_is_due(Instance *instance); /* a guard has fallen, perhaps u
 /* Performs the events that are due. `changed`: states were; `next`: the time of the next known one, or INFINITY. */
 Status instance_events(Instance *instance, bool *changed, double *next);
 
-/* A saved state as bytes: what wrote it, the state, and a sum by which damage is seen. */
+/* A saved state as bytes: the digest of the code, the state, a checksum. */
 size_t instance_saved_size(void);
 void instance_save(const State *state, unsigned char *bytes);
 Status instance_restore(const Instance *instance, State *state, const unsigned char *bytes, size_t size);
 
-/* States that the host keeps, with messages for what it does wrong. */
+/* States that the host keeps; misuse gives a message. */
 Status instance_keep(const Instance *instance, void **kept);
 Status instance_put_back(Instance *instance, const void *kept);
 Status instance_forget(void **kept);
