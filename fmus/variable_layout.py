@@ -134,7 +134,7 @@ class Memory:
         ]
         for i, started in enumerate(self.started, self.starts):
             f = component.state.fields[started]
-            name = f.suffixed("_start")
+            name = f.add_suffix("_start")
             found.append(
                 _variable(name, i, "parameter", f, "fixed", f"start of {f.name}: ", state_start=True)
             )
@@ -195,7 +195,7 @@ def _derivative(field: Any, reference: int, order: int) -> Variable:
     """The optional input for the derivative of an input; held when it stays zero."""
     text = f"optional: derivative {order} of {field.name} by time, for inputs that vary inside a step"
     return Variable(
-        field.suffixed(f"_der{order}"),
+        field.add_suffix(f"_der{order}"),
         reference,
         "Real",
         "input",

@@ -279,7 +279,7 @@ def structure(component: Any, variables: Sequence[Variable]) -> Unknowns:
             through = component.feedthrough.get(variable.name, ())
         else:
             direct = component.feedthrough.get(names[variable.rate_of], ())
-            slopes = (component.inputs.field(name).suffixed("_der1") for name in direct)
+            slopes = (component.inputs.field(name).add_suffix("_der1") for name in direct)
             through = (*component.inputs.names, *slopes)
         known[variable.reference] = sorted(inputs[name] for name in through)
     return Unknowns(

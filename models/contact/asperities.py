@@ -148,7 +148,7 @@ def mean_gap(separation: float) -> float:
 
 
 @kernel
-def separation_of(gap: float) -> float:
+def find_separation(gap: float) -> float:
     """The lambda whose mean gap is `gap` = h/sigma; gaps of _LEAST_GAP and less are taken as that.
 
     Newton's method on the logarithm of the mean gap, which is increasing and concave: monotone from the left,

@@ -20,10 +20,10 @@ from ..compile.kernel import kernel
 from .asperities import (
     THICK,
     Asperities,
+    find_separation,
     pressure_scale,
     pressure_under,
     real_area_share,
-    separation_of,
 )
 from .fluid import Lubricant, viscosity_at
 from .load_sharing import Sharing
@@ -114,7 +114,7 @@ class ProfileFriction(NamedTuple):
 
 
 @kernel
-def sheared_beside(x: Any, pressure: Any, i: int, step: int) -> float:
+def find_sheared_share(x: Any, pressure: Any, i: int, step: int) -> float:
     """How much of the way from node i, where the fluid has pressure, to the next (step = 1 or -1) is its.
 
     Half of it, or, where the next has no pressure, as far as it falls to zero with the distance squared.
@@ -146,10 +146,12 @@ def profile_friction(
     for i in range(len(x)):
         width = 0.5 * (x[min(i + 1, len(x) - 1)] - x[max(i - 1, 0)]) * length
         if film[i] < THICK * surfaces.roughness:
-            separation = separation_of(film[i] / surfaces.roughness)
+            separation = find_separation(film[i] / surfaces.roughness)
             load += width * pressure_under(film[i], surfaces.roughness, scale).pressure
             area += width * real_area_share(separation, surfaces)
         if pressure[i] > 0.0:
-            sheared = (sheared_beside(x, pressure, i, -1) + sheared_beside(x, pressure, i, 1)) * length
+            sheared = (
+                find_sheared_share(x, pressure, i, -1) + find_sheared_share(x, pressure, i, 1)
+            ) * length
             viscous += sheared * shear_stress(pressure[i], velocity, film[i], fluid, traction)
     return ProfileFriction(load, area, viscous, boundary_friction(load, area, velocity, traction))

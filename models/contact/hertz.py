@@ -39,7 +39,7 @@ def load_and_deflection(film: float, compliance: float, u: Any, p: Any) -> tuple
         load = max(0.0, u.applied_load)
         return load, deflection(load, radius, p.length, compliance)
     delta = u.approach - u.retreat + film
-    return load_of(delta, radius, p.length, compliance), delta
+    return find_load(delta, radius, p.length, compliance), delta
 
 
 @kernel
@@ -72,7 +72,7 @@ def deflection(load: float, radius: float, length: float, compliance: float) -> 
 
 
 @kernel
-def load_of(delta: float, radius: float, length: float, compliance: float) -> float:
+def find_load(delta: float, radius: float, length: float, compliance: float) -> float:
     """The load W >= 0 whose deflection is `delta`, by Newton's method to rounding; 0 for delta <= 0.
 
     The deflection rises with the load up to where b = 2 L exp(-1/2): no line contact any more, and no load

@@ -13,7 +13,7 @@ import math
 from typing import NamedTuple
 
 from ..compile.kernel import kernel
-from .asperities import THICK, Asperities, asperity_pressure, dry_separation, mean_gap, separation_of
+from .asperities import THICK, Asperities, asperity_pressure, dry_separation, find_separation, mean_gap
 from .films import film_by_number
 
 # Formulas are not asked for less than this share of the load, nor for a speed of zero (m/s).
@@ -75,7 +75,7 @@ def shared(load: float, film: float, area: float, surfaces: Asperities, f: FilmF
         return Sharing(0.0, dry_separation(pressure, surfaces, f.compliance), load)
     whole = formula_film(load, f)
     # The solution is not below these; a film that is kept has it at once.
-    low = separation_of(ratio)
+    low = find_separation(ratio)
     if asperity_pressure(low, surfaces, f.compliance) > pressure:
         low = dry_separation(pressure, surfaces, f.compliance)
     at_low = _excess(low, load, area, ratio, whole, surfaces, f)

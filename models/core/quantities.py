@@ -129,7 +129,7 @@ class Field:
     quantity: Quantity
     start: float
 
-    def suffixed(self, suffix: str) -> str:
+    def add_suffix(self, suffix: str) -> str:
         """The name with a suffix, which stands before an index: torque[2] and _der1 give torque_der1[2]."""
         stem, bracket, index = self.name.partition("[")
         return stem + suffix + bracket + index

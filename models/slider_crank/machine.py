@@ -20,7 +20,7 @@ from .equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI, Mechanism, inertia
 from .flight import histories as h
 from .flight import pendulum as pendulum_flight
 from .flight.bouncing import POSITION_SIZE, RATE_OF_Y, SCRATCH_ROWS, Walls, Y
-from .flight.flow import COLUMNS, Flow, UnresolvedError, tabulated
+from .flight.flow import COLUMNS, Flow, UnresolvedError, tabulate_flow
 from .flight.samples import sample_flow, sample_pressing
 from .flight.series import TERMS
 from .forms import offset, offset_slope, wall_angle, wall_rate
@@ -85,7 +85,7 @@ class Machine:
     def flow(self) -> Flow | pendulum_flight.PendulumFlow:
         """The tabulated flow; of the nonlinear form only what presses to the walls is tabulated."""
         try:
-            flow = tabulated(self._samples, self.xi)
+            flow = tabulate_flow(self._samples, self.xi)
         except UnresolvedError as error:
             raise UnresolvedError(
                 f"xi = {self.xi}, gap = {self.gap}, damping = {self.damping}: {error}; take xi (for form "

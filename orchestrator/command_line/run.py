@@ -41,7 +41,7 @@ def run_scenario(
     1: outside the tolerance, 2: a mistake in the scenario or the command, 3: the run failed,
     4: not compared (reference.enabled=false), 130: interrupted.
     """
-    from ..run.output_folder import spare
+    from ..run.output_folder import refuse_overwriting_source
     from ..run.pipeline import run
     from ..run.report import Reporter
     from ..scenario.files import find, load
@@ -62,7 +62,7 @@ def run_scenario(
     if natives:
         check_native(natives)
     folder = out or Path("results") / loaded.name
-    spare(find(scenario), loaded, folder)
+    refuse_overwriting_source(find(scenario), loaded, folder)
     summary = run(loaded, folder, build_fmu, Reporter(), overwrite, figures=not no_figures)
     return _finish(summary, folder)
 

@@ -25,7 +25,7 @@ class Bond:
         return f"{self.effort} * {self.flow}"
 
 
-def bonds_of(system: System) -> list[Bond]:
+def find_bonds(system: System) -> list[Bond]:
     """The bonds between two instances, each once: both may declare it, or one of them."""
     driver = {connection.target: connection.source for connection in system.connections}
     found: dict[tuple[Port, Port], Bond] = {}
@@ -42,7 +42,7 @@ def bonds_of(system: System) -> list[Bond]:
     return list(found.values())
 
 
-def exchanged_bonds(system: System) -> list[Bond]:
+def find_exchanged_bonds(system: System) -> list[Bond]:
     """The bonds whose effort and flow are both exchanged over connections."""
     sources = {connection.source for connection in system.connections}
-    return [bond for bond in bonds_of(system) if bond.effort in sources and bond.flow in sources]
+    return [bond for bond in find_bonds(system) if bond.effort in sources and bond.flow in sources]

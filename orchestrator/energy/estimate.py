@@ -21,7 +21,7 @@ from models.core.system import Instance, System
 
 from ..participants import Participant
 from ..participants.wrapping import StatefulWrapper
-from .bonds import exchanged_bonds
+from .bonds import find_exchanged_bonds
 
 
 def _rule() -> tuple[Vector, Vector, Vector]:
@@ -47,7 +47,7 @@ class EstimatedComponent(Component):
 def estimated(system: System) -> System:
     """The system with estimates for all exchanged bonds of instances that do not count their energies."""
     wanted: dict[str, list[PowerBond]] = {}
-    for bond in exchanged_bonds(system):
+    for bond in find_exchanged_bonds(system):
         for name, own in bond.declared.items():
             if not isinstance(system.instances[name].component, CountingComponent):
                 wanted.setdefault(name, []).append(own)

@@ -24,7 +24,7 @@ from ..engine.step import Step
 from ..run.recording import recorded
 from ..store.journal import SUFFIX, Journal
 from .account import Account, BondAccount, ComponentAccount
-from .sides import received_by, sides_of
+from .sides import find_sides, list_received_energies
 
 GROUP = "energy"
 ESTIMATED = " (estimated from exchanged values)"
@@ -41,8 +41,8 @@ class Ledger:
         self, system: System, every: int = 1, folder: Path | None = None, stop: float = math.inf
     ) -> None:
         self._every, self._folder, self._stop = every, folder, stop
-        self.sides = [sides for sides in sides_of(system) if sides.both]
-        self.not_counted = [str(sides.bond) for sides in sides_of(system) if not sides.both]
+        self.sides = [sides for sides in find_sides(system) if sides.both]
+        self.not_counted = [str(sides.bond) for sides in find_sides(system) if not sides.both]
         self.instances = [
             name for name, i in system.instances.items() if isinstance(i.component, CountingComponent)
         ]
@@ -86,7 +86,7 @@ class Ledger:
         stored, gained, dissipated, sourced = (
             f"{name}.{v}" for v in (STORED_ENERGY, GAINED_ENERGY, DISSIPATED_ENERGY, SOURCED_ENERGY)
         )
-        received = dict.fromkeys(received_by(system, name), 1.0)
+        received = dict.fromkeys(list_received_energies(system, name), 1.0)
         self._row(f"stored {name}", {stored: 1.0}, "change of the stored energy")
         self._row(f"dissipated {name}", {dissipated: 1.0}, "energy dissipated")
         self._row(f"sourced {name}", {sourced: 1.0}, "energy from sources inside")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from models.core.bonds import CountingComponent, energy_through
 from models.core.system import System
 
-from .bonds import Bond, bonds_of
+from .bonds import Bond, find_bonds
 from .estimate import EstimatedComponent
 
 
@@ -28,7 +28,7 @@ class Sides:
         return self.effort is not None and self.flow is not None
 
 
-def sides_of(system: System) -> list[Sides]:
+def find_sides(system: System) -> list[Sides]:
     """All bonds between instances."""
 
     def counts(instance: str, bond: Bond) -> str | None:
@@ -48,9 +48,9 @@ def sides_of(system: System) -> list[Sides]:
         ]
         return Sides(bond, found[ends[0]], found[ends[1]], tuple(guessed))
 
-    return [sides(bond) for bond in bonds_of(system)]
+    return [sides(bond) for bond in find_bonds(system)]
 
 
-def received_by(system: System, instance: str) -> list[str]:
+def list_received_energies(system: System, instance: str) -> list[str]:
     """The outputs that count what came into an instance that counts, over all its bonds."""
     return [f"{instance}.{energy_through(own)}" for own in system.instances[instance].component.bonds]

@@ -86,7 +86,7 @@ def _pass_values(coupling: Coupling, time: float) -> bool:
 
 
 class _Loop:
-    """What a pass makes of the `values` (the exchange's values or rates) of the sources `marked`."""
+    """What a pass makes of the `values` (the values or rates of the coupling) of the sources `marked`."""
 
     def __init__(
         self, coupling: Coupling, values: Vector, marked: Any, time: float, perturbation: float

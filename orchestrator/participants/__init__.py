@@ -56,5 +56,7 @@ def collect_settings(instance: Instance, strings: Mapping[str, str] = NO_STRINGS
     """What the FMU in the place of `instance` is asked for and given."""
     component = instance.component
     own = isinstance(component, ThirdPartyComponent)
-    starts = {k if own else component.state.field(k).suffixed("_start"): v for k, v in instance.start.items()}
+    starts = {
+        k if own else component.state.field(k).add_suffix("_start"): v for k, v in instance.start.items()
+    }
     return FmuSettings(component.outputs.names, {**instance.parameters, **starts}, instance.inputs, strings)

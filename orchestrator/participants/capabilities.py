@@ -44,7 +44,7 @@ def signal_degrees(about: Description, names: Iterable[str]) -> list[int]:
 
 def name_derivative(name: str, order: int) -> str:
     """The name of the input that takes the derivative of that order of the input `name`."""
-    return Field(name, Quantity("1", ""), 0.0).suffixed(f"_der{order}")
+    return Field(name, Quantity("1", ""), 0.0).add_suffix(f"_der{order}")
 
 
 def _suggest(name: str, known: Sequence[str]) -> str:

@@ -111,7 +111,7 @@ def fitting() -> Iterator[None]:
         ) from None
 
 
-def serialised(participants: Mapping[str, Participant]) -> dict[str, bytes]:
+def serialise_participants(participants: Mapping[str, Participant]) -> dict[str, bytes]:
     """The evolving data of each; CannotSerializeError where one cannot give it."""
     found = {}
     for name, participant in participants.items():
@@ -127,8 +127,8 @@ def serialised(participants: Mapping[str, Participant]) -> dict[str, bytes]:
     return found
 
 
-def put_back(participants: Mapping[str, Participant], states: Mapping[str, bytes]) -> None:
-    """Go on from `serialised`."""
+def restore_participants(participants: Mapping[str, Participant], states: Mapping[str, bytes]) -> None:
+    """Go on from `serialise_participants`."""
     for name, participant in participants.items():
         saved = participant.from_bytes(states[name])
         try:

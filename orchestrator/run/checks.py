@@ -9,7 +9,7 @@ from fmus.fmi.archive import FmuFileError, archive_faults, open_archive
 from models.core.evaluation import check_start
 from models.core.system import System, suggestion
 
-from ..energy.bonds import exchanged_bonds
+from ..energy.bonds import find_exchanged_bonds
 from ..participants import find_missing
 from ..scenario import Scenario, ScenarioError
 from ..scenario.capabilities import check_capabilities, check_third_party
@@ -65,7 +65,7 @@ def _check_master(scenario: Scenario) -> None:
 def _check_energy(scenario: Scenario, system: System) -> None:
     """The energy estimator needs a power bond; the correction needs held or extrapolated inputs."""
     control = scenario.step_control
-    if control and control.estimator == "energy" and not exchanged_bonds(system):
+    if control and control.estimator == "energy" and not find_exchanged_bonds(system):
         raise ScenarioError(
             "step_control.estimator = 'energy': no power bond has both its effort and its flow among the "
             "connections, so that it would see no error; use schierz or step_doubling"
@@ -97,5 +97,5 @@ def list_required_variables(name: str, system: System, start: str) -> list[str]:
     sources = {c.source.variable for c in system.connections if c.source.instance == name}
     targets = {c.target.variable for c in system.connections if c.target.instance == name}
     started = states.variables if start == "equilibrium" else instance.start
-    starts = (states.field(state).suffixed("_start") for state in started)
+    starts = (states.field(state).add_suffix("_start") for state in started)
     return [*sorted(sources), *sorted(targets), *instance.parameters, *starts, *instance.inputs]

@@ -30,7 +30,9 @@ class _Noticing(event.Listener):
 
 
 @contextmanager
-def noticed(what: str, begin: Callable[[], None], end: Callable[[], None] = lambda: None) -> Iterator[None]:
+def announce_compilation(
+    what: str, begin: Callable[[], None], end: Callable[[], None] = lambda: None
+) -> Iterator[None]:
     """Within the block, `begin` is called when this process begins `what`, and `end` when it has ended."""
     with event.install_listener(what, _Noticing(begin, end)):
         yield

@@ -21,7 +21,7 @@ from ..store.journal import FLUSH_SECONDS, SUFFIX, Recorded
 from ..store.json_codec import Plain
 from ..store.run_state import shown
 from .checkpoint import Checkpoints, Identity
-from .compilation import PREPARING, noticed
+from .compilation import PREPARING, announce_compilation
 from .exit_guard import guarding
 from .interruption import Interruption
 from .nan_monitor import NotNumbers
@@ -129,7 +129,7 @@ def _couple(
                         Checkpoints(path, identity, every, stop, lambda: interruption.asked, say)
                     )
                 forecast = Forecast(stop, reporter.line)
-                with noticed(PREPARING, begin=lambda: None, end=forecast.restart):
+                with announce_compilation(PREPARING, begin=lambda: None, end=forecast.restart):
                     return simulate(
                         system,
                         participants,

@@ -12,7 +12,7 @@ from ..scenario import Scenario
 from ..scenario.files import to_full_toml
 from ..store.atomic_write import partial
 from ..store.backup import Backup
-from ..store.run_state import clear, contents, locked, shown, unfinished
+from ..store.run_state import clear, contents, find_run_state, lock_folder, shown
 
 CHECKPOINT = "checkpoint"
 RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES = (
@@ -29,7 +29,7 @@ class OutputFolderError(MistakeError):
     """The output folder cannot take a result."""
 
 
-def spare(source: Path, scenario: Scenario, out: Path) -> None:
+def refuse_overwriting_source(source: Path, scenario: Scenario, out: Path) -> None:
     """OutputFolderError if the result's own scenario file would replace `source` by something else."""
     target = out / SCENARIO
     if target.exists() and target.samefile(source) and source.read_text("utf-8") != to_full_toml(scenario):
@@ -41,7 +41,7 @@ def spare(source: Path, scenario: Scenario, out: Path) -> None:
 
 @dataclass(frozen=True)
 class OutputFolder:
-    """The folder of a run: `path`, the folder `unfinished` in it, and the files that the run replaces."""
+    """The folder of a run: `path`, the folder `find_run_state` in it, and the files that the run replaces."""
 
     path: Path
     unfinished: Path
@@ -64,7 +64,7 @@ def check_folder(out: Path, overwrite: bool) -> None:
         raise OutputFolderError(f"{shown(out)}: is a file; choose a folder with --out")
     if overwrite:
         return
-    if unfinished(out).exists() and (out / SCENARIO).exists():
+    if find_run_state(out).exists() and (out / SCENARIO).exists():
         raise OutputFolderError(
             f"{shown(out)}: holds a run that was not finished; continue it with tribocosim resume "
             f"{shown(out)}, choose another folder with --out, or replace it with --overwrite"
@@ -81,7 +81,7 @@ def open_folder(out: Path, overwrite: bool) -> Iterator[OutputFolder]:
     """
     with ExitStack() as stack:
         try:
-            folder = OutputFolder(out, stack.enter_context(locked(out)), Backup(out))
+            folder = OutputFolder(out, stack.enter_context(lock_folder(out)), Backup(out))
             folder.backup.restore()  # what a process killed before its first values left
             if not overwrite:
                 _check_empty(out)  # again: another process may have run since `check_folder`
@@ -104,7 +104,7 @@ def files(out: Path) -> list[Path]:
     return [path for path in [*found, *_figures(out)] if path.exists()]
 
 
-def meant(path: Path) -> str | None:
+def suggest_folder(path: Path) -> str | None:
     """The run's output folder that was probably meant by `path`, a file in it or the scenario's name."""
     folders = (path.parent, Path("results") / path.name)
     return next((str(folder) for folder in folders if (folder / SCENARIO).is_file()), None)

@@ -17,7 +17,7 @@ from rich.text import Text
 from models.core.quantities import Vector
 
 from ..engine.step import Step
-from .compilation import COMPILING, noticed
+from .compilation import COMPILING, announce_compilation
 
 SHOWN_EVERY_S = 0.1
 
@@ -76,7 +76,7 @@ class Reporter:
         progress = Progress(*columns, console=self.console, transient=True, disable=not live)
         if not live:
             self.line(text)
-        with progress, noticed(COMPILING, self._compiling):
+        with progress, announce_compilation(COMPILING, self._compiling):
             yield Bar(progress, progress.add_task(text, total=1.0), stop_time)
 
     def _compiling(self) -> None:

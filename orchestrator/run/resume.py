@@ -12,10 +12,10 @@ from ..errors import RefusedError
 from ..scenario.files import load
 from ..store.backup import Backup
 from ..store.journal import Recorded, journals
-from ..store.run_state import clear, locked, shown, unfinished
+from ..store.run_state import clear, find_run_state, lock_folder, shown
 from .checkpoint import read
 from .execute import execute
-from .output_folder import SCENARIO, SUMMARY, OutputFolder, OutputFolderError, meant
+from .output_folder import SCENARIO, SUMMARY, OutputFolder, OutputFolderError, suggest_folder
 from .pipeline import conclude
 from .plan import Builder, Plan, make_plan
 from .record import FAILED, Ending, Record
@@ -33,15 +33,15 @@ def resume(out: Path, build: Builder, reporter: Reporter, figures: bool = True) 
     start = clock.perf_counter()
     if not (out / SCENARIO).is_file():
         remedy = "tribocosim run makes one"
-        if (out / SUMMARY).exists() or unfinished(out).exists():
+        if (out / SUMMARY).exists() or find_run_state(out).exists():
             remedy = "put back the file that the run had written"
-        elif close := meant(out):
+        elif close := suggest_folder(out):
             remedy = f"did you mean {close}?"
         raise OutputFolderError(f"{out}: holds no run (there is no {SCENARIO}); {remedy}")
-    if not unfinished(out).exists():
+    if not find_run_state(out).exists():
         return _report_ended(out, reporter)
     out = out.absolute()  # an FMU may change the working directory
-    with locked(out) as pending:
+    with lock_folder(out) as pending:
         before = _read_summary(out)
         if before.get("complete"):  # killed while it tidied up
             clear(pending)

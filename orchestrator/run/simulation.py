@@ -20,7 +20,7 @@ from ..masters import Master
 from ..participants import Participant
 from ..stepping import FixedSteps, Stepper, watched
 from ..store.json_codec import Plain
-from .checkpoint import Continuing, Keeper, fitting, put_back, serialised
+from .checkpoint import Continuing, Keeper, fitting, restore_participants, serialise_participants
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def simulate(
             "elapsed": clock.perf_counter() - began,
             "exchange": coupling.snapshot(),
             "steps": steps.state(),
-            "participants": serialised(participants),
+            "participants": serialise_participants(participants),
             "observers": [observer.state() for observer in observers if isinstance(observer, Continuing)],
         }
 
@@ -116,7 +116,7 @@ def simulate(
             with fitting():
                 coupling.resume(resumed["exchange"])
                 steps.resume(resumed["steps"])
-                put_back(participants, resumed["participants"])
+                restore_participants(participants, resumed["participants"])
         while time < stop_time:
             try:
                 step = steps.step(time)

@@ -38,7 +38,7 @@ from ..participants import Participant
 from ..participants.compiled import CompiledCalls
 from ..scenario import Scenario
 from ..store.json_codec import Plain
-from .compilation import PREPARING, noticed
+from .compilation import PREPARING, announce_compilation
 from .record import FAILED
 from .watchdog_process import CELLS, FRESH, INTERRUPTED, MARK, STEPS, TIME, message, number_of
 
@@ -112,7 +112,7 @@ class Watchdog:
         self._quit = _on_quit(ctypes.cast(ctypes.CDLL(None)._exit, ctypes.c_void_p).value)
         self._unraised, sys.unraisablehook = sys.unraisablehook, self._not_raised
         self._compiling = ExitStack()
-        self._compiling.enter_context(noticed(PREPARING, self._pause, self._go_on))
+        self._compiling.enter_context(announce_compilation(PREPARING, self._pause, self._go_on))
         return self
 
     def __exit__(
@@ -151,21 +151,21 @@ class Watchdog:
     def made(self, name: str, make: Callable[[], Participant]) -> Participant:
         """What `make` gives, watched."""
         index = self._names.index(name)
-        return Watched(self.enclosed(index, "instantiation", make)(), self, index)
+        return Watched(self.guard_call(index, "instantiation", make)(), self, index)
 
-    def enclosed(self, index: int, call: str, function: Callable[..., Made]) -> Callable[..., Made]:
+    def guard_call(self, index: int, call: str, function: Callable[..., Made]) -> Callable[..., Made]:
         """`function`, watched; nothing is when it has returned."""
-        marked, cells = self.marked(index, call, function), self._cells
+        call_marked, cells = self.mark_start(index, call, function), self._cells
 
-        def enclosed(*arguments: Any) -> Made:
+        def guarded(*arguments: Any) -> Made:
             try:
-                return marked(*arguments)
+                return call_marked(*arguments)
             finally:
                 cells[MARK] = 0
 
-        return enclosed
+        return guarded
 
-    def marked(self, index: int, call: str, function: Callable[..., Made]) -> Callable[..., Made]:
+    def mark_start(self, index: int, call: str, function: Callable[..., Made]) -> Callable[..., Made]:
         """`function`, watched until the next call or the end of the macro step: less to do in every step."""
         mark, cells, cause = FRESH + number_of(index, call), self._cells, self._cause
 
@@ -181,7 +181,7 @@ class Watchdog:
     def advancing(
         self, index: int, advance: Callable[[float, float], None]
     ) -> Callable[[float, float], None]:
-        """As `marked`, for the steps: without the cost of any number of arguments."""
+        """As `mark_start`, for the steps: without the cost of any number of arguments."""
         mark, cells, cause = FRESH + number_of(index, "step"), self._cells, self._cause
 
         def advancing(time: float, step: float) -> None:
@@ -194,7 +194,7 @@ class Watchdog:
         return advancing
 
     def exchanging(self, index: int, call: str, exchange: Callable[[], None]) -> Callable[[], None]:
-        """As `marked`, for what passes values in every step."""
+        """As `mark_start`, for what passes values in every step."""
         mark, cells, cause = FRESH + number_of(index, call), self._cells, self._cause
 
         def exchanging() -> None:
@@ -254,27 +254,27 @@ class Watched:
     def __init__(self, participant: Participant, watchdog: Watchdog, index: int) -> None:
         self.name, self.restorable = participant.name, participant.restorable
         self._participant, self._watchdog, self._index = participant, watchdog, index
-        enclosed, marked = watchdog.enclosed, watchdog.marked
+        guard_call, mark_start = watchdog.guard_call, watchdog.mark_start
         self.signal_degrees = participant.signal_degrees
-        self.initialise = enclosed(index, "initialisation", participant.initialise)
-        self.finish_initialisation = enclosed(
+        self.initialise = guard_call(index, "initialisation", participant.initialise)
+        self.finish_initialisation = guard_call(
             index, "end of initialisation", participant.finish_initialisation
         )
         self.advance = watchdog.advancing(index, participant.advance)
-        self.read_all = enclosed(index, "reading of all outputs", participant.read_all)
-        self.save = marked(index, "saving of its state", participant.save)
-        self.restore = marked(index, "restoring of its state", participant.restore)
+        self.read_all = guard_call(index, "reading of all outputs", participant.read_all)
+        self.save = mark_start(index, "saving of its state", participant.save)
+        self.restore = mark_start(index, "restoring of its state", participant.restore)
         # Enclosed: a checkpoint, which the disk may keep waiting, comes after it.
-        self.release = enclosed(index, "freeing of a saved state", participant.release)
-        self.close = enclosed(index, "end", participant.close)
+        self.release = guard_call(index, "freeing of a saved state", participant.release)
+        self.close = guard_call(index, "end", participant.close)
 
     def to_bytes(self, saved: Any) -> bytes:
         call = "serialising of its state"
-        return self._watchdog.enclosed(self._index, call, self._participant.to_bytes)(saved)
+        return self._watchdog.guard_call(self._index, call, self._participant.to_bytes)(saved)
 
     def from_bytes(self, data: bytes) -> Any:
         call = "taking of a serialised state"
-        return self._watchdog.enclosed(self._index, call, self._participant.from_bytes)(data)
+        return self._watchdog.guard_call(self._index, call, self._participant.from_bytes)(data)
 
     def connect(
         self,

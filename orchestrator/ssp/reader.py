@@ -222,7 +222,8 @@ def _set_values(
             (key, name)
             for key, layout in layouts.items()
             for name in layout.variables
-            if variable == (name if third_party or key != "start" else layout.field(name).suffixed("_start"))
+            if variable
+            == (name if third_party or key != "start" else layout.field(name).add_suffix("_start"))
         ]
         if not places:
             raise ScenarioError(f"{where}: no parameter, input or start value {variable!r}; correct its name")

@@ -96,15 +96,15 @@ class ControlledSteps:
                 attempt = self._estimator.attempt(coupling, self._master, time, shorter)
 
             while True:
-                length, gap, end, reason = self._proposed(time)
+                length, gap, end, reason = self._propose(time)
                 event, error = -1, 0.0
                 coupling.state.history.end_smooth[:] = ~self._locator.bent(end)
                 try:
-                    attempt = self._attempted(saved, time, length)
+                    attempt = self._attempt(saved, time, length)
                     error, source = self._norm(saved.coupling.values, attempt.error)
                     # Over an event the estimate sees what jumps or bends there: it tells before it. (Of an
                     # explicit step of such an error nothing may be right.)
-                    met = early and self._locator.happened(saved.coupling.values) >= 0
+                    met = early and self._locator.find_event(saved.coupling.values) >= 0
                     if error <= 1.0 or length <= shortest or met:
                         whole = length
                         length, over, event = self._locator.locate(saved, time, whole, again)
@@ -149,9 +149,9 @@ class ControlledSteps:
         if event >= 0:
             source, end = event, time + length + gap
             self._locator.last = end
-        return self._accepted(time, end, length, smooth, attempt, error, source, reason, rejected)
+        return self._accept(time, end, length, smooth, attempt, error, source, reason, rejected)
 
-    def _proposed(self, time: float) -> tuple[float, float, float, int]:
+    def _propose(self, time: float) -> tuple[float, float, float, int]:
         """Length of the next attempt, how long to cross what then comes, where that ends, what sets it."""
         control = self._control
         length, reason = self._next, self._set_by
@@ -186,7 +186,7 @@ class ControlledSteps:
             return 0.0, -1
         return float(np.sqrt(np.mean(parts**2))), int(e.wiring.connected[np.argmax(parts)])
 
-    def _attempted(self, saved: SavedPoint, time: float, length: float) -> Attempt:
+    def _attempt(self, saved: SavedPoint, time: float, length: float) -> Attempt:
         attempt = self._estimator.attempt(self._coupling, self._master, time, length)
         if self._master.implicit:
             return attempt
@@ -198,7 +198,7 @@ class ControlledSteps:
         sizes = np.maximum(np.abs(before), np.abs(e.state.values))
         return np.asarray(control.absolute * e.wiring.nominal + control.relative * sizes)
 
-    def _accepted(
+    def _accept(
         self, time: float, end: float, length: float, smooth: Any, attempt: Attempt, error: float,
         source: int, reason: int, rejected: int,
     ) -> Step:  # fmt: skip

@@ -35,9 +35,9 @@ class FixedSteps:
     def step(self, time: float) -> Step:
         end, reason = self._end(time)
         if self._locator is not None:
-            return self._located(time, end, reason, self._locator)
+            return self._locate_step(time, end, reason, self._locator)
         iterations = self._master.step(self._coupling, time, end - time).iterations
-        return self._accepted(Step(end, end - time, iterations, reason=reason))
+        return self._accept(Step(end, end - time, iterations, reason=reason))
 
     def _end(self, time: float) -> tuple[float, int]:
         """Times are multiples of the step: a sum of steps would drift."""
@@ -52,7 +52,7 @@ class FixedSteps:
         # What ends as any other step does isn't cut short.
         return self._stop, FIXED if abs(end - self._stop) <= 1e-6 * self.macro_step else STOP
 
-    def _located(self, time: float, end: float, reason: int, locator: Locator) -> Step:
+    def _locate_step(self, time: float, end: float, reason: int, locator: Locator) -> Step:
         coupling, gap = self._coupling, 0.0
         ahead = locator.ahead(time)
         if ahead < end - locator.tolerance:
@@ -91,12 +91,12 @@ class FixedSteps:
         if source >= 0:
             end = locator.last = time + length + gap
         told = coupling.wiring.output_number(source)
-        made = self._accepted(Step(end, end - time, iterations, source=told, reason=reason))
+        made = self._accept(Step(end, end - time, iterations, source=told, reason=reason))
         if gap or locator.due(end):
             coupling.state.history.restart(smooth)
         return made
 
-    def _accepted(self, step: Step) -> Step:
+    def _accept(self, step: Step) -> Step:
         self._guard.judge(step.end, step.length)
         self._coupling.accept(step.end)
         return step

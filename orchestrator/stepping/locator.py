@@ -87,7 +87,7 @@ class Locator:
                 bent[own] |= own.start <= i < own.stop or i in fed
         return bent
 
-    def happened(self, before: Vector) -> int:
+    def find_event(self, before: Vector) -> int:
         """The source that tells of an event between the values `before` and now; -1 if none does."""
         now = self._coupling.state.values
         changed = np.sign(before[self._signs]) * np.sign(now[self._signs]) < 0.0
@@ -112,13 +112,13 @@ class Locator:
         """
         before = start.coupling.values
         while True:
-            if self.happened(before) < 0:
+            if self.find_event(before) < 0:
                 shorter = self._find_dip(start, length)
                 if shorter == length:
                     return length, 0.0, -1
                 attempt(shorter)
                 length = shorter
-                if self.happened(before) < 0:
+                if self.find_event(before) < 0:
                     return length, 0.0, -1
             low, high, source, made = self._close_in(before, time, length, attempt)
             if time + high - self.last <= SEPARATE * self.tolerance:
@@ -135,7 +135,7 @@ class Locator:
         self, before: Vector, time: float, length: float, attempt: Callable[[float], None]
     ) -> tuple[float, float, int, float]:
         """Lengths just before and after an event, its source, and the length of the last attempt."""
-        low, high, made, source = 0.0, length, length, self.happened(before)
+        low, high, made, source = 0.0, length, length, self.find_event(before)
         self._coupling.state.history.end_smooth[:] = ~self.bent(time + length, source)
         values = {0.0: before.copy(), length: self._coupling.state.values.copy()}
         for _ in range(ATTEMPTS):
@@ -149,7 +149,7 @@ class Locator:
                 attempt(trial)
                 made = trial
                 values[trial] = self._coupling.state.values.copy()
-                found = self.happened(before)
+                found = self.find_event(before)
                 if found >= 0:
                     high, source = trial, found
                 else:
@@ -169,7 +169,7 @@ class Locator:
         with coupling.points.keep() as saved:
             master.step(coupling, time, gap)
             for _ in range(WIDER):
-                if before is None or self.happened(before) >= 0:
+                if before is None or self.find_event(before) >= 0:
                     break
                 coupling.points.restore(saved)
                 gap *= 2.0

@@ -21,7 +21,7 @@ from models.core.quantities import Quantity, Vector
 
 from .atomic_write import check_room, naming, partial
 from .journal import TIME, Recorded
-from .run_state import unfinished
+from .run_state import find_run_state
 
 if TYPE_CHECKING:
     import xarray
@@ -75,10 +75,10 @@ class ResultFile:
         # one; netCDF knows no other of length 0.
         group.dimensions["time"] = rows or None
         for key, quantity in columns.items():
-            _make(group, _stored(key), quantity, chunk)
+            _make(group, _to_stored_name(key), quantity, chunk)
         # Each by itself: what HDF5 lists as attached to a dimension has been seen to lack one.
-        datasets = [self._hdf5[f"{group.name}/{_stored(key)}"] for key in columns]
-        for first, block in _placed(blocks):
+        datasets = [self._hdf5[f"{group.name}/{_to_stored_name(key)}"] for key in columns]
+        for first, block in _number_blocks(blocks):
             for dataset, values in zip(datasets, np.ascontiguousarray(block.T), strict=True):
                 dataset[first : first + len(block)] = values
 
@@ -88,7 +88,7 @@ class ResultFile:
 
     def read(self, group: str, names: Sequence[str], rows: slice) -> dict[str, Vector]:
         """Rows of some variables."""
-        return {name: np.asarray(self._file[group][_stored(name)][rows]) for name in names}
+        return {name: np.asarray(self._file[group][_to_stored_name(name)][rows]) for name in names}
 
     def has(self, group: str) -> bool:
         """The group exists and has rows."""
@@ -126,7 +126,7 @@ class ResultFile:
             partial(self.path).unlink(missing_ok=True)
 
 
-def _stored(name: str) -> str:
+def _to_stored_name(name: str) -> str:
     """A variable's name in the file, where / begins a group: third-party FMUs may have it."""
     return name.replace("/", "\N{DIVISION SLASH}")
 
@@ -144,7 +144,7 @@ def _make(group: h5netcdf.Group, name: str, quantity: Quantity, chunk: int) -> N
         variable.attrs["flag_values"] = np.arange(float(len(quantity.choices)))
 
 
-def _placed(blocks: Iterable[Vector]) -> Iterator[tuple[int, Vector]]:
+def _number_blocks(blocks: Iterable[Vector]) -> Iterator[tuple[int, Vector]]:
     """Each block with the number of its first row."""
     first = 0
     for block in blocks:
@@ -158,6 +158,6 @@ def open_result(path: Path | str) -> xarray.DataTree:
 
     path = Path(path)
     file = path / "result.nc" if path.is_dir() else path
-    if not file.exists() and unfinished(file.parent).exists():
+    if not file.exists() and find_run_state(file.parent).exists():
         raise FileNotFoundError(f"{file}: the run goes on or was killed; tribocosim resume {file.parent}")
     return xarray.open_datatree(file, engine="h5netcdf")

@@ -1,4 +1,4 @@
-"""The folder `unfinished` in a run's output folder, from which a run can be resumed.
+"""The folder `find_run_state` in a run's output folder, from which a run can be resumed.
 
 It holds the journals and the last checkpoint, is locked while a process works on the run, and is removed
 when the result is whole.
@@ -17,7 +17,7 @@ from ..errors import MistakeError
 NAME, LOCK = "unfinished", "lock"
 
 
-def unfinished(out: Path) -> Path:
+def find_run_state(out: Path) -> Path:
     """The folder of the run in `out`; it exists while the run goes on, or after it was killed."""
     return out / NAME
 
@@ -29,12 +29,12 @@ def shown(out: Path) -> Path:
 
 
 @contextmanager
-def locked(out: Path) -> Iterator[Path]:
+def lock_folder(out: Path) -> Iterator[Path]:
     """The folder, made if it isn't there; MistakeError if another process works on the run.
 
     Removed at the end if it is empty. The lock ends with the process. OSError if it cannot be made.
     """
-    folder = unfinished(out)
+    folder = find_run_state(out)
     folder.mkdir(parents=True, exist_ok=True)
     lock = locket.lock_file(str(folder / LOCK), timeout=0)
     try:

@@ -69,14 +69,14 @@ class Execution:
 
     def _outcomes(self, indices: Sequence[int]) -> Iterator[list[tuple[int, Outcome]]]:
         suspects: list[int] = []
-        for batch in self._completed(indices, ahead=AHEAD):
+        for batch in self._complete(indices, ahead=AHEAD):
             suspects += [index for index, outcome in batch if outcome is None]
             yield [(index, outcome) for index, outcome in batch if outcome is not None]
         for index in sorted(suspects):
-            for batch in self._completed([index], ahead=1):
+            for batch in self._complete([index], ahead=1):
                 yield [(index, outcome or Outcome({}, DIED)) for index, outcome in batch]
 
-    def _completed(self, indices: Sequence[int], ahead: int) -> Iterator[list[tuple[int, Outcome | None]]]:
+    def _complete(self, indices: Sequence[int], ahead: int) -> Iterator[list[tuple[int, Outcome | None]]]:
         """Outcomes; None where workers died."""
         waiting = iter(indices)
         places: dict[Future, int] = {}

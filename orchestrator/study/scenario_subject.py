@@ -83,7 +83,7 @@ class ScenarioSubject:
         }
         found |= {
             f"{name}.{key}": Result("1", f"{name}: {text}")
-            for name in self._compared()
+            for name in self._compare()
             for key, (text, _) in ERRORS.items()
         }
         found |= {
@@ -103,7 +103,7 @@ class ScenarioSubject:
             for field in table.resolve().outputs.fields
         }
 
-    def _compared(self) -> list[str]:
+    def _compare(self) -> list[str]:
         if not self.scenario.reference.enabled:
             return []
         driving = {parse_ends(line)[0] for line in self.scenario.connections}

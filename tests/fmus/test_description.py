@@ -76,7 +76,7 @@ def test_every_quantity_is_described(name: str, fmu_files: dict[str, Path]) -> N
         if rated is None:
             assert inputs == set(direct)
         else:
-            slopes = {component.inputs.field(name).suffixed("_der1") for name in direct}
+            slopes = {component.inputs.field(name).add_suffix("_der1") for name in direct}
             assert inputs == {*component.inputs.names, *slopes}
     continuous = [field for field in component.outputs.fields if not field.quantity.discrete]
     rates = [v for v in found.values() if v.derivative is not None]

@@ -17,7 +17,7 @@ from models.slider_crank.flight.flow import (
     PRESSING_UPPER,
     STIFFNESS,
     Flow,
-    tabulated,
+    tabulate_flow,
 )
 from models.slider_crank.flight.series import TERMS
 
@@ -35,7 +35,7 @@ def flow_of(forcing, stiffness=0.0, damping=0.0, upper=0.0, lower=FAR) -> Flow:
         samples[:, PRESSING_LOWER] = -r + stiffness * lower
         return samples
 
-    return tabulated(sample)
+    return tabulate_flow(sample)
 
 
 class Orbit(NamedTuple):

@@ -17,12 +17,12 @@ from models.contact.asperities import (
     area_integral,
     asperity_pressure,
     dry_separation,
+    find_separation,
     load_integral,
     mean_gap,
     pressure_scale,
     pressure_under,
     real_area_share,
-    separation_of,
 )
 
 STEEL = 2.0 * 0.91 / 207e9
@@ -125,7 +125,7 @@ def test_pressure_and_area_are_those_of_all_pairs_of_summits(record):
 @given(st.floats(-25.0, 30.0))
 def test_the_separation_of_a_mean_gap_leads_back_to_it(separation):
     # Newton's method ends at 1e-12 of 1 + |lambda|, and the gap's closed form cancels lambda^2 of its digits.
-    assert separation_of(mean_gap(separation)) == pytest.approx(separation, rel=1e-10, abs=1e-10)
+    assert find_separation(mean_gap(separation)) == pytest.approx(separation, rel=1e-10, abs=1e-10)
 
 
 def test_the_mean_gap_is_the_mean_of_what_is_left_open():
@@ -179,7 +179,7 @@ gaps = st.floats(-25.0, math.log(0.999 * THICK)).map(math.exp)
 def test_pressure_under_a_film_is_the_pressure_at_its_separation(gap):
     found = pressure_under(gap * ROUGHNESS, ROUGHNESS, SCALE)
     # Both are good to about 1e-8.
-    expected = asperity_pressure(separation_of(gap), SURFACES, STEEL)
+    expected = asperity_pressure(find_separation(gap), SURFACES, STEEL)
     assert found.pressure == pytest.approx(expected, rel=3e-8)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.contact.hertz import elastic_compliance, elastic_energy, load_of
+from models.contact.hertz import elastic_compliance, elastic_energy, find_load
 from models.core.bonds import counting, energy_through
 from models.core.integrator import OK
 
@@ -102,7 +102,7 @@ def test_inputs_that_jump_between_steps_change_stored_energy_beyond_what_steps_g
     for approach in (2e-6, 9e-6):
         unit.input("approach", approach)
         unit.step(1e-3)
-    load = load_of(9e-6, radius, length, compliance)
+    load = find_load(9e-6, radius, length, compliance)
     assert unit["energy_stored"] == pytest.approx(elastic_energy(load, radius, length, compliance), rel=1e-12)
     assert unit["energy_gained"] == 0.0
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from models.contact.hertz import deflection, elastic_compliance, elastic_energy, load_of
+from models.contact.hertz import deflection, elastic_compliance, elastic_energy, find_load
 from models.monolithic import equilibrium, solve
 
 from .systems import DRY, turn, valve_train
@@ -21,7 +21,7 @@ def work_of_the_radius(found):
     radius = found["camshaft.radius_of_curvature"]
 
     def energy(d, r):
-        return elastic_energy(load_of(d, r, LENGTH, COMPLIANCE), r, LENGTH, COMPLIANCE)
+        return elastic_energy(find_load(d, r, LENGTH, COMPLIANCE), r, LENGTH, COMPLIANCE)
 
     step = 1e-5
     slope = np.array(

@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from models.slider_crank.flight.flow import MOST_CELLS, UnresolvedError, tabulated
+from models.slider_crank.flight.flow import MOST_CELLS, UnresolvedError, tabulate_flow
 from models.slider_crank.flight.linear import at_start, carry
 from models.slider_crank.flight.samples import offset_acceleration
 from models.slider_crank.flight.series import (
@@ -141,4 +141,4 @@ def test_constant_coefficients_give_elementary_functions() -> None:
 
 def test_flow_too_fast_for_the_most_cells_is_refused() -> None:
     with pytest.raises(UnresolvedError, match=str(MOST_CELLS)):
-        tabulated(lambda cells: np.random.default_rng(cells).normal(size=(cells, 5)))
+        tabulate_flow(lambda cells: np.random.default_rng(cells).normal(size=(cells, 5)))

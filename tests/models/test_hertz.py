@@ -14,8 +14,8 @@ from models.contact.hertz import (
     deflection,
     elastic_compliance,
     elastic_energy,
+    find_load,
     half_width,
-    load_of,
     maximum_pressure,
 )
 
@@ -54,7 +54,7 @@ def test_contact_stiffness_at_450_newton(record):
 def test_load_of_the_deflection_is_the_load(load, radius):
     delta = deflection(load, radius, LENGTH, COMPLIANCE)
     # Newton to rounding; the deflection's own rounding is magnified by less than 2.
-    assert load_of(delta, radius, LENGTH, COMPLIANCE) == pytest.approx(load, rel=4e-15)
+    assert find_load(delta, radius, LENGTH, COMPLIANCE) == pytest.approx(load, rel=4e-15)
 
 
 @given(load=loads, radius=radii)
@@ -69,19 +69,19 @@ def test_pressure_carries_the_load_and_obeys_the_width_law(load, radius):
 @given(load=loads, radius=radii)
 def test_energy_is_the_work_of_the_load(load, radius):
     deltas = np.linspace(0.0, deflection(load, radius, LENGTH, COMPLIANCE), 2001)
-    work = np.trapezoid([load_of(d, radius, LENGTH, COMPLIANCE) for d in deltas], deltas)
+    work = np.trapezoid([find_load(d, radius, LENGTH, COMPLIANCE) for d in deltas], deltas)
     # Trapezoids: 2000^-2 of the curvature.
     assert elastic_energy(load, radius, LENGTH, COMPLIANCE) == pytest.approx(work, rel=1e-6)
 
 
 @given(delta=st.floats(-1e-3, 0.0))
 def test_no_load_without_overlap(delta):
-    assert load_of(delta, 20e-3, LENGTH, COMPLIANCE) == 0.0
+    assert find_load(delta, 20e-3, LENGTH, COMPLIANCE) == 0.0
 
 
 @given(delta=st.floats(1e-12, 1e-5), more=st.floats(1.001, 2.0))
 def test_load_grows_with_deflection(delta, more):
-    soft, hard = (load_of(d, 20e-3, LENGTH, COMPLIANCE) for d in (delta, more * delta))
+    soft, hard = (find_load(d, 20e-3, LENGTH, COMPLIANCE) for d in (delta, more * delta))
     assert 0.0 < soft < hard
 
 

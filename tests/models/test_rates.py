@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.contact.hertz import deflection, load_of
+from models.contact.hertz import deflection, find_load
 from models.core.component import Component
 from models.core.integrator import OK
 from models.core.quantities import Vector
@@ -77,7 +77,7 @@ def hertz_rate(delta: float, relative: float, radius: float) -> float:
     compliance = (1.0 - p.poissons_ratio_1**2) / p.youngs_modulus_1
     compliance += (1.0 - p.poissons_ratio_2**2) / p.youngs_modulus_2
     a = 2.0 * compliance / (math.pi * p.length)
-    load = load_of(delta, radius, p.length, compliance)
+    load = find_load(delta, radius, p.length, compliance)
     slope = deflection(1.0, radius, p.length, compliance) - 0.5 * a * (math.log(load) + 1.0)
     return relative / slope
 

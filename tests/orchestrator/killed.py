@@ -31,7 +31,7 @@ from orchestrator.scenario.files import load
 from orchestrator.store import atomic_write as replacement
 from orchestrator.store import csv_file, journal
 from orchestrator.store import result_file as results
-from orchestrator.store.run_state import unfinished
+from orchestrator.store.run_state import find_run_state
 
 STEPPING, STARTING = 0.2, 2.0  # s
 EVERY = "checkpoint_every=1e-9"
@@ -71,13 +71,13 @@ def main(out: Path, seed: int, kills: int, scenario: str, overrides: list[str]) 
         if not os.WIFSIGNALED(status):
             print("ended with", os.waitstatus_to_exitcode(status), flush=True)
             return
-        left = sorted(path.name for path in unfinished(out).glob("*"))
+        left = sorted(path.name for path in find_run_state(out).glob("*"))
         print("killed", _time(out), " ".join(left), flush=True)
 
 
 def _wait_for_a_checkpoint(out: Path, child: int) -> None:
     """Until the child writes one, or has ended."""
-    path = unfinished(out) / CHECKPOINT
+    path = find_run_state(out) / CHECKPOINT
 
     def written() -> int:
         return path.stat().st_mtime_ns if path.exists() else 0
@@ -119,7 +119,7 @@ def _die_at_call(number: int) -> None:
 
 def _time(out: Path) -> float:
     """How far the checkpoint is."""
-    path = unfinished(out) / CHECKPOINT
+    path = find_run_state(out) / CHECKPOINT
     return float(checkpoint.read(path)[1]["time"]) if path.exists() else -1.0
 
 

@@ -15,7 +15,7 @@ from orchestrator.assessment.diagnosis import (
     Facts,
     Steps,
     brief,
-    diagnosed,
+    diagnose_steps,
     full,
     recorded,
     suggestions,
@@ -31,7 +31,7 @@ from orchestrator.run.pipeline import run
 from orchestrator.run.recording import ResultRecorder
 from orchestrator.run.report import Reporter
 from orchestrator.scenario.files import load, to_full_toml
-from orchestrator.store.run_state import unfinished
+from orchestrator.store.run_state import find_run_state
 
 from .recorder import Recorder
 from .two_masses import two_masses
@@ -58,7 +58,7 @@ def made(length, reason="error", source=LOAD, iterations=1, rejected=0, error=0.
 
 
 def facts(steps: Steps, *changes: str, scenario: str = "valve-train-controlled") -> Facts:
-    diagnosis = diagnosed(steps)
+    diagnosis = diagnose_steps(steps)
     assert diagnosis is not None
     return Facts(diagnosis, steps, load(scenario, changes))
 
@@ -83,7 +83,7 @@ def random_steps(n: int, seed: int = 1) -> Steps:
 @pytest.mark.parametrize("seed", range(5))
 def test_shares_are_a_partition(seed: int) -> None:
     """Every step has one reason, and every limit by error one variable: shares add up."""
-    d = diagnosed(random_steps(300, seed))
+    d = diagnose_steps(random_steps(300, seed))
     assert d is not None
     assert sum(share.steps for share in d.reasons.values()) == pytest.approx(1.0)
     assert sum(share.time for share in d.reasons.values()) == pytest.approx(1.0)
@@ -98,11 +98,11 @@ def test_shares_are_a_partition(seed: int) -> None:
 def test_spans_are_where_a_variable_limits_most_steps() -> None:
     """Two halves of a run, one limited by the load, the other by the angle: borders to one span of 1 %."""
     steps = made(np.full(1000, 1e-3), source=np.repeat([LOAD, ANGLE], 500))
-    d = diagnosed(steps)
+    d = diagnose_steps(steps)
     assert d is not None
     assert d.limits["contact.load"].spans == (pytest.approx((0.0, 0.5), abs=0.01),)
     assert d.limits["flywheel.angle"].spans == (pytest.approx((0.5, 1.0), abs=0.01),)
-    long = diagnosed(made([0.5, 0.5]))  # steps longer than spans
+    long = diagnose_steps(made([0.5, 0.5]))  # steps longer than spans
     assert long is not None
     assert long.limits["contact.load"].spans == ((0.0, 1.0),)
 
@@ -110,7 +110,7 @@ def test_spans_are_where_a_variable_limits_most_steps() -> None:
 def test_the_densest_intervals_are_the_shortest_with_a_tenth_of_the_work() -> None:
     """Compared with all intervals that steps can make; and work is iterations times attempts."""
     steps = random_steps(150)
-    d = diagnosed(steps)
+    d = diagnose_steps(steps)
     assert d is not None
     work = steps.iterations * (1 + steps.rejected)
     np.testing.assert_array_equal(steps.work, work)
@@ -155,7 +155,7 @@ GROUNDS = {
         ["master.tolerance=1e-12"],
         "6.0 iterations a step: loosen master.tolerance (now 1e-12) to 3e-08",
     ),
-    "short_start": (
+    "suggest_longer_start": (
         made(np.r_[1e-6 * 2.0 ** np.arange(20), np.full(80, 1.0)], ["growth"] * 20 + ["error"] * 80),
         ["macro_step=1 us"],
         'the first 20 steps (20 %) only grow, from macro_step = 1e-06 s: macro_step = "0.52 s"',
@@ -199,7 +199,7 @@ def test_a_rule_speaks_with_ground_and_is_silent_without(rule: str) -> None:
 @pytest.mark.parametrize(
     ("rule", "steps", "change"),
     [
-        ("held_inputs", made(np.full(100, 1e-5), "fixed", -1), "master.extrapolation=hold"),
+        ("suggest_held_inputs", made(np.full(100, 1e-5), "fixed", -1), "master.extrapolation=hold"),
         (
             "uneven_work",
             made(np.full(100, 1e-5), "fixed", -1, np.r_[np.full(98, 2), 20, 20]),
@@ -227,7 +227,7 @@ def test_the_remedy_is_one_that_the_master_does_not_have_yet(changes: list[str],
 
 def test_a_few_steps_that_grow_are_not_worth_a_word() -> None:
     growing = ["growth"] * 5 + ["error"] * 5
-    assert "short_start" not in said(facts(made(2.0 ** np.arange(10), growing)))
+    assert "suggest_longer_start" not in said(facts(made(2.0 ** np.arange(10), growing)))
 
 
 def test_every_reason_has_its_words_and_its_colour(tmp_path: Path) -> None:
@@ -254,7 +254,7 @@ def test_times_are_in_a_unit_that_suits_the_run(length: float, unit: str, spans:
 
 
 def test_every_rule_is_tried() -> None:
-    assert {rule.__name__ for rule in RULES} == {*GROUNDS, "held_inputs", "uneven_work"}
+    assert {rule.__name__ for rule in RULES} == {*GROUNDS, "suggest_held_inputs", "uneven_work"}
 
 
 @pytest.fixture(scope="module")
@@ -293,7 +293,7 @@ def test_the_command_says_it_again_and_draws(finished: Path, tmp_path: Path) -> 
 def test_a_killed_run_is_diagnosed_from_its_journals(finished: Path, tmp_path: Path) -> None:
     """Round trip: the same steps from the journals of a run that left no result."""
     steps, _ = recorded(finished)
-    folder = unfinished(tmp_path)
+    folder = find_run_state(tmp_path)
     folder.mkdir()
     recorder = ResultRecorder(folder, dict.fromkeys(steps.outputs, load_quantity()), 1)
     recorder.begin(steps.outputs)

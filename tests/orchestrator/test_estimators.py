@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from models.monolithic import solve
-from orchestrator.energy.bonds import bonds_of
+from orchestrator.energy.bonds import find_bonds
 from orchestrator.engine.coupling import Coupling
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
@@ -91,7 +91,7 @@ def created_ratio(signal):
     system, master = two_masses(), Jacobi(signal)
     length = 4.0 * LENGTHS[signal]
     coupling, time, _ = at_point(system, master, 0.25, length)  # not where it changes sign
-    (bond,) = bonds_of(system)
+    (bond,) = find_bonds(system)
     with coupling.points.keep():
         attempt = ESTIMATORS["energy"]().attempt(coupling, master, time, length)
     effort, flow = coupling.wiring.number[bond.effort], coupling.wiring.number[bond.flow]

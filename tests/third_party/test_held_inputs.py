@@ -63,7 +63,7 @@ def test_nothing_is_advised_that_the_fmus_cannot_take(tmp_path: Path) -> None:
     limits = FmuLimits(one)
     assert (limits.lowest_degree, limits.restorable, limits.controllable) == (0, True, True)
     facts = Facts(summary.steps, None, one)  # type: ignore[arg-type]
-    assert "extrapolation" not in (coupling.held_inputs(facts) or "")
+    assert "extrapolation" not in (coupling.suggest_held_inputs(facts) or "")
 
 
 def test_the_estimated_error_has_that_of_held_inputs(tmp_path: Path) -> None:

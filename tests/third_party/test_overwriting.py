@@ -12,7 +12,7 @@ from orchestrator.run import execute as coupled_run
 from orchestrator.run.pipeline import run
 from orchestrator.run.report import Reporter
 from orchestrator.scenario import Scenario
-from orchestrator.store.run_state import unfinished
+from orchestrator.store.run_state import find_run_state
 
 from .c_fmus import TOKEN, fmu
 from .runs import changed, never, scenario, unloadable
@@ -110,8 +110,8 @@ def test_a_run_that_fails_later_replaces_it(out: Path, tmp_path: Path) -> None:
 
 
 def test_an_unfinished_run_stays_too(out: Path, tmp_path: Path) -> None:
-    unfinished(out).mkdir()
-    (unfinished(out) / "coupled.journal").write_bytes(b"rows")
+    find_run_state(out).mkdir()
+    (find_run_state(out) / "coupled.journal").write_bytes(b"rows")
     before = files(out)
     with pytest.raises(MistakeError):
         again(of(fmu("blind", 2, tmp_path)), out)

@@ -39,7 +39,7 @@ def touching(problem: Scaled) -> tuple[Vector, float, int]:
     h0 = -float(np.min(h))
     active = p > 0.0
     for rounds in range(1, _LARGEST_ROUNDS):
-        p, h0 = _closed(problem, p, h + h0, h0, active)
+        p, h0 = _close_gap(problem, p, h + h0, h0, active)
         h = problem.gap + problem.space.deflection(p)
         now = (p > h + h0) & problem.open
         if np.array_equal(now, active):
@@ -50,7 +50,7 @@ def touching(problem: Scaled) -> tuple[Vector, float, int]:
     )
 
 
-def _closed(problem: Scaled, p: Vector, left: Vector, h0: float, active: Mask) -> tuple[Vector, float]:
+def _close_gap(problem: Scaled, p: Vector, left: Vector, h0: float, active: Mask) -> tuple[Vector, float]:
     """p and h0 that leave no gap in the active cells, where these leave `left`, and no pressure elsewhere."""
     here = np.zeros((PLACES, *p.shape))
     here[HERE] = 1.0
@@ -58,12 +58,12 @@ def _closed(problem: Scaled, p: Vector, left: Vector, h0: float, active: Mask) -
     return p + dp, h0 + dh0
 
 
-def pressed(problem: Scaled, p: Vector, film: Vector) -> tuple[Vector, float]:
+def solve_dry_pressure(problem: Scaled, p: Vector, film: Vector) -> tuple[Vector, float]:
     """p >= 0 and h0 whose gap is `film` where p > 0, from a p that is not far from it."""
     h = problem.gap + problem.space.deflection(p)
     active = p > 0.0
     h0 = float(np.median((film - h)[active]))
-    found, h0 = _closed(problem, p, np.where(active, h + h0 - film, 0.0), h0, active)
+    found, h0 = _close_gap(problem, p, np.where(active, h + h0 - film, 0.0), h0, active)
     return np.maximum(found, 0.0), h0
 
 

@@ -112,7 +112,7 @@ def even_nodes(first: float, last: float, spacing: float) -> Vector:
     return np.arange(np.floor(first / spacing), np.ceil(last / spacing) + 1.0) * spacing
 
 
-def _counted(places: Vector, spacing: Vector, fewest: int) -> Vector:
+def _divide(places: Vector, spacing: Vector, fewest: int) -> Vector:
     """Divide the stretch that `places` sample into steps of `spacing`, without its start."""
     density = 1.0 / spacing
     counted = np.append(0.0, np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(places)))
@@ -131,7 +131,7 @@ def graded_nodes(first: float, last: float, edges: Edges, fine: Resolution) -> V
         outside = np.maximum(x - edges.wide - edges.inlet, 0.0)
         inside = np.maximum(edges.narrow - edges.inlet - x, 0.0)
         allowed = np.maximum(level, _GROWTH_OUTSIDE * outside)
-        return _counted(x, np.minimum(allowed, smallest + _GROWTH * np.maximum(outside, inside)), 3)
+        return _divide(x, np.minimum(allowed, smallest + _GROWTH * np.maximum(outside, inside)), 3)
 
     return np.concatenate([-side(-first)[::-1], [0.0], side(last)])
 
@@ -146,6 +146,6 @@ def axial_faces(length: float, half_width: float, kinks: tuple[float, ...], fine
     for start, end in pairwise(marks):
         y = np.linspace(start, end, _SAMPLES)
         distance = np.abs(y[:, None] - sharp).min(axis=1)
-        parts.append(_counted(y, np.minimum(largest, smallest + fine.growth * distance), 2))
+        parts.append(_divide(y, np.minimum(largest, smallest + fine.growth * distance), 2))
     half = np.concatenate(parts)
     return np.concatenate([-half[::-1], [0.0], half])

@@ -17,7 +17,7 @@ from ...core.quantities import Vector
 
 
 @kernel
-def _orthogonalised(basis: Any, k: int, w: Any, h: Any) -> float:
+def _orthogonalise(basis: Any, k: int, w: Any, h: Any) -> float:
     """Take the first k rows of `basis` out of w (modified Gram-Schmidt, shares in h) and return its norm."""
     for i in range(k):
         share = 0.0
@@ -43,7 +43,7 @@ def gmres(product: Callable[[Vector], Vector], right: Vector, reduction: float, 
     h = np.zeros((largest + 1, largest))
     for k in range(largest):
         w = product(basis[k])
-        h[k + 1, k] = _orthogonalised(basis, k + 1, w, h[:, k])
+        h[k + 1, k] = _orthogonalise(basis, k + 1, w, h[:, k])
         target = np.zeros(k + 2)
         target[0] = norm
         shares, *_ = np.linalg.lstsq(h[: k + 2, : k + 1], target, rcond=None)

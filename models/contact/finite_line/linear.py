@@ -56,7 +56,7 @@ def newton_step(
     lifted = lines.solve(lift)
     pivot = float((closing.by_p * lifted).sum()) - closing.by_h0
 
-    def preconditioned(v: Vector) -> Vector:
+    def precondition(v: Vector) -> Vector:
         dp = lines.solve(v[:-1].reshape(g.shape))
         dh0 = (float((closing.by_p * dp).sum()) - v[-1]) / pivot
         return np.append((dp - dh0 * lifted).ravel(), dh0)
@@ -68,6 +68,6 @@ def newton_step(
         return np.append(np.where(active, change, dp).ravel(), last)
 
     right = np.append(-np.where(active, g, above).ravel(), -closing.fault)
-    step = preconditioned(gmres(lambda v: product(preconditioned(v)), right, _REDUCTION, _LARGEST_SPACE))
+    step = precondition(gmres(lambda v: product(precondition(v)), right, _REDUCTION, _LARGEST_SPACE))
     # Exactly what is given, or cells that are to have none would keep a trace of pressure.
     return np.where(active, step[:-1].reshape(g.shape), -above), float(step[-1])

@@ -23,7 +23,7 @@ from ..inlet import inlet_width
 from ..line.line_contact import LineContact
 from .checks import inlet_share, warnings_of
 from .contact import FiniteLine, Running
-from .dry import carried, pressed, touching
+from .dry import carried, solve_dry_pressure, touching
 from .faults import finite, within
 from .grid import Edges, Grid, Resolution, axial_faces, graded_nodes
 from .half_space import refuse_more_memory
@@ -81,7 +81,7 @@ def steady(
     found = _attempt(problem, window, fine, start)
     if found is None:
         raise _lost(problem)
-    return _finished(problem, found)
+    return _finish(problem, found)
 
 
 def _attempt(problem: Scaled, window: _Window, fine: Resolution, start: Solution | None) -> _State | None:
@@ -90,7 +90,7 @@ def _attempt(problem: Scaled, window: _Window, fine: Resolution, start: Solution
     if found is not None:
         return found
     coarse = replace(problem, grid=window.grid(problem.contact, fine.refined(1.0 / _COARSER)))
-    first = _newton(coarse, *_lifted(coarse), curved=_STRAIGHT) or _flowed_out(coarse)
+    first = _newton(coarse, *_lift(coarse), curved=_STRAIGHT) or _let_flow_out(coarse)
     straight = None
     if first is not None:
         rough = coarse.solution(first.p, first.h, first.h0, 0)
@@ -98,7 +98,7 @@ def _attempt(problem: Scaled, window: _Window, fine: Resolution, start: Solution
         if found is not None:
             return found
         straight = _from(problem, rough, _STRAIGHT)
-    straight = straight or _flowed_out(problem)
+    straight = straight or _let_flow_out(problem)
     if straight is None:
         return None
     return _newton(problem, straight.p, straight.h0) or replace(straight, straight=True)
@@ -147,16 +147,16 @@ def steady_at(
             slope = (new.approach - old.approach) / (after - before)
         log_load -= max(-2.0, min(2.0, miss / slope)) if slope > 0.0 else 0.5
     problem = _problem(contact, tried[-1][1].running, fine)
-    p, h0 = _carried_over(problem, tried[-1][1])
+    p, h0 = _transfer_film(problem, tried[-1][1])
     target = -approach / problem.film_unit
     state = _newton(problem, p, h0, target)
     if state is None:
         raise _lost(problem)
-    problem = replace(problem, running=replace(running, load=_load_of(problem, state)))
-    return _finished(problem, state)
+    problem = replace(problem, running=replace(running, load=_sum_load(problem, state)))
+    return _finish(problem, state)
 
 
-def _load_of(problem: Scaled, state: _State) -> float:
+def _sum_load(problem: Scaled, state: _State) -> float:
     return float((problem.grid.areas * state.p).sum()) * problem.pressure_unit * problem.half_width**2
 
 
@@ -224,14 +224,14 @@ def _problem(contact: FiniteLine, running: Running, fine: Resolution) -> Scaled:
     return Scaled(contact, running, window.half_width, window.grid(contact, fine))
 
 
-def _lifted(problem: Scaled, share: float = 1.0) -> tuple[Vector, float]:
+def _lift(problem: Scaled, share: float = 1.0) -> tuple[Vector, float]:
     """The dry contact, with a share of the formula's film in between."""
     p, h0, _ = touching(problem)
     running = problem.running
     return p, h0 + share * formula_film(problem.contact, running, running.load) / problem.film_unit
 
 
-def _carried_over(problem: Scaled, start: Solution) -> tuple[Vector, float]:
+def _transfer_film(problem: Scaled, start: Solution) -> tuple[Vector, float]:
     """The film of another solution on this grid, over x/b and y, and the pressure that makes room for it.
 
     Brought over itself, the pressure would not do: thin films are less than what its errors bend.
@@ -248,11 +248,11 @@ def _carried_over(problem: Scaled, start: Solution) -> tuple[Vector, float]:
     film = brought(start.film) * (now / then) / problem.film_unit
     p = brought(start.pressure) * problem.open
     p *= problem.load / float((problem.grid.areas * p).sum())
-    return pressed(problem, p, film)
+    return solve_dry_pressure(problem, p, film)
 
 
 def _from(problem: Scaled, start: Solution, curved: float = _CURVED) -> _State | None:
-    return _newton(problem, *_carried_over(problem, start), curved=curved)
+    return _newton(problem, *_transfer_film(problem, start), curved=curved)
 
 
 @dataclass(frozen=True)
@@ -305,9 +305,9 @@ def _newton(
     return None
 
 
-def _flowed_out(problem: Scaled) -> _State | None:
+def _let_flow_out(problem: Scaled) -> _State | None:
     """With straight faces, by pseudo-time: an even film between the dry contact's surfaces flows out."""
-    p, h0 = _lifted(problem, _START_FILM)
+    p, h0 = _lift(problem, _START_FILM)
     step, failures, steps = _FIRST_STEP, 0, 0
     while True:
         h = problem.gap + h0 + problem.space.deflection(p)
@@ -337,7 +337,7 @@ def _lost(problem: Scaled) -> ModelError:
     )
 
 
-def _finished(problem: Scaled, state: _State) -> Solution:
+def _finish(problem: Scaled, state: _State) -> Solution:
     found = problem.solution(state.p, state.h, state.h0, state.steps)
     less = (_LESS_ACCURATE,) if state.straight else ()
     return replace(found, warnings=(*warnings_of(found), *less))

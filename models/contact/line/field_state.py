@@ -13,7 +13,7 @@ from ...core.quantities import Layout, Quantity, per_element
 from ..asperities import dry_separation, pressure_scale
 from ..fluid import lubricant_of
 from ..friction import profile_friction
-from ..hertz import compliance_of, deflection, load_of, maximum_pressure
+from ..hertz import compliance_of, deflection, find_load, maximum_pressure
 from ..mixed_lubrication import surfaces_of, traction_of
 from ..records import FilmThickness
 from .differences import INSTANTS, follow, rate_of, restart, second_derivative_of
@@ -213,7 +213,7 @@ def begin(thickness: float, u: Any, p: Any, X: Any, pressure: Any, film: Any) ->
         gap = between
     else:
         approach = u.approach - u.retreat
-        load = load_of(approach + between, radius, bodies.length, bodies.compliance)
+        load = find_load(approach + between, radius, bodies.length, bodies.compliance)
         gap = between if load > 0.0 else -approach
     scale = wanted_scale(load / bodies.length, film_of(gap, bodies.roughness), radius, bodies)
     place_film(load, gap, radius, bodies, X, scale, pressure, film)

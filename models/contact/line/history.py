@@ -52,10 +52,10 @@ def film_history(
     ModelError for parameters out of range and where a step does not converge.
     """
     component = ehl_line_contact(nodes=nodes)
-    given = _given(load, entraining_velocity, radius_of_curvature)
+    given = _name_inputs(load, entraining_velocity, radius_of_curvature)
     chosen = {"roughness": 0.0, **(parameters or {})}
-    states = _stepped(component, times, given, chosen, film_thickness)
-    return _observed(np.asarray(times[1:]), states, component)
+    states = _step_through(component, times, given, chosen, film_thickness)
+    return _collect_fields(np.asarray(times[1:]), states, component)
 
 
 def formula_history(
@@ -69,13 +69,13 @@ def formula_history(
 ) -> Vector:
     """As `film_history`, the film (m) of one of FILMS with its squeeze term: the contact's relaxation."""
     component = ehl_contact()
-    given = _given(load, entraining_velocity, radius_of_curvature)
+    given = _name_inputs(load, entraining_velocity, radius_of_curvature)
     chosen = {**(parameters or {}), "film_model": float(list(FILMS).index(formula))}
-    states = _stepped(component, times, given, chosen, film_thickness)
+    states = _step_through(component, times, given, chosen, film_thickness)
     return np.asarray(states[:, component.state.index("film_thickness")])
 
 
-def _given(load: Vector, entraining_velocity: Vector, radius_of_curvature: Vector) -> dict[str, Vector]:
+def _name_inputs(load: Vector, entraining_velocity: Vector, radius_of_curvature: Vector) -> dict[str, Vector]:
     """By the contact's names for them."""
     return {
         "applied_load": load,
@@ -84,7 +84,7 @@ def _given(load: Vector, entraining_velocity: Vector, radius_of_curvature: Vecto
     }
 
 
-def _stepped(
+def _step_through(
     component: Component,
     times: Vector,
     given: Mapping[str, Vector],
@@ -111,7 +111,7 @@ def _stepped(
     return states
 
 
-def _observed(times: Vector, states: Vector, component: Component) -> FilmHistory:
+def _collect_fields(times: Vector, states: Vector, component: Component) -> FilmHistory:
     layout = component.state
     nodes = component.structure["nodes"]
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
-from ..asperities import APART, below, gap_at, mean_gap, pressure_under, separation_of
+from ..asperities import APART, below, find_separation, gap_at, mean_gap, pressure_under
 
 # A cavitated node whose asperities press less than this share of the highest pressure counts as open: a
 # thousandth of what Newton's method leaves.
@@ -89,7 +89,7 @@ def mean_plane_gap(film: float, roughness: float) -> float:
     """Its inverse: the gap of the mean planes (m) under a film (m)."""
     if film >= APART * roughness:
         return film
-    return roughness * separation_of(film / roughness)
+    return roughness * find_separation(film / roughness)
 
 
 @kernel

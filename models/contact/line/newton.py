@@ -206,7 +206,7 @@ def clip(p: Any, q: Any, highest: float, rough: bool, w: Workspace) -> bool:
 
 
 @kernel
-def balanced(task: Task, w: Workspace) -> bool:
+def is_balanced(task: Task, w: Workspace) -> bool:
     """Whether w.residual is small at pressurised nodes, and where oil is missing at cavitated ones, against
     the mass, or against what flows through where the step is long."""
     for i in range(1, w.X.shape[0] - 1):
@@ -277,7 +277,7 @@ def newton(
             fill_sides(p, w.fixed, highest, w.mixed)
             couple_asperities(w.A, w.B, w.mixed, w.right)
         if left <= 1.0 and changed == 0:
-            return Found(approach, 0.0 if balanced(task, w) else math.inf, iteration)
+            return Found(approach, 0.0 if is_balanced(task, w) else math.inf, iteration)
         if slow or not serve(sides, w.hierarchy, w.exchange):
             factorise_anew(J, sides, w.hierarchy, w.exchange)
         fill_right_side(w)

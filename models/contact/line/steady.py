@@ -174,7 +174,7 @@ def solve_steady(
     faults = _faults(film, tolerance)
     if nodes is None and faults:
         raise LineContactError(f"M = {contact.M:.4g}, L = {contact.L:.4g}: {'; '.join(faults)}")
-    return _warned(film, faults, elastic_limit)
+    return _add_warnings(film, faults, elastic_limit)
 
 
 def _check(tolerance: float, nodes: int | None, elastic_limit: float) -> None:
@@ -330,7 +330,7 @@ def _faults(film: SteadyFilm, tolerance: float) -> list[str]:
     return faults
 
 
-def _warned(film: SteadyFilm, faults: list[str], elastic_limit: float) -> SteadyFilm:
+def _add_warnings(film: SteadyFilm, faults: list[str], elastic_limit: float) -> SteadyFilm:
     """The film with its warnings, which are given."""
     if film.maximum_pressure > elastic_limit:
         faults = [

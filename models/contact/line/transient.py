@@ -19,7 +19,7 @@ from ...compile.kernel import kernel
 from ...core.integrator import copy
 from ..asperities import pressure_under
 from ..fluid import Lubricant
-from ..hertz import deflection, half_width, load_of, maximum_pressure
+from ..hertz import deflection, find_load, half_width, maximum_pressure
 from .hierarchical import BAND, Jacobian
 from .mixed import BALANCED, FREE, Bodies, fill_total, film_of, mean_plane_gap
 from .newton import Found, Task, deflection_factors, forget_factors, line_load_of, newton, solve
@@ -242,7 +242,7 @@ def solved(
             gap, radius = mean_plane_gap(central(w.h_start), bodies.roughness), task.drive.radius
             load = task.line_load * bodies.length
             if load < 0.0:
-                load = load_of(approach + gap, radius, bodies.length, bodies.compliance)
+                load = find_load(approach + gap, radius, bodies.length, bodies.compliance)
             else:
                 approach = deflection(load, radius, bodies.length, bodies.compliance) - gap
             place_film(load, gap, radius, bodies, w.X, task.scale, p, h)

@@ -179,7 +179,7 @@ class UnresolvedError(ValueError):
     """The flow varies too fast for the most cells that are tabulated."""
 
 
-def tabulated(sample: Callable[[int], Vector], xi: float = 0.0) -> Flow:
+def tabulate_flow(sample: Callable[[int], Vector], xi: float = 0.0) -> Flow:
     """The flow whose samples (cells, COLUMNS) at so many equally spaced phases `sample` returns."""
     cells, before = FEWEST_CELLS, math.inf
     while cells <= MOST_CELLS:

@@ -37,7 +37,7 @@ def piston_stays_upright(p: Any, told: Vector) -> bool:
 
 
 @kernel
-def closed_corners(x: Any) -> int:
+def find_closed_corners(x: Any) -> int:
     """A bit for each."""
     closed = 0
     for i in range(CORNERS):
@@ -65,7 +65,7 @@ def can_touch_together(x: Any) -> bool:
 
 @kernel
 def closes_together(x: Any, u: Any, p: Any, told: Vector) -> bool:
-    told[0] = closed_corners(x)
+    told[0] = find_closed_corners(x)
     return can_touch_together(x) or not closes_its_own(x, u, p, told)
 
 

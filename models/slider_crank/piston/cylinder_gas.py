@@ -159,7 +159,7 @@ def smooth(r: float) -> float:
 
 
 @kernel
-def burned(phi: float, p: CylinderGasParameters) -> float:
+def burned_share(phi: float, p: CylinderGasParameters) -> float:
     """Wiebe's share burned."""
     r = max(0.0, (phi + p.burn_start) / p.burn_duration)
     return 1.0 - math.exp(-EFFICIENCY * r**FORM)
@@ -174,7 +174,7 @@ def pressure(theta: float, p: CylinderGasParameters) -> float:
     compressed = p.intake_pressure * (p.compression_ratio / volume) ** p.compression_exponent
     top = p.intake_pressure * p.compression_ratio**p.compression_exponent
     expanding = top * p.pressure_ratio * volume**-p.expansion_exponent
-    shut = compressed + burned(phi, p) * (expanding - compressed)
+    shut = compressed + burned_share(phi, p) * (expanding - compressed)
     out = smooth((phi - p.exhaust_opening) / p.blowdown_duration)
     change = smooth((phi - TURN) / p.overlap_duration + 0.5)
     blown = shut + out * (p.exhaust_pressure - shut)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .facts import Facts
-from .numbers import Diagnosis, Interval, Limit, Share, diagnosed
+from .numbers import Diagnosis, Interval, Limit, Share, diagnose_steps
 from .steps import Steps, recorded, steps_of
 from .suggestions import RULES, suggestions
 from .text import brief, full
@@ -17,7 +17,7 @@ __all__ = [
     "Share",
     "Steps",
     "brief",
-    "diagnosed",
+    "diagnose_steps",
     "full",
     "recorded",
     "steps_of",

@@ -11,7 +11,7 @@ from ...run.output_folder import SCENARIO, SUMMARY
 from ...scenario import ScenarioError
 from ...scenario.files import load
 from .facts import Facts
-from .numbers import diagnosed
+from .numbers import diagnose_steps
 from .steps import recorded
 from .suggestions import suggestions
 from .text import full
@@ -22,7 +22,7 @@ def diagnose(out: Path, figure: Path | None, say: Callable[[str], None]) -> None
     if figure and figure.suffix != ".png":
         raise MistakeError(f"--figure {figure}: must end in .png")
     steps, message = recorded(out)
-    diagnosis = diagnosed(steps, _do_steps(out / SUMMARY))
+    diagnosis = diagnose_steps(steps, _do_steps(out / SUMMARY))
     if diagnosis is None:
         raise MistakeError(f"{out}: the run made no step ({message})")
     if not (out / SCENARIO).is_file():

@@ -91,7 +91,7 @@ class Diagnosis:
         return self.reasons[reason].steps if reason in self.reasons else 0.0
 
 
-def diagnosed(steps: Steps, do_steps: int | None = None) -> Diagnosis | None:
+def diagnose_steps(steps: Steps, do_steps: int | None = None) -> Diagnosis | None:
     """The numbers of these steps; None if there are none."""
     if not len(steps):
         return None

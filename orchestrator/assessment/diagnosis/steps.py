@@ -12,10 +12,10 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ...errors import MistakeError
-from ...run.output_folder import meant
+from ...run.output_folder import suggest_folder
 from ...store.journal import Recorded, journals
 from ...store.result_file import ResultFile
-from ...store.run_state import unfinished
+from ...store.run_state import find_run_state
 
 # Columns of /steps, and what a value of each needs: there may be many millions of steps.
 COLUMNS = {
@@ -84,15 +84,17 @@ def steps_of(result: ResultFile) -> Steps:
 def recorded(out: Path) -> tuple[Steps, str]:
     """The steps of the run in an output folder, and how it ended. MistakeError if there are none."""
     if (out / "result.nc").is_file():
-        return _of_file(out / "result.nc")
-    found = journals(unfinished(out)) if unfinished(out).is_dir() else {}
+        return _read_file(out / "result.nc")
+    found = journals(find_run_state(out)) if find_run_state(out).is_dir() else {}
     if "steps" not in found:
-        remedy = f"did you mean {folder}?" if (folder := meant(out)) else "give a run's output folder"
+        remedy = (
+            f"did you mean {folder}?" if (folder := suggest_folder(out)) else "give a run's output folder"
+        )
         raise MistakeError(f"{out}: holds no result and no unfinished run; {remedy}")
-    return _of_journal(found["steps"]), "incomplete: the run goes on, or was killed"
+    return _read_journal(found["steps"]), "incomplete: the run goes on, or was killed"
 
 
-def _of_file(path: Path) -> tuple[Steps, str]:
+def _read_file(path: Path) -> tuple[Steps, str]:
     import h5netcdf
 
     try:
@@ -107,7 +109,7 @@ def _of_file(path: Path) -> tuple[Steps, str]:
         raise MistakeError(f"{path}: is no result of this version ({error}); run it again") from None
 
 
-def _of_journal(path: Path) -> Steps:
+def _read_journal(path: Path) -> Steps:
     journal = Recorded(path)
     places = {name: i for i, name in enumerate(journal.columns)}
     if missing := [name for name in COLUMNS if name not in places]:

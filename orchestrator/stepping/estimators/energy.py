@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...energy.bonds import exchanged_bonds
+from ...energy.bonds import find_exchanged_bonds
 from ...engine.coupling import Coupling
 from ...engine.signals import evaluate
 from ...masters import Master
@@ -37,7 +37,7 @@ class EnergyResidual:
         assumed, rates = np.zeros_like(coupling.state.values), np.zeros_like(coupling.state.rates)
         evaluate(coupling.signals, length, assumed, rates)
         error = np.zeros_like(coupling.state.values)
-        for bond in exchanged_bonds(coupling.wiring.system):
+        for bond in find_exchanged_bonds(coupling.wiring.system):
             effort, flow = coupling.wiring.number[bond.effort], coupling.wiring.number[bond.flow]
             e, f = coupling.state.values[effort], coupling.state.values[flow]
             residual = e * assumed[flow] - assumed[effort] * f

@@ -136,7 +136,7 @@ def test_files_keep_the_rules(name: str) -> None:
     assert table.dtype.names == ("time", *own.outputs)
     assert (table["time"][0], table["time"][-1]) == (options.start_time, options.stop_time)
     inputs = fmpy.util.read_csv(folder_of(name) / f"{name}_in.csv")
-    known = {f"{f.suffixed(s)}" for f in component.inputs.fields for s in ("", "_der1")}
+    known = {f"{f.add_suffix(s)}" for f in component.inputs.fields for s in ("", "_der1")}
     assert set(inputs.dtype.names[1:]) <= known
     assert np.all(np.diff(inputs["time"]) >= 0.0)
     read = fmpy.util.read_ref_opt_file(str(folder_of(name) / f"{name}_ref.opt"))

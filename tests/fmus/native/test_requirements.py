@@ -88,7 +88,7 @@ def as_variables(component: Component, values: Mapping[str, float]) -> dict[str,
     """The same by the names of an FMU's variables."""
     state = component.state
     return {
-        state.field(name).suffixed("_start") if name in state else name: value
+        state.field(name).add_suffix("_start") if name in state else name: value
         for name, value in values.items()
     }
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..facts import Facts
-from .coupling import held_inputs, higher_degree, smaller_part, stiff_connection
+from .coupling import higher_degree, smaller_part, stiff_connection, suggest_held_inputs
 from .iteration import convergence, costly_estimator, many_iterations, uneven_work
-from .step_length import chatter, discards, discontinuity, longest, rough, short_start
+from .step_length import chatter, discards, discontinuity, longest, rough, suggest_longer_start
 
 Rule = Callable[[Facts], str | None]
 
@@ -18,11 +18,11 @@ RULES: list[Rule] = [
     stiff_connection,
     smaller_part,
     higher_degree,
-    held_inputs,
+    suggest_held_inputs,
     uneven_work,
     convergence,
     many_iterations,
-    short_start,
+    suggest_longer_start,
     longest,
     discontinuity,
     rough,

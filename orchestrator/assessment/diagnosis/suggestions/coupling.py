@@ -36,7 +36,7 @@ def smaller_part(facts: Facts) -> str | None:
         return None
     return (
         f"{name} limits {percent(share)} of the steps: {_coupling(facts, name)}; iterate only "
-        f"{', '.join(part)} ([master] iterate = [{', '.join(map(_quoted, part))}]), about {percent(saved)} "
+        f"{', '.join(part)} ([master] iterate = [{', '.join(map(_quote, part))}]), about {percent(saved)} "
         "fewer doStep calls at equal steps"
     )
 
@@ -56,7 +56,7 @@ def higher_degree(facts: Facts) -> str | None:
     )
 
 
-def held_inputs(facts: Facts) -> str | None:
+def suggest_held_inputs(facts: Facts) -> str | None:
     """Steps of one length with held inputs."""
     if facts.scenario.step_control or facts.master.degree > 0:
         return None
@@ -77,5 +77,5 @@ def _coupling(facts: Facts, variable: str) -> str:
     return f"its connection to {', '.join(facts.targets.get(variable, ['nothing']))} is the fast one"
 
 
-def _quoted(name: str) -> str:
+def _quote(name: str) -> str:
     return f'"{name}"'

@@ -12,7 +12,7 @@ SHORT = 0.1  # of the time
 FEW = 10  # steps, in which a length grows a thousandfold
 
 
-def short_start(facts: Facts) -> str | None:
+def suggest_longer_start(facts: Facts) -> str | None:
     """The first step is so short that many steps only grow from it."""
     growing = facts.steps.reason == REASONS.index("growth")
     first = int(np.argmin(growing)) if not growing.all() else len(growing)

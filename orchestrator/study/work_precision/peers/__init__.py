@@ -86,7 +86,7 @@ def describe_system(system: System, paths: Mapping[str, Path]) -> dict[str, Any]
     for name, instance in system.instances.items():
         known = {v.name: v for v in read_model_description(str(paths[name])).modelVariables}
         component = instance.component
-        starts = {component.state.field(k).suffixed("_start"): v for k, v in instance.start.items()}
+        starts = {component.state.field(k).add_suffix("_start"): v for k, v in instance.start.items()}
         given = {**instance.parameters, **starts, **instance.inputs}
         values[name] = {
             key: _typed(known[key].type, value)

@@ -13,10 +13,10 @@ from scipy.optimize import root
 from models.contact.asperities import (
     Asperities,
     asperity_pressure,
+    find_separation,
     load_integral,
     mean_gap,
     pressure_scale,
-    separation_of,
 )
 from models.contact.films import FILMS
 from models.contact.fluid import Lubricant
@@ -65,7 +65,7 @@ def bodies(rough: Asperities) -> Bodies:
 
 def pressed(film: Vector, rough: Asperities) -> Vector:
     """p_a under a mean gap, by the integral itself."""
-    return np.array([asperity_pressure(separation_of(h / rough.roughness), rough, STEEL) for h in film])
+    return np.array([asperity_pressure(find_separation(h / rough.roughness), rough, STEEL) for h in film])
 
 
 @pytest.mark.parametrize("rough", [FINE, COARSE])
