@@ -16,9 +16,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from models.core.component import Component
-from models.core.quantities import Vector
 
 from ..participants import Participant
+from ..participants.protocol import BoundVariables
 from ..participants.wrapping import StatefulWrapper
 
 
@@ -42,19 +42,13 @@ class Compensated(StatefulWrapper):
     def compiled_calls(self) -> str:
         return "[energy] corrects its inputs"
 
-    def connect(
-        self,
-        input_names: Sequence[str],
-        inputs: Vector,
-        output_names: Sequence[str],
-        outputs: Vector,
-        rates: Vector,
-    ) -> Sequence[bool]:
-        self._given, self._used = inputs, inputs.copy()
-        self._columns = np.array([i for i, n in enumerate(input_names) if n in self._corrected], dtype=int)
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        self._given, self._used = bound.inputs, bound.inputs.copy()
+        names = enumerate(bound.input_names)
+        self._columns = np.array([i for i, name in names if name in self._corrected], dtype=int)
         # Where the last step's polynomials ended; nan before the first step.
         self._own = np.full(len(self._columns), np.nan)
-        rated = self._participant.connect(input_names, self._used, output_names, outputs, rates)
+        rated = self._participant.connect(bound._replace(inputs=self._used))
         self.read = self._participant.read
         return rated
 

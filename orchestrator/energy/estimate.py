@@ -20,6 +20,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, System
 
 from ..participants import Participant
+from ..participants.protocol import BoundVariables
 from ..participants.wrapping import StatefulWrapper
 from .bonds import find_exchanged_bonds
 
@@ -88,26 +89,19 @@ class Estimating(StatefulWrapper):
     def compiled_calls(self) -> str:
         return "its energies are estimated"
 
-    def connect(
-        self,
-        input_names: Sequence[str],
-        inputs: Vector,
-        output_names: Sequence[str],
-        outputs: Vector,
-        rates: Vector,
-    ) -> Sequence[bool]:
-        self._given, self._outputs, self._rates = inputs, outputs, rates
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        input_names, self._given, output_names, self._outputs, self._rates = bound
         self._values, self._slopes = np.zeros(len(output_names)), np.zeros(len(output_names))
-        rated = self._participant.connect(input_names, inputs, output_names, self._values, self._slopes)
+        rated = self._participant.connect(bound._replace(outputs=self._values, rates=self._slopes))
         self._rated = np.array(rated, dtype=bool)
-        orders = np.arange(len(inputs))[:, None]
+        orders = np.arange(len(bound.inputs))[:, None]
         self._followed = orders <= np.array(self.signal_degrees(input_names))
         # Variables are numbered through inputs, then outputs.
         names = [*input_names, *output_names]
         self._efforts = [names.index(bond.effort) for bond in self._bonds]
         self._flows = [names.index(bond.flow) for bond in self._bonds]
         self._signs = np.array([bond.sign for bond in self._bonds], dtype=float)
-        return rated if rates.size else [False] * len(output_names)
+        return rated if bound.rates.size else [False] * len(output_names)
 
     def write(self) -> None:
         self._fresh = False

@@ -15,6 +15,7 @@ from models.core.system import System
 from ..errors import NotFiniteError
 from ..participants import Participant
 from ..participants.compiled import IN_PROCESS, CompiledCalls
+from ..participants.protocol import BoundVariables
 from .consistency import make_consistent
 from .coupling_state import CouplingState
 from .saved_points import SavedPoints
@@ -58,13 +59,14 @@ class Coupling:
             own, targets = w.slices[i], w.targets[i]
             memory = self.all_inputs[self.offsets[i] : self.offsets[i + 1]].reshape(rows, len(targets))
             self.inputs.append(memory)
-            given = participant.connect(
-                list(targets),
+            bound = BoundVariables(
+                w.targets[i],
                 memory,
-                [port.variable for port in w.sources[own]],
+                tuple(port.variable for port in w.sources[own]),
                 self.state.values[own],
                 self.state.rates[own] if w.degree == 3 else np.zeros(0),
             )
+            given = participant.connect(bound)
             if w.degree == 3:
                 rated[own] = given
                 if w.held[i]:

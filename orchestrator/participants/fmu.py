@@ -26,6 +26,7 @@ from .failures import ErrorReporter
 from .fmi2 import Fmi2
 from .fmi3 import Fmi3
 from .fmi_instance import DISCARD, WARNING, FmiInstance
+from .protocol import BoundVariables
 
 FAILED_CALLS = {
     SET: "setting the inputs",
@@ -103,14 +104,8 @@ class FmuParticipant(ErrorReporter):
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return signal_degrees(self._description, input_names)
 
-    def connect(
-        self,
-        input_names: Sequence[str],
-        inputs: Vector,
-        output_names: Sequence[str],
-        outputs: Vector,
-        rates: Vector,
-    ) -> Sequence[bool]:
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        input_names, inputs, output_names, outputs, rates = bound
         found, rows, columns = [], [], []
         for order in range(len(inputs)):
             for column, name in enumerate(input_names):

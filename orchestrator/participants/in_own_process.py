@@ -29,6 +29,7 @@ from .capabilities import signal_degrees
 from .description import read_description
 from .fmu import FmuSettings
 from .messages import ADVANCE, CALL, FAILED, READ, TIMES, receive, send
+from .protocol import BoundVariables
 
 # How long to wait for the process to end by itself (s).
 PATIENCE_S = 5.0
@@ -103,22 +104,15 @@ class InOwnProcess:
     def compiled_calls(self) -> str:
         return "it runs in its own process"
 
-    def connect(
-        self,
-        input_names: Sequence[str],
-        inputs: Vector,
-        output_names: Sequence[str],
-        outputs: Vector,
-        rates: Vector,
-    ) -> Sequence[bool]:
-        self._inputs, self._outputs, self._rates = inputs, outputs, rates
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        self._inputs, self._outputs, self._rates = bound.inputs, bound.outputs, bound.rates
         self._fresh = self._written = False
         rated: list[bool] = self._call(
             "connect",
-            inputs=list(input_names),
-            rows=len(inputs),
-            outputs=list(output_names),
-            rated=bool(rates.size),
+            inputs=list(bound.input_names),
+            rows=len(bound.inputs),
+            outputs=list(bound.output_names),
+            rated=bool(bound.rates.size),
         )
         self._rated = np.array(rated, dtype=bool)
         return rated

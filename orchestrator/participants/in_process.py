@@ -13,6 +13,7 @@ from models.core.system import Instance
 from ..errors import DiscardedStepError, ParticipantError, instead_of_discarded
 from ..store.json_codec import from_text, to_text
 from .compiled import IN_PROCESS
+from .protocol import BoundVariables
 
 # Time, states, inputs in effect, their slopes, outputs, whether these are yet to be computed.
 Saved = tuple[float, Vector, Vector, Vector, Vector, bool]
@@ -47,20 +48,13 @@ class InProcessParticipant:
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return [INPUT_COEFFICIENTS - 1] * len(input_names)
 
-    def connect(
-        self,
-        input_names: Sequence[str],
-        inputs: Vector,
-        output_names: Sequence[str],
-        outputs: Vector,
-        rates: Vector,
-    ) -> Sequence[bool]:
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        input_names, self._inputs, output_names, self._outputs, self._rates = bound
         self._input_index = np.array([self._component.inputs.index(n) for n in input_names], dtype=np.int64)
         self._output_index = np.array(
             [self._component.outputs.index(n) for n in output_names], dtype=np.int64
         )
-        self._inputs, self._outputs, self._rates = inputs, outputs, rates
-        self._rated = rates.size > 0
+        self._rated = self._rates.size > 0
         return [self._rated] * len(output_names)
 
     def compiled_calls(self) -> str:

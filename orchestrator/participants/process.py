@@ -21,6 +21,7 @@ from models.core.quantities import Vector
 from ..errors import RunError
 from .fmu import FmuParticipant, FmuSettings
 from .messages import ADVANCE, CALL, DONE, FAILED, READ, TIMES, receive, send
+from .protocol import BoundVariables
 
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
 
@@ -66,9 +67,8 @@ class Server:
         self.inputs = np.zeros((rows, len(inputs)))
         self.outputs = np.zeros(len(outputs))
         self.rates = np.zeros(len(outputs) if rated else 0)
-        return [
-            bool(one) for one in self.unit.connect(inputs, self.inputs, outputs, self.outputs, self.rates)
-        ]
+        bound = BoundVariables(inputs, self.inputs, outputs, self.outputs, self.rates)
+        return [bool(one) for one in self.unit.connect(bound)]
 
     def initialise(self, times: list[float]) -> None:
         self.unit.initialise(*times)

@@ -3,19 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from models.core.quantities import Vector
 
 from .compiled import CompiledCalls
 
 
+class BoundVariables(NamedTuple):
+    """The exchanged variables of a participant, and the memory that they are bound to.
+
+    `inputs[k]` holds the k-th time derivative of each connected input at the time of the next `advance`
+    (row 0 the value). `rates`, as long as `outputs`, takes their time derivatives; of length 0, none are
+    wanted. They are those along the motion with the inputs' slopes in effect: after `write` row 1 of
+    `inputs`, after `advance` the slopes at its end. Rates that are not given stay as they are.
+    """
+
+    input_names: Sequence[str]
+    inputs: Vector
+    output_names: Sequence[str]
+    outputs: Vector
+    rates: Vector
+
+
 class Participant(Protocol):
     """One simulation unit.
 
-    Order of calls: `connect`, `initialise`, then any of the rest, `close` last. Vectors handed to
-    `connect` are kept: `inputs` (coefficients x connected inputs) is what the next `advance` or
-    `read` sees after `write`, and `read` fills `outputs` and `rates`.
+    Order of calls: `connect`, `initialise`, then any of the rest, `close` last. Memory that `connect` is
+    given is kept: `inputs` is what the next `advance` or `read` sees after `write`, and `read` fills
+    `outputs` and `rates`.
     """
 
     name: str
@@ -27,22 +43,8 @@ class Participant(Protocol):
         """The degree of the polynomial in time that it follows, for each input; 0: it holds the value."""
         ...
 
-    def connect(
-        self,
-        input_names: Sequence[str],
-        inputs: Vector,
-        output_names: Sequence[str],
-        outputs: Vector,
-        rates: Vector,
-    ) -> Sequence[bool]:
-        """Bind the exchanged variables to memory; for each output, whether its rate will be given.
-
-        `inputs[k]` holds the k-th time derivative of each connected input at the time of the next
-        `advance` (row 0 the value).
-        `rates`, as long as `outputs`, takes their time derivatives; of length 0, none are wanted. They are
-        those along the motion with the inputs' slopes in effect: after `write` row 1 of `inputs`, after
-        `advance` the slopes at its end. Rates that are not given stay as they are.
-        """
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        """Bind the exchanged variables; for each output, whether its rate will be given."""
         ...
 
     def compiled_calls(self) -> CompiledCalls | str:

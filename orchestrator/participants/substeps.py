@@ -14,13 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from models.core.quantities import Vector
-
 from ..engine.signals import move_origin
 from ..errors import DiscardedStepError, RecoverableError
 from .capabilities import HIGHEST
 from .compiled import STEP, CompiledCalls
-from .protocol import Participant
+from .protocol import BoundVariables, Participant
 from .wrapping import StatelessWrapper
 
 
@@ -43,18 +41,11 @@ class Substepped(StatelessWrapper):
         # Between its own steps it follows a signal of any degree, if only by values.
         return super().signal_degrees(input_names) if self._substeps == 1 else [HIGHEST] * len(input_names)
 
-    def connect(
-        self,
-        input_names: Sequence[str],
-        inputs: Vector,
-        output_names: Sequence[str],
-        outputs: Vector,
-        rates: Vector,
-    ) -> Sequence[bool]:
-        rated = self._participant.connect(input_names, inputs, output_names, outputs, rates)
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        rated = self._participant.connect(bound)
         self.write, self.read = self._participant.write, self._participant.read
-        self._inputs = inputs
-        self._start = np.zeros_like(inputs)
+        self._inputs = bound.inputs
+        self._start = np.zeros_like(bound.inputs)
         return rated
 
     def compiled_calls(self) -> CompiledCalls | str:

@@ -7,10 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.core.quantities import Vector
-
 from .compiled import CompiledCalls
-from .protocol import Participant
+from .protocol import BoundVariables, Participant
 from .wrapping import StatelessWrapper
 
 
@@ -30,20 +28,13 @@ class Transformed(StatelessWrapper):
         self._transformations = transformations
         self.advance = participant.advance
 
-    def connect(
-        self,
-        input_names: Sequence[str],
-        inputs: Vector,
-        output_names: Sequence[str],
-        outputs: Vector,
-        rates: Vector,
-    ) -> Sequence[bool]:
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
         none = Linear()
-        own = [self._transformations.get(name, none) for name in input_names]
+        own = [self._transformations.get(name, none) for name in bound.input_names]
         self._factors = np.array([linear.factor for linear in own])
         self._offsets = np.array([linear.offset for linear in own])
-        self._given, self._made = inputs, np.zeros_like(inputs)
-        rated = self._participant.connect(input_names, self._made, output_names, outputs, rates)
+        self._given, self._made = bound.inputs, np.zeros_like(bound.inputs)
+        rated = self._participant.connect(bound._replace(inputs=self._made))
         self.read, self._write = self._participant.read, self._participant.write
         return rated
 

@@ -36,6 +36,7 @@ from ..engine.step import Step
 from ..errors import MistakeError, StalledError
 from ..participants import Participant
 from ..participants.compiled import CompiledCalls
+from ..participants.protocol import BoundVariables
 from ..scenario import Scenario
 from ..store.json_codec import Plain
 from .compilation import PREPARING, announce_compilation
@@ -276,15 +277,8 @@ class Watched:
         call = "taking of a serialised state"
         return self._watchdog.guard_call(self._index, call, self._participant.from_bytes)(data)
 
-    def connect(
-        self,
-        input_names: Sequence[str],
-        inputs: Vector,
-        output_names: Sequence[str],
-        outputs: Vector,
-        rates: Vector,
-    ) -> Sequence[bool]:
-        rated = self._participant.connect(input_names, inputs, output_names, outputs, rates)
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        rated = self._participant.connect(bound)
         # Only now: participants make these when they are connected.
         self.write = self._watchdog.exchanging(self._index, "setting of inputs", self._participant.write)
         self.read = self._watchdog.exchanging(self._index, "reading of outputs", self._participant.read)

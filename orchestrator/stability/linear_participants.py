@@ -21,6 +21,7 @@ from ..engine.signals import NEEDED, POINTS
 from ..masters import Master
 from ..participants.capabilities import HIGHEST
 from ..participants.compiled import IN_PROCESS
+from ..participants.protocol import BoundVariables
 from ..participants.signal_degrees import find_highest_degrees
 from .extrapolation_error import HERMITE, ends, shapes
 from .linear import ROWS, Linear
@@ -100,19 +101,12 @@ class LinearParticipant:
     def compiled_calls(self) -> str:
         return IN_PROCESS
 
-    def connect(
-        self,
-        input_names: Sequence[str],
-        inputs: Vector,
-        output_names: Sequence[str],
-        outputs: Vector,
-        rates: Vector,
-    ) -> Sequence[bool]:
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
         c = self._component
-        self._into = _find_columns(c.inputs.names, input_names, self.count)
-        self._out = _find_columns(c.outputs.names, output_names, self.count)
-        self._inputs, self._outputs, self._rates = inputs, outputs, rates
-        return [True] * len(output_names)
+        self._into = _find_columns(c.inputs.names, bound.input_names, self.count)
+        self._out = _find_columns(c.outputs.names, bound.output_names, self.count)
+        self._inputs, self._outputs, self._rates = bound.inputs, bound.outputs, bound.rates
+        return [True] * len(bound.output_names)
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         pass

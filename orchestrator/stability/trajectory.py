@@ -14,6 +14,7 @@ from models.monolithic.trajectory import Course, course
 from ..engine.step import Step
 from ..masters import MASTERS
 from ..participants import Participant, in_process
+from ..participants.protocol import BoundVariables
 from ..run.simulation import simulate
 from ..stepping import FixedSteps
 from .linear import ROWS, Linear
@@ -158,7 +159,8 @@ class ParticipantLinearisation(ABC):
         self._slots = system.inputs.of(name)
         self._inputs = np.zeros((ROWS - 1, len(self.input_names)))
         self._outputs = np.zeros(len(self.output_names))
-        participant.connect(self.input_names, self._inputs, self.output_names, self._outputs, np.zeros(0))
+        bound = BoundVariables(self.input_names, self._inputs, self.output_names, self._outputs, np.zeros(0))
+        participant.connect(bound)
         self._at: int | None = None
         self.held_inputs: list[str] = []
 

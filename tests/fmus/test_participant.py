@@ -16,6 +16,7 @@ from models.core.component import Component
 from models.core.quantities import Vector
 from models.core.system import Instance
 from orchestrator.participants import Participant, in_process, open_fmu
+from orchestrator.participants.protocol import BoundVariables
 
 from .reference import joined, wave
 
@@ -31,9 +32,8 @@ class Bound:
         self.inputs = np.zeros((rows, component.inputs.size))
         self.outputs = np.zeros(len(self.names))
         self.rates = np.zeros(len(self.names) if rated else 0)
-        self.given = participant.connect(
-            component.inputs.names, self.inputs, self.names, self.outputs, self.rates
-        )
+        bound = BoundVariables(component.inputs.names, self.inputs, self.names, self.outputs, self.rates)
+        self.given = participant.connect(bound)
         participant.initialise(0.0, 1.0)
         self.write(0.0)
         participant.read()
@@ -152,7 +152,7 @@ def test_discrete_outputs_have_rate_zero(fmu_files: dict[str, Path]) -> None:
     names = ["load", "separated"]
     for unit in (open_fmu("contact", fmu_files["ehl_contact"], instance), in_process("contact", instance)):
         rates: Vector = np.full(2, 7.0)
-        given = unit.connect([], np.zeros((1, 0)), names, np.zeros(2), rates)
+        given = unit.connect(BoundVariables([], np.zeros((1, 0)), names, np.zeros(2), rates))
         unit.initialise(0.0, 1.0)
         unit.read()
         unit.close()

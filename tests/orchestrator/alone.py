@@ -10,6 +10,7 @@ import numpy as np
 
 from models.core.system import Instance
 from orchestrator.participants import Participant, in_process, open_fmu
+from orchestrator.participants.protocol import BoundVariables
 
 
 class Alone:
@@ -18,7 +19,7 @@ class Alone:
     def __init__(self, unit: Participant, name: str, outputs: Sequence[str], start: float) -> None:
         self.unit = unit
         self._inputs, self._outputs = np.zeros((2, 1)), np.zeros(len(outputs))
-        unit.connect([name], self._inputs, list(outputs), self._outputs, np.zeros(0))
+        unit.connect(BoundVariables([name], self._inputs, list(outputs), self._outputs, np.zeros(0)))
         self._inputs[0] = start
         unit.initialise(0.0, 1.0)
         unit.write()

@@ -7,8 +7,8 @@ import time as clock
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from models.core.quantities import Vector
 from orchestrator.errors import DiscardedStepError, LostParticipantError, RecoverableError
+from orchestrator.participants.protocol import BoundVariables
 
 # Says of the n-th call of `advance`, with its time and step, whether the fault comes.
 When = Callable[[float, float, int], bool]
@@ -83,16 +83,9 @@ class Faulty:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._inner, name)
 
-    def connect(
-        self,
-        input_names: Sequence[str],
-        inputs: Vector,
-        output_names: Sequence[str],
-        outputs: Vector,
-        rates: Vector,
-    ) -> Sequence[bool]:
-        self._output_names, self._outputs = output_names, outputs
-        return list(self._inner.connect(input_names, inputs, output_names, outputs, rates))
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        self._output_names, self._outputs = bound.output_names, bound.outputs
+        return list(self._inner.connect(bound))
 
     def compiled_calls(self) -> str:
         return "its faults are in Python"

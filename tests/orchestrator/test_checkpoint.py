@@ -15,6 +15,7 @@ from hypothesis.extra import numpy as arrays
 from orchestrator.errors import CannotSerializeError, CheckpointError, MistakeError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
 from orchestrator.participants import in_process, substepped
+from orchestrator.participants.protocol import BoundVariables
 from orchestrator.run.checkpoint import Checkpoints, Identity, read, write
 from orchestrator.run.simulation import simulate
 from orchestrator.stepping import ControlledSteps, FixedSteps, StepControl
@@ -104,9 +105,10 @@ def _begun(make, system, name):
         np.zeros((2, component.inputs.size)),
         np.zeros(component.outputs.size),
     )
-    participant.connect(
+    bound = BoundVariables(
         component.inputs.names, participant.inputs, component.outputs.names, participant.outputs, np.zeros(0)
     )
+    participant.connect(bound)
     participant.initialise(0.0, 1.0)
     participant.finish_initialisation()
     return participant

@@ -12,6 +12,7 @@ from models.core.system import System
 from models.monolithic import difference, solve
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import open_fmu
+from orchestrator.participants.protocol import BoundVariables
 from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
@@ -70,7 +71,7 @@ def test_what_a_step_of_the_field_leaves_does_not_depend_on_how_often_it_was_tri
     values = component.inputs.vector({"approach": 2e-6, "entraining_velocity": 1.0})
     for strayed, unit in enumerate(units):
         inputs, outputs = np.zeros((2, len(names))), np.zeros(component.outputs.size)
-        unit.connect(names, inputs, component.outputs.names, outputs, np.zeros(0))
+        unit.connect(BoundVariables(names, inputs, component.outputs.names, outputs, np.zeros(0)))
         unit.initialise(0.0, 1.0)
         inputs[0] = values
         unit.write()

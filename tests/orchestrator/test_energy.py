@@ -12,6 +12,7 @@ from orchestrator.energy import Ledger, Trimmed, counted, lines
 from orchestrator.energy.correction import Compensated, bond_inputs
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
+from orchestrator.participants.protocol import BoundVariables
 from orchestrator.run.plan import build_system
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
@@ -176,7 +177,7 @@ def test_a_compensated_participant_goes_back_to_the_same_bits():
     instance = two_masses().instances["second"]
     unit = Compensated(in_process("second", instance), ["force"])
     inputs, outputs = np.zeros((1, 1)), np.zeros(2)
-    unit.connect(["force"], inputs, ["position", "velocity"], outputs, np.zeros(0))
+    unit.connect(BoundVariables(["force"], inputs, ["position", "velocity"], outputs, np.zeros(0)))
     unit.initialise(0.0, 1.0)
     unit.finish_initialisation()
 

@@ -15,6 +15,7 @@ from orchestrator.energy import Ledger, Trimmed, counted, estimated, lines
 from orchestrator.energy.estimate import Estimating, without_estimates
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
+from orchestrator.participants.protocol import BoundVariables
 from orchestrator.run.pipeline import run
 from orchestrator.run.report import Reporter
 from orchestrator.run.simulation import simulate
@@ -37,9 +38,9 @@ class Unrated:
     def __getattr__(self, name):
         return getattr(self._participant, name)
 
-    def connect(self, input_names, inputs, output_names, outputs, rates):
-        self._participant.connect(input_names, inputs, output_names, outputs, np.zeros(0))
-        return [False] * len(output_names)
+    def connect(self, bound):
+        self._participant.connect(bound._replace(rates=np.zeros(0)))
+        return [False] * len(bound.output_names)
 
 
 def booked(master, step, observers=(), rated=True, **parameters):
@@ -118,7 +119,7 @@ def test_estimates_go_back_and_through_bytes_to_the_same_bits():
     second = system.instances["second"]
     unit = Estimating(in_process("second", without_estimates(second)), second.component)
     inputs, outputs = np.zeros((2, 1)), np.zeros(2)
-    unit.connect(["force"], inputs, ["position", "velocity"], outputs, np.zeros(0))
+    unit.connect(BoundVariables(["force"], inputs, ["position", "velocity"], outputs, np.zeros(0)))
     unit.initialise(0.0, 1.0)
     unit.finish_initialisation()
     everything = np.zeros(second.component.outputs.size)

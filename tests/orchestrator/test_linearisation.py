@@ -148,8 +148,8 @@ class HeldInputs:
     def __getattr__(self, name):
         return getattr(self._unit, name)
 
-    def connect(self, names, inputs, *rest):
-        return self._unit.connect(names, inputs[:1], *rest)
+    def connect(self, bound):
+        return self._unit.connect(bound._replace(inputs=bound.inputs[:1]))
 
 
 def foreign(system, tmp_path_factory):
@@ -199,9 +199,9 @@ class Noisy(HeldInputs):
         self._unit.read()
         self._outputs += self._lot.standard_normal(len(self._outputs))
 
-    def connect(self, names, inputs, output_names, outputs, rates):
-        self._outputs, self._lot = outputs, np.random.default_rng(1)
-        return super().connect(names, inputs, output_names, outputs, rates)
+    def connect(self, bound):
+        self._outputs, self._lot = bound.outputs, np.random.default_rng(1)
+        return super().connect(bound)
 
 
 def test_a_participant_that_is_no_linear_system_is_named():

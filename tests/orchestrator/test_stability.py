@@ -17,6 +17,7 @@ from models.valve_train.valve_spring import valve_spring
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
+from orchestrator.participants.protocol import BoundVariables
 from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
 from orchestrator.stability.behaviour import (
@@ -248,7 +249,8 @@ def test_a_linear_participant_moves_as_its_component_does():
         LinearParticipant("first", instance, at.linears["first"]),
     ):
         bound, outputs, rates = inputs.copy(), np.zeros(2), np.zeros(2)
-        unit.connect(["other_position", "other_velocity"], bound, ["force", "position"], outputs, rates)
+        names = ["other_position", "other_velocity"], ["force", "position"]
+        unit.connect(BoundVariables(names[0], bound, names[1], outputs, rates))
         unit.initialise(0.0, 1.0)
         for n in range(3):
             unit.write()

@@ -14,6 +14,7 @@ from orchestrator.engine.coupling import Coupling
 from orchestrator.participants import read_component
 from orchestrator.participants.fmu import FmuParticipant, FmuSettings
 from orchestrator.participants.in_own_process import InOwnProcess
+from orchestrator.participants.protocol import BoundVariables
 from orchestrator.store.result_file import open_result
 
 from .c_fmus import fmu
@@ -122,7 +123,8 @@ def test_a_serialised_state_goes_on_in_another_process(version: int, tmp_path: P
     units = [InOwnProcess("one", path, FmuSettings(["x", "v"], {"mu": 2.0})) for _ in range(2)]
     try:
         for unit in units:
-            unit.connect(["force"], np.ones((1, 1)), ["x", "v"], outputs := np.zeros(2), np.zeros(0))
+            outputs = np.zeros(2)
+            unit.connect(BoundVariables(["force"], np.ones((1, 1)), ["x", "v"], outputs, np.zeros(0)))
             unit.initialise(0.0, 1.0)
             unit.finish_initialisation()
             unit.write()
@@ -147,7 +149,7 @@ def test_a_saved_state_has_the_inputs_that_were_written(
     unit = kind("one", fmu("feedthrough", 3, tmp_path), FmuSettings(["real out"]))
     inputs, outputs = np.zeros((1, 1)), np.zeros(1)
     try:
-        unit.connect(["real in"], inputs, ["real out"], outputs, np.zeros(0))
+        unit.connect(BoundVariables(["real in"], inputs, ["real out"], outputs, np.zeros(0)))
         unit.initialise(0.0, 1.0)
         unit.finish_initialisation()
         inputs[:] = 3.0
