@@ -53,7 +53,7 @@ class Parameter:
         words = self.quantity.allowed().removeprefix("one of ")
         return f"whole, {words}" if self.integer else words
 
-    def checked(self, name: str, value: Any) -> Value:
+    def check_value(self, name: str, value: Any) -> Value:
         """`value` (a text may have a unit) as `evaluate` gets it; MistakeError with the allowed range."""
         if not isinstance(value, (bool, int, float, str)):
             raise MistakeError(f"{name} = {value!r} ({self.description}): must be a single value")
@@ -110,5 +110,5 @@ class Analysis:
 
     def complete(self, values: Mapping[str, Any]) -> dict[str, Value]:
         """`values` checked, and the defaults of the other parameters; MistakeError for a fault."""
-        checked = {name: self.parameter(name).checked(name, value) for name, value in values.items()}
+        checked = {name: self.parameter(name).check_value(name, value) for name, value in values.items()}
         return {name: parameter.default for name, parameter in self.parameters.items()} | checked

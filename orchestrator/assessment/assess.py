@@ -17,7 +17,7 @@ from ..scenario import Scenario
 from ..store.result_file import ResultFile
 from .comparison import Errors, compare, largest_uncertainty, verdict
 from .contacts import Courses, courses_of_rows, with_angles
-from .diagnosis import Diagnosis, Facts, diagnose_steps, steps_of, suggestions
+from .diagnosis import Diagnosis, Facts, diagnose_steps, read_written_steps, suggestions
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
@@ -75,7 +75,7 @@ def _summarise_contacts(system: System, record: Record, result: ResultFile) -> R
 
 def _diagnose(scenario: Scenario, record: Record, result: ResultFile, report: Report) -> Report:
     """Add what limited the steps."""
-    steps = steps_of(result)
+    steps = read_written_steps(result)
     diagnosis = diagnose_steps(steps, record.do_steps)
     if not diagnosis:
         return report

@@ -5,8 +5,8 @@ Both sides of a bond integrate its power inside their steps, with the inputs tha
 """
 
 from .account import Account, lines
-from .counting import Trimmed, counted, counting_structure
-from .estimate import estimated
+from .counting import Trimmed, add_counting, counting_structure
+from .estimate import add_estimates
 from .ledger import Ledger
 
-__all__ = ["Account", "Ledger", "Trimmed", "counted", "counting_structure", "estimated", "lines"]
+__all__ = ["Account", "Ledger", "Trimmed", "add_counting", "add_estimates", "counting_structure", "lines"]

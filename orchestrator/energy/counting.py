@@ -17,7 +17,7 @@ from ..engine.step import Step
 from .estimate import EstimatedComponent
 
 
-def counted(system: System, names: Collection[str]) -> System:
+def add_counting(system: System, names: Collection[str]) -> System:
     """The system with the instances `names` counting their energies."""
     return system.with_instances(
         {
@@ -32,7 +32,7 @@ def counting_structure(structure: Mapping[str, int]) -> dict[str, int]:
     return {**structure, "energies": 1}
 
 
-def added(system: System) -> tuple[str, ...]:
+def list_added_outputs(system: System) -> tuple[str, ...]:
     """The outputs that counting and estimates add, as "instance.variable"."""
     return tuple(
         f"{name}.{variable}"
@@ -50,7 +50,7 @@ class Trimmed:
 
     def __init__(self, observer: Observer, system: System) -> None:
         self._observer: Any = observer
-        energies = set(added(system))
+        energies = set(list_added_outputs(system))
         self._kept = np.array([i for i, n in enumerate(system.outputs.names) if n not in energies], dtype=int)
         self._number = {int(kept): i for i, kept in enumerate(self._kept)}
 

@@ -45,7 +45,7 @@ class EstimatedComponent(Component):
     estimates: tuple[PowerBond, ...] = ()
 
 
-def estimated(system: System) -> System:
+def add_estimates(system: System) -> System:
     """The system with estimates for all exchanged bonds of instances that do not count their energies."""
     wanted: dict[str, list[PowerBond]] = {}
     for bond in find_exchanged_bonds(system):

@@ -15,7 +15,7 @@ from .estimate import EstimatedComponent
 class Sides:
     """A bond between two instances, with the outputs that count what came in on the side that gives the
     effort and on the side that gives the flow; None where a side does not count it. Of the instances in
-    `estimated` it is an estimate."""
+    `add_estimates` it is an estimate."""
 
     bond: Bond
     effort: str | None

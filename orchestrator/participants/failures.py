@@ -56,16 +56,16 @@ class ErrorReporter:
         except Exception as error:
             self._fatal |= getattr(error, "status", None) == FATAL
             kind = LostParticipantError if self._fatal else ParticipantError
-            raise kind(f"{self.name}: {what}: {self._said() or error}") from None
+            raise kind(f"{self.name}: {what}: {self._quote_message() or error}") from None
 
-    def _said(self) -> str:
+    def _quote_message(self) -> str:
         said = "; ".join(dict.fromkeys(self._messages))
         self._messages.clear()
         return said
 
     def _fail(self, status: int, what: str) -> NoReturn:
         """Raise the error of a failed call."""
-        said = self._said() or "no message"
+        said = self._quote_message() or "no message"
         message = f"{self.name}: {what} returned {status_name(status)}: {said}; "
         if status == PENDING:
             raise ParticipantError(f"{message}{ASYNCHRONOUS}")
@@ -78,16 +78,16 @@ class ErrorReporter:
     def check_end(self, time: float, step: float) -> None:
         """Before compiled code makes a step: EndedError if the FMU asked for the end at that of another."""
         if self._fmi.ended_in and time > self._fmi.ended_in.pop():
-            self._discarded(time, step)
+            self._raise_discarded(time, step)
 
-    def _discarded(self, time: float, step: float) -> None:
+    def _raise_discarded(self, time: float, step: float) -> None:
         """Raise the error of a discarded step, with how far it came.
 
         One that the FMU made to its end, to ask then for that of the simulation, is a step like others; the
         next one from there is refused.
         """
         what = f"{self.name}: step from t = {time:.9g} s by {step:g} s returned {status_name(DISCARD)}"
-        said = self._said()
+        said = self._quote_message()
         reached = self._fmi.get_reached_time()
         if self._fmi.is_ended():
             when = time if reached is None else reached

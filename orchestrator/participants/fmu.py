@@ -81,9 +81,9 @@ class FmuParticipant(ErrorReporter):
         except Exception as error:
             self.close()
             raise RefusedError(
-                f"{name}: instantiate: {self._said() or error}; {path} cannot be used as it is: its library "
-                "may be damaged or not belong to its modelDescription.xml (guid, instantiationToken), or "
-                "lack what it needs on this machine; give another file"
+                f"{name}: instantiate: {self._quote_message() or error}; {path} cannot be used as it is: "
+                "its library may be damaged or not belong to its modelDescription.xml (guid, "
+                "instantiationToken), or lack what it needs on this machine; give another file"
             ) from None
         except BaseException:
             self.close()
@@ -262,7 +262,7 @@ class FmuParticipant(ErrorReporter):
     def _not_advanced(self, status: int, time: float, step: float) -> None:
         if status != DISCARD:
             self._fail(status, f"step from t = {time:.9g} s by {step:g} s")
-        self._discarded(time, step)
+        self._raise_discarded(time, step)
 
     def _describe(self, record: Any) -> None:
         """Fill in the addresses (see `compiled`) and keep the record, which counts warnings."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from models.core.quantities import Quantity, Vector
 
-from ..assessment.diagnosis.steps import NONE, Steps, steps_of
+from ..assessment.diagnosis.steps import NONE, Steps, read_written_steps
 from ..scenario import Scenario, parse_ends
 from ..scenario.units import choose_time_unit, to_unit
 from ..scenario.values import to_numbers
@@ -88,7 +88,7 @@ class FigureData:
             reference_time=reference.pop("time"),
             reference=reference,
             quantities=quantities,
-            steps=steps_of(result),
+            steps=read_written_steps(result),
             drivers={target: source for source, target in map(parse_ends, scenario.connections)},
             parameters=list_parameters(scenario),
             energy_time=energies.pop("time"),

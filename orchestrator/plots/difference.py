@@ -22,10 +22,10 @@ PANELS, COLUMNS = 8, 2
 
 
 def applies(data: FigureData) -> bool:
-    return bool(judged(data))
+    return bool(choose_variables(data))
 
 
-def judged(data: FigureData) -> list[str]:
+def choose_variables(data: FigureData) -> list[str]:
     """Variables with a tolerance, or else those that are exchanged, as far as they vary."""
     exchanged = list(dict.fromkeys(data.drivers.values()))
     varying = [
@@ -44,7 +44,7 @@ def spread(data: FigureData, name: str) -> float:
 
 
 def figure(data: FigureData) -> Figure:
-    names = judged(data)
+    names = choose_variables(data)
     shown = names[:PANELS]
     columns = min(COLUMNS, len(shown))
     rows = math.ceil(len(shown) / columns)

@@ -26,7 +26,7 @@ def figure(data: FigureData) -> Figure:
     instance = str(data.find("psi")).split(".")[0]
     data = data.of(instance)
     struck = bool(np.any(data.coupled.get(f"{instance}.impact_count", 0.0)))
-    wanted = {_offset: True, _forces: bool(loaded(data, instance)), _impacts: struck}
+    wanted = {_offset: True, _forces: bool(find_loaded_walls(data, instance)), _impacts: struck}
     rows = [row for row, there in wanted.items() if there]
     made, axes = create_panels(len(rows), data, f"{data.title}: motion between the walls", height=1.9)
     for ax, row in zip(axes, rows, strict=True):
@@ -35,7 +35,7 @@ def figure(data: FigureData) -> Figure:
     return made
 
 
-def loaded(data: FigureData, instance: str) -> dict[str, str]:
+def find_loaded_walls(data: FigureData, instance: str) -> dict[str, str]:
     """The force on each wall that carries any."""
     forces = {side: f"{instance}.{side}_wall_force" for side in WALLS}
     return {side: name for side, name in forces.items() if np.any(data.coupled.get(name, 0.0))}
@@ -51,7 +51,7 @@ def _offset(ax: Axes, data: FigureData, instance: str) -> None:
 
 
 def _forces(ax: Axes, data: FigureData, instance: str) -> None:
-    for side, name in loaded(data, instance).items():
+    for side, name in find_loaded_walls(data, instance).items():
         if name in data.reference:
             ax.plot(data.x(True), data.reference[name], color=REFERENCE, alpha=0.5, lw=3.0)
         ax.plot(data.x(), data.coupled[name], color=WALLS[side], lw=1.1, label=f"{side} wall")

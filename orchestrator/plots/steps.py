@@ -76,7 +76,7 @@ def draw_steps(steps: Steps, title: str) -> Figure:
         figsize=(7.6, 1.5 + sum(heights)), gridspec_kw={"width_ratios": [4, 1], "height_ratios": heights},
     )  # fmt: skip
     add_title(made, f"{title}: macro steps")
-    kinds, entries = _coloured(steps)
+    kinds, entries = _assign_colours(steps)
     rows: Any = iter(axes)
     ax, side = next(rows)
     _lengths(ax, side, steps, kinds)
@@ -99,7 +99,7 @@ def draw_steps(steps: Steps, title: str) -> Figure:
     return made
 
 
-def _coloured(steps: Steps) -> tuple[Kinds, list[Line2D]]:
+def _assign_colours(steps: Steps) -> tuple[Kinds, list[Line2D]]:
     """Which steps are of each colour, most frequent first, and the legend."""
     limited = steps.reason == REASONS.index("error")
     sources, counts = np.unique(steps.source[limited], return_counts=True)
@@ -149,14 +149,14 @@ def _lengths(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
     else:
         ax.set_ylim(0.0, 1.5 * high)
     ax.set_ylabel("Step length (s)")
-    _rejected(ax, steps)
+    _draw_rejected(ax, steps)
     # Bins of a tenth at least, the first about the shortest: lengths that are equal to rounding are one bar.
     ratio = max(1.1, (high / low) ** (1.0 / 30.0))
     count = 2 + math.ceil(math.log(high / low) / math.log(ratio))
     _sums(sums, steps.length, low * ratio ** (np.arange(count) - 0.5), kinds)
 
 
-def _rejected(ax: Axes, steps: Steps) -> None:
+def _draw_rejected(ax: Axes, steps: Steps) -> None:
     """A line on top: a mark for each step with rejected attempts, or a shade for their share if many."""
     at = np.flatnonzero(steps.rejected)
     if len(at) <= MARKS:

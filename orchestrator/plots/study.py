@@ -47,7 +47,7 @@ def _draw_curves(
     axes: Axes, values: xarray.DataArray, x: xarray.DataArray, other: xarray.DataArray | None
 ) -> None:
     """One for each value of the other axis; a failed point is a gap."""
-    factor, _ = _shown(values)
+    factor, _ = _choose_unit(values)
     rows = np.atleast_2d(factor * values.values)
     labels = [""] if other is None else [_text(value) for value in _values(other)]
     for row, label in zip(rows, labels, strict=True):
@@ -61,7 +61,7 @@ def _draw_curves(
 def _draw_map(
     made: Figure, axes: Axes, values: xarray.DataArray, x: xarray.DataArray, y: xarray.DataArray
 ) -> None:
-    factor, _ = _shown(values)
+    factor, _ = _choose_unit(values)
     axes.grid(False)
     mesh = axes.pcolormesh(
         _places(x), _places(y), np.ma.masked_invalid(factor * values.values), shading="nearest",
@@ -78,7 +78,7 @@ def _numeric(axis: xarray.DataArray) -> bool:
 
 
 def _values(axis: xarray.DataArray) -> Any:
-    return _shown(axis)[0] * axis.values if _numeric(axis) else axis.values
+    return _choose_unit(axis)[0] * axis.values if _numeric(axis) else axis.values
 
 
 def _places(axis: xarray.DataArray) -> Vector:
@@ -95,7 +95,7 @@ def _scale(set_scale: Any, axis: xarray.DataArray) -> None:
             set_scale("log")
 
 
-def _shown(values: xarray.DataArray) -> tuple[float, str]:
+def _choose_unit(values: xarray.DataArray) -> tuple[float, str]:
     """Factor to the unit in which the values are shown, and that unit."""
     unit, shown = values.attrs.get("units", "1"), values.attrs.get("display_units", "")
     factor = 1.0 / to_unit(f"1 {shown}", unit) if shown else 1.0
@@ -105,7 +105,7 @@ def _shown(values: xarray.DataArray) -> tuple[float, str]:
 def _label(values: xarray.DataArray, name: str = "") -> str:
     """Name, or description, with unit."""
     words = str(name or values.attrs.get("long_name") or values.name)
-    unit = _shown(values)[1]
+    unit = _choose_unit(values)[1]
     return words if unit in ("", "1") else f"{words} ({unit})"
 
 

@@ -74,17 +74,17 @@ def figure(data: FigureData) -> Figure:
     if own.lost(contact).any() and f"{contact}.retreat" in own.drivers:
         _gap(second, own, contact)
     else:
-        _drawn(second, own, f"{follower}.velocity", "Velocity")
+        _draw_panel(second, own, f"{follower}.velocity", "Velocity")
     below = (
         (f"{follower}.acceleration", "Acceleration"),
         (f"{follower}.spring_force", "Spring force"),
         (f"{cam}.drive_torque", "Camshaft torque"),
     )
     for ax, (name, words) in zip(rest, below, strict=True):
-        _drawn(ax, own, name, words)
+        _draw_panel(ax, own, name, words)
     for ax, (variable, words) in zip(axes[:, 1], CONTACT, strict=True):
         source = cam if variable == "entraining_velocity" else contact
-        _drawn(ax, own, f"{source}.{variable}", words)
+        _draw_panel(ax, own, f"{source}.{variable}", words)
     for ax in axes.flat:
         shade(ax, own, contact)
     for ax in axes[-1]:
@@ -97,7 +97,7 @@ def figure(data: FigureData) -> Figure:
     return made
 
 
-def _drawn(ax: Axes, data: FigureData, name: str, words: str) -> None:
+def _draw_panel(ax: Axes, data: FigureData, name: str, words: str) -> None:
     """The variable, or an empty panel of its name where a component has none."""
     if name not in data.coupled:
         ax.set_visible(False)
@@ -113,7 +113,7 @@ def _drawn(ax: Axes, data: FigureData, name: str, words: str) -> None:
 def _lift(ax: Axes, data: FigureData, contact: str) -> None:
     """Follower on cam."""
     cam, follower = data.drivers.get(f"{contact}.approach", ""), data.drivers.get(f"{contact}.retreat", "")
-    _drawn(ax, data, follower, "Lift")
+    _draw_panel(ax, data, follower, "Lift")
     if follower and cam:
         factor, _ = data.shown(cam)
         ax.plot(

@@ -12,14 +12,14 @@ from models.core.quantities import Vector
 
 from ..assessment.contacts import ContactObserver
 from ..assessment.summary import summarise
-from ..energy import Ledger, Trimmed, counted, estimated
+from ..energy import Ledger, Trimmed, add_counting, add_estimates
 from ..engine.observer import Observer
 from ..engine.step import Step
 from ..errors import MistakeError, ParticipantError, RefusedError, RunError, StalledError
 from ..participants import FmuParticipant, InOwnProcess, Participant
 from ..store.journal import FLUSH_SECONDS, SUFFIX, Recorded
 from ..store.json_codec import Plain
-from ..store.run_state import shown
+from ..store.run_state import format_path
 from .checkpoint import Checkpoints, Identity
 from .compilation import PREPARING, announce_compilation
 from .exit_guard import guarding
@@ -48,7 +48,7 @@ def execute(
     """
     identity = Identity.of(folder.path / SCENARIO, plan.sha256)
     if checkpoint:
-        identity.check(checkpoint[0], shown(folder.path))
+        identity.check(checkpoint[0], format_path(folder.path))
     else:  # this is left if a participant ends the process
         summarise(plan, Ending(), Record()).write(folder.path / SUMMARY)
     observation = _Observation(plan, folder)
@@ -77,7 +77,7 @@ class _Observation:
         recorders: list[Observer] = [recorder, self.not_numbers]
         self._ledger = None
         if scenario.energy.ledger:
-            system = estimated(counted(system, select_counting(scenario, system)))
+            system = add_estimates(add_counting(system, select_counting(scenario, system)))
             self._ledger = Ledger(system, every, folder.unfinished, stop)
             recorders = [*(Trimmed(recorder, system) for recorder in recorders), self._ledger]
         self.system = system
@@ -155,8 +155,8 @@ def _report_exit(plan: Plan, folder: OutputFolder, observation: _Observation) ->
     apart = " and ".join(f"components.{name}.process = 'own'" for name in names)
     message = (
         f"incomplete: {who}: the FMU ended the process of the whole command by calling exit, {after}; "
-        f"set {apart}, which keeps it apart; tribocosim resume {shown(folder.path)} makes the result of what "
-        "was recorded"
+        f"set {apart}, which keeps it apart; tribocosim resume {format_path(folder.path)} makes the result "
+        "of what was recorded"
     )
     print(f"tribocosim: {message}", file=sys.stderr)
     with suppress(OSError):

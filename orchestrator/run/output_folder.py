@@ -12,7 +12,7 @@ from ..scenario import Scenario
 from ..scenario.files import to_full_toml
 from ..store.atomic_write import partial
 from ..store.backup import Backup
-from ..store.run_state import clear, contents, find_run_state, lock_folder, shown
+from ..store.run_state import clear, contents, find_run_state, format_path, lock_folder
 
 CHECKPOINT = "checkpoint"
 RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES = (
@@ -61,13 +61,13 @@ class OutputFolder:
 def check_folder(out: Path, overwrite: bool) -> None:
     """Raise OutputFolderError unless a run can write into `out`."""
     if out.exists() and not out.is_dir():
-        raise OutputFolderError(f"{shown(out)}: is a file; choose a folder with --out")
+        raise OutputFolderError(f"{format_path(out)}: is a file; choose a folder with --out")
     if overwrite:
         return
     if find_run_state(out).exists() and (out / SCENARIO).exists():
         raise OutputFolderError(
-            f"{shown(out)}: holds a run that was not finished; continue it with tribocosim resume "
-            f"{shown(out)}, choose another folder with --out, or replace it with --overwrite"
+            f"{format_path(out)}: holds a run that was not finished; continue it with tribocosim resume "
+            f"{format_path(out)}, choose another folder with --out, or replace it with --overwrite"
         )
     _check_empty(out)
 
@@ -88,7 +88,7 @@ def open_folder(out: Path, overwrite: bool) -> Iterator[OutputFolder]:
             folder.backup.take([*_list_written(out), *contents(folder.unfinished)])
         except OSError as error:
             raise OutputFolderError(
-                f"{shown(out)}: cannot be written ({error.strerror}); choose another --out"
+                f"{format_path(out)}: cannot be written ({error.strerror}); choose another --out"
             ) from None
         try:
             yield folder
@@ -113,7 +113,7 @@ def suggest_folder(path: Path) -> str | None:
 def _check_empty(out: Path) -> None:
     if held := _list_written(out):
         raise OutputFolderError(
-            f"{shown(out)}: already holds a result ({held[0].name}); choose another folder with --out, "
+            f"{format_path(out)}: already holds a result ({held[0].name}); choose another folder with --out, "
             "or replace it with --overwrite"
         )
 

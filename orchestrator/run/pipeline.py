@@ -13,7 +13,7 @@ from ..scenario import Scenario, ScenarioError
 from ..scenario.files import to_full_toml
 from ..scenario.warnings import list_warnings
 from ..store import atomic_write
-from ..store.run_state import shown
+from ..store.run_state import format_path
 from .execute import execute
 from .output_folder import SCENARIO, OutputFolder, check_folder, open_folder
 from .plan import Builder, Plan, make_plan
@@ -78,4 +78,4 @@ def _tell_of_backup(folder: OutputFolder) -> str:
     """The end of a message about a run that had no first values."""
     if not folder.backup.exists:
         return ""
-    return f"; the run did not begin, and what was in {shown(folder.path)} before is kept"
+    return f"; the run did not begin, and what was in {format_path(folder.path)} before is kept"

@@ -22,7 +22,7 @@ from ..store.atomic_write import NO_ROOM, naming
 from ..store.csv_file import write_csv, write_units
 from ..store.journal import Recorded, journals
 from ..store.result_file import ResultFile
-from ..store.run_state import clear, shown
+from ..store.run_state import clear, format_path
 from .output_folder import CSV, FIGURES, RESULT, SUMMARY, UNITS, OutputFolder, files
 from .plan import Plan
 from .record import FAILED, INTERRUPTED, Ending
@@ -81,7 +81,7 @@ def settle_ending(ending: Ending, folder: OutputFolder) -> Ending:
 
 
 def _advise_on_full_disk(folder: OutputFolder) -> str:
-    out = shown(folder.path)
+    out = format_path(folder.path)
     if folder.checkpoint.exists():
         return f"free some space, then tribocosim resume {out} goes on from the last checkpoint"
     if (folder.path / RESULT).exists():
@@ -140,7 +140,7 @@ def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], repor
             + f"; all {summary.wall_time_s:.1f} s"
         )
     names = ", ".join(str(file.relative_to(out)) for file in written_files)
-    reporter.line(f"results in {shown(out)}: {names}")
+    reporter.line(f"results in {format_path(out)}: {names}")
 
 
 def _tabulate(errors: Errors) -> Table:

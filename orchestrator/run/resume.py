@@ -12,7 +12,7 @@ from ..errors import RefusedError
 from ..scenario.files import load
 from ..store.backup import Backup
 from ..store.journal import Recorded, journals
-from ..store.run_state import clear, find_run_state, lock_folder, shown
+from ..store.run_state import clear, find_run_state, format_path, lock_folder
 from .checkpoint import read
 from .execute import execute
 from .output_folder import SCENARIO, SUMMARY, OutputFolder, OutputFolderError, suggest_folder
@@ -60,7 +60,7 @@ def resume(out: Path, build: Builder, reporter: Reporter, figures: bool = True) 
         try:
             record = execute(plan, folder, reporter, checkpoint)
         except RefusedError as error:
-            raise OutputFolderError(f"{shown(out)}: {error}") from None
+            raise OutputFolderError(f"{format_path(out)}: {error}") from None
         return conclude(plan, record, folder, reporter, start)
 
 
@@ -70,15 +70,15 @@ def _report_ended(out: Path, reporter: Reporter) -> Summary:
     if found.get("exit_status") == FAILED:
         why = found["message"].removeprefix("incomplete: ")
         raise OutputFolderError(
-            f"{shown(out)}: the run failed, and would fail again: {why}; change the scenario and run it "
-            f"anew, with --out {shown(out)} --overwrite"
+            f"{format_path(out)}: the run failed, and would fail again: {why}; change the scenario and run "
+            f"it anew, with --out {format_path(out)} --overwrite"
         )
     if not found.get("complete"):
         raise OutputFolderError(
-            f"{shown(out)}: the run left nothing to go on from; repeat it with tribocosim run "
-            f"{shown(out) / SCENARIO} --out {shown(out)} --overwrite"
+            f"{format_path(out)}: the run left nothing to go on from; repeat it with tribocosim run "
+            f"{format_path(out) / SCENARIO} --out {format_path(out)} --overwrite"
         )
-    reporter.line(f"{shown(out)}: the run is complete; there is nothing to continue")
+    reporter.line(f"{format_path(out)}: the run is complete; there is nothing to continue")
     known = ("scenario", "description", "version", "master", "macro_step", "fixed_steps", "tolerance")
     told = ("complete", "resumable", "message", "verdict", "exit_status", "macro_steps", "iterations")
     return Summary(**{key: found[key] for key in (*known, *told)})

@@ -18,7 +18,7 @@ from ..engine.step import STOP, Step
 from ..errors import EndedError, RunError
 from ..masters import Master
 from ..participants import Participant
-from ..stepping import FixedSteps, Stepper, watched
+from ..stepping import FixedSteps, Stepper, list_event_outputs
 from ..store.json_codec import Plain
 from .checkpoint import Continuing, Keeper, fitting, restore_participants, serialise_participants
 
@@ -80,7 +80,9 @@ def simulate(
         steps = FixedSteps(float(steps))
     if not stop_time > start_time:
         raise RunError(f"stop_time = {stop_time:g} s: must be after the start at {start_time:g} s")
-    coupling = Coupling(system, participants, master.degree, watched(system) if steps.locates else None)
+    coupling = Coupling(
+        system, participants, master.degree, list_event_outputs(system) if steps.locates else None
+    )
     outputs = LatestOutputs(coupling)
     made = rejected = iterations = 0
     time, began = start_time, clock.perf_counter()

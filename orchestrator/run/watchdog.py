@@ -102,7 +102,7 @@ class Watchdog:
         with tempfile.TemporaryFile() as file:
             file.truncate(8 * CELLS)
             memory = mmap.mmap(file.fileno(), 8 * CELLS)
-            self._process = _started(file.fileno())
+            self._process = _start_process(file.fileno())
         self._cells, self._times = memoryview(memory).cast("q"), memoryview(memory).cast("d")
         self._cells[STEPS] = -1
         assert self._process.stdin
@@ -289,7 +289,7 @@ class Watched:
         return calls if isinstance(calls, str) else self._watchdog.mark_compiled(self._index, calls)
 
 
-def _started(shared: int) -> subprocess.Popen[bytes]:
+def _start_process(shared: int) -> subprocess.Popen[bytes]:
     """The watching process. Ctrl-C, which the terminal sends to both, is not for it."""
     script = Path(__file__).with_name("watchdog_process.py")
     before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])

@@ -27,7 +27,7 @@ SEPARATE = 100.0
 WIDER = 8
 
 
-def watched(system: System) -> dict[str, list[str]]:
+def list_event_outputs(system: System) -> dict[str, list[str]]:
     """The outputs that tell of events, by instance."""
     found: dict[str, list[str]] = {}
     for name, instance in system.instances.items():

@@ -22,7 +22,7 @@ _KINDS = re.compile(r"[<|>][biuf]\d{1,2}")
 
 def to_text(data: Plain) -> str:
     """The data as JSON; TypeError for what is not plain."""
-    return json.dumps(_written(data), separators=(",", ":"))
+    return json.dumps(_to_plain(data), separators=(",", ":"))
 
 
 def from_text(text: str) -> Plain:
@@ -33,7 +33,7 @@ def from_text(text: str) -> Plain:
         raise ValueError(f"not plain data: {error!r}") from None
 
 
-def _written(data: Plain) -> Any:
+def _to_plain(data: Plain) -> Any:
     if isinstance(data, np.ndarray):
         if not _KINDS.fullmatch(data.dtype.str):
             raise TypeError(f"an array of {data.dtype} is not plain data")
@@ -41,15 +41,15 @@ def _written(data: Plain) -> Any:
         order: Any = "F" if data.flags.fnc else "C"
         return {ARRAY: [data.dtype.str, list(data.shape), order, _base64(data.tobytes(order))]}
     if isinstance(data, np.generic):
-        return _written(data.item())
+        return _to_plain(data.item())
     if isinstance(data, bytes):
         return {BYTES: _base64(data)}
     if isinstance(data, dict):
         if not all(isinstance(key, str) and not key.startswith("$") for key in data):
             raise TypeError(f"keys of plain data are texts that do not begin with $: {list(data)}")
-        return {key: _written(value) for key, value in data.items()}
+        return {key: _to_plain(value) for key, value in data.items()}
     if isinstance(data, (list, tuple)):
-        return [_written(value) for value in data]
+        return [_to_plain(value) for value in data]
     if data is None or isinstance(data, (bool, int, float, str)):
         return data
     raise TypeError(f"{type(data).__name__} is not plain data")

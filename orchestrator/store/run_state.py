@@ -22,7 +22,7 @@ def find_run_state(out: Path) -> Path:
     return out / NAME
 
 
-def shown(out: Path) -> Path:
+def format_path(out: Path) -> Path:
     """The folder for messages: relative to the working directory if inside it."""
     here = Path.cwd()
     return out.relative_to(here) if out.is_relative_to(here) else out
@@ -40,7 +40,7 @@ def lock_folder(out: Path) -> Iterator[Path]:
     try:
         lock.acquire()
     except locket.LockError:
-        raise MistakeError(f"{shown(out)}: another process is running it; wait for its end") from None
+        raise MistakeError(f"{format_path(out)}: another process is running it; wait for its end") from None
     try:
         yield folder
     finally:

@@ -134,7 +134,7 @@ class ScenarioSubject:
     def _resolved(self, path: str, value: Value) -> Value:
         quantity = self._quantity(path)
         if quantity is None:
-            return _found(self.at({path: value}), split_path(path))
+            return _find_value(self.at({path: value}), split_path(path))
         try:
             return parse_value(quantity, value)
         except ValueError as error:
@@ -199,7 +199,7 @@ def _contact(name: str, course: Course | None) -> dict[str, float]:
     }
 
 
-def _found(scenario: Scenario, keys: list[str]) -> Value:
+def _find_value(scenario: Scenario, keys: list[str]) -> Value:
     """The value at a path of a whole scenario."""
     content: Any = scenario.model_dump()
     for key in keys:

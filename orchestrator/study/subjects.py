@@ -71,7 +71,7 @@ class AnalysisSubject:
         return self.analysis.parameter(name)
 
     def resolved(self, name: str, value: Value) -> Value:
-        return self._parameter(name).checked(name, value)
+        return self._parameter(name).check_value(name, value)
 
     def described(self, name: str) -> Result:
         parameter = self._parameter(name)

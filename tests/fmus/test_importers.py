@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from fmus.build import NAMES, build
+from fmus.native.fmu import NAMES as NATIVE_NAMES
 from interop.c_program import Host, compile_host, find_libpython
 from interop.case import Case, list_equal_steps
 from interop.comparison import KINDS, compare, compute_expected, make_case
@@ -33,6 +34,8 @@ def test_other_masters(tool: str, name: str, kind: str, record) -> None:
     """All outputs after every step to the last bit; or a tool that says that it does not know FMI 3.0."""
     if why := explain_missing(tool):
         pytest.skip(why)
+    if KINDS[kind].native and name not in NATIVE_NAMES:
+        pytest.skip(f"{name} has no native FMU")
     difference, answer = compare(tool, name, KINDS[kind])
     if KINDS[kind].fmi in getattr(load_tool(tool), "FMI", (2, 3)):
         assert (answer.failed, answer.loaded) == ("", True)

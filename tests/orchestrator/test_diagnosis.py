@@ -21,7 +21,7 @@ from orchestrator.assessment.diagnosis import (
     suggestions,
 )
 from orchestrator.assessment.diagnosis.command import diagnose
-from orchestrator.energy import Trimmed, counted
+from orchestrator.energy import Trimmed, add_counting
 from orchestrator.engine.step import REASONS, Step
 from orchestrator.errors import MistakeError
 from orchestrator.plots import steps as figure
@@ -236,7 +236,7 @@ def test_every_reason_has_its_words_and_its_colour(tmp_path: Path) -> None:
         found = facts(made([1e-5, 2e-5], reason, iterations=2))
         assert list(found.diagnosis.reasons) == [reason]
         assert full(found, [], "complete")[3].split()[-4:] == ["100", "%", "100", "%"]
-        kinds, _ = figure._coloured(found.steps)
+        kinds, _ = figure._assign_colours(found.steps)
         assert [chosen.all() for _, chosen in kinds] == [True], reason
         assert number == found.steps.reason[0]
 
@@ -319,7 +319,7 @@ def test_a_killed_run_is_diagnosed_from_its_journals(finished: Path, tmp_path: P
 def test_sources_are_the_same_outputs_where_energies_are_counted() -> None:
     """Counted energies are outputs between the others, and move their numbers: the recorder sees the old."""
     system = two_masses()
-    counts = counted(system, system.instances)
+    counts = add_counting(system, system.instances)
     recorder = Recorder()
     trimmed = Trimmed(recorder, counts)
     trimmed.begin(counts.outputs.names)

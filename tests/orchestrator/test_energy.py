@@ -8,7 +8,7 @@ import pytest
 from models.core.system import System
 from models.oscillators import exact as solutions
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
-from orchestrator.energy import Ledger, Trimmed, counted, lines
+from orchestrator.energy import Ledger, Trimmed, add_counting, lines
 from orchestrator.energy.correction import Compensated, bond_inputs
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
@@ -27,7 +27,7 @@ STOP = 2.0
 
 
 def booked(master, step, stop=STOP, every=1, correct=False, **parameters):
-    system = counted(two_masses(**parameters), ["first", "second"])
+    system = add_counting(two_masses(**parameters), ["first", "second"])
     ledger = Ledger(system, every)
     units = {name: in_process(name, instance) for name, instance in system.instances.items()}
     if correct:
@@ -108,7 +108,7 @@ def test_a_converged_coupling_exchanges_the_energies_of_the_exact_solution(recor
 def test_nobody_sees_that_energies_are_counted():
     """The motion's bits, and what the other observers get, are those of a run without ledger."""
     system = two_masses()
-    counts, plain, trimmed = counted(system, ["first", "second"]), Recorder(), Recorder()
+    counts, plain, trimmed = add_counting(system, ["first", "second"]), Recorder(), Recorder()
     for run, observer in ((system, plain), (counts, Trimmed(trimmed, counts))):
         units = {name: in_process(name, instance) for name, instance in run.instances.items()}
         simulate(run, units, Iterated("quadratic"), 5e-3, STOP, [observer])
@@ -125,7 +125,7 @@ def test_every_record_books_all_energies_since_the_last_one():
 
 
 def test_a_bond_that_only_one_side_counts_is_named_and_not_booked():
-    system = counted(two_masses(), ["second"])
+    system = add_counting(two_masses(), ["second"])
     ledger = Ledger(system)
     assert ledger.not_counted == [BOND]
     assert any(BOND in line and "not counted" in line for line in lines(ledger.account()))
@@ -133,7 +133,7 @@ def test_a_bond_that_only_one_side_counts_is_named_and_not_booked():
 
 def test_a_ledger_goes_on_from_its_state(tmp_path):
     """Two halves with the state handed on, as after a checkpoint, come to what the whole run comes to."""
-    system = counted(two_masses(), ["first", "second"])
+    system = add_counting(two_masses(), ["first", "second"])
     whole, first = Ledger(system, folder=tmp_path), Ledger(system)
 
     class Halves:
@@ -216,7 +216,7 @@ class Impulses:
         base = build_system(load("slider-crank", [f"components.{setting}" for setting in given]))
         connections = [(str(c.source), str(c.target)) for c in base.connections]
         taken = ("slider_crank.crank_impact_impulse", "flywheel.load_impulse[1]")
-        system = counted(System(base.instances, [*connections, taken]), list(base.instances))
+        system = add_counting(System(base.instances, [*connections, taken]), list(base.instances))
         self.ledger, self.records = Ledger(system), Recorder()
         units = {name: in_process(name, instance) for name, instance in system.instances.items()}
         simulate(system, units, GaussSeidel("quadratic"), step, stop, [self.ledger, self.records])

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from models.oscillators import exact as solutions
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
-from orchestrator.energy import Ledger, Trimmed, counted, estimated, lines
+from orchestrator.energy import Ledger, Trimmed, add_counting, add_estimates, lines
 from orchestrator.energy.estimate import Estimating, without_estimates
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
@@ -45,7 +45,7 @@ class Unrated:
 
 def booked(master, step, observers=(), rated=True, **parameters):
     """The ledger of a run in which the second mass does not count."""
-    system = estimated(counted(two_masses(**parameters), ["first"]))
+    system = add_estimates(add_counting(two_masses(**parameters), ["first"]))
     ledger = Ledger(system)
     second = system.instances["second"]
     unit = in_process("second", without_estimates(second))
@@ -58,7 +58,7 @@ def booked(master, step, observers=(), rated=True, **parameters):
 
 
 def counts(master, step):
-    system = counted(two_masses(), ["first", "second"])
+    system = add_counting(two_masses(), ["first", "second"])
     ledger = Ledger(system)
     units = {name: in_process(name, instance) for name, instance in system.instances.items()}
     simulate(system, units, master, step, STOP, [ledger])
@@ -115,7 +115,7 @@ def test_nobody_sees_the_estimates():
 
 
 def test_estimates_go_back_and_through_bytes_to_the_same_bits():
-    system = estimated(counted(two_masses(), ["first"]))
+    system = add_estimates(add_counting(two_masses(), ["first"]))
     second = system.instances["second"]
     unit = Estimating(in_process("second", without_estimates(second)), second.component)
     inputs, outputs = np.zeros((2, 1)), np.zeros(2)

@@ -10,7 +10,7 @@ import pytest
 from models.core.bonds import counting
 from models.core.system import ModelError, System
 from models.monolithic import solve
-from orchestrator.energy import Ledger, counted, estimated
+from orchestrator.energy import Ledger, add_counting, add_estimates
 from orchestrator.energy.estimate import Estimating, without_estimates
 from orchestrator.masters import GaussSeidel, Iterated, Newton
 from orchestrator.participants import Participant, in_process, open_fmu
@@ -85,7 +85,7 @@ def test_a_run_of_a_thousand_states_goes_on_from_a_checkpoint_to_the_last_bit(
 
 def test_energies_that_a_component_counts_in_its_own_steps_close_to_rounding() -> None:
     """The midpoint rule has the balance of a quadratic energy exactly, with powers taken at the middle."""
-    system = counted(dragged(SHEETS), ["layer", "plate"])
+    system = add_counting(dragged(SHEETS), ["layer", "plate"])
     ledger = Ledger(system)
     simulate(system, in_processes(system), ITERATED, STEP, STOP, [ledger])
     layer = ledger.account().components["layer"]
@@ -99,7 +99,7 @@ def test_a_component_of_unknown_equations_does_not_count_and_is_estimated() -> N
     plain = dragged(changes={"opaque": True})
     with pytest.raises(ValueError, match="fluid_layer"):
         counting(plain.instances["layer"].component)
-    system = estimated(counted(plain, ["plate"]))
+    system = add_estimates(add_counting(plain, ["plate"]))
     ledger = Ledger(system)
     inner = in_process("layer", without_estimates(system.instances["layer"]))
     units = {
@@ -107,7 +107,7 @@ def test_a_component_of_unknown_equations_does_not_count_and_is_estimated() -> N
         "layer": Estimating(inner, system.instances["layer"].component),
     }
     simulate(system, units, ITERATED, 2e-5, STOP, [ledger])
-    counting_both = counted(dragged(), ["plate", "layer"])
+    counting_both = add_counting(dragged(), ["plate", "layer"])
     own = Ledger(counting_both)
     simulate(counting_both, in_processes(counting_both), ITERATED, 2e-5, STOP, [own])
     bond = "taken layer.force * plate.velocity"

@@ -219,4 +219,4 @@ def test_every_shipped_study_and_analysis_is_whole() -> None:
         assert analysis.name == name
         assert analysis.complete({}) == {key: value.default for key, value in analysis.parameters.items()}
         for key, parameter in analysis.parameters.items():
-            assert parameter.checked(key, parameter.default) == parameter.default
+            assert parameter.check_value(key, parameter.default) == parameter.default

@@ -95,7 +95,7 @@ def cold_start(
     return Fields(mesh, w.X, scale, p, h, approach, 0)
 
 
-def interpolated(start: Fields, mesh: Mesh) -> Fields:
+def interpolate_film(start: Fields, mesh: Mesh) -> Fields:
     """A film brought to another grid."""
     X = workspace(mesh).X
     p = np.interp(X, start.X, start.p)

@@ -21,7 +21,7 @@ from ..asperities import pressure_scale
 from ..films.moes_venner import moes_film
 from ..inlet import inlet_width
 from .faults import likely_cause, real
-from .fixed_grid import Fields, Mesh, cold_start, interpolated, steady_on_grid, workspace
+from .fixed_grid import Fields, Mesh, cold_start, interpolate_film, steady_on_grid, workspace
 from .grid import REACH
 from .line_contact import LineContact
 from .mixed import Bodies, fill_total
@@ -256,7 +256,7 @@ def _on(mesh: Mesh, contact: LineContact, found: Sequence[Fields]) -> Fields | N
     bodies = _bodies(contact)
     flow = Flow(contact.velocity, contact.sliding, contact.radius)
     if found:
-        start = interpolated(found[-1], mesh)
+        start = interpolate_film(found[-1], mesh)
         fields = steady_on_grid(
             start, flow, contact.load, bodies, contact.lubricant, contact.squeeze, at_once=True
         )

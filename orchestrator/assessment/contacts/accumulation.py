@@ -50,7 +50,7 @@ OUTSIDE, DURATION, LEAST, MOST = range(4)
 FIRST_INPUT = len(OUTPUTS)
 
 
-def begun(count: int) -> tuple[Any, Any]:
+def make_records(count: int) -> tuple[Any, Any]:
     """Courses and ranges of contacts of which nothing is known yet."""
     courses = np.zeros(count, dtype=COURSE)
     courses["least_load"] = courses["film"] = courses["film_ratio"] = np.inf

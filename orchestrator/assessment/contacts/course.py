@@ -25,8 +25,8 @@ from .accumulation import (
     OUTPUTS,
     SEEN,
     accumulate,
-    begun,
     finish,
+    make_records,
     replay,
 )
 
@@ -158,7 +158,7 @@ class Accumulator:
             for j, variable in enumerate(INPUTS):
                 self.seen[i, len(OUTPUTS) + j] = constant[variable]
                 places[2 * i + j] = (origins or {}).get(f"{name}.{variable}", -1)
-        self.courses, self.ranges = begun(count)
+        self.courses, self.ranges = make_records(count)
         self.memory = ArrayPointers(
             seen=self.seen,
             values=np.zeros(1) if values is None else values,

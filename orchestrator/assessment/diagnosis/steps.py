@@ -73,7 +73,7 @@ class Steps:
 NONE = Steps.of({name: [] for name in COLUMNS}, ())
 
 
-def steps_of(result: ResultFile) -> Steps:
+def read_written_steps(result: ResultFile) -> Steps:
     """The steps of a result being written."""
     if not result.has("steps"):
         return NONE

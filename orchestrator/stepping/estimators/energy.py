@@ -9,7 +9,7 @@ from ...engine.coupling import Coupling
 from ...engine.signals import evaluate
 from ...masters import Master
 from .jacobi_only import refuse_interpolation
-from .nodes import effective_degree, extrapolated
+from .nodes import effective_degree, extrapolation_nodes
 from .protocol import Attempt
 from .step_doubling import StepDoubling
 
@@ -31,7 +31,7 @@ class EnergyResidual:
         if coupling.state.history.lacks(coupling.wiring.degree):
             return StepDoubling().attempt(coupling, master, time, length)
         degree = effective_degree(coupling)
-        nodes = extrapolated(coupling.state.history, degree)
+        nodes = extrapolation_nodes(coupling.state.history, degree)
         mean = nodes.integral(0.0, length) / (length * nodes(length))
         iterations = master.step(coupling, time, length).iterations
         assumed, rates = np.zeros_like(coupling.state.values), np.zeros_like(coupling.state.rates)

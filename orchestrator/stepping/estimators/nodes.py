@@ -48,12 +48,12 @@ def past(history: History) -> list[float]:
     return [float(t) - newest for t in history.times[: history.count]]
 
 
-def extrapolated(history: History, degree: int) -> NodePolynomial:
+def extrapolation_nodes(history: History, degree: int) -> NodePolynomial:
     """That of the extrapolated signal."""
     return node_polynomial(degree, past(history))
 
 
-def interpolated(history: History, degree: int, length: float) -> NodePolynomial:
+def interpolation_nodes(history: History, degree: int, length: float) -> NodePolynomial:
     """That of the signal through a value (and rate) at the end of the step."""
     return node_polynomial(degree, [length, *past(history)])
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...engine.coupling import Coupling
 from ...masters import Master
-from .nodes import effective_degree, extrapolated, interpolated
+from .nodes import effective_degree, extrapolation_nodes, interpolation_nodes
 from .protocol import Attempt
 from .step_doubling import StepDoubling
 
@@ -31,8 +31,8 @@ class PredictorCorrector:
         if history.lacks(highest) or (highest == 3 and not history.end_smooth.all()):
             return StepDoubling().attempt(coupling, master, time, length)
         degree = effective_degree(coupling)
-        predictor = extrapolated(history, degree).integral(0.0, length)
-        corrector = interpolated(history, degree, length).integral(0.0, length)
+        predictor = extrapolation_nodes(history, degree).integral(0.0, length)
+        corrector = interpolation_nodes(history, degree, length).integral(0.0, length)
         made = master.step(coupling, time, length)
         assert made.predicted is not None  # the master is implicit
         # Of what was not iterated the two are equal.

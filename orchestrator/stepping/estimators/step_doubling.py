@@ -8,7 +8,7 @@ from models.core.quantities import Vector
 
 from ...engine.coupling import Coupling
 from ...masters import Master
-from .nodes import effective_degree, extrapolated
+from .nodes import effective_degree, extrapolation_nodes
 from .protocol import Attempt
 
 
@@ -53,9 +53,9 @@ class StepDoubling:
 def ratios(coupling: Coupling, degree: int, half: float) -> Vector:
     """Error of one extrapolation over two halves, over that of one for each half; for every source."""
     later = coupling.state.history.copy()
-    whole = extrapolated(later, degree)
+    whole = extrapolation_nodes(later, degree)
     later.append(later.times[0] + half, later.values[0], later.rates[0])
-    second = extrapolated(later, degree)
+    second = extrapolation_nodes(later, degree)
     integrated = whole.integral(0.0, 2.0 * half) / (whole.integral(0.0, half) + second.integral(0.0, half))
     direct = whole(2.0 * half) / second(half)
     return np.where(coupling.wiring.passed_through, direct, integrated)

@@ -89,7 +89,7 @@ def describe_system(system: System, paths: Mapping[str, Path]) -> dict[str, Any]
         starts = {component.state.field(k).add_suffix("_start"): v for k, v in instance.start.items()}
         given = {**instance.parameters, **starts, **instance.inputs}
         values[name] = {
-            key: _typed(known[key].type, value)
+            key: _convert(known[key].type, value)
             for key, value in given.items()
             if value != _number(known[key].start)
         }
@@ -111,7 +111,7 @@ def describe_job(problem: CouplingProblem, files: Mapping[str, FmuFile], step: f
     }
 
 
-def _typed(kind: str, value: float) -> Any:
+def _convert(kind: str, value: float) -> Any:
     return float(value) if kind == "Real" else bool(value) if kind == "Boolean" else int(value)
 
 
