@@ -15,7 +15,7 @@ from ...core.component import Component
 from ...core.integrator import NOT_CONVERGED, OK, copy, taylor
 from ..fluid import lubricant_of
 from .field_state import FOLLOWED, begin_state, bodies_of, drives_of, next_scale, observe, remember
-from .leap import leap
+from .jump_step import jump_step
 from .transient import GAMMA, step
 from .workspace import workspace_in, workspace_size
 
@@ -118,7 +118,7 @@ def make_field_advance(component: Component) -> Any:
             )  # fmt: skip
             leapt = length <= JUMP_TIME and not made.error <= 1.0
             if leapt:
-                made = leap(
+                made = jump_step(
                     pressure, film, slope, state.grid_scale, new_scale, length,
                     at_end, parameters.field_tolerance, bodies, fluid, w,
                 )  # fmt: skip

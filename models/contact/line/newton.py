@@ -4,7 +4,7 @@ Newton's method on the balance of `reynolds` with the complementarity p >= 0 by 
 pressure falls below zero cavitates, a cavitated node whose balance says that oil piles up gets pressure
 again. As that is seen only next to the pressurised film, more nodes join when it moves on (1, 2, 4, ...).
 Between rough surfaces the unknown is the total pressure (see `mixed`).
-Factors of the Jacobian serve until convergence is slow or many nodes have changed sides (see `exchange`).
+Factors of the Jacobian serve until convergence is slow or many nodes have changed sides (see `woodbury`).
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 from ...compile.kernel import kernel
 from ..elimination import add_rows
 from ..fluid import Lubricant
-from .exchange import factorise_anew, serve, solve_exchanged
 from .hierarchical import BAND, Jacobian
 from .mixed import FREE, NEARER, Bodies, couple_asperities, fill_sides, fluid_pressure, is_open, touch
 from .reynolds import Flow, balance, cell, properties
+from .woodbury import correct_factors, factorise_anew, solve_corrected
 from .workspace import Workspace
 
 # Pressures are found to this share of the largest (at least of PRESSURE_FLOOR, Pa): far below what the
@@ -157,9 +157,9 @@ def solve(w: Workspace, J: Jacobian, scale: float, missing: float, given: bool) 
     (N/m).
     """
     if given:
-        solve_exchanged(J, w.mixed.sides, w.hierarchy, w.exchange, w.solution[:1])
+        solve_corrected(J, w.mixed.sides, w.hierarchy, w.exchange, w.solution[:1])
         return 0.0
-    solve_exchanged(J, w.mixed.sides, w.hierarchy, w.exchange, w.solution)
+    solve_corrected(J, w.mixed.sides, w.hierarchy, w.exchange, w.solution)
     by_approach = 0.0
     for i in range(w.X.shape[0]):
         missing -= w.weight[i] * scale * w.solution[0, i]
@@ -278,7 +278,7 @@ def newton(
             couple_asperities(w.A, w.B, w.mixed, w.right)
         if left <= 1.0 and changed == 0:
             return Found(approach, 0.0 if is_balanced(task, w) else math.inf, iteration)
-        if slow or not serve(sides, w.hierarchy, w.exchange):
+        if slow or not correct_factors(sides, w.hierarchy, w.exchange):
             factorise_anew(J, sides, w.hierarchy, w.exchange)
         fill_right_side(w)
         missing = task.line_load - line_load_of(q, w.weight, task.scale)

@@ -9,11 +9,11 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
-from .exchange import SIDES, Exchange, exchange_in, exchange_size
 from .grid import fill_kernel_matrix, place_nodes
 from .hierarchical import BAND, Hierarchy, hierarchy_in, hierarchy_size
 from .mixed import Mixed
 from .reynolds import Nodes
+from .woodbury import SIDES, Exchange, exchange_in, exchange_size
 
 FIELDS = len(Nodes._fields)
 # Vectors besides the grid's two and the properties: those listed in Workspace after `nodes`.

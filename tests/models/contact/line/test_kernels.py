@@ -11,13 +11,13 @@ from scipy.integrate import quad
 
 from models.contact.fluid import Lubricant
 from models.contact.hertz import deflection, half_width, maximum_pressure
-from models.contact.line.exchange import EXCHANGES, factorise_anew, serve, solve_exchanged
 from models.contact.line.fixed_grid import Mesh, workspace
 from models.contact.line.grid import fill_kernel_matrix, place_nodes
 from models.contact.line.hierarchical import BAND, Jacobian
 from models.contact.line.mixed import Bodies
 from models.contact.line.newton import fill_film
 from models.contact.line.reynolds import Flow, balance, mean_fluidity, properties
+from models.contact.line.woodbury import EXCHANGES, correct_factors, factorise_anew, solve_corrected
 
 BODIES = Bodies(8.8e-12, 0.012)
 LUBRICANTS = {
@@ -199,7 +199,7 @@ def errors_of_corrections(J, fixed, w):
     x, errors = np.zeros(fixed.size), []
     for _ in range(3):
         left = (right - dense @ x)[None, :] * (fixed == 0.0)
-        solve_exchanged(J, fixed, w.hierarchy, w.exchange, left)
+        solve_corrected(J, fixed, w.hierarchy, w.exchange, left)
         x += left[0]
         errors.append(np.max(np.abs(x - exact)) / np.max(np.abs(exact)))
     return errors
@@ -233,11 +233,11 @@ def test_factors_serve_after_nodes_changed_sides(nodes, sharpness, velocity):
     factorise_anew(J, fixed, w.hierarchy, w.exchange)
     last = np.flatnonzero(fixed == 0.0)[-1]
     fixed[last - 1] = 1.0
-    assert serve(fixed, w.hierarchy, w.exchange)
+    assert correct_factors(fixed, w.hierarchy, w.exchange)
     fixed[last - 1] = 0.0
     fixed[nodes // 2] = 1.0
     fixed[last + 1 : last + 3] = 0.0
-    assert serve(fixed, w.hierarchy, w.exchange)
+    assert correct_factors(fixed, w.hierarchy, w.exchange)
     assert shrink(errors_of_corrections(J, fixed, w))
 
 
@@ -248,4 +248,4 @@ def test_factors_do_not_serve_after_many_changes_or_far_from_the_film():
     for nodes, side in ((np.arange(last - EXCHANGES, last + 1), 1.0), (np.array([298]), 0.0)):
         changed = fixed.copy()
         changed[nodes] = side
-        assert not serve(changed, w.hierarchy, w.exchange)
+        assert not correct_factors(changed, w.hierarchy, w.exchange)

@@ -22,7 +22,7 @@ from .workspace import Workspace
 
 
 @kernel
-def leap(
+def jump_step(
     p: Any, h: Any, slope: Any, scale: float, new_scale: float, time_step: float, end: Drives,
     tolerance: float, bodies: Bodies, fluid: Lubricant, w: Workspace,
 ) -> Stepped:  # fmt: skip

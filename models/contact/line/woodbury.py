@@ -66,8 +66,8 @@ def factorise_anew(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange) -> None:
 
 
 @kernel
-def serve(fixed: Any, h: Hierarchy, e: Exchange) -> bool:
-    """Make the factors serve, by answers to sources at nodes that changed sides since; False where they
+def correct_factors(fixed: Any, h: Hierarchy, e: Exchange) -> bool:
+    """Correct the factors by answers to sources at nodes that changed sides since; False where they
     cannot: too many have, or one that was not divided with the others.
     """
     if e.factored[0] < 0.0:
@@ -126,7 +126,7 @@ def fill_matrix(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange, x: Any) -> N
 
 
 @kernel
-def solve_exchanged(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange, x: Any) -> None:
+def solve_corrected(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange, x: Any) -> None:
     """x (at most SIDES, n): right sides, 0 at fixed nodes, become solutions. The factors must serve."""
     count = int(e.count[0])
     for side in range(x.shape[0]):
