@@ -1,11 +1,12 @@
-"""scipy's DOP853 with the stages of a step in one call of compiled code.
+"""scipy's DOP853 with the arithmetic of a step in compiled code.
 
-The tables, the error estimate and the interpolant are scipy's (Hairer, Norsett and Wanner, Solving Ordinary
-Differential Equations I, section II.10); the step size control is written as there.
+The tables are scipy's (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.10);
+the error estimate, the interpolant and the step size control are written as there.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from ..core.quantities import Vector
 from .problem import CompiledProblem
 
 # Rows of the table: the first stage, the stages of a step with the rate at its end, those of the interpolant.
-A, C = table.A, table.C
+A, C, E3, E5, D = table.A, table.C, table.E3, table.E5, table.D
 FIRST, END, INTERPOLANT = 1, table.N_STAGES + 1, table.N_STAGES_EXTENDED
 
 
@@ -35,6 +36,7 @@ class CompiledDop853(DOP853):  # type: ignore[misc]
         self._problem = problem
         self._stages = make_stages(problem.flat_rate)
         self._z = np.empty(self.n)
+        self._atol = np.full(self.n, self.atol)
 
     def _evaluate(self, first: int, last: int, t: float, y: Vector, h: float) -> None:
         """Rates of the stages from `first` to before `last`; `_z` is the last stage's state."""
@@ -53,8 +55,7 @@ class CompiledDop853(DOP853):  # type: ignore[misc]
             t_new = min(t + h_abs, self.t_bound)
             h_abs = t_new - t
             self._evaluate(FIRST, END, t, y, h_abs)
-            scale = self.atol + np.maximum(np.abs(y), np.abs(self._z)) * self.rtol
-            error = self._estimate_error_norm(self.K, h_abs, scale)
+            error = _error_norm(self.K, h_abs, y, self._z, self._atol, self.rtol)
             factor = MAX_FACTOR if error == 0.0 else SAFETY * error**self.error_exponent
             if error < 1.0:
                 self.h_previous, self.y_old = h_abs, y
@@ -67,13 +68,41 @@ class CompiledDop853(DOP853):  # type: ignore[misc]
 
     def _dense_output_impl(self) -> Any:
         self._evaluate(END, INTERPOLANT, self.t_old, self.y_old, self.h_previous)
-        h, change, slope = self.h_previous, self.y - self.y_old, self.K[0]
         F = np.empty((table.INTERPOLATOR_POWER, self.n))
-        F[0] = change
-        F[1] = h * slope - change
-        F[2] = 2.0 * change - h * (self.f + slope)
-        F[3:] = h * np.dot(self.D, self.K_extended)
+        _interpolant(self.K_extended, self.h_previous, self.y_old, self.y, self.f, F)
         return Dop853DenseOutput(self.t_old, self.t, self.y_old, F)
+
+
+@kernel
+def _error_norm(K: Any, h: float, y: Any, z: Any, atol: Any, rtol: float) -> float:
+    """Estimate of order 5, damped by that of order 3, over the tolerance; a step is kept below 1."""
+    fifth = third = 0.0
+    for i in range(y.shape[0]):
+        e5 = e3 = 0.0
+        for s in range(K.shape[0]):
+            e5 += E5[s] * K[s, i]
+            e3 += E3[s] * K[s, i]
+        scale = atol[i] + max(abs(y[i]), abs(z[i])) * rtol
+        fifth += (e5 / scale) ** 2
+        third += (e3 / scale) ** 2
+    if fifth == 0.0 and third == 0.0:
+        return 0.0
+    return h * fifth / math.sqrt((fifth + 0.01 * third) * y.shape[0])
+
+
+@kernel
+def _interpolant(K: Any, h: float, y_old: Any, y: Any, f: Any, F: Any) -> None:
+    """Coefficients of the continuous extension of order 7 over the step just made."""
+    for i in range(y.shape[0]):
+        change, slope = y[i] - y_old[i], K[0, i]
+        F[0, i] = change
+        F[1, i] = h * slope - change
+        F[2, i] = 2.0 * change - h * (f[i] + slope)
+        for n in range(D.shape[0]):
+            total = 0.0
+            for s in range(D.shape[1]):
+                total += D[n, s] * K[s, i]
+            F[3 + n, i] = h * total
 
 
 def make_stages(rate: Any) -> Any:

@@ -48,23 +48,29 @@ class RungeKutta:
         while True:
             if self._event is not None and self._event[0] <= target:
                 at, guard = self._event
-                return at, np.array(self._dense(at)), (guard,)
-            if self._dense is not None and self._solver.t >= target:
-                return target, np.array(self._dense(target)), ()
+                return at, self._interpolate(at), (guard,)
+            if self._solver.t_old is not None and self._solver.t >= target:
+                return target, self._interpolate(target), ()
             message = self._solver.step()
             if self._solver.status == "failed":
                 raise ModelError(
                     f"{self.name} failed at t = {self._solver.t:.9g} s: {message} Relax the tolerance, or "
                     "look for a state that is no longer finite"
                 )
-            self._dense = self._solver.dense_output()
+            self._dense = None
             if self._problem.guard_count:
                 self._event = self._first_event(self._solver.t_old, self._solver.t)
+
+    def _interpolate(self, t: float) -> Vector:
+        """The state at t inside the step just made."""
+        if self._dense is None:  # most steps between close targets are never asked
+            self._dense = self._solver.dense_output()
+        return np.array(self._dense(t))
 
     def _first_event(self, start: float, end: float) -> tuple[float, int] | None:
         """Time and number of the first guard to fall in the step just made."""
         instants = start + (end - start) * FRACTIONS
-        samples = np.array([self._problem.guards(t, np.array(self._dense(t))).copy() for t in instants])
+        samples = np.array([self._problem.guards(t, self._interpolate(t)).copy() for t in instants])
         samples[0] = np.maximum(samples[0], 0.0)  # the last event is over
         first: tuple[float, int] | None = None
         for guard in range(self._problem.guard_count):
@@ -77,7 +83,7 @@ class RungeKutta:
         """The instant at which this guard falls below zero, if it does."""
 
         def value(t: float) -> float:
-            return float(self._problem.guards(t, np.array(self._dense(t)))[guard])
+            return float(self._problem.guards(t, self._interpolate(t))[guard])
 
         for i in range(1, instants.size):
             if samples[i] < 0.0:
