@@ -1,7 +1,6 @@
 """Variables of an FMU bound to memory.
 
-One call transfers all doubles, arrays of FMI 3 as a whole. Other types take a call for each
-variable.
+One call transfers all doubles, and one all variables of each other type. Arrays of FMI 3 go as a whole.
 """
 
 from __future__ import annotations
@@ -55,15 +54,19 @@ class VariableBinding:
         self.fast = np.array([i for i, _ in doubles], dtype=np.int64)
         self.places = np.array([first[v.reference] + v.place for _, v in doubles], dtype=np.int64)
         self.plain = len(doubles) == len(first) == len(rest) == self.count
-        # Other types: all elements of each variable, their values at rest, and which of them go where.
-        self.slow: dict[tuple[int, str], tuple[list[Variable], list[float], list[tuple[int, int]]]] = {}
+        # Other types: all elements of the variables of one type, their values at rest, and which go where.
+        self.slow: dict[str, tuple[list[Variable], list[float], list[tuple[int, int]]]] = {}
+        begins: dict[tuple[int, str], int] = {}
         for i, v in enumerate(found):
             if v.type not in fmi.real_types:
+                whole, values, wanted = self.slow.setdefault(v.type, ([], [], []))
                 key = (v.reference, v.type)
-                if key not in self.slow:
-                    whole = find_array(known, v)
-                    self.slow[key] = (whole, [_get_rest(one, fixed) for one in whole], [])
-                self.slow[key][2].append((i, v.place))
+                if key not in begins:
+                    begins[key] = len(whole)
+                    array = find_array(known, v)
+                    whole += array
+                    values += [_get_rest(one, fixed) for one in array]
+                wanted.append((i, begins[key] + v.place))
 
     def bind_set(self, fail: Fail, memory: Vector | None = None) -> None:
         """Prepare to set them; `memory` holds their values if they are plain."""
