@@ -11,10 +11,10 @@ import numpy as np
 from rich.console import Console
 
 from fmus.build import build
+from orchestrator.reporter import Reporter
 from orchestrator.run import execute as coupled_run
 from orchestrator.run.checkpoint import Checkpoints
 from orchestrator.run.pipeline import run
-from orchestrator.run.report import Reporter
 from orchestrator.scenario.files import load
 
 EVERY = 10.0  # s

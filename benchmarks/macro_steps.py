@@ -12,8 +12,8 @@ from functools import partial
 from models.core.quantities import Vector
 from orchestrator.engine.step import Step
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system, resolve_start
 
 from .loops import run_bare, run_master, run_script
 from .measure import measure_medians

@@ -17,9 +17,9 @@ import tomli_w
 
 from models.core.system import Instance, System
 from models.monolithic import solve
-from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import SHIPPED, load
+from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.scenario.values import build_component
 
 FIRING_ORDER = (1, 3, 4, 2)

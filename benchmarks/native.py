@@ -11,8 +11,8 @@ from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
 from models.core.system import System
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Master, Newton
-from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.stepping import FixedSteps, Stepper
 
 from .loops import STEP, STEPS, build_files, run_master

@@ -13,9 +13,10 @@ from orchestrator.command_line.fmu import build_fmu
 from orchestrator.engine.step import Step
 from orchestrator.masters import Jacobi
 from orchestrator.run.participants import build_participants
-from orchestrator.run.plan import build_system, resolve_fmus
+from orchestrator.run.plan import resolve_fmus
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 
 from .measure import measure_medians
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from models.monolithic import solve
-from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system, resolve_start
 
 
 def rows() -> list[tuple[str, str]]:

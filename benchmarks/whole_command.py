@@ -16,8 +16,8 @@ import numpy as np
 
 from models.core.system import System
 from models.monolithic import solve
-from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system, resolve_start
 
 from .loops import run_master
 from .measure import measure_medians

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic
 
-from orchestrator.run.output_folder import OutputFolderError
-from orchestrator.run.report import Reporter
+from orchestrator.reporter import Reporter
+from orchestrator.store.output_folder import OutputFolderError
 
 from . import table
 from .statement import Claim, Runs, Statement

@@ -16,9 +16,9 @@ from rich.table import Table
 from rich.text import Text
 
 from ..errors import MistakeError
-from ..run.output_folder import OutputFolderError
-from ..run.report import Reporter
+from ..reporter import Reporter
 from ..scenario.values import Value
+from ..store.output_folder import OutputFolderError
 from . import Analysis, load, names
 
 if TYPE_CHECKING:

@@ -51,9 +51,9 @@ def run_analysis(
 ) -> None:
     """Analyse one motion or machine, or a scenario's coupling: results, table (netCDF, CSV) and figure."""
     from ..analyses._evaluate import analyse, build_analyses_table, build_parameters_table
+    from ..analyses.stability.analyse import analyse_scenario, is_scenario
     from ..errors import MistakeError
-    from ..run.report import Reporter
-    from ..stability.analyse import analyse_scenario, is_scenario
+    from ..reporter import Reporter
 
     reporter = Reporter()
     if name is None:

@@ -16,7 +16,22 @@ def print_diagnosis(
     figure: Annotated[Path | None, typer.Option(help="Draw the steps into this file (.png).")] = None,
 ) -> None:
     """Say what limited the steps of a run, finished or killed, and what would help."""
-    from ..assessment.diagnosis.command import diagnose
-    from ..run.report import Reporter
+    from ..assessment.diagnosis.report import diagnose
+    from ..errors import MistakeError
+    from ..plots.steps import draw_steps
+    from ..plots.style import save_figure
+    from ..reporter import Reporter
 
-    diagnose(folder, figure, Reporter().line)
+    if figure and figure.suffix != ".png":
+        raise MistakeError(f"--figure {figure}: must end in .png")
+    reporter = Reporter()
+    steps, scenario, lines = diagnose(folder)
+    for line in lines:
+        reporter.line(line)
+    if figure:
+        try:
+            reporter.line(f"figure in {save_figure(lambda: draw_steps(steps, scenario.name), figure)}")
+        except OSError as error:
+            raise MistakeError(
+                f"--figure {figure}: cannot be written ({error.strerror}); choose another"
+            ) from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +12,8 @@ from .error_report import report_errors
 
 # m2/N: boundary-lubricated steel has 1e-18 to 1e-16.
 COEFFICIENT = 1e-17
+# Endings of the files.
+TABLES, FIGURES = (".csv", ".json", ".nc"), (".png", ".svg", ".pdf")
 
 
 @report_errors
@@ -29,7 +32,41 @@ def print_friction(
     ] = None,
 ) -> None:
     """Report friction and wear of a valve train's contacts over the last cam revolution of a run."""
-    from ..assessment.friction.command import friction
-    from ..run.report import Reporter
+    from ..assessment.friction.judge import judge_friction
+    from ..assessment.friction.report import remarks, tables
+    from ..assessment.friction.table import write
+    from ..errors import MistakeError
+    from ..plots.friction import draw_friction
+    from ..plots.style import save_figure
+    from ..reporter import Reporter
 
-    friction(folder, contact, wear_coefficient, cycles, table, figure, Reporter())
+    for option, path, endings in (("--table", table, TABLES), ("--figure", figure, FIGURES)):
+        if path and path.suffix not in endings:
+            raise MistakeError(f"{option} {path}: must end in {', '.join(endings)}")
+    reporter = Reporter()
+    scenario, found = judge_friction(folder, contact, wear_coefficient, cycles)
+    for page in tables(found):
+        reporter.console.print(page)
+    for one in found:
+        for line in remarks(one):
+            reporter.line(line)
+    several = len(found) > 1
+    try:
+        for one in found:
+            if table:
+                file = name_file(table, one.cycle.contact, several)
+                files = write(one.cycle, one.worn, one.coefficient, file)
+                reporter.line(f"table in {', '.join(map(str, files))}")
+            if figure:
+                file = name_file(figure, one.cycle.contact, several)
+                save_figure(partial(draw_friction, one.cycle, one.worn, one.cycles, scenario.name), file)
+                reporter.line(f"figure in {file}")
+    except OSError as error:
+        raise MistakeError(
+            f"{error.filename}: cannot be written ({error.strerror}); choose another"
+        ) from None
+
+
+def name_file(path: Path, contact: str, several: bool) -> Path:
+    """The file's name, with the contact's where there are several."""
+    return path.with_stem(f"{path.stem}-{contact}") if several else path

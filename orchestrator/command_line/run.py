@@ -11,7 +11,7 @@ from .error_report import INTERRUPTED, report_errors, say
 from .fmu import build_fmu, check_native
 
 if TYPE_CHECKING:
-    from ..assessment.summary import Summary
+    from ..run.summary import Summary
 
 
 @report_errors
@@ -41,10 +41,10 @@ def run_scenario(
     1: outside the tolerance, 2: a mistake in the scenario or the command, 3: the run failed,
     4: not compared (reference.enabled=false), 130: interrupted.
     """
-    from ..run.output_folder import refuse_overwriting_source
+    from ..reporter import Reporter
     from ..run.pipeline import run
-    from ..run.report import Reporter
-    from ..scenario.files import find, load
+    from ..scenario.files import find, load, to_full_toml
+    from ..store.output_folder import refuse_overwriting_source
 
     overrides = [f"master.name={master}"] if master else []
     overrides += set_ or []
@@ -62,7 +62,7 @@ def run_scenario(
     if natives:
         check_native(natives)
     folder = out or Path("results") / loaded.name
-    refuse_overwriting_source(find(scenario), loaded, folder)
+    refuse_overwriting_source(find(scenario), to_full_toml(loaded), folder)
     summary = run(loaded, folder, build_fmu, Reporter(), overwrite, figures=not no_figures)
     return _finish(summary, folder)
 
@@ -77,7 +77,7 @@ def resume_run(
     Exit status as of `run`; 2 also if the run cannot go on (another FMU, version or scenario, or a damaged
     checkpoint).
     """
-    from ..run.report import Reporter
+    from ..reporter import Reporter
     from ..run.resume import resume
 
     summary = resume(folder, build_fmu, Reporter(), figures=not no_figures)

@@ -24,7 +24,7 @@ def ssp_export(
     """Write a scenario as an SSP package with its FMUs, for other tools."""
     from ..errors import MistakeError
     from ..scenario.files import load
-    from ..ssp import export
+    from ..scenario.ssp import export
 
     loaded = load(scenario, set_ or [])
     target = out or Path(f"{loaded.name}.ssp")
@@ -50,7 +50,7 @@ def ssp_import(
     from ..errors import MistakeError
     from ..scenario import build_scenario
     from ..scenario.files import find, load, to_short_toml
-    from ..ssp import unpack_package
+    from ..scenario.ssp import unpack_package
 
     source = find(file)
     if source.suffix != ".ssp":

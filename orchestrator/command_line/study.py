@@ -50,7 +50,7 @@ def run_study(
     from ..errors import MistakeError
 
     check_packages()
-    from ..run.report import Reporter
+    from ..reporter import Reporter
     from ..study.files import load
     from ..study.run import Where, run
 

@@ -38,3 +38,8 @@ class Watching(Protocol):
     def watch(self, coupling: Coupling) -> None:
         """Before `begin`."""
         ...
+
+
+def is_recorded(count: int, time: float, every: int, stop: float) -> bool:
+    """Whether macro step number `count`, ending at `time` (s), is recorded: every n-th and the last."""
+    return count % every == 0 or time >= stop

@@ -14,7 +14,6 @@ from .fmu import FmuParticipant, FmuSettings
 from .in_own_process import InOwnProcess
 from .in_process import InProcessParticipant as in_process
 from .protocol import Participant
-from .substeps import Substepped as substepped
 from .third_party import ThirdPartyComponent, read_component
 from .transformed import Transformed as transformed
 
@@ -30,7 +29,6 @@ __all__ = [
     "open_fmu",
     "open_in_own_process",
     "read_component",
-    "substepped",
     "transformed",
 ]
 

@@ -12,8 +12,8 @@ from models.core.quantities import Quantity, Vector
 
 from ..assessment.diagnosis.steps import NONE, Steps, read_written_steps
 from ..scenario import Scenario, parse_ends
+from ..scenario.system import list_parameters
 from ..scenario.units import choose_time_unit, to_unit
-from ..scenario.values import to_numbers
 from ..store.result_file import ResultFile
 
 # More points than these cannot be told apart in a figure, but would take memory.
@@ -190,13 +190,3 @@ class FigureData:
             _, factor = self._time_unit()
             return factor * (self.reference_time if reference else self.time)
         return np.degrees((self.reference if reference else self.coupled)[name])
-
-
-def list_parameters(scenario: Scenario) -> dict[str, float]:
-    """The value of every parameter by "instance.parameter", in its unit; of a choice its number."""
-    found: dict[str, float] = {}
-    for name, table in scenario.components.items():
-        layout = table.resolve().parameters
-        values = {field.name: field.start for field in layout.fields} | to_numbers(layout, table.parameters)
-        found |= {f"{name}.{parameter}": value for parameter, value in values.items()}
-    return found

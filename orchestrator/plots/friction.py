@@ -11,7 +11,7 @@ from .solved_film import FULL
 from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
 
 
-def drawn(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure:
+def draw_friction(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure:
     made, axes = create_subplots(5, 1, figsize=(6.8, 8.6))
     add_title(made, f"{title}, {cycle.contact}: friction and wear over a cam revolution")
     angle = np.degrees(cycle["cam_angle"] - TURN * np.floor(cycle["cam_angle"][0] / TURN + 1e-9))

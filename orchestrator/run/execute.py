@@ -11,27 +11,27 @@ from functools import partial
 from models.core.quantities import Vector
 
 from ..assessment.contacts import ContactObserver
-from ..assessment.summary import summarise
-from ..energy import Ledger, Trimmed, add_counting, add_estimates
+from ..compilation import PREPARING, announce_compilation
+from ..engine.energy import Ledger, Trimmed, add_counting, add_estimates
 from ..engine.observer import Observer
 from ..engine.step import Step
 from ..errors import MistakeError, ParticipantError, RefusedError, RunError, StalledError
 from ..participants import FmuParticipant, InOwnProcess, Participant
+from ..reporter import Reporter
 from ..store.journal import FLUSH_SECONDS, SUFFIX, Recorded
 from ..store.json_codec import Plain
+from ..store.output_folder import SCENARIO, SUMMARY, OutputFolder
 from ..store.run_state import format_path
 from .checkpoint import Checkpoints, Identity
-from .compilation import PREPARING, announce_compilation
 from .exit_guard import guarding
 from .interruption import Interruption
 from .nan_monitor import NotNumbers
-from .output_folder import SCENARIO, SUMMARY, OutputFolder
 from .participants import build_participants, select_counting
 from .plan import Plan, collect_output_quantities
 from .record import ENDS, Ending, Record, Warnings, classify_ending
 from .recording import ResultRecorder
-from .report import Reporter
 from .simulation import Statistics, simulate
+from .summary import summarise
 from .watchdog import watching
 from .workload import Forecast
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from models.core.quantities import Vector
 
+from ..engine.observer import is_recorded
 from ..engine.step import Step
 from ..store.json_codec import Plain
-from .recording import recorded
 
 
 class NotNumbers:
@@ -29,7 +29,7 @@ class NotNumbers:
         self._names = list(names)
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if recorded(self._count, time, self._every, self._stop):
+        if is_recorded(self._count, time, self._every, self._stop):
             bad = np.isnan(outputs())
             if bad.any():
                 for i in np.flatnonzero(bad):

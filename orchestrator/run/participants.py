@@ -9,21 +9,22 @@ from pathlib import Path
 from models.core.bonds import counting
 from models.core.system import System
 
-from ..energy.correction import Compensated, bond_inputs
-from ..energy.estimate import EstimatedComponent, Estimating, without_estimates
+from ..engine.energy.correction import Compensated, bond_inputs
+from ..engine.energy.estimate import EstimatedComponent, Estimating, without_estimates
+from ..engine.substeps import Substepped
 from ..participants import (
     Participant,
     find_missing,
     in_process,
     open_fmu,
     open_in_own_process,
-    substepped,
     transformed,
 )
 from ..participants.transformed import Linear
 from ..scenario import Scenario
 from ..scenario.conversion import find_transformations
-from .plan import FmuFile, build_instances
+from ..scenario.system import build_instances
+from .plan import FmuFile
 
 # Gets an instance's name and a function that makes its participant; makes and may wrap it.
 Wrap = Callable[[str, Callable[[], Participant]], Participant]
@@ -48,7 +49,7 @@ def build_participants(
             if isinstance(instance.component, EstimatedComponent):
                 participants[name] = Estimating(participants[name], instance.component)
             if table.substeps > 1 or table.retries:
-                participants[name] = substepped(participants[name], table.substeps, table.retries)
+                participants[name] = Substepped(participants[name], table.substeps, table.retries)
             if scenario.energy.correction:
                 participants[name] = Compensated(participants[name], bond_inputs(instance.component))
             if any(one != Linear() for one in linear.get(name, {}).values()):

@@ -6,20 +6,21 @@ import time as clock
 from dataclasses import replace
 from pathlib import Path
 
-from ..assessment.assess import assess
-from ..assessment.summary import Summary, summarise
 from ..errors import RefusedError
+from ..reporter import Reporter
 from ..scenario import Scenario, ScenarioError
 from ..scenario.files import to_full_toml
+from ..scenario.system import Builder
 from ..scenario.warnings import list_warnings
 from ..store import atomic_write
+from ..store.output_folder import SCENARIO, OutputFolder, check_folder, open_folder
 from ..store.run_state import format_path
+from .assess import assess
 from .execute import execute
-from .output_folder import SCENARIO, OutputFolder, check_folder, open_folder
-from .plan import Builder, Plan, make_plan
+from .plan import Plan, make_plan
 from .publish import finish_result, open_result, publish, settle_ending
 from .record import ENDS, Record, classify_ending
-from .report import Reporter
+from .summary import Summary, summarise
 from .workload import announce
 
 

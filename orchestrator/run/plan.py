@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
-from models.core.evaluation import check_start
-from models.core.quantities import Layout, Quantity, Vector
-from models.core.system import Instance, ModelError, System
+from models.core.quantities import Quantity
+from models.core.system import System
 
-from ..energy.counting import counting_structure
-from ..scenario import BUILT_KINDS, ComponentTable, Line, Scenario, parse_line
-from ..scenario.conversion import find_transformations, replace_units
-from ..scenario.values import to_numbers
-from .checks import check_reference, check_scenario
-from .report import Reporter
-
-# Builds the FMU of a catalogue component: name, structural sizes, kind ("fmu" or "native").
-Builder = Callable[[str, Mapping[str, int], str], Path]
+from ..engine.energy.counting import counting_structure
+from ..reporter import Reporter
+from ..scenario import BUILT_KINDS, Scenario
+from ..scenario.checks import check_reference
+from ..scenario.system import Builder, build_system, resolve_start
 
 
 @dataclass(frozen=True)
@@ -61,59 +56,6 @@ def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: b
     with reporter.stage("FMUs"):
         fmus = resolve_fmus(scenario, build)
     return Plan(scenario, resolve_start(scenario, system), fmus, figures)
-
-
-def build_system(scenario: Scenario) -> System:
-    """The checked system with the start values as given. Raises ModelError or ScenarioError."""
-    instances, lines = build_instances(scenario)
-    seen = replace_units(instances, lines, find_transformations(instances, lines))
-    system = System(seen, [(line.source, line.target) for line in lines])
-    check_scenario(scenario, system)
-    return system
-
-
-def build_instances(scenario: Scenario) -> tuple[dict[str, Instance], list[Line]]:
-    """Instances and connections as in the scenario, before units are converted."""
-    instances = {name: _build_instance(table) for name, table in scenario.components.items()}
-    return instances, list(map(parse_line, scenario.connections))
-
-
-def _build_instance(table: ComponentTable) -> Instance:
-    component = table.resolve()
-    return Instance(
-        component,
-        parameters=to_numbers(component.parameters, table.parameters),
-        start=to_numbers(component.state, table.start),
-        inputs=to_numbers(component.inputs, table.inputs),
-    )
-
-
-def resolve_start(scenario: Scenario, system: System) -> System:
-    """The system with the start values that the scenario asks for: given, or of an equilibrium."""
-    if scenario.start == "given":
-        return system
-    from models.monolithic import equilibrium
-
-    try:
-        state = equilibrium(system)
-    except ModelError as error:
-        raise ModelError(
-            f'{error} Correct the parameters, or set start = "given" and give start values in '
-            "[components.NAME.start]"
-        ) from None
-    instances = {
-        name: replace(instance, start=_select_start(instance.component.state, state[system.state.of(name)]))
-        for name, instance in system.instances.items()
-    }
-    resting = system.with_instances(instances)
-    check_start(resting, 0.0, resting.x0)
-    return resting
-
-
-def _select_start(layout: Layout, state: Vector) -> dict[str, float]:
-    """The states that can be given a start value, by name."""
-    named = layout.named(state)
-    return {name: named[name] for name in layout.variables}
 
 
 def collect_output_quantities(system: System) -> dict[str, Quantity]:

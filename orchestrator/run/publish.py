@@ -12,21 +12,21 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from ..assessment.comparison import Errors, VariableError
 from ..assessment.contacts import lines as contact_lines
 from ..assessment.diagnosis import brief
-from ..assessment.summary import Summary
-from ..energy.account import lines as energy_lines
+from ..engine.energy.account import lines as energy_lines
+from ..reporter import Reporter
 from ..scenario.files import to_full_toml
 from ..store.atomic_write import NO_ROOM, naming
 from ..store.csv_file import write_csv, write_units
 from ..store.journal import Recorded, journals
+from ..store.output_folder import CSV, FIGURES, RESULT, SUMMARY, UNITS, OutputFolder, files
 from ..store.result_file import ResultFile
 from ..store.run_state import clear, format_path
-from .output_folder import CSV, FIGURES, RESULT, SUMMARY, UNITS, OutputFolder, files
+from .comparison import Errors, VariableError
 from .plan import Plan
 from .record import FAILED, INTERRUPTED, Ending
-from .report import Reporter
+from .summary import Summary
 
 PACKAGES = ("tribocosim", "numpy", "scipy", "numba", "scikit-sundae", "fmpy", "pythonfmu")
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from models.core.system import ModelError
 
 from ..assessment.contacts import Courses
-from ..energy.account import Account
+from ..engine.energy.account import Account
 from ..errors import CheckpointError, RefusedError, RunError
 
 # Exit statuses of the command line.

@@ -11,6 +11,7 @@ import numpy as np
 
 from models.core.quantities import Quantity, Vector
 
+from ..engine.observer import is_recorded
 from ..engine.step import REASONS, Step
 from ..store.journal import FLUSH_SECONDS, SUFFIX, Journal
 from ..store.json_codec import Plain
@@ -25,12 +26,6 @@ STEP_VARIABLES = {
     ),
     "reason": Quantity("1", "what set the length of the macro step that ended here", choices=REASONS),
 }
-
-
-def recorded(count: int, time: float, every: int, stop: float) -> bool:
-    """Whether the macro step of that number, which ends at `time` (s), is recorded: every n-th one is, and
-    that which ends the run."""
-    return count % every == 0 or time >= stop
 
 
 class ResultRecorder:
@@ -68,7 +63,7 @@ class ResultRecorder:
             raise
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if recorded(self._count, time, self._every, self._stop):
+        if is_recorded(self._count, time, self._every, self._stop):
             self._coupled.append(time, outputs())
         if self._count:
             self._step[:] = (

@@ -7,19 +7,20 @@ import time as clock
 from pathlib import Path
 from typing import Any
 
-from ..assessment.summary import Summary
 from ..errors import RefusedError
+from ..reporter import Reporter
 from ..scenario.files import load
+from ..scenario.system import Builder
 from ..store.backup import Backup
 from ..store.journal import Recorded, journals
+from ..store.output_folder import SCENARIO, SUMMARY, OutputFolder, OutputFolderError, suggest_folder
 from ..store.run_state import clear, find_run_state, format_path, lock_folder
 from .checkpoint import read
 from .execute import execute
-from .output_folder import SCENARIO, SUMMARY, OutputFolder, OutputFolderError, suggest_folder
 from .pipeline import conclude
-from .plan import Builder, Plan, make_plan
+from .plan import Plan, make_plan
 from .record import FAILED, Ending, Record
-from .report import Reporter
+from .summary import Summary
 
 
 def resume(out: Path, build: Builder, reporter: Reporter, figures: bool = True) -> Summary:

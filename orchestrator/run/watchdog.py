@@ -31,7 +31,7 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from ..assessment.summary import Summary
+from ..compilation import PREPARING, announce_compilation
 from ..engine.step import Step
 from ..errors import MistakeError, StalledError
 from ..participants import Participant
@@ -39,8 +39,8 @@ from ..participants.compiled import CompiledCalls
 from ..participants.protocol import BoundVariables
 from ..scenario import Scenario
 from ..store.json_codec import Plain
-from .compilation import PREPARING, announce_compilation
 from .record import FAILED
+from .summary import Summary
 from .watchdog_process import CELLS, FRESH, INTERRUPTED, MARK, STEPS, TIME, message, number_of
 
 # How long an interrupted call may take to come back: Python code does at once, code that the signal does

@@ -17,8 +17,8 @@ from typing import Any
 from models.core.system import suggestion
 
 from ..masters import MASTERS
-from ..ssp import read_package as contents_of_package
 from . import Scenario, ScenarioError, build_scenario, find_tables
+from .ssp import read_package as contents_of_package
 from .values import to_value
 
 SHIPPED = Path(__file__).parent / "shipped"

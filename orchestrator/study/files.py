@@ -14,9 +14,9 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 from models.core.system import suggestion
 
 from ..errors import MistakeError
-from ..run.plan import Builder
 from ..scenario import Written, list_messages
 from ..scenario.files import find, put, read_contents
+from ..scenario.system import Builder
 from ..scenario.values import Value
 from .points import POINT, Grid, Points, Rows, Sobol, Table, expand_points, list_keys, parse_points
 from .subjects import AnalysisSubject, Subject, load_analysis

@@ -11,7 +11,7 @@ import numpy as np
 from models.core.system import ModelError
 
 from ..errors import MistakeError
-from ..run.report import Reporter
+from ..reporter import Reporter
 from .cluster import connect
 from .execution import Execution
 from .files import Plan
@@ -93,8 +93,8 @@ def _publish(plan: Plan, out: Path) -> list[Path]:
     """The table beside the store, and a figure of a grid with one or two axes."""
     import xarray
 
-    from ..plots.study import figure
     from ..plots.style import save_figure
+    from .figure import figure
     from .table import write_table
 
     stem = out.name.removesuffix(".zarr")

@@ -18,17 +18,17 @@ from models.contact.records import CONTACTS
 from models.core.quantities import Quantity
 
 from ..analyses import Result
-from ..assessment.comparison import VariableError
 from ..assessment.contacts import Course
 from ..errors import IncompleteError, MistakeError
-from ..run.output_folder import RESULT
+from ..reporter import Reporter
+from ..run.comparison import VariableError
 from ..run.pipeline import run
-from ..run.plan import Builder
-from ..run.report import Reporter
 from ..scenario import DURATIONS, Scenario, build_scenario, parse_ends
 from ..scenario.files import put, split_path, to_full_toml
+from ..scenario.system import Builder
 from ..scenario.values import Value, parse_value
 from ..scenario.warnings import list_warnings
+from ..store.output_folder import RESULT
 from ..store.result_file import open_result
 from .subjects import MOST_DRAWN
 

@@ -14,8 +14,8 @@ from models.core.quantities import Vector
 from models.core.system import System
 from models.monolithic import Reference
 from models.valve_train.cam_profile import Lift, cycloidal_lift, entraining_velocity
-from orchestrator.run.plan import build_system
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 
 from ..adherence import solve_adherence
 

@@ -22,15 +22,15 @@ from typing import Any
 from rich.console import Console
 
 from orchestrator.command_line.fmu import build_fmu
+from orchestrator.reporter import Reporter
 from orchestrator.run import checkpoint
-from orchestrator.run.output_folder import CHECKPOINT
 from orchestrator.run.pipeline import run
-from orchestrator.run.report import Reporter
 from orchestrator.run.resume import resume
 from orchestrator.scenario.files import load
 from orchestrator.store import atomic_write as replacement
 from orchestrator.store import csv_file, journal
 from orchestrator.store import result_file as results
+from orchestrator.store.output_folder import CHECKPOINT
 from orchestrator.store.run_state import find_run_state
 
 STEPPING, STARTING = 0.2, 2.0  # s

@@ -12,9 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
+from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import CannotSerializeError, CheckpointError, MistakeError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
-from orchestrator.participants import in_process, substepped
+from orchestrator.participants import in_process
 from orchestrator.participants.protocol import BoundVariables
 from orchestrator.run.checkpoint import Checkpoints, Identity, read, write
 from orchestrator.run.simulation import simulate
@@ -115,7 +116,7 @@ def _begun(make, system, name):
 
 
 def _substepped(name, instance):
-    return substepped(in_process(name, instance), 3)
+    return Substepped(in_process(name, instance), 3)
 
 
 @pytest.mark.parametrize("kind", ["in-process", "substepped"])

@@ -17,9 +17,9 @@ import typer
 
 from orchestrator.command_line import app
 from orchestrator.command_line.error_report import report_errors
-from orchestrator.run.plan import build_system
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import list_shipped, load
+from orchestrator.scenario.system import build_system
 from orchestrator.store.result_file import open_result
 
 from .commands import IN_PROCESS, ROOT, SHORT, called, said, tribocosim

@@ -15,11 +15,11 @@ from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
 from orchestrator.engine.compiled_sweeps import CompiledSweep
 from orchestrator.engine.signals import DEGREES
+from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import RunError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process, open_fmu
 from orchestrator.participants.fmi2 import Fmi2
-from orchestrator.participants.substeps import Substepped
 from orchestrator.participants.transformed import Linear, Transformed
 from orchestrator.run.simulation import simulate
 from orchestrator.run.watchdog import Watched

@@ -14,8 +14,8 @@ from models.contact.ehl_contact import TABLE_3
 from orchestrator.assessment.contacts import courses_of_rows, lines
 from orchestrator.assessment.contacts.accumulation import SEEN
 from orchestrator.assessment.contacts.course import Accumulator
-from orchestrator.run.plan import build_system
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 from orchestrator.store.json_codec import from_text, to_text
 
 from .commands import IN_PROCESS, said, tribocosim

@@ -17,22 +17,24 @@ from orchestrator.assessment.diagnosis import (
     brief,
     diagnose_steps,
     full,
-    recorded,
+    read_steps,
     suggestions,
 )
-from orchestrator.assessment.diagnosis.command import diagnose
-from orchestrator.energy import Trimmed, add_counting
+from orchestrator.assessment.diagnosis.report import diagnose
+from orchestrator.engine.energy import Trimmed, add_counting
 from orchestrator.engine.step import REASONS, Step
 from orchestrator.errors import MistakeError
 from orchestrator.plots import steps as figure
 from orchestrator.plots.style import save_figure
-from orchestrator.run.output_folder import RESULT, SCENARIO
+from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.run.recording import ResultRecorder
-from orchestrator.run.report import Reporter
 from orchestrator.scenario.files import load, to_full_toml
+from orchestrator.store.output_folder import RESULT, SCENARIO
 from orchestrator.store.run_state import find_run_state
 
+from .commands import called
+from .commands import said as said_by
 from .recorder import Recorder
 from .two_masses import two_masses
 
@@ -270,7 +272,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_run_tells_in_its_summary_what_its_steps_were(finished: Path) -> None:
     summary = json.loads((finished / "summary.json").read_text())
-    steps, message = recorded(finished)
+    steps, message = read_steps(finished)
     assert message == "complete"
     assert steps.end[-1] == 1e-3
     assert steps.length.sum() == pytest.approx(1e-3)
@@ -283,8 +285,7 @@ def test_a_run_tells_in_its_summary_what_its_steps_were(finished: Path) -> None:
 
 
 def test_the_command_says_it_again_and_draws(finished: Path, tmp_path: Path) -> None:
-    lines: list[str] = []
-    diagnose(finished, tmp_path / "steps.png", lines.append)
+    lines = called("diagnose", str(finished), "--figure", str(tmp_path / "steps.png")).stdout.splitlines()
     assert lines[0].startswith("valve-train-controlled (complete): ")
     assert any(line.startswith("what set the step") for line in lines)
     assert (tmp_path / "steps.png").stat().st_size > 10_000
@@ -292,7 +293,7 @@ def test_the_command_says_it_again_and_draws(finished: Path, tmp_path: Path) -> 
 
 def test_a_killed_run_is_diagnosed_from_its_journals(finished: Path, tmp_path: Path) -> None:
     """Round trip: the same steps from the journals of a run that left no result."""
-    steps, _ = recorded(finished)
+    steps, _ = read_steps(finished)
     folder = find_run_state(tmp_path)
     folder.mkdir()
     recorder = ResultRecorder(folder, dict.fromkeys(steps.outputs, load_quantity()), 1)
@@ -305,15 +306,13 @@ def test_a_killed_run_is_diagnosed_from_its_journals(finished: Path, tmp_path: P
     ):  # fmt: skip
         recorder.observe(row[0], values.copy, Step(*row))
     recorder.end(False, "killed")
-    found, message = recorded(tmp_path)
+    found, message = read_steps(tmp_path)
     assert "was killed" in message
     assert found.outputs == steps.outputs
     for name in ("end", "length", "iterations", "rejected", "error", "source", "reason"):
         np.testing.assert_array_equal(getattr(found, name), getattr(steps, name))
     (tmp_path / SCENARIO).write_text(to_full_toml(load("valve-train-controlled")), "utf-8")
-    lines: list[str] = []
-    diagnose(tmp_path, None, lines.append)
-    assert "was killed" in lines[0]
+    assert "was killed" in diagnose(tmp_path)[2][0]
 
 
 def test_sources_are_the_same_outputs_where_energies_are_counted() -> None:
@@ -340,31 +339,28 @@ def load_quantity():  # type: ignore[no-untyped-def]
 
 def test_what_is_no_run_is_a_mistake(tmp_path: Path) -> None:
     with pytest.raises(MistakeError, match="holds no result and no unfinished run"):
-        recorded(tmp_path)
+        read_steps(tmp_path)
     (tmp_path / RESULT).write_bytes(b"not HDF5")
     with pytest.raises(MistakeError, match="is no result of this version"):
-        recorded(tmp_path)
+        read_steps(tmp_path)
 
 
 def test_a_wrong_folder_or_figure_is_told_before_anything_else(
     finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    lines: list[str] = []
     with pytest.raises(MistakeError, match=r"did you mean .*/out\?$"):
-        diagnose(finished / "summary.json", None, lines.append)
+        diagnose(finished / "summary.json")
     monkeypatch.chdir(tmp_path)
-    shutil.copytree(finished, tmp_path / "results" / "valve-train-controlled")
+    own = tmp_path / "results" / "valve-train-controlled"
+    shutil.copytree(finished, own)
     with pytest.raises(MistakeError, match=r"did you mean results/valve-train-controlled\?$"):
-        diagnose(Path("valve-train-controlled"), None, lines.append)
-    with pytest.raises(MistakeError, match=r"must end in \.png"):
-        diagnose(finished, tmp_path / "steps.txt", lines.append)
-    assert lines == []
+        diagnose(Path("valve-train-controlled"))
     (tmp_path / "file").touch()
-    with pytest.raises(MistakeError, match=r"^--figure .*file/x\.png: cannot be written"):
-        diagnose(finished, tmp_path / "file" / "x.png", lines.append)
-    (tmp_path / "results" / "valve-train-controlled" / SCENARIO).unlink()
-    with pytest.raises(MistakeError, match=r"there is no scenario\.toml, with which the steps are judged"):
-        diagnose(tmp_path / "results" / "valve-train-controlled", None, lines.append)
+    for path in (tmp_path / "steps.txt", tmp_path / "file" / "x.png"):
+        assert f"--figure {path}" in said_by(called("diagnose", str(finished), "--figure", str(path)))
+    (own / SCENARIO).unlink()
+    with pytest.raises(MistakeError, match=SCENARIO):
+        diagnose(own)
 
 
 def test_suggestions_are_sentences_of_the_rules() -> None:

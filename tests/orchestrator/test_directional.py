@@ -11,12 +11,12 @@ from typer.testing import CliRunner
 from fmus.native.fmu import build
 from fmus.native.machine_code import this_platform
 from models.core.system import Instance
+from orchestrator.analyses.stability.behaviour import Behaviour, find_stability_limit
+from orchestrator.analyses.stability.linearisation import Directional, Equations, linearise_at
+from orchestrator.analyses.stability.trajectory import connected_inputs, continuous_outputs
 from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import open_fmu, read_component
-from orchestrator.stability.behaviour import Behaviour, find_stability_limit
-from orchestrator.stability.linearisation import Directional, Equations, linearise_at
-from orchestrator.stability.trajectory import connected_inputs, continuous_outputs
 
 from ..third_party.c_fmus import fmu as c_fmu
 from .coupled import grown

@@ -13,9 +13,9 @@ from models.monolithic import difference, solve
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import open_fmu
 from orchestrator.participants.protocol import BoundVariables
-from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.store.json_codec import from_text
 
 from .coupled import in_processes, recorded

@@ -12,13 +12,13 @@ import pytest
 from fmus.build import build
 from models.contact.ehl_line_contact import ehl_line_contact
 from models.core.system import ModelError, System
+from orchestrator.analyses.stability.linearisation import open_linearisations
 from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel
-from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
-from orchestrator.stability.linearisation import open_linearisations
+from orchestrator.scenario.system import build_system, resolve_start
 
 from .alone import Alone, two_alike
 from .coupled import in_processes, recorded

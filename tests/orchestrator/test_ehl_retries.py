@@ -6,8 +6,9 @@ import pytest
 
 from models.contact.ehl_line_contact import ehl_line_contact
 from models.core.system import Instance
+from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import DiscardedStepError
-from orchestrator.participants import in_process, substepped
+from orchestrator.participants import in_process
 
 from .alone import Alone
 
@@ -19,7 +20,7 @@ def contact(halvings: int) -> Alone:
     instance = Instance(ehl_line_contact(nodes=101), inputs={"approach": 2e-6, "entraining_velocity": 1.0})
     unit = in_process("contact", instance)
     if halvings:
-        unit = substepped(unit, halvings=halvings)
+        unit = Substepped(unit, halvings=halvings)
     outputs = ["load", "minimum_film_thickness"]
     return Alone(unit, "radius_of_curvature", outputs, RADIUS)
 

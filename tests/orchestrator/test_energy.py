@@ -8,15 +8,15 @@ import pytest
 from models.core.system import System
 from models.oscillators import exact as solutions
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
-from orchestrator.energy import Ledger, Trimmed, add_counting, lines
-from orchestrator.energy.correction import Compensated, bond_inputs
+from orchestrator.engine.energy import Ledger, Trimmed, add_counting, lines
+from orchestrator.engine.energy.correction import Compensated, bond_inputs
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
 from orchestrator.participants.protocol import BoundVariables
-from orchestrator.run.plan import build_system
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 
 from .recorder import Recorder
 from .two_masses import START, two_masses

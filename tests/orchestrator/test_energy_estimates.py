@@ -11,13 +11,13 @@ from rich.console import Console
 
 from models.oscillators import exact as solutions
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
-from orchestrator.energy import Ledger, Trimmed, add_counting, add_estimates, lines
-from orchestrator.energy.estimate import Estimating, without_estimates
+from orchestrator.engine.energy import Ledger, Trimmed, add_counting, add_estimates, lines
+from orchestrator.engine.energy.estimate import Estimating, without_estimates
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
 from orchestrator.participants.protocol import BoundVariables
+from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
-from orchestrator.run.report import Reporter
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from models.monolithic import solve
-from orchestrator.energy.bonds import find_bonds
 from orchestrator.engine.coupling import Coupling
+from orchestrator.engine.energy.bonds import find_bonds
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.run.plan import build_system
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 from orchestrator.stepping.estimators import ESTIMATORS
 
 from .two_masses import two_masses

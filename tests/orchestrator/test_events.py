@@ -17,9 +17,9 @@ from models.slider_crank.slider_crank import slider_crank
 from orchestrator.engine.step import REASONS
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import in_process
-from orchestrator.run.plan import build_system
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 from orchestrator.stepping import ControlledSteps, FixedSteps, StepControl
 
 from .recorder import Recorder

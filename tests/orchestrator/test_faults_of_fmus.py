@@ -21,9 +21,10 @@ from orchestrator.errors import (
 from orchestrator.masters import GaussSeidel, Jacobi
 from orchestrator.participants import open_fmu
 from orchestrator.run.participants import build_participants
-from orchestrator.run.plan import FmuFile, build_system
+from orchestrator.run.plan import FmuFile
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 
 from .commands import SHORT, tribocosim
 from .faulty import Faulty

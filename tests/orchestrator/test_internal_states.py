@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from models.catalogue import CATALOGUE
-from orchestrator.run.checks import list_required_variables
-from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario import Scenario, ScenarioError, build_scenario
+from orchestrator.scenario.checks import list_required_variables
 from orchestrator.scenario.schema import _describe_component
+from orchestrator.scenario.system import build_system, resolve_start
 from tests.models.fluid_layer import fluid_layer
 
 

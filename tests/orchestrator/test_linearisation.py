@@ -11,16 +11,16 @@ from typer.testing import CliRunner
 from models.core.system import Instance, System
 from models.monolithic.trajectory import course
 from models.oscillators.quarter_car import quarter_car_chassis, quarter_car_wheel
+from orchestrator.analyses.stability.behaviour import Behaviour, find_stability_limit
+from orchestrator.analyses.stability.linear import Linear
+from orchestrator.analyses.stability.linearisation import Equations, linearise_at, linearise_points
+from orchestrator.analyses.stability.responses import Responses, realise, to_continuous
+from orchestrator.analyses.stability.trajectory import NotLinearError
 from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process, open_fmu
-from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.scenario.files import load
-from orchestrator.stability.behaviour import Behaviour, find_stability_limit
-from orchestrator.stability.linear import Linear
-from orchestrator.stability.linearisation import Equations, linearise_at, linearise_points
-from orchestrator.stability.responses import Responses, realise, to_continuous
-from orchestrator.stability.trajectory import NotLinearError
+from orchestrator.scenario.system import build_system, resolve_start
 
 from .coupled import grown
 from .small_fmus import small_fmu

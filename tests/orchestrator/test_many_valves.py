@@ -11,9 +11,9 @@ from benchmarks.many_valves import ENGINE, FILE, FIRING_ORDER, build_content, bu
 from models.core.system import System
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import in_process
-from orchestrator.run.plan import build_system
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 
 from .recorder import Recorder
 

@@ -11,14 +11,14 @@ import pytest
 from models.catalogue import CATALOGUE
 from models.core.component import Component
 from models.core.system import ModelError
+from orchestrator.analyses.stability.linearisation import Equations, open_linearisations
+from orchestrator.analyses.stability.responses import Responses
+from orchestrator.analyses.stability.survey import survey
+from orchestrator.analyses.stability.trajectory import compute_rates, solve_course
+from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
-from orchestrator.run.plan import Builder, build_system
-from orchestrator.run.report import Reporter
 from orchestrator.scenario import Scenario, build_scenario
-from orchestrator.stability.linearisation import Equations, open_linearisations
-from orchestrator.stability.responses import Responses
-from orchestrator.stability.survey import survey
-from orchestrator.stability.trajectory import compute_rates, solve_course
+from orchestrator.scenario.system import Builder, build_system
 from tests.models.fluid_layer import fluid_layer
 
 from .dragged import LINES, SPRING, START, dragged

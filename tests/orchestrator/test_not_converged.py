@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from orchestrator.engine.step import DISCARD
+from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import DiscardedStepError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import substepped
 from orchestrator.run.simulation import simulate
 from orchestrator.stepping import ControlledSteps, StepControl
 from tests.fmus.pack_component import pack_component
@@ -83,7 +83,7 @@ def test_step_control_shortens_steps_that_do_not_converge(master, estimator: str
 def test_retries_halve_steps_that_do_not_converge_under_steps_of_one_length() -> None:
     system, recorder = dragged(SHEETS, **STUBBORN), Recorder()
     units = in_processes(system)
-    units["layer"] = substepped(units["layer"], halvings=4)
+    units["layer"] = Substepped(units["layer"], halvings=4)
     simulate(system, units, Iterated("hermite", 1e-11), LONG, STOP, [recorder])
     assert recorder.ended == (True, "")
 

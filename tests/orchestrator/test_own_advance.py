@@ -10,8 +10,8 @@ import pytest
 from models.core.bonds import counting
 from models.core.system import ModelError, System
 from models.monolithic import solve
-from orchestrator.energy import Ledger, add_counting, add_estimates
-from orchestrator.energy.estimate import Estimating, without_estimates
+from orchestrator.engine.energy import Ledger, add_counting, add_estimates
+from orchestrator.engine.energy.estimate import Estimating, without_estimates
 from orchestrator.masters import GaussSeidel, Iterated, Newton
 from orchestrator.participants import Participant, in_process, open_fmu
 from orchestrator.run.simulation import simulate

@@ -14,9 +14,9 @@ import pytest
 from models.oscillators.exact import quarter_car
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
 from orchestrator.participants import in_process
-from orchestrator.run.plan import build_system
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 from orchestrator.stepping import ControlledSteps, StepControl
 
 from .recorder import Recorder

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from orchestrator.assessment.summary import Summary
 from orchestrator.command_line.fmu import build_fmu
+from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.run.record import OUTSIDE
-from orchestrator.run.report import Reporter
+from orchestrator.run.summary import Summary
 from orchestrator.scenario.files import load
 from orchestrator.scenario.warnings import list_warnings
 from orchestrator.stepping import FixedSteps

@@ -22,13 +22,13 @@ from rich.console import Console
 from models.core.system import ModelError
 from orchestrator.command_line.fmu import build_fmu
 from orchestrator.errors import CheckpointError, MistakeError
+from orchestrator.reporter import Reporter
 from orchestrator.run import checkpoint
-from orchestrator.run.output_folder import OutputFolderError
 from orchestrator.run.pipeline import run
-from orchestrator.run.report import Reporter
 from orchestrator.run.resume import resume
 from orchestrator.scenario.files import load
 from orchestrator.store.journal import Journal, Recorded
+from orchestrator.store.output_folder import OutputFolderError
 from orchestrator.store.result_file import open_result
 
 from .killed import EVERY

@@ -9,10 +9,10 @@ import pytest
 from models.core.system import ModelError
 from orchestrator.errors import ParticipantError
 from orchestrator.participants import in_process
-from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import Scenario, ScenarioError, build_scenario, schema
 from orchestrator.scenario.files import list_shipped, load, to_full_toml
+from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.scenario.warnings import list_warnings
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from orchestrator.participants import in_process
-from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system, resolve_start
 
 from .recorder import Recorder
 

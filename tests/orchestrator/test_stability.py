@@ -14,24 +14,24 @@ from models.monolithic.difference import difference
 from models.monolithic.trajectory import course
 from models.oscillators.two_masses import CoupledMassParameters
 from models.valve_train.valve_spring import valve_spring
-from orchestrator.errors import UnstableCouplingError
-from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import in_process
-from orchestrator.participants.protocol import BoundVariables
-from orchestrator.run.plan import build_system, resolve_start
-from orchestrator.scenario.files import load
-from orchestrator.stability.behaviour import (
+from orchestrator.analyses.stability.behaviour import (
     Behaviour,
     Couplings,
     find_hardest_point,
     find_stability_limit,
 )
-from orchestrator.stability.extrapolation_error import compute_extrapolation_error, ends, shapes
-from orchestrator.stability.linear import ROWS, spectral_radius
-from orchestrator.stability.linear_participants import LinearParticipant
-from orchestrator.stability.linearisation import Point, linearise, linearise_at
-from orchestrator.stability.macro_step import predict_errors, sample_course
-from orchestrator.stability.partition import Partition
+from orchestrator.analyses.stability.extrapolation_error import compute_extrapolation_error, ends, shapes
+from orchestrator.analyses.stability.linear import ROWS, spectral_radius
+from orchestrator.analyses.stability.linear_participants import LinearParticipant
+from orchestrator.analyses.stability.linearisation import Point, linearise, linearise_at
+from orchestrator.analyses.stability.macro_step import predict_errors, sample_course
+from orchestrator.analyses.stability.partition import Partition
+from orchestrator.errors import UnstableCouplingError
+from orchestrator.masters import GaussSeidel, Iterated, Jacobi
+from orchestrator.participants import in_process
+from orchestrator.participants.protocol import BoundVariables
+from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system, resolve_start
 
 from .coupled import grown, in_processes, recorded
 from .two_masses import two_masses

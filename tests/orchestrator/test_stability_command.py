@@ -11,15 +11,15 @@ from typer.testing import CliRunner
 
 from models.monolithic.difference import difference
 from models.monolithic.trajectory import course
+from orchestrator.analyses.stability.analyse import analyse_scenario
+from orchestrator.analyses.stability.figure import figure
+from orchestrator.analyses.stability.survey import round_down
 from orchestrator.command_line import app
 from orchestrator.engine.signals import DEGREES
 from orchestrator.masters import MASTERS
-from orchestrator.plots.stability import figure
-from orchestrator.run.plan import build_system
 from orchestrator.scenario import MasterTable
 from orchestrator.scenario.files import load
-from orchestrator.stability.analyse import analyse_scenario
-from orchestrator.stability.survey import round_down
+from orchestrator.scenario.system import build_system
 
 from .coupled import recorded
 

@@ -8,8 +8,8 @@ import pytest
 from rich.console import Console
 
 from orchestrator.errors import RunError
+from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
-from orchestrator.run.report import Reporter
 from orchestrator.scenario.files import load
 from orchestrator.store.result_file import open_result
 from orchestrator.study.source import compute_fingerprint

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from rich.console import Console
 
 from orchestrator.errors import MistakeError
-from orchestrator.run.report import Reporter
+from orchestrator.reporter import Reporter
 from orchestrator.study import run as study
 from orchestrator.study import store as module
 from orchestrator.study.files import Plan

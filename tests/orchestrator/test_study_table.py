@@ -9,7 +9,7 @@ import pytest
 import xarray
 
 from orchestrator.errors import MistakeError
-from orchestrator.plots.study import figure
+from orchestrator.study.figure import figure
 from orchestrator.study.table import write_table
 from orchestrator.study.task import Outcome
 

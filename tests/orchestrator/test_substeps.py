@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from orchestrator.engine.signals import move_origin
+from orchestrator.engine.substeps import Substepped
 from orchestrator.errors import DiscardedStepError, RecoverableError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import in_process, open_fmu, substepped
+from orchestrator.participants import in_process, open_fmu
 from orchestrator.run.simulation import simulate
 
 from .faulty import Faulty, after, at_random, every, longer_than
@@ -75,7 +76,7 @@ CUT = 1e-7
 @pytest.mark.parametrize("master", [Jacobi("quadratic"), GaussSeidel("quadratic"), Iterated("linear")])
 @pytest.mark.parametrize("substeps", [2, 3, 7])
 def test_a_participant_that_follows_polynomials_gets_the_same_however_they_are_cut(master, substeps):
-    one, many = run(second(), master), run(substepped(second(), substeps), master)
+    one, many = run(second(), master), run(Substepped(second(), substeps), master)
     np.testing.assert_array_equal(one.times, many.times)
     assert np.abs(one["second.position"] - many["second.position"]).max() < CUT
 
@@ -83,13 +84,13 @@ def test_a_participant_that_follows_polynomials_gets_the_same_however_they_are_c
 def test_substeps_make_held_inputs_converge(tmp_path):
     """An FMU that holds its inputs has an error of first order in its own step, whatever the macro step."""
     small_fmu("sound", tmp_path)
-    errors = [missed(run(substepped(given_fmu("sound", tmp_path), n))) for n in (1, 2, 4, 8)]
+    errors = [missed(run(Substepped(given_fmu("sound", tmp_path), n))) for n in (1, 2, 4, 8)]
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(1.0, abs=0.15)
 
 
 def test_substeps_are_equal_and_end_with_the_macro_step():
     unit = Faulty(second())
-    run(substepped(unit, 4), Jacobi("hold"))
+    run(Substepped(unit, 4), Jacobi("hold"))
     steps = np.array(unit.calls)
     assert len(steps) == 400
     np.testing.assert_allclose(steps[:, 1], STEP / 4, rtol=1e-9)  # rounding of times
@@ -110,7 +111,7 @@ LIMITED = {
 @pytest.mark.parametrize("substeps", [1, 3])
 def test_failed_steps_are_retried_and_the_result_is_the_same(fault, substeps):
     unit = Faulty(second(), **LIMITED[fault])
-    retried = run(substepped(unit, substeps, halvings=12), GaussSeidel("quadratic"))
+    retried = run(Substepped(unit, substeps, halvings=12), GaussSeidel("quadratic"))
     plain = run(second(), GaussSeidel("quadratic"))
     assert np.abs(retried["second.position"] - plain["second.position"]).max() < CUT
     assert len(unit.calls) > 100 * substeps
@@ -122,7 +123,7 @@ def test_failed_steps_are_retried_and_the_result_is_the_same(fault, substeps):
 def test_however_steps_are_discarded_time_goes_on_without_gaps(seed, substeps, share, arrives):
     """Pieces join. (With a share of 0.2 two of five steps are halved again: twenty times, 1e-8 of them.)"""
     unit = Faulty(second(), discards=at_random(share, seed), arrives=arrives)
-    retried = run(substepped(unit, substeps, halvings=20), GaussSeidel("linear"))
+    retried = run(Substepped(unit, substeps, halvings=20), GaussSeidel("linear"))
     assert np.abs(retried["second.position"] - plain_linear()["second.position"]).max() < CUT
 
 
@@ -136,7 +137,7 @@ def test_where_no_length_helps_the_error_names_the_shortest_and_the_time():
     with pytest.raises(
         DiscardedStepError, match=r"second: step from t = 0\.5 s by 0\.000625 s .*from 0\.01 s on"
     ):
-        run(substepped(unit, halvings=4))
+        run(Substepped(unit, halvings=4))
     assert unit.saved == unit.released
     assert unit.closed
 
@@ -145,11 +146,11 @@ def test_what_cannot_be_restored_and_does_not_say_where_it_is_is_not_tried_again
     unit = Faulty(second(), discards=after(0.5), silent=True)
     unit.restorable = False
     with pytest.raises(DiscardedStepError, match=r"t = 0\.5 s by 0\.01 s"):
-        run(substepped(unit, halvings=4))
+        run(Substepped(unit, halvings=4))
     unit = Faulty(second(), fails=after(0.5))
     unit.restorable = False
     with pytest.raises(RecoverableError, match="failed"):
-        run(substepped(unit, halvings=4))
+        run(Substepped(unit, halvings=4))
 
 
 def test_an_fmu_that_discards_long_steps_is_retried(tmp_path):
@@ -157,8 +158,8 @@ def test_an_fmu_that_discards_long_steps_is_retried(tmp_path):
 
     With held signals: this FMU holds its inputs, so that a step in one piece gets no other.
     """
-    retried = run(substepped(given_fmu("discarding", tmp_path), halvings=6), GaussSeidel("hold"))
-    quartered = run(substepped(given_fmu("discarding", tmp_path), 4), GaussSeidel("hold"))
+    retried = run(Substepped(given_fmu("discarding", tmp_path), halvings=6), GaussSeidel("hold"))
+    quartered = run(Substepped(given_fmu("discarding", tmp_path), 4), GaussSeidel("hold"))
     # A hundred steps with some eps of rounding each, times the 7 rad/s of the faster mode.
     bound = 100 * 10 * np.finfo(float).eps * 7
     assert np.abs(retried["second.position"] - quartered["second.position"]).max() < bound
@@ -167,7 +168,7 @@ def test_an_fmu_that_discards_long_steps_is_retried(tmp_path):
 def test_an_fmu_that_spoils_its_state_is_restored_before_it_is_tried_again(tmp_path):
     """pythonfmu's C layer says of every discarded step that nothing has happened."""
     hold = GaussSeidel("hold")
-    retried = run(substepped(given_fmu("spoiling", tmp_path, restorable=True), halvings=6), hold)
-    quartered = run(substepped(given_fmu("spoiling", tmp_path, restorable=True), 4), hold)
+    retried = run(Substepped(given_fmu("spoiling", tmp_path, restorable=True), halvings=6), hold)
+    quartered = run(Substepped(given_fmu("spoiling", tmp_path, restorable=True), 4), hold)
     # The probes of the start are short steps, in one piece or in four.
     assert np.abs(retried["second.position"] - quartered["second.position"]).max() < 1e-6

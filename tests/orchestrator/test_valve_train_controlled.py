@@ -16,9 +16,9 @@ from models.monolithic import difference, equilibrium, solve
 from models.monolithic.difference import time_weights
 from orchestrator.masters import GaussSeidel, Iterated
 from orchestrator.participants import in_process
-from orchestrator.run.plan import build_system
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 from orchestrator.stepping import ControlledSteps, StepControl
 
 from .recorder import Recorder

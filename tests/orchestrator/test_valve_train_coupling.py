@@ -15,9 +15,9 @@ from models.monolithic import difference, equilibrium, solve
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process
-from orchestrator.run.plan import build_system
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 
 from .recorder import Recorder
 

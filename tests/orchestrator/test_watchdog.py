@@ -16,11 +16,11 @@ import numpy as np
 import pytest
 
 from fmus.build import build
-from orchestrator.assessment.summary import Summary
 from orchestrator.errors import MistakeError, StalledError
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import in_process, open_fmu
 from orchestrator.run.simulation import simulate
+from orchestrator.run.summary import Summary
 from orchestrator.run.watchdog import GRACE_SECONDS, Watchdog
 from orchestrator.run.watchdog_process import CALLS
 

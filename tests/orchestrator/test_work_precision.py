@@ -16,7 +16,7 @@ from rich.console import Console
 from fmus.build import build
 from orchestrator.command_line import app
 from orchestrator.errors import MistakeError
-from orchestrator.run.report import Reporter
+from orchestrator.reporter import Reporter
 from orchestrator.study.work_precision import methods, peers
 from orchestrator.study.work_precision.benchmark import benchmark
 from orchestrator.study.work_precision.methods import Method, measure_method

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.ssp import reader as imported
+from orchestrator.scenario.ssp import reader as imported
 
 
 @pytest.fixture(autouse=True)

@@ -14,11 +14,12 @@ from models.oscillators.two_masses import CoupledMassParameters, SprungMassParam
 from orchestrator.command_line.fmu import build_fmu
 from orchestrator.masters import Jacobi
 from orchestrator.run.participants import build_participants
-from orchestrator.run.plan import build_system, resolve_fmus
+from orchestrator.run.plan import resolve_fmus
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario import Scenario
 from orchestrator.scenario.files import load
-from orchestrator.ssp import export
+from orchestrator.scenario.ssp import export
+from orchestrator.scenario.system import build_system
 from tests.fmus.conftest import Isolated, isolated
 from tests.orchestrator.recorder import Recorder
 

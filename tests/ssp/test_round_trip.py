@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from orchestrator.command_line.fmu import build_fmu
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.files import list_shipped, load, override, read_contents
-from orchestrator.ssp import export
+from orchestrator.scenario.ssp import export
 from tests.third_party.c_fmus import fmu
 from tests.third_party.runs import ran
 from tests.third_party.runs import scenario as foreign_scenario

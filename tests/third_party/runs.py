@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.assessment.summary import Summary
+from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
-from orchestrator.run.report import Reporter
+from orchestrator.run.summary import Summary
 from orchestrator.scenario import Scenario, build_scenario
 
 

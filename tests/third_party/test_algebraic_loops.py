@@ -17,13 +17,14 @@ import pytest
 from scipy.linalg import expm
 
 from models.core.quantities import Vector
-from orchestrator.assessment.summary import Summary
 from orchestrator.engine.coupling import Coupling
 from orchestrator.masters import Iterated, Newton
+from orchestrator.reporter import Reporter
 from orchestrator.run.participants import build_participants
 from orchestrator.run.pipeline import run
-from orchestrator.run.plan import build_system, resolve_fmus
-from orchestrator.run.report import Reporter
+from orchestrator.run.plan import resolve_fmus
+from orchestrator.run.summary import Summary
+from orchestrator.scenario.system import build_system
 
 from .c_fmus import fmu
 from .runs import never, ran, scenario

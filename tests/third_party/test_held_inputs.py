@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+from orchestrator.analyses.stability.linearisation import open_linearisations
+from orchestrator.analyses.stability.survey import survey
 from orchestrator.assessment.diagnosis.facts import Facts
 from orchestrator.assessment.diagnosis.suggestions import coupling
 from orchestrator.masters import MASTERS
+from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
-from orchestrator.run.plan import build_system
-from orchestrator.run.report import Reporter
 from orchestrator.scenario import Scenario
 from orchestrator.scenario.fmu_limits import FmuLimits
+from orchestrator.scenario.system import build_system
 from orchestrator.scenario.warnings import list_warnings
-from orchestrator.stability.linearisation import open_linearisations
-from orchestrator.stability.survey import survey
 
 from .c_fmus import fmu
 from .runs import never, ran, scenario

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.assessment.summary import Summary
 from orchestrator.errors import MistakeError
+from orchestrator.reporter import Reporter
 from orchestrator.run import execute as coupled_run
 from orchestrator.run.pipeline import run
-from orchestrator.run.report import Reporter
+from orchestrator.run.summary import Summary
 from orchestrator.scenario import Scenario
 from orchestrator.store.run_state import find_run_state
 

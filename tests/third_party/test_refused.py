@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from fmus.fmi.validate import validate
-from orchestrator.run.plan import build_system
+from orchestrator.analyses.stability.linearisation import open_linearisations
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import list_shipped, read_contents
-from orchestrator.stability.linearisation import open_linearisations
+from orchestrator.scenario.system import build_system
 
 from .c_fmus import fmu
 from .runs import changed, ran, scenario

@@ -9,8 +9,8 @@ import pytest
 
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
-from orchestrator.ssp.reader import read_package
-from orchestrator.ssp.writer import export
+from orchestrator.scenario.ssp.reader import read_package
+from orchestrator.scenario.ssp.writer import export
 
 from .c_fmus import fmu
 from .runs import never, ran, scenario

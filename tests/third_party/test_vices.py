@@ -19,8 +19,8 @@ from fmus.build import build
 from orchestrator.errors import MistakeError
 from orchestrator.participants.fmu import FmuSettings
 from orchestrator.participants.in_own_process import InOwnProcess
+from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
-from orchestrator.run.report import Reporter
 from orchestrator.scenario.files import to_short_toml
 from orchestrator.store.result_file import open_result
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .facts import Facts
 from .numbers import Diagnosis, Interval, Limit, Share, diagnose_steps
-from .steps import Steps, read_written_steps, recorded
+from .steps import Steps, read_steps, read_written_steps
 from .suggestions import RULES, suggestions
 from .text import brief, full
 
@@ -19,7 +19,7 @@ __all__ = [
     "brief",
     "diagnose_steps",
     "full",
+    "read_steps",
     "read_written_steps",
-    "recorded",
     "suggestions",
 ]

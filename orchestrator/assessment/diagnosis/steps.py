@@ -12,8 +12,8 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ...errors import MistakeError
-from ...run.output_folder import suggest_folder
 from ...store.journal import Recorded, journals
+from ...store.output_folder import suggest_folder
 from ...store.result_file import ResultFile
 from ...store.run_state import find_run_state
 
@@ -81,7 +81,7 @@ def read_written_steps(result: ResultFile) -> Steps:
     return Steps.of(columns, result.quantities("steps")["source"].choices)
 
 
-def recorded(out: Path) -> tuple[Steps, str]:
+def read_steps(out: Path) -> tuple[Steps, str]:
     """The steps of the run in an output folder, and how it ended. MistakeError if there are none."""
     if (out / "result.nc").is_file():
         return _read_file(out / "result.nc")

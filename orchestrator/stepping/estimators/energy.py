@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...energy.bonds import find_exchanged_bonds
 from ...engine.coupling import Coupling
+from ...engine.energy.bonds import find_exchanged_bonds
 from ...engine.signals import evaluate
 from ...masters import Master
 from .jacobi_only import refuse_interpolation

@@ -9,8 +9,8 @@ from importlib import metadata
 from pathlib import Path
 
 from ...analyses._evaluate import create_folder, find_results
-from ...run.plan import Builder
-from ...run.report import Reporter
+from ...reporter import Reporter
+from ...scenario.system import Builder
 from . import methods, peers
 from .problem import CouplingProblem, build_problem
 from .run import Row, fmu_files

@@ -17,8 +17,8 @@ from models.oscillators import exact
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 
 from ...errors import MistakeError
-from ...run.plan import build_system
 from ...scenario.files import load
+from ...scenario.system import build_system
 
 Truth = Callable[[Vector], Vector]
 

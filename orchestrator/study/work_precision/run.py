@@ -12,7 +12,8 @@ import numpy as np
 from models.core.quantities import Vector
 from models.monolithic.difference import difference
 
-from ...run.plan import Builder, FmuFile
+from ...run.plan import FmuFile
+from ...scenario.system import Builder
 from .problem import CouplingProblem
 
 # Times that are this much of themselves apart are the same.

@@ -53,7 +53,7 @@ def write_files(
 ) -> list[Path]:
     """NAME.nc, NAME.csv, NAME.png."""
     from ...plots.style import save_figure
-    from ...plots.work_precision import figure
+    from .figure import figure
 
     files = [out / f"{name}.nc", out / f"{name}.csv"]
     table.to_netcdf(files[0], engine="h5netcdf")

@@ -14,9 +14,9 @@ from models.core.quantities import Vector
 from models.core.system import System
 from orchestrator.masters import GaussSeidel, Jacobi, Master
 from orchestrator.participants import Participant, in_process, open_fmu
-from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system, resolve_start
 from tests.orchestrator.recorder import Recorder
 
 STEP = 5e-6

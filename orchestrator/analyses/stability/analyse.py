@@ -1,0 +1,70 @@
+"""`tribocosim analyse SCENARIO`: predict how a scenario's coupling behaves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ...errors import MistakeError
+from ...reporter import Reporter
+from ...scenario.files import list_shipped, load
+from ...scenario.system import Builder, build_system, resolve_start
+from ...scenario.units import UnitError, to_unit
+from .._evaluate import create_folder, find_results
+from .linearisation import open_linearisations
+from .survey import Survey, survey
+
+FILE = "stability"
+
+
+def is_scenario(name: str) -> bool:
+    """Whether the name is that of a shipped scenario or the path of a file."""
+    return name in list_shipped() or name.endswith(".toml") or Path(name).is_dir()
+
+
+def analyse_scenario(
+    name: str,
+    settings: Sequence[str] = (),
+    at: Sequence[str] = (),
+    out: Path | None = None,
+    overwrite: bool = False,
+    reporter: Reporter | None = None,
+    build: Builder | None = None,
+    responses: bool = False,
+) -> Survey:
+    """Survey, print and write into `out` (default: results/NAME-stability).
+
+    `settings` change the scenario ("path=value"). `at` are further instants to linearise at, in seconds or
+    with a unit. With `responses`, all participants are linearised by their responses, our FMUs built by
+    `build`. Raises ScenarioError, ModelError, MistakeError or OutputFolderError.
+    """
+    from .report import build_table, describe, write_survey
+
+    reporter = reporter or Reporter()
+    scenario = load(name, settings)
+    instants = [_parse_instant(text, scenario.stop_time) for text in at]
+    folder = out or Path("results") / f"{scenario.name}-{FILE}"
+    held = find_results(folder, FILE, overwrite)
+    with create_folder(folder):
+        with reporter.stage("stability and errors of every method") as bar:
+            system = resolve_start(scenario, build_system(scenario))
+            with open_linearisations(scenario, system, build, responses) as sources:
+                found = survey(scenario, system, instants, bar.show, sources)
+        for file in held:
+            file.unlink()
+        files = write_survey(found, folder)
+    reporter.console.print(build_table(found))
+    for line in describe(found):
+        reporter.line(line)
+    reporter.line(f"results in {folder}: {', '.join(file.name for file in files)}")
+    return found
+
+
+def _parse_instant(text: str, stop: float) -> float:
+    try:
+        time = to_unit(text, "s")
+    except UnitError as error:
+        raise MistakeError(f"--at {text}: {error}") from None
+    if not 0.0 <= time <= stop:
+        raise MistakeError(f"--at {text}: must be between 0 and stop_time = {stop:g} s")
+    return time

@@ -1,0 +1,91 @@
+"""Spectral radius and estimated error over the macro step: a column a master, a line a signal."""
+
+from __future__ import annotations
+
+import math
+
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from ...masters import name_of
+from ...plots.style import SIGNALS, add_title, create_subplots
+from .report import format_time
+from .survey import AssessedMethod, Survey
+
+STABLE = "#dfeadf"
+
+
+def figure(found: Survey) -> Figure:
+    masters = list(
+        dict.fromkeys(name_of(m.master) for m in sorted(found.methods, key=lambda m: m.master.implicit))
+    )
+    made, axes = create_subplots(
+        2, len(masters), figsize=(1.2 + 2.7 * len(masters), 5.7), sharex=True, sharey="row", squeeze=False
+    )
+    add_title(made, f"{found.scenario.name}: coupling against the macro step")
+    for column, name in enumerate(masters):
+        radius, error = axes[:, column]
+        radius.set_title(name)
+        for method in found.methods:
+            if name_of(method.master) == name:
+                _radius(radius, method)
+                _error(error, found, method)
+        for panel in (radius, error):
+            panel.set_xscale("log")
+            panel.axvline(found.scenario.macro_step, color="black", lw=0.8, ls=":")
+        radius.axhspan(0.0, 1.0, color=STABLE, zorder=0)
+        error.set_xlabel("Macro step (s)")
+    radius, error = axes[:, 0]
+    radius.set_ylim(0.8, 2.5)
+    radius.set_ylabel("Spectral radius of a step")
+    error.set_yscale("log")
+    low, high = error.get_ylim()
+    error.set_ylim(max(low, 1e-6), min(high, 1e3))
+    error.set_ylabel("Estimated error over tolerance")
+    for panel in axes[1]:
+        panel.axhline(1.0, color="black", lw=0.8)
+    made.legend(handles=_entries(found), loc="outside lower center", ncols=5)
+    return made
+
+
+def _entries(found: Survey) -> list[Artist]:
+    """What colours, lines and marks mean; only of signals that were surveyed."""
+    used = {method.master.extrapolation for method in found.methods}
+    step = format_time(found.scenario.macro_step)
+    return [
+        *(Line2D([], [], color=colour, label=f"signals: {n}") for n, colour in SIGNALS.items() if n in used),
+        Line2D([], [], color="0.3", marker="o", ms=4.5, ls="", label="limit of stability"),
+        Line2D([], [], color="0.3", lw=0.8, ls="--", label="beyond the limit: unstable"),
+        Patch(color=STABLE, label="stable: radius up to 1"),
+        Line2D([], [], color="black", lw=0.8, ls=":", label=f"the scenario's step, {step}"),
+        Line2D([], [], color="black", lw=0.8, label="allowed error"),
+    ]
+
+
+def _radius(axes: Axes, method: AssessedMethod) -> None:
+    """Dashed beyond the limit, where only few steps were sampled."""
+    signal = method.master.extrapolation
+    colour = SIGNALS[signal]
+    seen = [(at.step, at.radius) for at in method.samples if math.isfinite(at.radius)]
+    limit = [(method.limit, 1.0)] if math.isfinite(method.limit) else []
+    stable = [point for point in seen if point[0] <= method.limit] + limit
+    beyond = limit + [point for point in seen if point[0] > method.limit]
+    axes.plot(*zip(*stable, strict=True), color=colour, label=signal)
+    if limit:
+        axes.plot(*zip(*beyond, strict=True), color=colour, lw=0.8, ls="--")
+        axes.plot(*limit[0], "o", ms=4.5, color=colour)
+
+
+def _error(axes: Axes, found: Survey, method: AssessedMethod) -> None:
+    allowed = found.scenario.tolerance
+    points = [
+        (step, max(e / allowed[n] for n, e in errors.items())) for step, errors in method.errors.items()
+    ]
+    points = [(step, excess) for step, excess in points if math.isfinite(excess) and excess > 0.0]
+    colour = SIGNALS[method.master.extrapolation]
+    axes.plot([p[0] for p in points], [p[1] for p in points], ".-", ms=5, color=colour)
+    if math.isfinite(method.limit) and points:
+        axes.plot([method.limit] * 2, [points[-1][1], 1e3], color=colour, lw=0.8, ls="--")

@@ -1,0 +1,302 @@
+"""Linear participants coupled by a master, in many copies, with evolving data that can be set and read.
+
+A coupled run of linear participants is a linear map from one macro step to the next. `macro_step` reads its
+matrix off the master itself, with one copy for each column.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+
+from models.core.component import Component
+from models.core.quantities import Vector
+from models.core.system import Connection, Instance, Port, System
+
+from ...engine.coupling import Coupling
+from ...engine.signals import NEEDED, POINTS
+from ...masters import Master
+from ...participants.capabilities import HIGHEST
+from ...participants.compiled import IN_PROCESS
+from ...participants.protocol import BoundVariables
+from ...participants.signal_degrees import find_highest_degrees
+from .extrapolation_error import HERMITE, ends, shapes
+from .linear import ROWS, Linear
+
+
+def name_copies(name: str, count: int) -> list[str]:
+    """A variable's names in `count` copies; unchanged for one copy."""
+    return [name] if count == 1 else [f"{name}#{k}" for k in range(count)]
+
+
+class BatchedSystem:
+    """`count` copies of a system as a coupling sees it: outputs load#0, load#1, ..."""
+
+    def __init__(self, system: System, count: int) -> None:
+        self.instances: dict[str, Any] = {}
+        self.nominal: list[float] = []
+        self.order, self.torn = system.order, system.torn
+        self.outputs = self
+        self._numbers: dict[Port, int] = {}
+        for name, instance in system.instances.items():
+            layout = instance.component.outputs
+            names = [copy for own in layout.names for copy in name_copies(own, count)]
+            # The matrices hold the direct feedthrough.
+            component = SimpleNamespace(outputs=SimpleNamespace(names=names), feedthrough={})
+            self.instances[name] = SimpleNamespace(component=component)
+            for variable, nominal in zip(names, np.repeat(layout.nominal, count), strict=True):
+                self._numbers[Port(name, variable)] = len(self.nominal)
+                self.nominal.append(float(nominal))
+        self.connections = tuple(
+            Connection(Port(c.source.instance, out), Port(c.target.instance, into))
+            for c in system.connections
+            for out, into in zip(
+                name_copies(c.source.variable, count), name_copies(c.target.variable, count), strict=True
+            )
+        )
+
+    def index(self, port: Port) -> int:
+        """The index of an output among all outputs."""
+        return self._numbers[port]
+
+
+class LinearParticipant:
+    """Implements `Participant` for `count` copies of a linearised instance.
+
+    Inputs and outputs are course plus deviation; the states `x` (states x copies) are deviations. The course
+    is at rest unless `LinearCoupling.add_extrapolation_error` changes it for the next step.
+    """
+
+    restorable = True
+
+    def __init__(self, name: str, instance: Instance, linear: Linear, count: int = 1) -> None:
+        self.name, self.count = name, count
+        self._component = instance.component
+        inputs, outputs = linear.B.shape[1], linear.C.shape[0]
+        self._U = np.zeros((ROWS, inputs, count))
+        self.course = np.zeros((ROWS, inputs, count))
+        self.course_end = np.zeros((2, outputs, count))
+        # Deviation of the inputs and its rate; outputs and rates of the course.
+        self._u = np.zeros((2, inputs, count))
+        self._y = np.zeros((2, outputs, count))
+        self.set_matrices(linear)
+
+    def set_matrices(self, linear: Linear) -> None:
+        """Take these matrices, with all deviations zero."""
+        self._linear = linear
+        self.x = np.zeros((linear.A.shape[0], self.count))
+        self.reset()
+
+    def reset(self) -> None:
+        """Set all deviations to zero."""
+        for memory in (self.x, self._U, self._u, self._y, self.course, self.course_end):
+            memory[:] = 0.0
+
+    def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
+        return [ROWS - 2] * len(input_names)
+
+    def compiled_calls(self) -> str:
+        return IN_PROCESS
+
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        c = self._component
+        self._into = _find_columns(c.inputs.names, bound.input_names, self.count)
+        self._out = _find_columns(c.outputs.names, bound.output_names, self.count)
+        self._inputs, self._outputs, self._rates = bound.inputs, bound.outputs, bound.rates
+        return [True] * len(bound.output_names)
+
+    def initialise(self, start_time: float, stop_time: float) -> None:
+        pass
+
+    def finish_initialisation(self) -> None:
+        pass
+
+    def write(self) -> None:
+        given = self._U.reshape(ROWS, -1)
+        given[: len(self._inputs), self._into] = self._inputs
+        if self._linear.followed is not None:
+            self._U *= self._linear.followed[:, :, None]
+        self._u[:] = self._U[:2] - self.course[:2]
+
+    def advance(self, time: float, step: float) -> None:
+        phi, gamma, ends = self._linear.step(step)
+        deviation = (self._U - self.course).reshape(-1, self.count)
+        self.x[:] = phi @ self.x + gamma @ deviation
+        self._u[:] = (ends @ deviation).reshape(self._u.shape)
+        self._y[:] = self.course_end
+
+    def read(self) -> None:
+        m = self._linear
+        y = self._y[0] + m.C @ self.x + m.D @ self._u[0]
+        np.take(y.ravel(), self._out, out=self._outputs)
+        if self._rates.size:
+            rate = self._y[1] + m.C @ (m.A @ self.x + m.B @ self._u[0]) + m.D @ self._u[1]
+            np.take(rate.ravel(), self._out, out=self._rates)
+
+    def read_all(self, values: Vector) -> None:
+        values[:] = (self._y[0] + self._linear.C @ self.x + self._linear.D @ self._u[0]).ravel()
+
+    def save(self) -> tuple[Vector, ...]:
+        return self.x.copy(), self._u.copy(), self._y.copy()
+
+    def restore(self, saved: tuple[Vector, ...]) -> None:
+        self.x[:], self._u[:], self._y[:] = saved
+
+    def release(self, saved: tuple[Vector, ...]) -> None:
+        pass
+
+    def to_bytes(self, saved: tuple[Vector, ...]) -> bytes:
+        raise NotImplementedError("linear participants end with their process")
+
+    def from_bytes(self, data: bytes) -> tuple[Vector, ...]:
+        raise NotImplementedError("linear participants end with their process")
+
+    def close(self) -> None:
+        pass
+
+
+def _find_columns(known: Sequence[str], names: Sequence[str], count: int) -> Any:
+    """Positions of named copies in the flattened (variables x copies)."""
+    places = []
+    for name in names:
+        own, _, copy = name.partition("#")
+        places.append(known.index(own) * count + int(copy or 0))
+    return np.array(places, dtype=np.int64)
+
+
+class LinearCoupling:
+    """`count` copies of a system of linear participants, coupled by signals of one degree.
+
+    `configure` sets the matrices. The copies of an exchanged value are adjacent.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        degree: int,
+        watched: Mapping[str, Sequence[str]] | None = None,
+        count: int = 1,
+    ) -> None:
+        self.system, self.degree, self.count = system, degree, count
+        self._linears: Mapping[str, Linear] | None = None
+        names = {
+            name: [copy for variable in variables for copy in name_copies(variable, count)]
+            for name, variables in (watched or {}).items()
+        }
+        self.units = {
+            name: LinearParticipant(name, instance, _build_static(instance.component), count)
+            for name, instance in system.instances.items()
+        }
+        # BatchedSystem has all of a System that a coupling uses.
+        self.coupling = Coupling(cast(System, BatchedSystem(system, count)), self.units, degree, names)
+        self.coupling.initialise(0.0, 1.0)
+        self.sources = len(self.coupling.wiring.sources) // count
+        self.nominal = self.coupling.wiring.nominal[::count]
+        self.rated, self.rows = degree == HERMITE, NEEDED[degree]
+        self.degrees = np.full(self.sources, degree)  # of the exchanged values' signals
+
+    def configure(self, linears: Mapping[str, Linear], master: Master) -> None:
+        """Set the matrices and the master."""
+        if self._linears is not linears:
+            self._linears = linears
+            for name, unit in self.units.items():
+                unit.set_matrices(linears[name])
+            self._limit_degrees(linears)
+            self.scales = {name: linears[name].scale[:, None] for name in self.units}
+            self.states = sum(len(scale) for scale in self.scales.values())
+
+    def _limit_degrees(self, linears: Mapping[str, Linear]) -> None:
+        """Limit each signal to the degree that its participants follow."""
+        followed = {c.target: self._highest_degree(linears, c.target) for c in self.system.connections}
+        self.degrees[:] = self.degree
+        degrees = find_highest_degrees(self.system.connections, followed)
+        self.highest = max(degrees.values(), default=HIGHEST)
+        for port, degree in degrees.items():
+            first = Port(port.instance, name_copies(port.variable, self.count)[0])
+            source = self.coupling.wiring.number[first] // self.count
+            self.degrees[source] = min(self.degree, degree)
+        self.coupling.state.history.degrees[:] = np.repeat(self.degrees, self.count)
+
+    def _highest_degree(self, linears: Mapping[str, Linear], target: Port) -> int:
+        followed = linears[target.instance].followed
+        if followed is None:
+            return HIGHEST
+        column = self.system.instances[target.instance].component.inputs.index(target.variable)
+        return int(np.argmin(np.append(followed[1 : HIGHEST + 1, column] > 0.0, False)))
+
+    @property
+    def size(self) -> int:
+        """The size of the evolving data."""
+        return self.states + self.rows * self.sources * (2 if self.rated else 1)
+
+    def set_state(self, data: Vector, step: float) -> None:
+        """Set the evolving data (size x copies) before a step from t = 0, with the course at rest.
+
+        Copies beyond `data` get zeros.
+        """
+        e, given = self.coupling, data.shape[1]
+        first = 0
+        for name, unit in self.units.items():
+            unit.reset()
+            scale = self.scales[name]
+            unit.x[:, :given] = data[first : first + len(scale)] * scale
+            first += len(scale)
+        h, block = e.state.history, self.rows * self.sources
+        h.times[:] = -step * np.arange(POINTS)
+        h.values[:], h.rates[:], h.count = 0.0, 0.0, POINTS
+        shape = (self.rows, self.sources, given)
+        values = h.values.reshape(POINTS, self.sources, self.count)
+        values[: self.rows, :, :given] = data[first : first + block].reshape(shape) * self.nominal[:, None]
+        if self.rated:
+            rates = h.rates.reshape(POINTS, self.sources, self.count)
+            ends = data[first + block :].reshape(shape) * self.nominal[:, None] / step
+            rates[: self.rows, :, :given] = ends
+        e.state.values[:], e.state.rates[:] = h.values[0], h.rates[0]
+        e.state.carried = {}
+
+    def step(self, master: Master, step: float) -> Vector:
+        """Step by `master`; return the evolving data (size x copies). May raise NonConvergenceError."""
+        e = self.coupling
+        master.step(e, 0.0, step)
+        e.accept(step)
+        parts = [unit.x / self.scales[name] for name, unit in self.units.items()]
+        shape = (POINTS * self.sources, self.count)
+        block = self.rows * self.sources
+        tiled = np.tile(self.nominal, self.rows)[:, None]
+        parts.append(e.state.history.values.reshape(shape)[:block] / tiled)
+        if self.rated:
+            parts.append(e.state.history.rates.reshape(shape)[:block] * step / tiled)
+        return np.concatenate(parts)
+
+    def add_extrapolation_error(self, amounts: Vector, step: float) -> None:
+        """Let the course deviate from the extrapolated signals by `amounts` in the next step.
+
+        Amounts are in nominal units, (shapes after shapes of exchanged values) x copies. Call after
+        `set_state`.
+        """
+        e, given = self.coupling, amounts.shape[1]
+        for number in np.flatnonzero(np.any(amounts, axis=1)):
+            kind, source = divmod(int(number), self.sources)
+            missing, at_end = shapes(step, self.degrees[source]), ends(step, self.degrees[source])
+            port = e.wiring.sources[source * self.count]
+            variable = port.variable.partition("#")[0]
+            if kind >= len(missing):  # this signal's degree is lower than others'
+                continue
+            missed = self.nominal[source] * amounts[number]
+            unit = self.units[port.instance]
+            column = self.system.instances[port.instance].component.outputs.index(variable)
+            unit.course_end[:, column, :given] += at_end[:, kind, None] * missed
+            for c in self.system.connections:
+                if c.source.instance == port.instance and c.source.variable == variable:
+                    into = self.system.instances[c.target.instance].component.inputs.index(c.target.variable)
+                    course = self.units[c.target.instance].course
+                    course[:, into, :given] += missing[kind][:, None] * missed
+
+
+def _build_static(component: Component) -> Linear:
+    """Matrices of a participant with constant outputs."""
+    n, m = component.outputs.size, component.inputs.size
+    return Linear(np.zeros((0, 0)), np.zeros((0, m)), np.zeros((n, 0)), np.zeros((n, m)), np.zeros(0))

@@ -1,0 +1,302 @@
+"""Linearisation of participants at instants of a course, and the coupled system about each instant.
+
+Components are linearised by their equations, FMUs by directional derivatives, others by their responses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from models.core.quantities import Layout, Vector
+from models.core.system import Instance, ModelError, Port, System
+from models.monolithic.trajectory import Course
+
+from ...errors import ParticipantError
+from ...participants import FmuParticipant, Participant, in_process, open_fmu
+from ...scenario import Scenario, ScenarioError
+from ...scenario.system import Builder
+from .analysable import check_analysable
+from .linear import ROWS, Linear, eigenvalues
+from .responses import Responses
+from .trajectory import NotLinearError, ParticipantLinearisation, connected_inputs, continuous_outputs
+
+# Half the span of a central difference, as a share of the nominal size (or of the value, if larger):
+# rounding, 1e-16 over it, and truncation, its square, are below 1e-9.
+SHARE = 1e-6
+# A variable has a kink if its one-sided slopes differ by more than this share of the larger one; their
+# truncation is of the order of SHARE.
+KINK = 1e-2
+# Relative rounding of a kernel's result: a thousand roundings of a double.
+ROUNDING = 1e-13
+
+
+def linearise(instance: Instance, t: float, x: Vector, u: Vector, outputs: Collection[str]) -> Linear:
+    """Linearise the instance about (t, x, u), with zero rows for outputs other than `outputs`.
+
+    Whole numbers (modes, counts, flags) are parameters of the point.
+    """
+    c = instance.component
+    p = c.parameters.vector(instance.parameters)
+    x, u = np.array(x, dtype=np.float64), np.array(u, dtype=np.float64)
+
+    def rates(x: Vector, u: Vector) -> Vector:
+        rate, output = np.zeros(c.state.size), np.zeros(c.outputs.size)
+        c.flat_derivative(t, x, u, p, rate)
+        c.flat_output(t, x, u, p, output)
+        return np.concatenate([rate, output])
+
+    wanted = np.array([True] * c.state.size + [name in outputs for name in c.outputs.names])
+    smooth = [not item.quantity.discrete for item in (*c.state.fields, *c.outputs.fields)]
+    rows = wanted & np.array(smooth)
+    by_state, kinks = _slopes(lambda v: np.where(rows, rates(v, u), 0.0), x, c.state)
+    by_input, more = _slopes(lambda v: np.where(rows, rates(x, v), 0.0), u, c.inputs)
+    n = c.state.size
+    return Linear(by_state[:n], by_input[:n], by_state[n:], by_input[n:], c.state.nominal, (*kinks, *more))
+
+
+def _slopes(function: Callable[[Vector], Vector], at: Vector, layout: Layout) -> tuple[Vector, list[str]]:
+    """Derivatives by central differences, and the variables that have a kink at this point."""
+    middle = function(at)
+    slopes, kinks = np.zeros((middle.size, at.size)), []
+    for j, item in enumerate(layout.fields):
+        if item.quantity.discrete:
+            continue
+        reach = SHARE * max(item.quantity.nominal, abs(at[j]))
+        up, down = at.copy(), at.copy()
+        up[j] += reach
+        down[j] -= reach
+        forward = (function(up) - middle) / (up[j] - at[j])
+        backward = (middle - function(down)) / (at[j] - down[j])
+        # Where one side is not finite (a film below zero), the other one is used.
+        forward = np.where(np.isfinite(forward), forward, backward)
+        backward = np.where(np.isfinite(backward), backward, forward)
+        steeper = np.where(np.abs(forward) >= np.abs(backward), forward, backward)
+        rounding = ROUNDING * np.abs(middle) / reach
+        kinked = np.abs(forward - backward) > KINK * np.abs(steeper) + rounding
+        slopes[:, j] = np.where(kinked, steeper, 0.5 * (forward + backward))
+        if np.any(kinked):
+            kinks.append(item.name)
+    return np.nan_to_num(slopes), kinks
+
+
+class Linearisation(Protocol):
+    """Linearises one participant."""
+
+    def about(self, course: Course, row: int, outputs: Collection[str]) -> Linear:
+        """Linearise about an instant of the course, with zero rows for outputs other than `outputs`.
+
+        Call it with ascending rows.
+        """
+        ...
+
+
+class Equations:
+    """Implements `Linearisation` for a component, by differences of its equations.
+
+    Raises ModelError if they do not have the form dx/dt = f (`Component.ode`).
+    """
+
+    def __init__(self, system: System, name: str) -> None:
+        self._instance = system.instances[name]
+        if not self._instance.component.ode:
+            raise ModelError(
+                f"{name}: {self._instance.component.name} has no ordinary differential equations; "
+                "linearise it by its responses (--responses)"
+            )
+        self._name, self._inputs = name, system.inputs.of(name)
+
+    def about(self, course: Course, row: int, outputs: Collection[str]) -> Linear:
+        x, u = course.states[self._name][row], course.inputs[row][self._inputs]
+        return linearise(self._instance, float(course.times[row]), x, u, outputs)
+
+
+class Directional(ParticipantLinearisation):
+    """Implements `Linearisation` for a `linearisable` FMU, by its directional derivatives.
+
+    At a kink they are those of the active branch. The model description says which derivatives of its inputs
+    the FMU follows.
+    """
+
+    def __init__(self, name: str, participant: FmuParticipant, system: System) -> None:
+        super().__init__(name, participant, system)
+        self._fmu = participant
+
+    def about(self, course: Course, row: int, outputs: Collection[str]) -> Linear:
+        self._advance_to(course, row)
+        self._inputs[:] = 0.0
+        self._inputs[0] = self._values[row]
+        self._fmu.write()
+        states = self._fmu.states
+        unknown, known = [*states.values(), *self.output_names], [*states, *self.input_names]
+        try:
+            found = self._fmu.jacobian(unknown, known)
+        except ParticipantError as error:
+            raise ModelError(f"{error}; linearise it by its responses (--responses)") from None
+        n, followed = len(states), np.ones((ROWS, len(self.input_names)))
+        followed[: len(self._fmu.follows)] = self._fmu.follows
+        scale = np.array([self._fmu.nominal(state) for state in states])
+        linear = Linear(found[:n, :n], found[:n, n:], found[n:, :n], found[n:, n:], scale)
+        return self._expand(linear, followed, [], outputs)
+
+    @property
+    def description(self) -> tuple[str, str]:
+        return "By their directional derivatives", self.name
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """All participants, linearised about one instant of the course."""
+
+    time: float
+    system: System
+    linears: Mapping[str, Linear]
+
+    @cached_property
+    def growth(self) -> float:
+        """The largest growth rate (1/s) of the monolithic system, at least zero."""
+        values = eigenvalues(self.matrix)
+        return max(0.0, float(np.max(values.real, initial=0.0)))
+
+    @cached_property
+    def _modes(self) -> Vector:
+        """Eigenvalues (1/s) of each participant alone."""
+        return np.concatenate([eigenvalues(linear.A) for linear in self.linears.values()])
+
+    def fastest(self, decay: float) -> float:
+        """The fastest oscillation (rad/s) of a lone participant that decays no faster than `decay` (1/s)."""
+        lasting = self._modes[self._modes.real > -decay]
+        return float(np.max(np.abs(lasting.imag), initial=0.0))
+
+    @cached_property
+    def matrix(self) -> Vector:
+        """dx/dt = matrix x of the monolithic system."""
+        s = self.system
+        A, B, C, D = (_blocks([getattr(self.linears[n], part) for n in s.instances]) for part in "ABCD")
+        connect = np.zeros((s.inputs.size, s.outputs.size))
+        connect[s.target_index, s.source_index] = 1.0
+        loop = np.eye(s.outputs.size) - D @ connect
+        outputs = np.linalg.solve(loop, C)
+        return np.asarray(A + B @ connect @ outputs)
+
+    @property
+    def kinks(self) -> list[str]:
+        """Variables that have a kink here."""
+        return [f"{name}.{item}" for name, linear in self.linears.items() for item in linear.kinks]
+
+
+def _blocks(parts: Sequence[Vector]) -> Vector:
+    rows, columns = (sum(part.shape[axis] for part in parts) for axis in (0, 1))
+    whole = np.zeros((rows, columns))
+    i = j = 0
+    for part in parts:
+        whole[i : i + part.shape[0], j : j + part.shape[1]] = part
+        i, j = i + part.shape[0], j + part.shape[1]
+    return whole
+
+
+def linearise_at(
+    system: System,
+    course: Course,
+    row: int,
+    watched: Sequence[Port],
+    linearisations: Mapping[str, Linearisation] | None = None,
+) -> Point:
+    """Linearise the system about an instant of its course, without `linearisations` by the equations."""
+    wanted = {c.source for c in system.connections} | set(watched)
+    linearisations = linearisations or {name: Equations(system, name) for name in system.instances}
+    linears = {}
+    for name in system.instances:
+        outputs = {port.variable for port in wanted if port.instance == name}
+        linears[name] = linearisations[name].about(course, row, outputs)
+    return Point(float(course.times[row]), system, linears)
+
+
+def linearise_points(
+    system: System,
+    course: Course,
+    rows: Sequence[int],
+    watched: Sequence[Port],
+    linearisations: Mapping[str, Linearisation] | None = None,
+) -> tuple[list[Point], list[str]]:
+    """Linearise about several instants, in ascending order; also return why instants were left out.
+
+    Raises NotLinearError if none is left.
+    """
+    points, left = [], []
+    for row in rows:
+        try:
+            points.append(linearise_at(system, course, row, watched, linearisations))
+        except NotLinearError as error:
+            left.append(error)
+    if not points:
+        raise left[0]
+    return points, [str(error) for error in left]
+
+
+@contextmanager
+def open_linearisations(
+    scenario: Scenario, system: System, build: Builder | None, every: bool = False
+) -> Iterator[dict[str, Linearisation]]:
+    """Choose the linearisation of every instance; participants live as long as the block.
+
+    Components are linearised by their equations, FMU files by directional derivatives, those with neither by
+    their responses; with `every`, all by their responses. Raises ScenarioError for a participant that cannot
+    save its state or that has a field, and for what `check_analysable` refuses.
+    """
+    check_analysable(scenario)
+    with ExitStack() as stack:
+        linearisations: dict[str, Linearisation] = {}
+        for name, table in scenario.components.items():
+            component = system.instances[name].component
+            ode = component.ode
+            if not ode and component.implicit:
+                # Measured on valve-train-ehl at 4 us: residuals of 54 to 878 %, and limits far too low.
+                raise ScenarioError(
+                    f"components.{name}: its coupling cannot be analysed: the errors of its field's steps "
+                    "(field_tolerance) hide the responses to small changes; take a film formula in its "
+                    f"place, --set components.{name}.component=ehl_contact"
+                )
+            if ode and not (every or table.participant.endswith(".fmu")):
+                linearisations[name] = Equations(system, name)
+                continue
+            unit = _participant(scenario, system, name, build)
+            stack.callback(unit.close)
+            exchanged = [*connected_inputs(name, system), *continuous_outputs(name, system)]
+            if not every and isinstance(unit, FmuParticipant) and unit.linearisable(exchanged):
+                linearisations[name] = Directional(name, unit, system)
+                continue
+            if not unit.restorable:
+                raise ScenarioError(
+                    f"components.{name}.participant: {table.participant} cannot save and restore its state "
+                    "(canGetAndSetFMUstate = false), which linearisation needs; take an FMU that can, or set "
+                    f"components.{name}.participant='in-process' to analyse the component in its place"
+                )
+            linearisations[name] = Responses(name, unit, system, scenario.macro_step)
+        yield linearisations
+
+
+def _participant(scenario: Scenario, system: System, name: str, build: Builder | None) -> Participant:
+    table, instance = scenario.components[name], system.instances[name]
+    if table.participant.endswith(".fmu"):
+        return open_fmu(name, Path(table.participant), instance)
+    if table.participant == "in-process" or build is None:
+        return in_process(name, instance)
+    return open_fmu(name, build(str(table.component), table.structure, table.participant), instance)
+
+
+def select_participants(
+    linearisations: Mapping[str, Linearisation],
+) -> dict[str, ParticipantLinearisation]:
+    """Those of participants, without components."""
+    return {
+        name: source
+        for name, source in linearisations.items()
+        if isinstance(source, ParticipantLinearisation)
+    }

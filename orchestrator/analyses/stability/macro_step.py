@@ -1,0 +1,166 @@
+"""The macro step of any master as a matrix, and the errors that it predicts.
+
+The matrix is read off the master itself, which steps linear participants in one copy for each element of the
+evolving data: the participants' states, and the exchanged values (with Hermite signals also rates) at the
+communication points that signals remember.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numba
+import numpy as np
+from scipy.linalg import eig
+from scipy.sparse import csr_array
+
+from models.core.quantities import Vector
+from models.core.system import Port, System
+from models.monolithic.difference import difference
+from models.monolithic.trajectory import Course
+
+from ...masters import Master
+from .extrapolation_error import compute_extrapolation_error, ends, shapes
+from .linear import circles, spectral_radius
+from .linear_participants import LinearCoupling
+from .trajectory import compute_rates
+
+
+@dataclass(frozen=True)
+class MacroStep:
+    """data(t + H) = matrix data(t) + defect missed, all in nominal units.
+
+    The data are the participants' states, then rows of exchanged values, newest first, and, with rates, as
+    many rows of those times H. `missed` is the extrapolation error of the true solution's values over the
+    step (`compute_extrapolation_error`), shape after shape, for signals of these `degrees`.
+    """
+
+    step: float
+    degrees: Vector
+    states: int
+    sources: int
+    matrix: Vector
+    defect: Vector
+
+    @property
+    def newest(self) -> slice:
+        """The exchanged values in the data."""
+        return slice(self.states, self.states + self.sources)
+
+
+def build_macro_step(coupling: LinearCoupling, master: Master, step: float) -> MacroStep:
+    """Read the matrices off `master`; an implicit one is given as `ConvergedMaster`.
+
+    Raises LinAlgError if the converged end values are not unique.
+    """
+    size, sources = coupling.size, coupling.sources
+    kinds = len(shapes(step, coupling.degree))
+    columns, defect = np.empty((size, size)), np.empty((size, kinds * sources))
+    for part, data in _unit_columns(size, coupling.count):
+        coupling.set_state(data, step)
+        columns[:, part] = coupling.step(master, step)[:, : data.shape[1]]
+    for part, missed in _unit_columns(kinds * sources, coupling.count):
+        coupling.set_state(np.zeros((size, missed.shape[1])), step)
+        coupling.add_extrapolation_error(missed, step)
+        defect[:, part] = coupling.step(master, step)[:, : missed.shape[1]]
+    # The true solution deviates by `missed` at the end; the rest is error.
+    rates = coupling.states + coupling.rows * sources
+    for source, degree in enumerate(coupling.degrees):
+        for kind, (value, rate) in enumerate(ends(step, int(degree)).T):
+            defect[coupling.states + source, kind * sources + source] -= value
+            if coupling.rated:
+                defect[rates + source, kind * sources + source] -= rate * step
+    return MacroStep(step, coupling.degrees.copy(), coupling.states, sources, columns, defect)
+
+
+def _unit_columns(size: int, count: int) -> Iterator[tuple[slice, Vector]]:
+    """The columns of a unit matrix, at most `count` at a time."""
+    for first in range(0, size, count):
+        part = slice(first, min(first + count, size))
+        yield part, np.eye(size)[:, part]
+
+
+@dataclass(frozen=True)
+class SampledCourse:
+    """Exchanged values and their rates along a course, (instants x sources), `interval` seconds apart."""
+
+    interval: float
+    values: Vector
+    rates: Vector
+
+    def extrapolation_errors(self, count: int, degrees: Vector) -> Vector:
+        """Extrapolation errors of steps of `count` instants, (steps x shapes x sources)."""
+        middles = self.values[count // 2 :: count] if count % 2 == 0 else None
+        step = count * self.interval
+        found = {
+            int(degree): compute_extrapolation_error(
+                self.values[::count], self.rates[::count], step, int(degree), middles
+            )
+            for degree in np.unique(degrees)
+        }
+        shape = next(iter(found.values())).shape
+        missed = np.zeros((shape[0], max(one.shape[1] for one in found.values()), shape[2]))
+        for degree, one in found.items():
+            missed[:, : one.shape[1], degrees == degree] = one[:, :, degrees == degree]
+        return missed
+
+
+def sample_course(course: Course, system: System, sources: Sequence[Port]) -> SampledCourse:
+    """Values and rates of the sources along a course."""
+    columns = [system.outputs.index(port) for port in sources]
+    interval = float(course.times[1] - course.times[0])
+    return SampledCourse(interval, course.outputs[:, columns], compute_rates(course, system)[:, columns])
+
+
+def predict_errors(step: MacroStep, track: SampledCourse, count: int, nominal: Vector) -> Vector:
+    """Estimate the relative RMS error of each source for macro steps of `count` instants of the track.
+
+    The errors obey e(n+1) = matrix e(n) + defect missed(n), linear about one point. Infinite if they diverge.
+    """
+    values = track.values[::count]
+    missed = (track.extrapolation_errors(count, step.degrees) / nominal).reshape(len(values), -1)
+    driven = missed @ step.defect[:, : missed.shape[1]].T
+    error = np.zeros_like(values)
+    sparse = csr_array(step.matrix)
+    with np.errstate(over="ignore", invalid="ignore"):
+        propagate(sparse.data, sparse.indices, sparse.indptr, driven, step.newest.start, error)
+        error = np.nan_to_num(error * nominal, nan=np.inf)
+        found = [
+            difference(error[:, i] + values[:, i], values[:, i], nominal[i]).relative_rms
+            if np.all(np.abs(error[:, i]) < 1e150)
+            else np.inf
+            for i in range(len(nominal))
+        ]
+    return np.array(found)
+
+
+@numba.njit(cache=True)
+def propagate(data: Any, columns: Any, rows: Any, driven: Any, first: int, found: Any) -> None:
+    """Compute e(n) = matrix e(n - 1) + driven(n) from zero; store elements from `first` on in `found`."""
+    size = driven.shape[1]
+    e, before = np.zeros(size), np.zeros(size)
+    for n in range(1, driven.shape[0]):
+        before[:] = e
+        for i in range(size):
+            total = driven[n, i]
+            for k in range(rows[i], rows[i + 1]):
+                total += data[k] * before[columns[k]]
+            e[i] = total
+        for i in range(found.shape[1]):
+            found[n, i] = e[first + i]
+
+
+def find_growing_output(step: MacroStep, sources: Sequence[Port]) -> Port:
+    """The exchanged value with the largest participation in the fastest growing mode.
+
+    Participation is left times right eigenvector and does not depend on scaling (Perez-Arriaga 1982). Both
+    vanish outside the strongly connected part that grows.
+    """
+    grows = max(circles(step.matrix), key=lambda part: spectral_radius(step.matrix[np.ix_(part, part)]))
+    values, left, right = eig(step.matrix[np.ix_(grows, grows)], left=True, right=True)
+    k = int(np.argmax(np.abs(values)))
+    whole = np.zeros(len(step.matrix))
+    whole[grows] = np.abs(left[:, k].conj() * right[:, k])
+    return sources[int(np.argmax(whole[step.states :].reshape(-1, step.sources).sum(axis=0)))]

@@ -1,0 +1,265 @@
+"""A survey as a table and sentences, and in files: stability.nc, stability.csv, stability.png."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from ...masters import name_of
+from ...scenario.files import to_full_toml
+from .behaviour import SPACING
+from .survey import AssessedMethod, Survey
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def format_time(seconds: float) -> str:
+    """Format a step with a unit, e.g. 5 us; "-" for none."""
+    if not (math.isfinite(seconds) and seconds > 0.0):
+        return "-"
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
+        if seconds >= 0.9999 * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds / 1e-9:.3g} ns"
+
+
+def build_table(found: Survey) -> Table:
+    """Build a table with a row for each method, the cheapest first."""
+    made = Table(
+        title=f"{found.scenario.name}: methods about its linearisation, cheapest first",
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+    )
+    made.add_column("master, signal", no_wrap=True)
+    at = format_time(found.scenario.macro_step)
+    heads = (
+        "stable\nup to",
+        "iteration\ncontracts",
+        f"error at\n{at}",
+        "within tol.\nup to",
+        "advised\nstep",
+    )
+    for head in (*heads, "participant\nsteps/s"):
+        made.add_column(head, justify="right", no_wrap=True)
+    made.add_column("")
+    for method in found.methods:
+        marks = [("advised", "bold green")] if method is found.best else []
+        marks += [("scenario", "")] if method is found.own else []
+        mark = Text(", ".join(text for text, _ in marks), marks[0][1] if marks else "")
+        made.add_row(*format_row(found, method), mark)
+    return made
+
+
+def format_row(found: Survey, method: AssessedMethod) -> list[str]:
+    """Format the cells of a method's row."""
+    return [
+        method.name,
+        _format_limit(method),
+        "" if not method.master.implicit else format_time(method.contracting_step),
+        _format_error(found, method),
+        format_time(method.accurate_step),
+        format_time(method.advised_step),
+        f"{method.cost:.2g}" if math.isfinite(method.cost) else "-",
+    ]
+
+
+def _format_limit(method: AssessedMethod) -> str:
+    return (
+        f"> {format_time(method.samples[-1].step)}" if math.isinf(method.limit) else format_time(method.limit)
+    )
+
+
+def _format_error(found: Survey, method: AssessedMethod) -> str:
+    errors = method.errors.get(found.scenario.macro_step)
+    if found.scenario.macro_step >= method.limit:
+        return "unstable"
+    return f"{max(errors.values()):.1e}" if errors else "-"
+
+
+def describe(found: Survey) -> Iterator[str]:
+    """Describe what the table lacks: loops, the growing value, the advice."""
+    yield _describe_loops(found)
+    yield _describe_own(found)
+    best = found.best
+    if best is None:
+        yield "No method is advised: none is stable and within the tolerance at any step tried."
+    else:
+        yield f"Advised: {format_settings(best)}"
+    yield (
+        f"Linearised at {len(found.points)} instants; limits are those of the hardest. Errors are carried "
+        f"up to t = {found.until:g} s, about t = {found.typical:.4g} s."
+    )
+    yield (
+        f"The scan of macro steps has a spacing of {SPACING:.0%} or {SPACING:g} rad of a participant's "
+        "fastest oscillation: it can miss a narrower island of instability."
+    )
+    yield from _describe_linearisation(found)
+    if any(instance.component.events for instance in found.system.instances.values()):
+        yield "Impacts and changes of mode are left out; errors are those about the worst instant."
+    if found.kinks:
+        yield f"Kinks, linearised on their steeper side: {', '.join(found.kinks)}."
+
+
+def _describe_linearisation(found: Survey) -> Iterator[str]:
+    """Describe how participants were linearised, and doubts about it."""
+    components = [name for name in found.system.instances if name not in found.participants]
+    who = ", ".join(components) if found.participants else "all participants"
+    said = [f"By their equations: {who} (components stand for their own FMUs)"] * bool(components)
+    ways: dict[str, list[str]] = {}
+    for participant in found.participants.values():
+        how, which = participant.description
+        ways.setdefault(how, []).append(which)
+    said += [f"{how}: {', '.join(each)}" for how, each in ways.items()]
+    yield f"{'. '.join(said)}."
+    for participant in found.participants.values():
+        yield from participant.describe_doubts()
+    for reason in found.left_out:
+        yield f"Instant left out: {reason}."
+
+
+def _describe_loops(found: Survey) -> str:
+    loops = found.partition.loops
+    if not loops:
+        return "No loop: no connection with an effect leads back, so every step is stable."
+    parts: dict[tuple[str, ...], str] = {}
+    again: Counter[tuple[str, ...]] = Counter()
+    for loop in loops:
+        names = list(dict.fromkeys(c.source.instance for c in loop))
+        kind = tuple(sorted(found.system.instances[name].component.name for name in names))
+        said = f"{', '.join(names)} through {', '.join(dict.fromkeys(str(c.source) for c in loop))}"
+        again[kind] += kind in parts
+        parts.setdefault(kind, said)
+    each = [
+        f"{said}{f' and {again[kind]} like these' if again[kind] else ''}" for kind, said in parts.items()
+    ]
+    rest = len(found.system.connections) - sum(len(loop) for loop in loops)
+    return f"Worth iterating: {'; '.join(each)}. The other {rest} connections lead one way or nowhere."
+
+
+def _describe_own(found: Survey) -> str:
+    own, step = found.own, found.scenario.macro_step
+    said = f"The scenario's {own.name} at {format_time(step)}"
+    if own.growing_output is not None:
+        targets = [str(c.target) for c in found.system.connections if c.source == own.growing_output]
+        where = f"{own.growing_output} -> {', '.join(targets)}"
+        end = f"; beyond {format_time(own.limit)} {where} runs away, first at t = {own.hardest_time:.4g} s"
+    else:
+        end = ""
+    if step >= own.limit:
+        return f"{said}: UNSTABLE{end}."
+    errors = own.errors.get(step, {})
+    shown = ", ".join(f"{n} {e:.1e} (allowed {found.scenario.tolerance[n]:g})" for n, e in errors.items())
+    return f"{said}: stable; estimated errors {shown}{end}."
+
+
+def format_settings(method: AssessedMethod) -> str:
+    """Format the method as a scenario states it."""
+    lines = [
+        f'macro_step = "{format_time(method.advised_step)}"',
+        f'[master] name = "{name_of(method.master)}"',
+        f'extrapolation = "{method.master.extrapolation}"',
+    ]
+    named = {key: getattr(method.master, key, ()) for key in ("order", "iterate")}
+    lines += [f"{key} = [{', '.join(json.dumps(n) for n in names)}]" for key, names in named.items() if names]
+    return ", ".join(lines)
+
+
+NAME = "stability"
+
+
+def build_dataset(found: Survey) -> xarray.Dataset:
+    """Methods with their limits; samples of the spectral radius; estimates of the error."""
+    import xarray
+
+    methods = found.methods
+    columns: dict[str, tuple[str, str, Callable[[AssessedMethod], Any]]] = {
+        "master": ("", "co-simulation master", lambda m: name_of(m.master)),
+        "extrapolation": ("", "input signals", lambda m: m.master.extrapolation),
+        "order": ("", "order of the participants", lambda m: " ".join(m.order)),
+        "largest_stable_step": ("s", "up to which all is stable; inf: all looked at", lambda m: m.limit),
+        "hardest_time": ("s", "instant of the point with that limit", lambda m: m.hardest_time),
+        "runs_away": ("", "exchanged value that grows beyond", lambda m: str(m.growing_output or "")),
+        "contracting_step": ("s", "up to which plain iteration contracts", lambda m: m.contracting_step),
+        "accurate_step": (
+            "s",
+            "up to which errors are within tolerance, as estimated",
+            lambda m: m.accurate_step,
+        ),
+        "advised_step": ("s", "step with distance from both; 0: none", lambda m: m.advised_step),
+        "participant_steps_per_second": ("1/s", "effort at the advised step", lambda m: m.cost),
+        "advised": ("1", "the method advised", lambda m: int(m is found.best)),
+        "of_scenario": ("1", "the scenario's method", lambda m: int(m is found.own)),
+    }
+    samples = [(i, at.step, at.radius, at.contraction) for i, m in enumerate(methods) for at in m.samples]
+    number, step, radius, contraction = map(np.array, zip(*samples, strict=True))
+    variables = list(found.scenario.tolerance)
+    estimates = [
+        (i, at, [e[v] for v in variables]) for i, m in enumerate(methods) for at, e in m.errors.items()
+    ]
+    data: dict[str, Any] = {
+        name: ("method", [value(m) for m in methods], _units(unit, text))
+        for name, (unit, text, value) in columns.items()
+    }
+    data |= {
+        "sample_method": ("sample", number, _units("1", "number of the method")),
+        "sample_step": ("sample", step, _units("s", "macro step")),
+        "spectral_radius": (
+            "sample", radius, _units("1", "of the step over the system's own growth; NaN: no convergence")
+        ),
+        "contraction": ("sample", contraction, _units("1", "of a plain iteration, NaN for explicit masters")),
+        "estimate_method": ("estimate", [e[0] for e in estimates], _units("1", "number of the method")),
+        "estimate_step": ("estimate", [e[1] for e in estimates], _units("s", "macro step")),
+        "estimated_error": (
+            ("estimate", "variable"),
+            np.array([e[2] for e in estimates]).reshape(len(estimates), len(variables)),
+            _units("1", "relative RMS error"),
+        ),
+        "tolerance": ("variable", list(found.scenario.tolerance.values()), _units("1", "allowed error")),
+        "point_time": ("point", [p.time for p in found.points], _units("s", "instants of linearisation")),
+    }  # fmt: skip
+    versions = ", ".join(f"{name} {metadata.version(name)}" for name in ("tribocosim", "numpy", "scipy"))
+    return xarray.Dataset(
+        data,
+        coords={"method": [m.name for m in methods], "variable": variables},
+        attrs={
+            "title": f"{found.scenario.name}: stability of its coupling, from a linearisation",
+            "comment": " ".join(describe(found)),
+            "scenario": to_full_toml(found.scenario),
+            "macro_step": found.scenario.macro_step,
+            "versions": versions,
+            "Conventions": "CF-1.10",
+        },
+    )
+
+
+def _units(unit: str, text: str) -> dict[str, str]:
+    return {"units": unit, "long_name": text} if unit else {"long_name": text}
+
+
+def write_survey(found: Survey, folder: Path) -> list[Path]:
+    """The three files; `folder` exists."""
+    from ...plots.style import save_figure
+    from .figure import figure
+
+    table = build_dataset(found)
+    files = [folder / f"{NAME}.{ending}" for ending in ("nc", "csv", "png")]
+    table.to_netcdf(files[0], engine="h5netcdf")
+    rows = table[[name for name, variable in table.data_vars.items() if variable.dims == ("method",)]]
+    frame = rows.to_dataframe()
+    units = {name: table[name].attrs.get("units", "") for name in frame.columns}
+    frame.columns = [f"{name} [{units[name]}]" if units[name] else name for name in frame.columns]
+    frame.to_csv(files[1])
+    save_figure(lambda: figure(found), files[2])
+    return files

@@ -1,0 +1,333 @@
+"""The survey of a scenario: every master with every signal, and the advised one."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
+
+import numpy as np
+
+from models.core.system import Port, System, parse_port
+from models.monolithic.trajectory import Course
+
+from ...engine.signals import DEGREES
+from ...masters import MASTERS, Master, name_of
+from ...scenario import Scenario
+from ...scenario.fmu_limits import FmuLimits
+from .behaviour import Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
+from .extrapolation_error import HERMITE
+from .linearisation import Linearisation, Point, linearise_points, select_participants
+from .macro_step import SampledCourse, predict_errors, sample_course
+from .partition import Partition
+from .trajectory import ParticipantLinearisation, solve_course
+
+
+@dataclass
+class AssessedMethod:
+    """Findings about a master with its signal. Steps in s; errors as in the scenario's tolerance."""
+
+    master: Master
+    samples: list[StepBehaviour] = field(default_factory=list)
+    limit: float = math.inf
+    hardest_time: float = 0.0
+    growing_output: Port | None = None
+    errors: dict[float, dict[str, float]] = field(default_factory=dict)
+    accurate_step: float = 0.0
+    advised_step: float = 0.0
+    cost: float = math.inf
+
+    @property
+    def name(self) -> str:
+        return f"{name_of(self.master)} {self.master.extrapolation}"
+
+    @property
+    def order(self) -> tuple[str, ...]:
+        """The order of participants; empty if it makes no difference."""
+        return getattr(self.master, "order", ())
+
+    @property
+    def contracting_step(self) -> float:
+        """The largest sampled step up to which a plain iteration contracts; NaN for explicit masters."""
+        if not self.master.implicit:
+            return math.nan
+        good = 0.0
+        for at in self.samples:
+            if not at.contraction < 1.0:
+                break
+            good = at.step
+        return good
+
+
+@dataclass(frozen=True)
+class Survey:
+    """A scenario's methods, cheapest first; `own` is the scenario's, `best` the advised one, if any.
+
+    Errors are predicted along the course up to `until`, with the point at `typical` (s). `participants` were
+    linearised as participants, the others as components; `left_out` says why instants were left out.
+    """
+
+    scenario: Scenario
+    system: System
+    partition: Partition
+    points: list[Point]
+    methods: list[AssessedMethod]
+    own: AssessedMethod
+    best: AssessedMethod | None
+    until: float
+    typical: float
+    participants: Mapping[str, ParticipantLinearisation]
+    left_out: list[str]
+
+    @property
+    def kinks(self) -> list[str]:
+        """Variables that had a kink at a point."""
+        return list(dict.fromkeys(kink for point in self.points for kink in point.kinks))
+
+
+# Course: instants per macro step, most instants, and the integrator's tolerance; differences of fourth order
+# amplify its error by sixteen.
+FINER, INSTANTS, COURSE_TOLERANCE = 2, 60_000, 1e-9
+# Instants of the course at which the system is linearised.
+POINTS = 12
+# The range of steps: from the scenario's step over DOWN to the scenario's step times UP.
+DOWN, UP = 8.0, 256.0
+# Safety factors of the advised step, towards the stability limit (because of nonlinearity) and towards the
+# tolerance (because errors are estimates).
+AWAY, WITHIN = 1.5, 2.0
+# A point is harder if it is unstable at this share of the limit found so far.
+ALMOST = 0.97
+
+
+def survey(
+    scenario: Scenario,
+    system: System,
+    at: Sequence[float] = (),
+    progress: Callable[[float], None] = lambda share: None,
+    linearisations: Mapping[str, Linearisation] | None = None,
+) -> Survey:
+    """Survey the methods on the scenario's system, which has its start values; ModelError if it fails.
+
+    `at` are further instants (s) at which to linearise. Without `linearisations`, components are linearised
+    by their equations.
+    """
+    watched = [parse_port(n, system.instances, "output") for n in scenario.tolerance]
+    interval = scenario.macro_step / FINER
+    count = min(INSTANTS, round(scenario.stop_time / interval))
+    course = solve_course(
+        system, np.arange(count + 1) * np.float64(interval), COURSE_TOLERANCE, lambda s: progress(0.2 * s)
+    )
+    rows = np.linspace(0, count, POINTS, endpoint=False).astype(int)
+    rows = np.unique([*rows, *(round(min(max(t / interval, 0.0), count)) for t in at)])
+    points, left = linearise_points(system, course, rows.tolist(), watched, linearisations)
+    surveyor = _Surveyor(scenario, system, course, watched, points)
+    methods = []
+    masters = _list_masters(scenario, system, surveyor)
+    for i, master in enumerate(masters):
+        methods.append(surveyor.assess(master))
+        progress(0.3 + 0.7 * (i + 1) / len(masters))
+    own = methods[0]
+    restorable = FmuLimits(scenario).restorable
+    usable = [m for m in methods if m.advised_step > 0.0 and (restorable or not m.master.implicit)]
+    methods.sort(key=lambda m: m.cost)
+    return Survey(
+        scenario, system, surveyor.partition, surveyor.points, methods, own,
+        min(usable, key=lambda m: m.cost, default=None), float(course.times[-1]), surveyor.typical.time,
+        select_participants(linearisations or {}), left,
+    )  # fmt: skip
+
+
+def _list_masters(scenario: Scenario, system: System, surveyor: _Surveyor) -> list[Master]:
+    """The scenario's own master, then every master with every signal, in the best order."""
+    own = scenario.master.build()
+    order, stiff = surveyor.find_order(), surveyor.partition.stiff
+    if getattr(own, "order", None) == () and order == tuple(system.instances):
+        own = replace(own, order=order)
+    masters: list[Master] = [own]
+    for kind in MASTERS.values():
+        options = {item.name for item in fields(kind)}
+        if "extrapolation" not in options:
+            continue
+        # Other options are those of the scenario's master.
+        base: Any = own if isinstance(own, kind) else kind()
+        if "iterate" in options and not base.iterate and stiff:
+            base = replace(base, iterate=stiff)
+        for signal in list(DEGREES)[: surveyor.highest + 1]:
+            ordered = {"order": order} if "order" in options else {}
+            masters.append(replace(base, extrapolation=signal, **ordered))
+    return list(dict.fromkeys(masters))
+
+
+class _Surveyor:
+    def __init__(
+        self, scenario: Scenario, system: System, course: Course, watched: list[Port], points: list[Point]
+    ) -> None:
+        self.scenario, self.system, self.points = scenario, system, points
+        self._converged: dict[tuple[Any, ...], AssessedMethod] = {}
+        self.partition = Partition(system, points, watched)
+        names = {n: [port.variable for port in watched if port.instance == n] for n in system.instances}
+        self._couplings = Couplings(system, names)
+        hermite = MASTERS["jacobi"](extrapolation="hermite")
+        # The highest degree of a signal that participants follow.
+        self.highest = max(self._couplings.get(point, hermite, 1).highest for point in points)
+        self._first = scenario.macro_step / DOWN
+        self._longest = min(UP * scenario.macro_step, scenario.stop_time)
+        probe = MASTERS["jacobi"]()
+        self.hardest_point, _ = find_hardest_point(points, probe, self._first, self._longest, self._couplings)
+        sources = Behaviour(points[0], probe, self._couplings).sources
+        self._sampled: SampledCourse = sample_course(course, system, sources)
+        self._names = {str(port): sources.index(port) for port in watched}
+        self.typical = self._find_typical_point()
+
+    def _find_typical_point(self) -> Point:
+        """The point about which errors are carried along the course: of median errors, or, course events
+        change what a participant is, of the largest."""
+        kind = MASTERS["gauss_seidel"]
+        excess = []
+        for point in self.points:
+            behaviour = Behaviour(point, kind(), self._couplings)
+            excess.append(self._excess(self._predict_errors(behaviour, FINER)))
+        events = any(i.component.events for i in self.system.instances.values())
+        return self.points[int(np.argsort(excess)[-1 if events else len(excess) // 2])]
+
+    def find_order(self) -> tuple[str, ...]:
+        """The most stable order of a Gauss-Seidel sweep, and of equally stable ones the most accurate."""
+        kind = MASTERS["gauss_seidel"]
+        orders = list(self.partition.list_orders())
+        if len(orders) == 1:
+            return orders[0]
+        listed = Behaviour(self.hardest_point, kind(), self._couplings)
+        limit = find_stability_limit(listed, self._first, self._longest, [])
+        beyond = min(1.5 * limit, self._longest)
+        radius = {
+            order: Behaviour(self.hardest_point, kind(order=order), self._couplings).evaluate(beyond).radius
+            for order in orders
+        }
+        least = min(radius.values())
+        equal = [order for order in orders if radius[order] <= 1.001 * least]
+        step = self.scenario.macro_step
+        if len(equal) == 1 or not limit > step:
+            return equal[0]
+        return min(
+            equal,
+            key=lambda order: max(
+                self._predict_errors(
+                    Behaviour(self.typical, kind(order=order), self._couplings), FINER
+                ).values()
+            ),
+        )
+
+    def assess(self, master: Master) -> AssessedMethod:
+        """Assess a master. Implicit masters converge to the same step, so only their costs differ."""
+        key = (master.degree, getattr(master, "order", ()), getattr(master, "iterate", ()))
+        if master.implicit and key in self._converged:
+            found = replace(self._converged[key], master=master)
+        else:
+            found = self._find_limit(master)
+            self._predict_steps(found)
+            if master.implicit and all(math.isfinite(at.radius) for at in found.samples):
+                self._converged[key] = replace(found)
+        self._estimate_cost(found)
+        return found
+
+    def _find_limit(self, master: Master) -> AssessedMethod:
+        found = AssessedMethod(master)
+        worst = Behaviour(self.hardest_point, master, self._couplings)
+        found.limit = find_stability_limit(worst, self._first, self._longest, found.samples)
+        found.hardest_time = self.hardest_point.time
+        for point in self.points:
+            other = Behaviour(point, master, self._couplings)
+            just = min(ALMOST * found.limit, self._longest)
+            if found.limit > 0.0 and not other.evaluate(just).stable:
+                found.limit = min(found.limit, find_stability_limit(other, self._first, just, []))
+                worst, found.hardest_time = other, point.time
+        if found.limit < math.inf:
+            found.growing_output = worst.find_growing_output(1.1 * found.limit)
+        return found
+
+    def _predict_errors(self, behaviour: Behaviour, factor: int) -> dict[str, float]:
+        """Predicted errors for macro steps of `factor` intervals of the course."""
+        operator = behaviour.macro_step(factor * self._sampled.interval)
+        if operator is None:
+            return dict.fromkeys(self._names, math.inf)
+        found = predict_errors(operator, self._sampled, factor, behaviour.nominal)
+        return {name: float(found[i]) for name, i in self._names.items()}
+
+    def _predict_steps(self, found: AssessedMethod) -> None:
+        """Predict errors over the step, and the largest steps that stability and tolerance allow."""
+        step, interval = self.scenario.macro_step, self._sampled.interval
+        factor, behaviour = FINER, Behaviour(self.typical, found.master, self._couplings)
+        while factor * interval < found.limit and len(self._sampled.values) > 8 * factor:
+            # The scan of the hardest point does not show islands of instability of this one.
+            if not behaviour.evaluate(factor * interval).stable:
+                found.limit = find_stability_limit(behaviour, self._first, factor * interval, [])
+                found.growing_output, found.hardest_time = (
+                    behaviour.find_growing_output(factor * interval),
+                    self.typical.time,
+                )
+                break
+            found.errors[factor * interval] = errors = self._predict_errors(behaviour, factor)
+            if factor * interval >= self._longest or self._excess(errors) > 100.0:
+                break
+            factor *= 2
+        if interval < found.limit and self._excess(found.errors.get(step, {})) > 1.0:
+            found.errors[interval] = self._predict_errors(behaviour, 1)
+        found.errors = dict(sorted(found.errors.items()))
+        lowest = int(min(behaviour.degrees))
+        order = 4 if lowest == HERMITE else lowest + 1
+        excess = {at: self._excess(errors) for at, errors in found.errors.items()}
+        found.accurate_step = find_step_at_error(excess, order, 1.0)
+        safe = min(find_step_at_error(excess, order, 1.0 / WITHIN), found.limit / AWAY, self._longest)
+        found.advised_step = round_down(safe)
+
+    def _estimate_cost(self, found: AssessedMethod) -> None:
+        """Estimate the cost of the advised step; withdraw it if the master's iteration fails there."""
+        if not found.advised_step > 0.0:
+            return
+        interval = self._sampled.interval
+        factor = max(1, round(found.advised_step / interval))
+        behaviour = Behaviour(self.typical, found.master, self._couplings)
+        missed = self._sampled.extrapolation_errors(factor, behaviour.degrees)
+        amounts = (np.sqrt(np.mean(missed**2, axis=0)) / behaviour.nominal).ravel()
+        found.cost = behaviour.count_participant_steps(found.advised_step, amounts) / found.advised_step
+        if not math.isfinite(found.cost):
+            found.advised_step = 0.0
+
+    def _excess(self, errors: Mapping[str, float]) -> float:
+        """The largest error over its tolerance."""
+        return max(
+            (error / self.scenario.tolerance[name] for name, error in errors.items()), default=math.inf
+        )
+
+
+# Mantissas of advised steps.
+ROUND = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
+
+
+def find_step_at_error(excess: Mapping[float, float], order: int, share: float) -> float:
+    """Find the step at which the excess grows beyond `share`, by a power law between known steps.
+
+    Below the first one the power is the method's order.
+    """
+    steps = list(excess)
+    if not steps or not math.isfinite(excess[steps[0]]):
+        return 0.0
+    if excess[steps[0]] > share:
+        return float(steps[0] * (share / excess[steps[0]]) ** (1.0 / order))
+    for low, high in itertools.pairwise(steps):
+        if not excess[high] <= share:
+            if not math.isfinite(excess[high]) or excess[low] <= 0.0:
+                return low
+            slope = math.log(high / low) / math.log(excess[high] / excess[low])
+            return float(low * (share / excess[low]) ** slope)
+    return steps[-1]
+
+
+def round_down(step: float) -> float:
+    """Round down to a step with a short mantissa; zero for zero."""
+    if not step > 0.0:
+        return 0.0
+    power = 10.0 ** math.floor(math.log10(step))
+    return float(f"{max(m for m in ROUND if m * power <= step * (1.0 + 1e-12)) * power:.3g}")

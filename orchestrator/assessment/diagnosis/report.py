@@ -1,0 +1,41 @@
+"""The diagnosis of a run from its output folder."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from ...errors import MistakeError
+from ...scenario import Scenario, ScenarioError
+from ...scenario.files import load
+from ...store.output_folder import SCENARIO, SUMMARY
+from .facts import Facts
+from .numbers import diagnose_steps
+from .steps import Steps, read_steps
+from .suggestions import suggestions
+from .text import full
+
+
+def diagnose(out: Path) -> tuple[Steps, Scenario, list[str]]:
+    """The steps of the run in `out`, its scenario and the lines of the report; MistakeError without a run."""
+    steps, message = read_steps(out)
+    diagnosis = diagnose_steps(steps, _do_steps(out / SUMMARY))
+    if diagnosis is None:
+        raise MistakeError(f"{out}: the run made no step ({message})")
+    if not (out / SCENARIO).is_file():
+        raise MistakeError(f"{out}: there is no {SCENARIO}, with which the steps are judged; put it back")
+    try:
+        scenario = load(out / SCENARIO)
+    except ScenarioError as error:
+        raise MistakeError(f"{error}; the steps are judged with the scenario of the run") from None
+    facts = Facts(diagnosis, steps, scenario)
+    return steps, scenario, full(facts, suggestions(facts), message)
+
+
+def _do_steps(summary: Path) -> int | None:
+    """As the run's summary says, if it does."""
+    try:
+        found = json.loads(summary.read_text("utf-8")).get("do_steps")
+    except (OSError, ValueError):
+        return None
+    return int(found) if isinstance(found, int) else None

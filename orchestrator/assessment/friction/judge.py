@@ -1,0 +1,78 @@
+"""Friction and wear of a run's contacts over a cam revolution, from its output folder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from models.core.quantities import Vector
+
+from ...errors import MistakeError
+from ...scenario import Scenario, ScenarioError, parse_ends
+from ...scenario.files import load
+from ...scenario.system import list_parameters
+from ...store.output_folder import RESULT, SCENARIO
+from ...store.result_file import open_result
+from .cycle import OF_CAM, OF_CONTACT, last_revolution, wear
+from .report import Judged
+
+
+def judge_friction(
+    folder: Path, contact: str | None, coefficient: float, cycles: float
+) -> tuple[Scenario, list[Judged]]:
+    """The run's scenario, and friction and wear of the cams' contacts, or of one, over the last revolution.
+
+    `coefficient` is wear volume over load times distance (m2/N); `cycles` are revolutions that wear is
+    extrapolated over. MistakeError if there is no result, or none with a contact under a cam.
+    """
+    if not coefficient > 0.0:
+        raise MistakeError(f"--wear-coefficient {coefficient:g} m2/N: must be > 0")
+    if not cycles > 0.0:
+        raise MistakeError(f"--cycles {cycles:g}: must be > 0")
+    scenario = _load_scenario(folder)
+    cams = find_cams(scenario)
+    if contact and contact not in cams:
+        raise MistakeError(
+            f"--contact {contact}: must be one of {', '.join(cams) or 'none'}, which slide under a cam"
+        )
+    if not cams:
+        raise MistakeError(f"{folder}: no contact takes its sliding_velocity from a camshaft")
+    values = list_parameters(scenario)
+    found = []
+    for name in [contact] if contact else list(cams):
+        cycle = last_revolution(name, *_read(folder, name, cams[name]))
+        worn = wear(cycle, "asperity_load", coefficient, values[f"{name}.length"])
+        found.append(Judged(cycle, worn, coefficient, cycles, values[f"{name}.roughness"]))
+    return scenario, found
+
+
+def _load_scenario(folder: Path) -> Scenario:
+    for name in (RESULT, SCENARIO):
+        if not (folder / name).is_file():
+            raise MistakeError(f"{folder}: there is no {name}; give the output folder of a finished run")
+    try:
+        return load(folder / SCENARIO)
+    except ScenarioError as error:
+        raise MistakeError(f"{error}; friction is judged with the scenario of the run") from None
+
+
+def find_cams(scenario: Scenario) -> dict[str, str]:
+    """The cam of each contact: what drives its sliding velocity and has an angle of its own."""
+    found = {}
+    for source, target in map(parse_ends, scenario.connections):
+        cam, contact = source.split(".")[0], target.split(".")[0]
+        if target.endswith(".sliding_velocity") and scenario.components[cam].component == "camshaft":
+            found[contact] = cam
+    return found
+
+
+def _read(folder: Path, contact: str, cam: str) -> tuple[Vector, Mapping[str, Vector]]:
+    wanted = [f"{contact}.{name}" for name in OF_CONTACT] + [f"{cam}.{name}" for name in OF_CAM]
+    with open_result(folder) as result:
+        group = result["coupled"].ds
+        if missing := [name for name in wanted if name not in group]:
+            raise MistakeError(f"{folder / RESULT}: has no {', '.join(missing)}; run the scenario again")
+        columns = {name.split(".")[1]: np.asarray(group[name].values, float) for name in wanted}
+        return np.asarray(group["time"].values, float), columns

@@ -1,0 +1,139 @@
+"""Energies over power bonds of participants that do not count them: estimated from what is exchanged.
+
+Over a step an input is the polynomial that the participant was given. Its own effort or flow is known at
+both ends: the cubic through values and rates where it gives rates, else the straight line. The product is
+integrated exactly (Gauss), so that the estimate is of fourth order in the macro step with rates, of second
+without. A motion inside the step that the ends do not show, an impact say, is missed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from models.core.bonds import CountingComponent, energy_through
+from models.core.component import Component, PowerBond
+from models.core.quantities import Quantity, Vector
+from models.core.system import Instance, System
+
+from ...participants import Participant
+from ...participants.protocol import BoundVariables
+from ...participants.wrapping import StatefulWrapper
+from .bonds import find_exchanged_bonds
+
+
+def _rule() -> tuple[Vector, Vector, Vector]:
+    """Gauss's rule on a step from 0 to 1, exact for the product of two cubics, and at its nodes Hermite's
+    cubics: of value and rate at the start, of value and rate at the end."""
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    s = 0.5 * (nodes + 1.0)
+    cubics = np.array([(1 + 2 * s) * (1 - s) ** 2, s * (1 - s) ** 2, s**2 * (3 - 2 * s), s**2 * (s - 1)])
+    return s, 0.5 * weights, cubics.T
+
+
+AT, WEIGHTS, CUBICS = _rule()
+
+
+@dataclass(frozen=True, eq=False)
+class EstimatedComponent(Component):
+    """`plain` with an output more for each of `estimates`, its bonds whose energies are estimated."""
+
+    plain: Component = None  # type: ignore[assignment]  # given always, after fields with defaults
+    estimates: tuple[PowerBond, ...] = ()
+
+
+def add_estimates(system: System) -> System:
+    """The system with estimates for all exchanged bonds of instances that do not count their energies."""
+    wanted: dict[str, list[PowerBond]] = {}
+    for bond in find_exchanged_bonds(system):
+        for name, own in bond.declared.items():
+            if not isinstance(system.instances[name].component, CountingComponent):
+                wanted.setdefault(name, []).append(own)
+    return system.with_instances(
+        {
+            name: replace(i, component=_with_estimates(i.component, wanted[name])) if name in wanted else i
+            for name, i in system.instances.items()
+        }
+    )
+
+
+def _with_estimates(plain: Component, bonds: Sequence[PowerBond]) -> EstimatedComponent:
+    more = {energy_through(bond): Quantity("J", "energy in since the start, estimated") for bond in bonds}
+    attributes: dict[str, Any] = {f.name: getattr(plain, f.name) for f in fields(Component)}
+    attributes["outputs"] = plain.outputs.extended(more)
+    return EstimatedComponent(**attributes, plain=plain, estimates=tuple(bonds))
+
+
+def without_estimates(instance: Instance) -> Instance:
+    """The instance as its participant knows it."""
+    component = instance.component
+    return (
+        replace(instance, component=component.plain)
+        if isinstance(component, EstimatedComponent)
+        else instance
+    )
+
+
+class Estimating(StatefulWrapper):
+    """Implements `Participant` by `participant`; after its outputs come those of `component.estimates`."""
+
+    def __init__(self, participant: Participant, component: EstimatedComponent) -> None:
+        super().__init__(participant)
+        self._bonds = component.estimates
+        self._own = np.zeros(len(self._bonds))  # the energies
+        self._fresh = False
+
+    def compiled_calls(self) -> str:
+        return "its energies are estimated"
+
+    def connect(self, bound: BoundVariables) -> Sequence[bool]:
+        input_names, self._given, output_names, self._outputs, self._rates = bound
+        self._values, self._slopes = np.zeros(len(output_names)), np.zeros(len(output_names))
+        rated = self._participant.connect(bound._replace(outputs=self._values, rates=self._slopes))
+        self._rated = np.array(rated, dtype=bool)
+        orders = np.arange(len(bound.inputs))[:, None]
+        self._followed = orders <= np.array(self.signal_degrees(input_names))
+        # Variables are numbered through inputs, then outputs.
+        names = [*input_names, *output_names]
+        self._efforts = [names.index(bond.effort) for bond in self._bonds]
+        self._flows = [names.index(bond.flow) for bond in self._bonds]
+        self._signs = np.array([bond.sign for bond in self._bonds], dtype=float)
+        return rated if bound.rates.size else [False] * len(output_names)
+
+    def write(self) -> None:
+        self._fresh = False
+        self._participant.write()
+
+    def read(self) -> None:
+        if not self._fresh:
+            self._participant.read()
+        self._outputs[:] = self._values
+        if self._rates.size:
+            self._rates[self._rated] = self._slopes[self._rated]
+
+    def read_all(self, values: Vector) -> None:
+        plain = len(values) - len(self._own)
+        self._participant.read_all(values[:plain])
+        values[plain:] = self._own
+
+    def advance(self, time: float, step: float) -> None:
+        # At its start outputs already see the step's inputs.
+        self._participant.read()
+        value, slope = self._values.copy(), self._slopes.copy()
+        signals = np.where(self._followed, self._given, 0.0)
+        self._participant.advance(time, step)
+        self._participant.read()
+        self._fresh = True
+        powers = np.cumprod([np.ones(len(AT)), *(step * AT / k for k in range(1, len(signals)))], axis=0)
+        straight = np.outer(1.0 - AT, value) + np.outer(AT, self._values)
+        cubic = CUBICS @ np.array([value, step * slope, self._values, step * self._slopes])
+        course = np.hstack([powers.T @ signals, np.where(self._rated, cubic, straight)])
+        power = course[:, self._efforts] * course[:, self._flows] * self._signs
+        self._own += step * (WEIGHTS @ power)
+
+    def restore(self, saved: tuple[Any, Vector]) -> None:
+        self._fresh = False
+        super().restore(saved)

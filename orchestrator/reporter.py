@@ -1,0 +1,85 @@
+"""Lines and progress bars of a command: bars on a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.text import Text
+
+from models.core.quantities import Vector
+
+from .compilation import COMPILING, announce_compilation
+from .engine.step import Step
+
+SHOWN_EVERY_S = 0.1
+
+
+class Bar:
+    """A progress bar: an observer of a coupled run, or set by `show`. The clock is read every 64 steps."""
+
+    def __init__(self, progress: Progress, task: Any, stop_time: float) -> None:
+        self._progress, self._task, self._stop = progress, task, stop_time
+        self._count = 0
+        self._shown = 0.0
+
+    def begin(self, names: Sequence[str]) -> None:
+        pass
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        self._count += 1
+        if self._count % 64 == 0:
+            now = clock.monotonic()
+            if now - self._shown > SHOWN_EVERY_S:
+                self.show(time / self._stop)
+                self._shown = now
+
+    def end(self, complete: bool, message: str) -> None:
+        if complete:
+            self.show(1.0)
+
+    def show(self, fraction: float) -> None:
+        self._progress.update(self._task, completed=fraction)
+
+
+class _Console(Console):
+    """Raises BrokenPipeError where the reader has left; rich would end the program with status 1."""
+
+    def on_broken_pipe(self) -> None:
+        raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE), "standard output")
+
+
+class Reporter:
+    """Prints the progress of a command."""
+
+    def __init__(self, console: Console | None = None) -> None:
+        # Lines for a file or a log need no folding to 80 columns.
+        wide = None if sys.stdout.isatty() else 110
+        self.console = console or _Console(highlight=False, width=wide)
+        self._compiled = False
+
+    def line(self, text: str) -> None:
+        self.console.print(Text(text), soft_wrap=True)
+
+    @contextmanager
+    def stage(self, text: str, stop_time: float = 1.0) -> Iterator[Bar]:
+        """A stage of the command with its bar; without a terminal, a line at its start."""
+        live = self.console.is_terminal
+        columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+        progress = Progress(*columns, console=self.console, transient=True, disable=not live)
+        if not live:
+            self.line(text)
+        with progress, announce_compilation(COMPILING, self._compiling):
+            yield Bar(progress, progress.add_task(text, total=1.0), stop_time)
+
+    def _compiling(self) -> None:
+        if not self._compiled:
+            self.line("compiling what these components need (once on this machine; up to minutes)")
+        self._compiled = True

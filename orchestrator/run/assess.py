@@ -1,0 +1,130 @@
+"""Assess a run: its contacts and steps, and its errors against the monolithic reference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from models.core.quantities import Vector
+from models.core.system import System
+
+from ..assessment.contacts import Courses, courses_of_rows, with_angles
+from ..assessment.diagnosis import Diagnosis, Facts, diagnose_steps, read_written_steps, suggestions
+from ..reporter import Reporter
+from ..scenario import Scenario
+from ..store.result_file import ResultFile
+from .comparison import Errors, compare, largest_uncertainty, verdict
+from .plan import Plan, collect_output_quantities
+from .record import ENDS, NOT_COMPARED, OUTSIDE, WITHIN, Ending, Record, classify_ending
+
+if TYPE_CHECKING:
+    from models.monolithic import Reference
+
+# Records compared with the reference (and drawn) at most: bounds memory, and is dense in any cycle.
+COMPARED_RECORDS = 100_000
+
+# Where extremes of contacts are from.
+MACRO_STEPS, ROWS = "all macro steps", "recorded rows"
+
+
+@dataclass(frozen=True)
+class Report:
+    """The assessment of a run, complete or not."""
+
+    ending: Ending
+    contacts: Courses
+    contacts_from: str = MACRO_STEPS
+    steps: Diagnosis | None = None
+    rejected_steps: int = 0
+    suggestions: Sequence[str] = field(default_factory=list)
+    errors: Errors = field(default_factory=dict)
+    verdict: str = "not compared"
+    reference_time_s: float | None = None
+    reference_uncertainty: float | None = None
+
+
+def assess(plan: Plan, record: Record, result: ResultFile, reporter: Reporter) -> Report:
+    """Assess the run whose rows are in `result`; only a complete one is compared with the reference."""
+    report = _diagnose(plan.scenario, record, result, _summarise_contacts(plan.system, record, result))
+    if not record.ending.complete:
+        return report
+    if not plan.scenario.reference.enabled:
+        return replace(
+            report,
+            verdict="not compared: the reference is switched off (reference.enabled)",
+            ending=Ending(True, False, "complete", NOT_COMPARED),
+        )
+    try:
+        return _compare(plan, result, reporter, report)
+    except ENDS as error:
+        return replace(report, ending=classify_ending(error, result.path.parent))
+
+
+def _summarise_contacts(system: System, record: Record, result: ResultFile) -> Report:
+    """The contacts as observed, or else as recorded, with their angles."""
+    contacts, source = record.contacts, MACRO_STEPS
+    if result.length("coupled") > 1:
+        read = partial(result.read, "coupled", rows=slice(None))
+        if not contacts and (found := courses_of_rows(system, read)):
+            contacts, source = found, ROWS
+        contacts = with_angles(system, contacts, read)
+    return Report(record.ending, contacts, source)
+
+
+def _diagnose(scenario: Scenario, record: Record, result: ResultFile, report: Report) -> Report:
+    """Add what limited the steps."""
+    steps = read_written_steps(result)
+    diagnosis = diagnose_steps(steps, record.do_steps)
+    if not diagnosis:
+        return report
+    remedies = suggestions(Facts(diagnosis, steps, scenario))
+    return replace(report, steps=diagnosis, rejected_steps=diagnosis.rejected, suggestions=remedies)
+
+
+def _compare(plan: Plan, result: ResultFile, reporter: Reporter, report: Report) -> Report:
+    """Solve the reference, add it to the result, and compare."""
+    scenario, system = plan.scenario, plan.system
+    names = _select_compared(scenario, system)
+    every = -(-result.length("coupled") // COMPARED_RECORDS)
+    coupled = result.read("coupled", ["time", *names], slice(None, None, every))
+    reference = _solve_reference(scenario, system, coupled.pop("time"), reporter)
+    quantities = collect_output_quantities(system)
+    result.write("reference", reference.times, quantities, reference.outputs)
+    result.attribute("reference", "tolerance", scenario.reference.tolerance)
+    columns = {name: reference.outputs[:, system.outputs.names.index(name)] for name in names}
+    nominal = {name: quantities[name].nominal for name in names}
+    errors = compare(reference.times, coupled, columns, reference.uncertainty, nominal, scenario.tolerance)
+    for name, error in errors.items():
+        result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
+    within, text = verdict(errors)
+    return replace(
+        report,
+        ending=Ending(True, False, "complete", WITHIN if within else OUTSIDE),
+        errors=errors,
+        verdict=text,
+        reference_time_s=reference.wall_time_s,
+        reference_uncertainty=largest_uncertainty(errors),
+    )
+
+
+def _select_compared(scenario: Scenario, system: System) -> list[str]:
+    """All connected outputs, and those with a tolerance."""
+    connected = {str(connection.source) for connection in system.connections}
+    return [name for name in system.outputs.names if name in connected or name in scenario.tolerance]
+
+
+def _solve_reference(scenario: Scenario, system: System, times: Vector, reporter: Reporter) -> Reference:
+    from models.monolithic import LONGEST_STEP, solve
+
+    table = scenario.reference
+    with reporter.stage("monolithic reference", scenario.stop_time) as bar:
+        return solve(
+            system,
+            times,
+            tolerance=table.tolerance,
+            x0=system.x0,
+            progress=bar.show,
+            longest_step=table.step or LONGEST_STEP,
+        )

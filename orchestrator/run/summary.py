@@ -1,0 +1,107 @@
+"""The summary of a run: summary.json."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from ..assessment.contacts import Courses
+from ..assessment.diagnosis import Diagnosis
+from ..engine.energy.account import Account
+from ..store.atomic_write import replace
+from .assess import MACRO_STEPS, Report
+from .comparison import Errors
+from .plan import Plan
+from .record import FAILED, Ending, Record, Warnings
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a run came to. An incomplete one has what is known."""
+
+    scenario: str
+    description: str
+    version: str
+    master: dict[str, Any]
+    macro_step: float
+    fixed_steps: bool
+    tolerance: dict[str, float]
+    figures: bool = True  # were to be drawn; `tribocosim resume` does the same
+    complete: bool = False
+    resumable: bool = True  # `tribocosim resume` can continue it
+    message: str = Ending.message
+    verdict: str = Report.verdict
+    exit_status: int = FAILED
+    macro_steps: int = 0
+    rejected_steps: int = 0
+    iterations: int = 0
+    do_steps: int | None = None
+    wall_time_s: float = 0.0
+    coupled_time_s: float = 0.0
+    reference_time_s: float | None = None
+    reference_uncertainty: float | None = None
+    errors: Errors = field(default_factory=dict)
+    contacts: Courses = field(default_factory=dict)
+    contacts_from: str = MACRO_STEPS
+    energy: Account | None = None
+    steps: Diagnosis | None = None
+    suggestions: Sequence[str] = field(default_factory=list)
+    warnings: Mapping[str, Warnings] = field(default_factory=dict)
+    not_numbers: Mapping[str, float] = field(default_factory=dict)
+    python_sweeps: Mapping[str, str] = field(default_factory=dict)
+    fmus: dict[str, str] = field(default_factory=dict)
+
+    def content(self) -> dict[str, Any]:
+        """As plain JSON values."""
+        content = asdict(self)
+        for name, error in self.errors.items():
+            own = content["errors"][name].pop("uncertainty")
+            content["errors"][name] |= {
+                "reference_uncertainty": own["relative_rms"],
+                "below_reference_uncertainty": error.below_uncertainty,
+                "within_tolerance": error.within if error.tolerance is not None else None,
+            }
+        return _replace_infinite(content)
+
+    def write(self, path: Path) -> None:
+        replace(path, (json.dumps(self.content(), indent=2, allow_nan=False) + "\n").encode())
+
+
+def summarise(
+    plan: Plan, ending: Ending, record: Record, report: Report | None = None, seconds: float = 0.0
+) -> Summary:
+    """The summary of a run of so many seconds that ended so."""
+    scenario = plan.scenario
+    found = vars(record) | (vars(report) if report else {})
+    del found["ending"]
+    return Summary(
+        scenario=scenario.name,
+        description=scenario.description,
+        version=metadata.version("tribocosim"),
+        master=scenario.master.model_dump(),
+        macro_step=scenario.macro_step,
+        fixed_steps=scenario.step_control is None,
+        tolerance=dict(scenario.tolerance),
+        figures=plan.figures,
+        fmus=plan.sha256,
+        wall_time_s=seconds,
+        **vars(ending),
+        **found,
+    )
+
+
+def _replace_infinite(value: Any) -> Any:
+    """JSON has no infinity and no NaN: null instead."""
+    if isinstance(value, dict):
+        return {str(key): _replace_infinite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_replace_infinite(item) for item in value]
+    if isinstance(value, (bool, int, str, type(None))):
+        return value
+    number = float(value)
+    return number if math.isfinite(number) else None

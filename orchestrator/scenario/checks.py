@@ -1,0 +1,101 @@
+"""Check a scenario against its system, before a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from fmus.fmi.archive import FmuFileError, archive_faults, open_archive
+from models.core.evaluation import check_start
+from models.core.system import System, suggestion
+
+from ..engine.energy.bonds import find_exchanged_bonds
+from ..participants import find_missing
+from .capabilities import check_capabilities, check_third_party
+from .scenario import Scenario, ScenarioError
+
+
+def check_scenario(scenario: Scenario, system: System) -> None:
+    """Raise ScenarioError or ModelError for what a run could not do."""
+    for name in scenario.tolerance:
+        if name not in system.outputs.names:
+            raise ScenarioError(f"tolerance.{name}: no such output; {suggestion(name, system.outputs.names)}")
+    if scenario.start == "given":
+        check_start(system, 0.0, system.x0)
+    _check_master(scenario)
+    check_third_party(scenario)
+    _check_energy(scenario, system)
+    for name, table in scenario.components.items():
+        if table.participant.endswith(".fmu") and not table.third_party:
+            _check_file(name, Path(table.participant), list_required_variables(name, system, scenario.start))
+    check_capabilities(scenario)
+
+
+def check_reference(scenario: Scenario, system: System) -> None:
+    """Raise ModelError where the scenario asks for a reference that cannot be solved."""
+    if scenario.reference.enabled:
+        from models.monolithic import check_solvable
+
+        check_solvable(system)
+
+
+def _check_master(scenario: Scenario) -> None:
+    """The master's order names every component once; what it iterates are components."""
+    master = scenario.master.build()
+    order: tuple[str, ...] = getattr(master, "order", ())
+    if order and sorted(order) != sorted(scenario.components):
+        raise ScenarioError(
+            f"master.order = {', '.join(order)}: must name each of {', '.join(scenario.components)} once"
+        )
+    iterate: tuple[str, ...] = getattr(master, "iterate", ())
+    if len(iterate) == 1:
+        raise ScenarioError(
+            f"master.iterate = {iterate[0]}: there is nothing to iterate one component with; name "
+            "all that belong together, or leave it out (then every loop of connections is iterated)"
+        )
+    for name in iterate:
+        if name not in scenario.components:
+            raise ScenarioError(
+                f"master.iterate: no component {name!r}; {suggestion(name, scenario.components)}"
+            )
+        if iterate.count(name) > 1:
+            raise ScenarioError(f"master.iterate: {name!r} is named twice; name each component once")
+
+
+def _check_energy(scenario: Scenario, system: System) -> None:
+    """The energy estimator needs a power bond; the correction needs held or extrapolated inputs."""
+    control = scenario.step_control
+    if control and control.estimator == "energy" and not find_exchanged_bonds(system):
+        raise ScenarioError(
+            "step_control.estimator = 'energy': no power bond has both its effort and its flow among the "
+            "connections, so that it would see no error; use schierz or step_doubling"
+        )
+    if scenario.energy.correction and scenario.master.name != "jacobi":
+        raise ScenarioError(
+            f"energy.correction = true: the master {scenario.master.name} interpolates inputs, which then "
+            "miss nothing; use the master jacobi, or leave the correction out"
+        )
+
+
+def _check_file(name: str, path: Path, variables: Iterable[str]) -> None:
+    """The file is a sound co-simulation FMU with these variables."""
+    where = f"components.{name}.participant: "
+    try:
+        with open_archive(path) as archive:
+            faults = archive_faults(archive)
+    except FmuFileError as error:
+        raise ScenarioError(f"{where}{error}") from None
+    faults = faults or find_missing(path, variables)
+    if faults:
+        raise ScenarioError(f"{where}{path}: {faults[0]}; give another file")
+
+
+def list_required_variables(name: str, system: System, start: str) -> list[str]:
+    """The variables that an FMU needs to take the place of an instance."""
+    instance = system.instances[name]
+    states = instance.component.state
+    sources = {c.source.variable for c in system.connections if c.source.instance == name}
+    targets = {c.target.variable for c in system.connections if c.target.instance == name}
+    started = states.variables if start == "equilibrium" else instance.start
+    starts = (states.field(state).add_suffix("_start") for state in started)
+    return [*sorted(sources), *sorted(targets), *instance.parameters, *starts, *instance.inputs]

@@ -1,0 +1,330 @@
+"""Reads an SSP package as a scenario: ours with all settings, others with what they state."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from fmus.fmi.archive import DESCRIPTION, FmuFileError, archive_faults, open_archive
+from models.compile.cache_folder import private_folder, user_cache_directory
+from models.core.component import Component
+from models.core.system import suggestion
+
+from ...participants import ThirdPartyComponent, read_component
+from ...participants.description import Description, DescriptionError, read_description
+from .. import Line, ScenarioError
+from ..conversion import convert_units
+from ..values import WithUnit, build_component
+from .names import NAMESPACES, OURS, STRUCTURE
+from .schema import find_schema_fault
+from .structure import Path as Place
+from .structure import Port, Structure, read_structure, trace_back
+from .values import StatedValue, read_values
+from .writer import START
+
+# Steps of a run if no step size is stated.
+STEPS = 1000
+
+
+def read_package(path: Path) -> dict[str, Any]:
+    """The tables of the scenario; its FMUs are unpacked into the user's cache folder."""
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    try:
+        folder = private_folder("ssp") / digest
+        if not folder.is_dir():
+            with tempfile.TemporaryDirectory(dir=folder.parent) as made:
+                whole = Path(made, "whole")
+                _unpack(path, whole)
+                if not folder.is_dir():
+                    whole.rename(folder)
+    except OSError as error:
+        raise ScenarioError(
+            f"{path}: {user_cache_directory()} cannot be used ({error.strerror}); set TRIBOCOSIM_CACHE to "
+            "another folder"
+        ) from None
+    return _read_folder(path.name, folder)
+
+
+def unpack_package(path: Path, folder: Path) -> dict[str, Any]:
+    """As `read_package`, with the FMUs unpacked into `folder`."""
+    _unpack(path, folder)
+    return _read_folder(path.name, folder)
+
+
+def _unpack(path: Path, folder: Path) -> None:
+    try:
+        with open_archive(path) as archive:
+            faults = [text for text in archive_faults(archive) if DESCRIPTION not in text]
+            if faults:
+                raise ScenarioError(f"{path}: {faults[0]}")
+            # Of a file that was cut off the last list of files is that of an FMU in it.
+            if min((entry.header_offset for entry in archive.infolist()), default=0):
+                raise ScenarioError(f"{path}: damaged archive: a part of it is missing; fetch it again")
+            folder.mkdir(parents=True, exist_ok=True)
+            archive.extractall(folder)
+    except (FmuFileError, zipfile.BadZipFile) as error:
+        raise ScenarioError(str(error).replace("so not an FMU", "so not an SSP")) from None
+
+
+def _read_folder(name: str, folder: Path) -> dict[str, Any]:
+    try:
+        return _read(name, folder)
+    except ScenarioError:
+        raise
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        # Something is missing or is no number; what, the schema says better.
+        said = error.args[0] if isinstance(error, KeyError) else error
+        fault = find_schema_fault(folder) or said
+        raise ScenarioError(f"{name}: not as SSP 1.0 has it: {fault}; correct it") from None
+
+
+def _read(name: str, folder: Path) -> dict[str, Any]:
+    file = folder / STRUCTURE
+    if not file.is_file():
+        raise ScenarioError(f"{name}: {STRUCTURE} is missing, so this is not an SSP; give another file")
+    found = read_structure(file.read_bytes(), name)
+    if found.experiment.get("startTime", 0.0) != 0.0:
+        raise ScenarioError(
+            f"{name}: startTime = {found.experiment['startTime']:g} s: runs begin at 0; shift the times"
+        )
+
+    def read(path: str) -> bytes:
+        try:
+            return (folder / path).read_bytes()
+        except OSError:
+            raise ScenarioError(f"{name}: {path} is not in the package; add it") from None
+
+    fmus = {path: folder / source for path, source in found.components.items()}
+    settings = _read_settings(found, name)
+    # An equilibrium is found again by the run.
+    values = read_values(found, read, name, f"{START}.ssv" if settings.get("start") == "equilibrium" else "")
+    tables = _build_tables(found, fmus, settings, name)
+    parts = {path: _find_component(tables[own], name, own) for path, own in _name_components(fmus).items()}
+    content = settings or _build_defaults(found, fmus, name)
+    content["components"] = tables
+    names = _name_components(fmus)
+    for path, stated in values.items():
+        _set_values(tables[names[path]], parts[path], stated, f"{name}: {names[path]}")
+    content["connections"] = [str(line) for line in _build_lines(found, parts, names, name)]
+    if stop := found.experiment.get("stopTime"):
+        content["stop_time"] = stop
+    return content
+
+
+def _read_settings(found: Structure, where: str) -> dict[str, Any]:
+    """Our own annotation; empty without one."""
+    for annotation in found.annotations:
+        if annotation.get("type") == OURS and len(annotation):
+            try:
+                return dict(json.loads(annotation[0].text or ""))
+            except ValueError as error:
+                raise ScenarioError(
+                    f"{where}: the annotation {OURS} is damaged: {error}; delete it"
+                ) from None
+    return {}
+
+
+def _name_components(fmus: Mapping[Place, Path]) -> dict[Place, str]:
+    """A scenario's name for each component: letters, digits and _, systems first."""
+    names: dict[Place, str] = {}
+    for path in fmus:
+        plain = re.sub(r"\W", "_", "_".join(path))
+        plain = plain if plain.isidentifier() else f"_{plain}"
+        while plain in names.values():
+            plain += "_"
+        names[path] = plain
+    return names
+
+
+def _build_tables(
+    found: Structure, fmus: Mapping[Place, Path], settings: Mapping[str, Any], where: str
+) -> dict[str, Any]:
+    tables: dict[str, Any] = {}
+    for path, name in _name_components(fmus).items():
+        if not fmus[path].is_file():
+            raise ScenarioError(f"{where}: {found.components[path]} is not in the package; add it")
+        own = dict(settings.get("components", {}).get(name, {}))
+        ours = own.pop("sha256", "")
+        # Our own FMU is built anew, unless somebody has put another one in its place.
+        if not ours or ours != hashlib.sha256(fmus[path].read_bytes()).hexdigest():
+            own["participant"] = str(fmus[path])
+        tables[name] = own
+    return tables
+
+
+def _find_component(table: Mapping[str, Any], where: str, name: str) -> Component:
+    try:
+        if table.get("component"):
+            return build_component(table["component"], tuple(sorted(table.get("structure", {}).items())))
+        return read_component(Path(table["participant"]))
+    except ValueError as error:
+        raise ScenarioError(f"{where}: {name}: {error}") from None
+
+
+def _build_defaults(found: Structure, fmus: Mapping[Place, Path], where: str) -> dict[str, Any]:
+    """The settings of a package that is not ours: the simplest master, in steps that somebody states."""
+    about = [_read_description(path, where) for path in fmus.values()]
+    stop = found.experiment.get("stopTime") or max((one.stop or 0.0 for one in about), default=0.0)
+    if not stop:
+        raise ScenarioError(f"{where}: nothing says when it ends; give its DefaultExperiment a stopTime")
+    content = {
+        "name": re.sub(r"[^\w .-]", "_", found.name) or "ssp",
+        "description": " ".join(found.description.split()),
+        "stop_time": stop,
+        "macro_step": min(_find_step(found, about) or stop / STEPS, stop),
+        "start": "given",
+        "master": {"name": "jacobi", "extrapolation": "hold"},
+        "reference": {"enabled": False},
+    }
+    return {key: value for key, value in content.items() if value != ""}
+
+
+def _read_description(path: Path, where: str) -> Description:
+    try:
+        return read_description(path)
+    except DescriptionError as error:
+        raise ScenarioError(f"{where}: {path.name} {error}; give another file") from None
+
+
+def _find_step(found: Structure, about: list[Description]) -> float:
+    """The macro step (s) of another tool's annotation, or the least of the FMUs' own; 0: none is stated."""
+    for annotation in found.annotations:
+        for element in annotation.iter():
+            for key in ("stepSize", "baseStepSize"):
+                if NAMESPACES["ssd"] not in element.tag and element.get(key):
+                    return float(element.get(key))
+    return min((one.step for one in about if one.step), default=0.0)
+
+
+def _set_values(
+    table: dict[str, Any], component: Component, stated: Mapping[str, StatedValue], where: str
+) -> None:
+    """Put values where a scenario has them."""
+    layouts = {"parameters": component.parameters, "inputs": component.inputs, "start": component.state}
+    third_party = isinstance(component, ThirdPartyComponent)
+    texts = component.about.strings if isinstance(component, ThirdPartyComponent) else []
+    for variable, one in stated.items():
+        if one.plain != (variable in texts):
+            here, there = ("a String", "not") if one.plain else ("no String", "one")
+            raise ScenarioError(
+                f"{where}: {variable} is {here} in the set, but {there} in the FMU; correct it"
+            )
+        if one.plain:
+            table.setdefault("parameters", {})[variable] = one.value
+            continue
+        places = [
+            (key, name)
+            for key, layout in layouts.items()
+            for name in layout.variables
+            if variable
+            == (name if third_party or key != "start" else layout.field(name).add_suffix("_start"))
+        ]
+        if not places:
+            raise ScenarioError(f"{where}: no parameter, input or start value {variable!r}; correct its name")
+        key, name = places[0]
+        quantity = layouts[key].field(name).quantity
+        value = one.value
+        if isinstance(value, str) and not quantity.choices:
+            if value not in (one.items or {}):
+                raise ScenarioError(
+                    f"{where}: {variable}: enumeration item {value!r} is not defined; define it"
+                )
+            value = float((one.items or {})[value])
+        if isinstance(value, float) and not isinstance(value, bool):
+            value = _transform(value, one, quantity.unit, component, f"{where}: {variable}")
+        table.setdefault(key, {})[name] = value
+
+
+def _transform(value: float, one: StatedValue, unit: str, component: Component, where: str) -> float:
+    if one.unit and not one.suppressed and one.unit != unit:
+        linear = convert_units(one.unit, one.units or {}, unit, _get_units(component))
+        if linear is None:
+            raise ScenarioError(
+                f"{where}: unit {one.unit} does not fit {unit or 'a plain number'}; correct it"
+            )
+        value = linear.factor * value + linear.offset
+    if one.factor is not None or one.offset is not None:
+        value = (1.0 if one.factor is None else one.factor) * value + (one.offset or 0.0)
+    return WithUnit(value)  # in the FMU's, as SSP has it
+
+
+def _get_units(component: Component) -> dict[str, Any]:
+    return dict(component.about.units) if isinstance(component, ThirdPartyComponent) else {}
+
+
+def _build_lines(
+    found: Structure, parts: Mapping[Place, Component], names: Mapping[Place, str], where: str
+) -> list[Line]:
+    """The connections between components, through whatever systems they pass."""
+    lines = []
+    for target in found.edges:
+        if target.path not in parts or target.connector not in parts[target.path].inputs:
+            if target.path in parts:
+                _check_parameter(found, target, where)
+            continue
+        steps = list(trace_back(found, target))[::-1]
+        source = steps[0][1].source
+        if source.path not in parts:
+            continue  # an input of the whole, which nothing drives here
+        outputs = parts[source.path].outputs
+        if source.connector not in outputs:
+            raise ScenarioError(
+                f"{where}: the connection from {source} to {target}: {names[source.path]} has no output "
+                f"{source.connector!r}; {suggestion(source.connector, outputs.names)}"
+            )
+        ends = f"{names[source.path]}.{source.connector}", f"{names[target.path]}.{target.connector}"
+        lines.append(_build_line(found, parts, steps, ends, where))
+    return lines
+
+
+def _check_parameter(found: Structure, target: Port, where: str) -> None:
+    """ScenarioError where a component's parameter would have to follow another's variable."""
+    *_, (_, edge) = trace_back(found, target)
+    if edge.source.path in found.components:
+        raise ScenarioError(
+            f"{where}: {edge.source} goes to {target}, which is no input; only inputs are connected here, "
+            "give it as a value"
+        )
+
+
+def _build_line(
+    found: Structure,
+    parts: Mapping[Place, Component],
+    steps: list[tuple[Port, Any]],
+    ends: tuple[str, str],
+    where: str,
+) -> Line:
+    """The connections `steps`, one after the other, as one."""
+    if len(steps) == 1 and steps[0][1].suppressed:
+        factor, offset = steps[0][1].factor, steps[0][1].offset
+        return Line(*ends, 1.0 if factor is None and offset is None else factor, offset)
+    source, target = parts[steps[0][1].source.path], parts[steps[-1][0].path]
+    first = source.outputs.field(steps[0][1].source.connector).quantity.unit
+    last = target.inputs.field(steps[-1][0].connector).quantity.unit
+    units = {**_get_units(source), **_get_units(target), **found.units}
+    unit = found.connector_units.get(steps[0][1].source) or first
+    if unit == first and all(
+        edge.factor is edge.offset is None
+        and not edge.suppressed
+        and (found.connector_units.get(port) or unit) in (unit, last)
+        for port, edge in steps
+    ):
+        return Line(*ends)  # whose units the scenario converts
+    factor, offset = 1.0, 0.0
+    for port, edge in steps:
+        into = found.connector_units.get(port) or (last if port == steps[-1][0] else unit)
+        if unit and into and unit != into and not edge.suppressed:
+            linear = convert_units(unit, units, into, units)
+            if linear is None:
+                raise ScenarioError(f"{where}: {port}: unit {unit} does not fit {into}; correct it")
+            factor, offset = linear.factor * factor, linear.factor * offset + linear.offset
+        scale = 1.0 if edge.factor is None else edge.factor
+        factor, offset = scale * factor, scale * offset + (edge.offset or 0.0)
+        unit = into or unit
+    return Line(*ends, factor, offset or None)

@@ -1,0 +1,234 @@
+"""An SSP as it is read: components in nested systems, connections between connectors, values.
+
+A path is the names of systems and component from the outside in. What is not supported is refused by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+
+from ...participants.description import Unit
+from .. import ScenarioError
+from .names import FMU_TYPE, expand_tag
+
+Path = tuple[str, ...]
+# Gives the bytes of a file of the archive, by its path.
+Files = Callable[[str], bytes]
+
+
+class Port(NamedTuple):
+    """A connector of a component or a system."""
+
+    path: Path
+    connector: str
+
+    def __str__(self) -> str:
+        return ".".join((*self.path, self.connector))
+
+
+@dataclass(frozen=True)
+class Edge:
+    """What a connector gets its value from, and how."""
+
+    source: Port
+    factor: float | None
+    offset: float | None
+    suppressed: bool  # units are not converted
+
+
+@dataclass
+class Structure:
+    """Everything that the package's SSD says.
+
+    `components` gives the FMU's place in the archive, `units` of connectors that state one, `bindings` the
+    elements with parameter bindings from the inside out.
+    """
+
+    name: str = ""
+    description: str = ""
+    components: dict[Path, str] = field(default_factory=dict)
+    kinds: dict[Port, str] = field(default_factory=dict)
+    connector_units: dict[Port, str] = field(default_factory=dict)
+    edges: dict[Port, Edge] = field(default_factory=dict)
+    bindings: list[tuple[Path, Any]] = field(default_factory=list)
+    units: dict[str, Unit] = field(default_factory=dict)
+    enumerations: dict[str, dict[str, int]] = field(default_factory=dict)
+    experiment: dict[str, float] = field(default_factory=dict)
+    annotations: list[Any] = field(default_factory=list)
+
+
+def parse_xml(content: bytes, what: str) -> Any:
+    """The root element; ScenarioError if it is no XML."""
+    try:
+        return ElementTree.fromstring(content)
+    except ElementTree.ParseError as error:
+        raise ScenarioError(f"{what}: not a valid XML file: {error}") from None
+
+
+def read_structure(content: bytes, where: str) -> Structure:
+    """What the SSD says; ScenarioError for what is not supported."""
+    root = parse_xml(content, where)
+    system = root.find(expand_tag("ssd:System"))
+    if root.tag != expand_tag("ssd:SystemStructureDescription") or system is None:
+        raise ScenarioError(
+            f"{where}: no SystemStructureDescription of SSP 1 with a System; give another file"
+        )
+    found = Structure(root.get("name", ""), root.get("description") or "")
+    found.units = read_units(root)
+    found.enumerations = read_enumerations(root)
+    experiment = root.find(expand_tag("ssd:DefaultExperiment"))
+    if experiment is not None:
+        found.experiment = {
+            key: float(experiment.get(key)) for key in ("startTime", "stopTime") if experiment.get(key)
+        }
+    found.annotations = [*root.iter(expand_tag("ssc:Annotation"))]
+    _SystemReader(found, where).read(system, (), {})
+    return found
+
+
+class _SystemReader:
+    """Reads systems into a structure."""
+
+    def __init__(self, found: Structure, where: str) -> None:
+        self._found, self._where = found, where
+
+    def _refuse(self, what: str, remedy: str) -> ScenarioError:
+        return ScenarioError(f"{self._where}: {what}; {remedy}")
+
+    def read(self, system: Any, path: Path, outer: dict[str, str]) -> None:
+        """The system at `path`; `outer`: its signal dictionaries, by name."""
+        self._read_connectors(system, path)
+        dictionaries = outer | {
+            one.get("name"): ".".join((*path, one.get("name")))
+            for one in system.findall(
+                f"{expand_tag('ssd:SignalDictionaries')}/{expand_tag('ssd:SignalDictionary')}"
+            )
+        }
+        # Elements that stand for the connectors of something else.
+        places: dict[str, Path] = {}
+        for element in system.iterfind(f"{expand_tag('ssd:Elements')}/*"):
+            own = (*path, element.get("name"))
+            places[element.get("name")] = own
+            if element.tag == expand_tag("ssd:System"):
+                self.read(element, own, dictionaries)
+            elif element.tag == expand_tag("ssd:Component"):
+                self._read_component(element, own)
+            elif element.tag == expand_tag("ssd:SignalDictionaryReference"):
+                name = element.get("dictionary")
+                if name not in dictionaries:
+                    raise self._refuse(f"{'.'.join(own)}: no signal dictionary {name!r}", "define it")
+                places[element.get("name")] = (f"dictionary {dictionaries[name]}",)
+        self._read_bindings(system, path)
+        for connection in system.iterfind(f"{expand_tag('ssd:Connections')}/*"):
+            self._read_connection(connection, path, places)
+
+    def _read_component(self, element: Any, path: Path) -> None:
+        shown, source = ".".join(path), element.get("source", "")
+        kind = element.get("type", FMU_TYPE)
+        if kind != FMU_TYPE:
+            raise self._refuse(
+                f"{shown}: a component of type {kind}",
+                "components are FMUs here; put its content into this file",
+            )
+        if element.get("implementation") == "ModelExchange":
+            raise self._refuse(f"{shown}: implementation ModelExchange", "give an FMU for co-simulation")
+        self._found.components[path] = resolve_source(source, f"{self._where}: {shown}")
+        self._read_connectors(element, path)
+        self._read_bindings(element, path)
+
+    def _read_bindings(self, element: Any, path: Path) -> None:
+        for binding in element.iterfind(f"{expand_tag('ssd:ParameterBindings')}/*"):
+            self._found.bindings.append((path, binding))
+
+    def _read_connectors(self, element: Any, path: Path) -> None:
+        for connector in element.iterfind(f"{expand_tag('ssd:Connectors')}/*"):
+            port = Port(path, connector.get("name"))
+            self._found.kinds[port] = connector.get("kind", "")
+            real = connector.find(expand_tag("ssc:Real"))
+            if real is not None and real.get("unit"):
+                self._found.connector_units[port] = real.get("unit")
+
+    def _read_connection(self, connection: Any, path: Path, places: dict[str, Path]) -> None:
+        def port(side: str) -> Port:
+            element, connector = connection.get(f"{side}Element"), connection.get(f"{side}Connector")
+            if element is None:
+                return Port(path, connector)
+            if element not in places:
+                raise self._refuse(
+                    f"a connection of {'.'.join(path) or 'the system'} names no element {element!r}",
+                    "correct it",
+                )
+            return Port(places[element], connector)
+
+        start, end = port("start"), port("end")
+        factor, offset = read_transformation(connection, f"{self._where}: {start} to {end}")
+        edge = Edge(start, factor, offset, connection.get("suppressUnitConversion") in ("true", "1"))
+        if self._found.edges.setdefault(end, edge) is not edge:
+            raise self._refuse(
+                f"{end} has two sources, {self._found.edges[end].source} and {start}", "keep one"
+            )
+
+
+def read_transformation(element: Any, where: str) -> tuple[float | None, float | None]:
+    """Factor and offset that are stated; ScenarioError for a transformation of another kind."""
+    for child in element:
+        if child.tag == expand_tag("ssc:LinearTransformation"):
+            return _parse_float(child.get("factor")), _parse_float(child.get("offset"))
+        if "Transformation" in child.tag:
+            name = child.tag.rpartition("}")[2]
+            raise ScenarioError(f"{where}: a {name}; only linear transformations are known here, take one")
+    return None, None
+
+
+def _parse_float(text: str | None) -> float | None:
+    return None if text is None else float(text)
+
+
+def resolve_source(source: str, where: str) -> str:
+    """The archive's path of a source; ScenarioError for one elsewhere."""
+    path = source.removeprefix("./")
+    if not path or ":" in path or path.startswith("/") or ".." in path.split("/"):
+        raise ScenarioError(
+            f"{where}: source {source!r} is not in this package; put the file into resources/"
+        )
+    return path
+
+
+def read_units(root: Any) -> dict[str, Unit]:
+    """The units that a file defines."""
+    names = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+    return {
+        unit.get("name"): Unit(
+            tuple(int(base.get(name, 0)) for name in names),
+            float(base.get("factor", 1.0)),
+            float(base.get("offset", 0.0)),
+        )
+        for unit in root.iter(expand_tag("ssc:Unit"))
+        for base in unit.findall(expand_tag("ssc:BaseUnit"))
+    }
+
+
+def read_enumerations(root: Any) -> dict[str, dict[str, int]]:
+    """The enumerations that a file defines: items and their values."""
+    return {
+        one.get("name"): {
+            item.get("name"): int(item.get("value")) for item in one.iter(expand_tag("ssc:Item"))
+        }
+        for one in root.iter(expand_tag("ssc:Enumeration"))
+        if one.find(expand_tag("ssc:Item")) is not None
+    }
+
+
+def trace_back(found: Structure, target: Port) -> Iterator[tuple[Port, Edge]]:
+    """The connections that lead to `target`, from it backwards: the connector at the end of each, and it."""
+    seen = set()
+    while target in found.edges and target not in seen:
+        seen.add(target)
+        edge = found.edges[target]
+        yield target, edge
+        target = edge.source
+        if target.path in found.components:
+            return

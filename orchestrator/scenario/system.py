@@ -1,0 +1,84 @@
+"""The system that a scenario describes: components with their values, connections, start values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from models.core.evaluation import check_start
+from models.core.quantities import Layout, Vector
+from models.core.system import Instance, ModelError, System
+
+from .checks import check_scenario
+from .component_table import ComponentTable
+from .connection import Line, parse_line
+from .conversion import find_transformations, replace_units
+from .scenario import Scenario
+from .values import to_numbers
+
+# Builds the FMU of a catalogue component: name, structural sizes, kind ("fmu" or "native").
+Builder = Callable[[str, Mapping[str, int], str], Path]
+
+
+def build_system(scenario: Scenario) -> System:
+    """The checked system with the start values as given. Raises ModelError or ScenarioError."""
+    instances, lines = build_instances(scenario)
+    seen = replace_units(instances, lines, find_transformations(instances, lines))
+    system = System(seen, [(line.source, line.target) for line in lines])
+    check_scenario(scenario, system)
+    return system
+
+
+def build_instances(scenario: Scenario) -> tuple[dict[str, Instance], list[Line]]:
+    """Instances and connections as in the scenario, before units are converted."""
+    instances = {name: _build_instance(table) for name, table in scenario.components.items()}
+    return instances, list(map(parse_line, scenario.connections))
+
+
+def _build_instance(table: ComponentTable) -> Instance:
+    component = table.resolve()
+    return Instance(
+        component,
+        parameters=to_numbers(component.parameters, table.parameters),
+        start=to_numbers(component.state, table.start),
+        inputs=to_numbers(component.inputs, table.inputs),
+    )
+
+
+def resolve_start(scenario: Scenario, system: System) -> System:
+    """The system with the start values that the scenario asks for: given, or of an equilibrium."""
+    if scenario.start == "given":
+        return system
+    from models.monolithic import equilibrium
+
+    try:
+        state = equilibrium(system)
+    except ModelError as error:
+        raise ModelError(
+            f'{error} Correct the parameters, or set start = "given" and give start values in '
+            "[components.NAME.start]"
+        ) from None
+    instances = {
+        name: replace(instance, start=_select_start(instance.component.state, state[system.state.of(name)]))
+        for name, instance in system.instances.items()
+    }
+    resting = system.with_instances(instances)
+    check_start(resting, 0.0, resting.x0)
+    return resting
+
+
+def _select_start(layout: Layout, state: Vector) -> dict[str, float]:
+    """The states that can be given a start value, by name."""
+    named = layout.named(state)
+    return {name: named[name] for name in layout.variables}
+
+
+def list_parameters(scenario: Scenario) -> dict[str, float]:
+    """The value of every parameter by "instance.parameter", in its unit; of a choice its number."""
+    found: dict[str, float] = {}
+    for name, table in scenario.components.items():
+        layout = table.resolve().parameters
+        values = {field.name: field.start for field in layout.fields} | to_numbers(layout, table.parameters)
+        found |= {f"{name}.{parameter}": value for parameter, value in values.items()}
+    return found
