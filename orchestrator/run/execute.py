@@ -20,15 +20,13 @@ from ..participants import FmuParticipant, InOwnProcess, Participant
 from ..reporter import Reporter
 from ..store.journal import FLUSH_SECONDS, SUFFIX, Recorded
 from ..store.json_codec import Plain
-from ..store.output_folder import SCENARIO, SUMMARY, OutputFolder
-from ..store.run_state import format_path
+from ..store.output_folder import SCENARIO, SUMMARY, OutputFolder, format_path
 from .checkpoint import Checkpoints, Identity
-from .exit_guard import guarding
-from .interruption import Interruption
+from .interruption import Interruption, guard_exit
 from .nan_monitor import NotNumbers
 from .participants import build_participants, select_counting
 from .plan import Plan, collect_output_quantities
-from .record import ENDS, Ending, Record, Warnings, classify_ending
+from .record import ENDS, FAILED, Ending, Record, Warnings, classify_ending
 from .recording import ResultRecorder
 from .simulation import Statistics, simulate
 from .summary import summarise
@@ -113,7 +111,7 @@ def _couple(
     stage = reporter.stage(f"coupled run, master {scenario.master.name}", stop)
     tell = partial(_report_exit, plan, folder, observation) if plan.exposed else None
     summary = summarise(plan, Ending(), Record())
-    with guarding(tell), watching(scenario, folder.path / SUMMARY, summary) as watchdog:
+    with guard_exit(tell, FAILED), watching(scenario, folder.path / SUMMARY, summary) as watchdog:
         units: dict[str, Participant] = {}
 
         def wrap(name: str, make: Callable[[], Participant]) -> Participant:

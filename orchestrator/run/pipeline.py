@@ -13,8 +13,7 @@ from ..scenario.files import to_full_toml
 from ..scenario.system import Builder
 from ..scenario.warnings import list_warnings
 from ..store import atomic_write
-from ..store.output_folder import SCENARIO, OutputFolder, check_folder, open_folder
-from ..store.run_state import format_path
+from ..store.output_folder import SCENARIO, OutputFolder, check_folder, format_path, open_folder
 from .assess import assess
 from .execute import execute
 from .plan import Plan, make_plan

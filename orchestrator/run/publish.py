@@ -20,9 +20,18 @@ from ..scenario.files import to_full_toml
 from ..store.atomic_write import NO_ROOM, naming
 from ..store.csv_file import write_csv, write_units
 from ..store.journal import Recorded, journals
-from ..store.output_folder import CSV, FIGURES, RESULT, SUMMARY, UNITS, OutputFolder, files
+from ..store.output_folder import (
+    CSV,
+    FIGURES,
+    RESULT,
+    SUMMARY,
+    UNITS,
+    OutputFolder,
+    clear_run_state,
+    format_path,
+    list_files,
+)
 from ..store.result_file import ResultFile
-from ..store.run_state import clear, format_path
 from .comparison import Errors, VariableError
 from .plan import Plan
 from .record import FAILED, INTERRUPTED, Ending
@@ -103,8 +112,8 @@ def publish(summary: Summary, folder: OutputFolder, reporter: Reporter) -> Summa
         message = f"incomplete: {error.filename}: {error.strerror}; {_advise_on_full_disk(folder)}"
         return replace(summary, complete=False, exit_status=FAILED, message=message)
     if not summary.resumable and (folder.path / RESULT).exists():
-        clear(folder.unfinished)
-    _print_end(summary, folder.path, files(folder.path), reporter)
+        clear_run_state(folder.unfinished)
+    _print_end(summary, folder.path, list_files(folder.path), reporter)
     return summary
 
 

@@ -11,10 +11,19 @@ from ..errors import RefusedError
 from ..reporter import Reporter
 from ..scenario.files import load
 from ..scenario.system import Builder
-from ..store.backup import Backup
 from ..store.journal import Recorded, journals
-from ..store.output_folder import SCENARIO, SUMMARY, OutputFolder, OutputFolderError, suggest_folder
-from ..store.run_state import clear, find_run_state, format_path, lock_folder
+from ..store.output_folder import (
+    SCENARIO,
+    SUMMARY,
+    Backup,
+    OutputFolder,
+    OutputFolderError,
+    clear_run_state,
+    find_run_state,
+    format_path,
+    lock_folder,
+    suggest_folder,
+)
 from .checkpoint import read
 from .execute import execute
 from .pipeline import conclude
@@ -45,7 +54,7 @@ def resume(out: Path, build: Builder, reporter: Reporter, figures: bool = True) 
     with lock_folder(out) as pending:
         before = _read_summary(out)
         if before.get("complete"):  # killed while it tidied up
-            clear(pending)
+            clear_run_state(pending)
             return _report_ended(out, reporter)
         plan = make_plan(load(out / SCENARIO), build, reporter, figures and before.get("figures", True))
         folder = OutputFolder(out, pending, Backup(out))
@@ -57,7 +66,7 @@ def resume(out: Path, build: Builder, reporter: Reporter, figures: bool = True) 
         elif _count_rows(pending, "coupled") > 1:
             return conclude(plan, _recover_record(plan, pending), folder, reporter, start)
         else:
-            clear(pending)
+            clear_run_state(pending)
         try:
             record = execute(plan, folder, reporter, checkpoint)
         except RefusedError as error:

@@ -1,18 +1,25 @@
-"""A run's output folder: what is in it, and when it may be written."""
+"""A run's output folder: its files, the folder of an unfinished run, its lock, and the files it replaces.
+
+The folder `unfinished` holds the journals and the last checkpoint, from which a run can be resumed. It is
+locked while a process works on the run, and removed when the result is whole.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+import shutil
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+import locket
+
 from ..errors import MistakeError
 from .atomic_write import partial
-from .backup import Backup
-from .run_state import clear, contents, find_run_state, format_path, lock_folder
 
-CHECKPOINT = "checkpoint"
+UNFINISHED, LOCK, CHECKPOINT = "unfinished", "lock", "checkpoint"
+REPLACED = "replaced"  # files of an earlier run, put aside until this one has its first values
 RESULT, CSV, UNITS, SCENARIO, SUMMARY, FIGURES = (
     "result.nc",
     "coupled.csv",
@@ -37,9 +44,40 @@ def refuse_overwriting_source(source: Path, scenario: str, out: Path) -> None:
         )
 
 
+class Backup:
+    """Files of `out`, moved to a folder in there: no room is taken, and after a kill the next run finds
+    them."""
+
+    def __init__(self, out: Path) -> None:
+        self._out = out
+        self._folder = out / REPLACED
+
+    @property
+    def exists(self) -> bool:
+        return self._folder.is_dir()
+
+    def take(self, files: Iterable[Path]) -> None:
+        """Move these files of `out` there."""
+        for file in files:
+            place = self._folder / file.relative_to(self._out)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            os.replace(file, place)
+
+    def restore(self) -> None:
+        """Move all files back."""
+        for file in [path for path in self._folder.rglob("*") if path.is_file()]:
+            place = self._out / file.relative_to(self._folder)
+            place.parent.mkdir(exist_ok=True)
+            os.replace(file, place)
+        self.delete()
+
+    def delete(self) -> None:
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+
 @dataclass(frozen=True)
 class OutputFolder:
-    """The folder of a run: `path`, the folder `find_run_state` in it, and the files that the run replaces."""
+    """The folder of a run, the folder `unfinished` in it, and the files that the run replaces."""
 
     path: Path
     unfinished: Path
@@ -51,7 +89,7 @@ class OutputFolder:
 
     def discard(self) -> None:
         """Delete what the run has written."""
-        clear(self.unfinished)
+        clear_run_state(self.unfinished)
         for file in _list_written(self.path):
             file.unlink()
 
@@ -83,7 +121,7 @@ def open_folder(out: Path, overwrite: bool) -> Iterator[OutputFolder]:
             folder.backup.restore()  # what a process killed before its first values left
             if not overwrite:
                 _check_empty(out)  # again: another process may have run since `check_folder`
-            folder.backup.take([*_list_written(out), *contents(folder.unfinished)])
+            folder.backup.take([*_list_written(out), *list_run_state(folder.unfinished)])
         except OSError as error:
             raise OutputFolderError(
                 f"{format_path(out)}: cannot be written ({error.strerror}); choose another --out"
@@ -96,7 +134,7 @@ def open_folder(out: Path, overwrite: bool) -> Iterator[OutputFolder]:
                 folder.backup.restore()
 
 
-def files(out: Path) -> list[Path]:
+def list_files(out: Path) -> list[Path]:
     """What a run has written, in the order to be shown."""
     found = [out / name for name in (SUMMARY, RESULT, CSV, UNITS, SCENARIO)]
     return [path for path in [*found, *_figures(out)] if path.exists()]
@@ -123,3 +161,48 @@ def _list_written(out: Path) -> list[Path]:
 
 def _figures(out: Path) -> list[Path]:
     return sorted((out / FIGURES).glob("*.png"))
+
+
+def find_run_state(out: Path) -> Path:
+    """The folder of the run in `out`; it exists while the run goes on, or after it was killed."""
+    return out / UNFINISHED
+
+
+def format_path(out: Path) -> Path:
+    """The folder for messages: relative to the working directory if inside it."""
+    here = Path.cwd()
+    return out.relative_to(here) if out.is_relative_to(here) else out
+
+
+@contextmanager
+def lock_folder(out: Path) -> Iterator[Path]:
+    """The folder, made if it isn't there; MistakeError if another process works on the run.
+
+    Removed at the end if it is empty. The lock ends with the process. OSError if it cannot be made.
+    """
+    folder = find_run_state(out)
+    folder.mkdir(parents=True, exist_ok=True)
+    lock = locket.lock_file(str(folder / LOCK), timeout=0)
+    try:
+        lock.acquire()
+    except locket.LockError:
+        raise MistakeError(f"{format_path(out)}: another process is running it; wait for its end") from None
+    try:
+        yield folder
+    finally:
+        lock.release()
+        if [path.name for path in folder.iterdir()] == [LOCK]:
+            (folder / LOCK).unlink()
+            folder.rmdir()
+
+
+def clear_run_state(folder: Path) -> None:
+    """Remove what is in it but the lock, checkpoints first: journals alone are no run to be resumed."""
+    for path in list_run_state(folder):
+        path.unlink()
+
+
+def list_run_state(folder: Path) -> list[Path]:
+    """What is in it but the lock, checkpoints first."""
+    found = (path for path in folder.iterdir() if path.name != LOCK)
+    return sorted(found, key=lambda path: not path.name.startswith(CHECKPOINT))

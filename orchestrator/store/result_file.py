@@ -21,7 +21,7 @@ from models.core.quantities import Quantity, Vector
 
 from .atomic_write import check_room, naming, partial
 from .journal import TIME, Recorded
-from .run_state import find_run_state
+from .output_folder import find_run_state
 
 if TYPE_CHECKING:
     import xarray

@@ -30,8 +30,7 @@ from orchestrator.scenario.files import load
 from orchestrator.store import atomic_write as replacement
 from orchestrator.store import csv_file, journal
 from orchestrator.store import result_file as results
-from orchestrator.store.output_folder import CHECKPOINT
-from orchestrator.store.run_state import find_run_state
+from orchestrator.store.output_folder import CHECKPOINT, find_run_state
 
 STEPPING, STARTING = 0.2, 2.0  # s
 EVERY = "checkpoint_every=1e-9"

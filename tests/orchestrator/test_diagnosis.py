@@ -30,8 +30,7 @@ from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.run.recording import ResultRecorder
 from orchestrator.scenario.files import load, to_full_toml
-from orchestrator.store.output_folder import RESULT, SCENARIO
-from orchestrator.store.run_state import find_run_state
+from orchestrator.store.output_folder import RESULT, SCENARIO, find_run_state
 
 from .commands import called
 from .commands import said as said_by

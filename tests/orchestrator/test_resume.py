@@ -237,7 +237,7 @@ def test_a_run_in_a_folder_with_an_unfinished_one_says_how_to_go_on(killed: Path
 
 def test_two_processes_do_not_work_on_one_run(killed: Path) -> None:
     code = (
-        "import sys; from pathlib import Path; from orchestrator.store.run_state import lock_folder\n"
+        "import sys; from pathlib import Path; from orchestrator.store.output_folder import lock_folder\n"
         "with lock_folder(Path(sys.argv[1])): print('held', flush=True); sys.stdin.read()"
     )
     other = subprocess.Popen(

@@ -12,7 +12,7 @@ from orchestrator.run import execute as coupled_run
 from orchestrator.run.pipeline import run
 from orchestrator.run.summary import Summary
 from orchestrator.scenario import Scenario
-from orchestrator.store.run_state import find_run_state
+from orchestrator.store.output_folder import find_run_state
 
 from .c_fmus import TOKEN, fmu
 from .runs import changed, never, scenario, unloadable

@@ -13,9 +13,8 @@ from models.core.quantities import Vector
 
 from ...errors import MistakeError
 from ...store.journal import Recorded, journals
-from ...store.output_folder import suggest_folder
+from ...store.output_folder import find_run_state, suggest_folder
 from ...store.result_file import ResultFile
-from ...store.run_state import find_run_state
 
 # Columns of /steps, and what a value of each needs: there may be many millions of steps.
 COLUMNS = {
