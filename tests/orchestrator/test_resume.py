@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import errno
 import json
 import os
 import shutil
@@ -11,36 +10,23 @@ import subprocess
 import sys
 import zipfile
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
-import h5py
 import pytest
-import xarray
-from rich.console import Console
 
 from models.core.system import ModelError
 from orchestrator.command_line.fmu import build_fmu
 from orchestrator.errors import CheckpointError, MistakeError
-from orchestrator.reporter import Reporter
-from orchestrator.run import checkpoint
 from orchestrator.run.pipeline import run
 from orchestrator.run.resume import resume
 from orchestrator.scenario.files import load
-from orchestrator.store.journal import Journal, Recorded
+from orchestrator.store.journal import Recorded
 from orchestrator.store.output_folder import OutputFolderError
 from orchestrator.store.result_file import open_result
 
 from .killed import EVERY
+from .whole_runs import IN_PROCESS, NO_REFERENCE, ROOT, SHORT, assert_same_run, quiet, run_whole
 
-ROOT = Path(__file__).parents[2]
-IN_PROCESS = [
-    f"components.{name}.participant=in-process"
-    for name in ("flywheel", "camshaft", "valve_spring", "contact")
-]
-NO_REFERENCE = ["reference.enabled=false"]
 UNSTABLE = ["master.name=jacobi", "macro_step=100 us", "stop_time=50 ms", *IN_PROCESS]
-WALL_TIMES = ("wall_time_s", "coupled_time_s", "reference_time_s")
 # Runs to be killed: scenario and changes.
 RUNS = {
     "gauss_seidel in-process": ("valve-train", ["stop_time=60 ms", *IN_PROCESS, *NO_REFERENCE]),
@@ -58,33 +44,6 @@ RUNS = {
 KILLS = [(1, 4), *(pytest.param(seed, 12, marks=pytest.mark.long) for seed in (2, 3))]
 
 
-def _quiet() -> Reporter:
-    return Reporter(Console(quiet=True))
-
-
-def _whole(out: Path, overrides: list[str], scenario: str = "valve-train") -> Path:
-    """A run without interruption."""
-    run(load(scenario, [*overrides, EVERY]), out, build_fmu, _quiet(), figures=False)
-    return out
-
-
-def _same(one: Path, two: Path) -> None:
-    """Both folders hold the same finished run."""
-    assert sorted(path.name for path in one.iterdir()) == sorted(path.name for path in two.iterdir())
-    assert (one / "coupled.csv").read_bytes() == (two / "coupled.csv").read_bytes()
-    contacts = [json.loads((out / "summary.json").read_text())["contacts"] for out in (one, two)]
-    assert contacts[0] == contacts[1]
-    with open_result(one) as first, open_result(two) as second:
-        xarray.testing.assert_identical(first, second)
-        assert first.attrs["complete"] == 1
-    summaries = [json.loads((folder / "summary.json").read_text()) for folder in (one, two)]
-    for summary in summaries:
-        for key in WALL_TIMES:
-            del summary[key]
-    assert summaries[0] == summaries[1]
-    assert summaries[0]["complete"] is True
-
-
 def _python(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, *code.split(" ", 1), *arguments]
     return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=280)
@@ -99,7 +58,7 @@ def test_a_run_killed_again_and_again_ends_as_one_that_was_not(
     name: str, seed: int, kills: int, tmp_path: Path
 ) -> None:
     scenario, overrides = RUNS[name]
-    whole = _whole(tmp_path / "whole", overrides, scenario)
+    whole = run_whole(tmp_path / "whole", overrides, scenario)
     out = str(tmp_path / "killed")
     done = _python("-m tests.orchestrator.killed", out, str(seed), str(kills), scenario, *overrides)
     assert done.returncode == 0, done.stderr
@@ -108,38 +67,35 @@ def test_a_run_killed_again_and_again_ends_as_one_that_was_not(
     assert len(killed) >= 3, done.stdout
     # Some of it came back from checkpoints: these are a time and files.
     assert any(float(line.split()[1]) > 0.0 for line in killed), done.stdout
-    _same(tmp_path / "killed", whole)
+    assert_same_run(tmp_path / "killed", whole)
 
 
 def test_a_start_without_an_equilibrium_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     tilted = ["components.slider_crank.start.psi=0.02", "components.flywheel.start.angle=90 deg"]
     scenario = load("slider-crank", ["start=equilibrium", *tilted])
     with pytest.raises(ModelError, match=r"slider_crank\.psi = 0\.02 rad"):
-        run(scenario, tmp_path / "out", build_fmu, _quiet(), figures=False)
+        run(scenario, tmp_path / "out", build_fmu, quiet(), figures=False)
     assert not (tmp_path / "out").exists()
 
 
 def test_a_run_that_failed_is_not_resumed_and_says_why(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    summary = run(load("valve-train", [*UNSTABLE, *NO_REFERENCE]), out, build_fmu, _quiet(), figures=False)
+    summary = run(load("valve-train", [*UNSTABLE, *NO_REFERENCE]), out, build_fmu, quiet(), figures=False)
     with pytest.raises(OutputFolderError) as error:
-        resume(out, build_fmu, _quiet())
+        resume(out, build_fmu, quiet())
     why = summary.message.removeprefix("incomplete: ")
     assert str(error.value).startswith(f"{out}: the run failed, and would fail again: {why}")
     assert str(error.value).endswith(f"change the scenario and run it anew, with --out {out} --overwrite")
     with pytest.raises(OutputFolderError, match=f"did you mean {out}\\?$"):
-        resume(out / "summary.json", build_fmu, _quiet())
+        resume(out / "summary.json", build_fmu, quiet())
     (out / "scenario.toml").unlink()
     with pytest.raises(OutputFolderError, match="put back the file that the run had written"):
-        resume(out, build_fmu, _quiet())
-
-
-SHORT = ["stop_time=4 ms", *IN_PROCESS, *NO_REFERENCE]
+        resume(out, build_fmu, quiet())
 
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return _whole(tmp_path_factory.mktemp("whole") / "out", SHORT)
+    return run_whole(tmp_path_factory.mktemp("whole") / "out", SHORT)
 
 
 def _left(out: Path, overrides: list[str], calls: int = 60) -> None:
@@ -170,7 +126,7 @@ def _refused(out: Path, words: str) -> None:
     """`resume` says so, with the remedy, and changes nothing."""
     before = _content(out)
     with pytest.raises(CheckpointError, match=words) as refused:
-        resume(out, build_fmu, _quiet(), figures=False)
+        resume(out, build_fmu, quiet(), figures=False)
     assert "--overwrite" in str(refused.value)
     assert _content(out) == before
 
@@ -183,14 +139,14 @@ def test_what_came_after_the_checkpoint_is_forgotten(killed: Path, whole: Path) 
     (killed / "unfinished" / "checkpoint.partial").write_bytes(b"torn")
     (killed / "result.nc.partial").write_bytes(b"torn")
     (killed / "coupled.csv.partial").write_bytes(b"torn")
-    assert resume(killed, build_fmu, _quiet(), figures=False).complete
-    _same(killed, whole)
+    assert resume(killed, build_fmu, quiet(), figures=False).complete
+    assert_same_run(killed, whole)
 
 
 def test_the_wall_time_is_that_of_all_processes(killed: Path) -> None:
     """An interrupted process leaves its wall time in the summary, a killed one that of its steps."""
     (killed / "summary.json").write_text('{"wall_time_s": 100.0}')
-    summary = resume(killed, build_fmu, _quiet(), figures=False)
+    summary = resume(killed, build_fmu, quiet(), figures=False)
     assert 100.0 < summary.wall_time_s < 400.0
     assert summary.coupled_time_s < summary.wall_time_s
 
@@ -214,8 +170,8 @@ def test_lost_records_are_noticed_and_may_be_put_back(killed: Path, whole: Path)
     journal.unlink()
     _refused(killed, "coupled.journal: cannot be read")
     journal.write_bytes(rows)
-    assert resume(killed, build_fmu, _quiet(), figures=False).complete
-    _same(killed, whole)
+    assert resume(killed, build_fmu, quiet(), figures=False).complete
+    assert_same_run(killed, whole)
 
 
 def test_a_changed_scenario_is_refused(killed: Path) -> None:
@@ -227,12 +183,19 @@ def test_a_changed_scenario_is_refused(killed: Path) -> None:
 def test_a_run_in_a_folder_with_an_unfinished_one_says_how_to_go_on(killed: Path, whole: Path) -> None:
     before = _content(killed)
     with pytest.raises(OutputFolderError, match=f"tribocosim resume {killed}"):
-        run(load("valve-train", [*SHORT, EVERY]), killed, build_fmu, _quiet())
+        run(load("valve-train", [*SHORT, EVERY]), killed, build_fmu, quiet())
     assert _content(killed) == before
     with pytest.raises(FileNotFoundError, match="tribocosim resume"):
         open_result(killed)
-    run(load("valve-train", [*SHORT, EVERY]), killed, build_fmu, _quiet(), overwrite=True, figures=False)
-    _same(killed, whole)
+    run(
+        load("valve-train", [*SHORT, EVERY]),
+        killed,
+        build_fmu,
+        quiet(),
+        overwrite=True,
+        figures=False,
+    )
+    assert_same_run(killed, whole)
 
 
 def test_two_processes_do_not_work_on_one_run(killed: Path) -> None:
@@ -250,9 +213,9 @@ def test_two_processes_do_not_work_on_one_run(killed: Path) -> None:
         before = _content(killed)
         for overwrite in (False, True):
             with pytest.raises(MistakeError):
-                run(load("valve-train", SHORT), killed, build_fmu, _quiet(), overwrite=overwrite)
+                run(load("valve-train", SHORT), killed, build_fmu, quiet(), overwrite=overwrite)
         with pytest.raises(MistakeError, match="another process is running it"):
-            resume(killed, build_fmu, _quiet(), figures=False)
+            resume(killed, build_fmu, quiet(), figures=False)
         assert _content(killed) == before
     finally:
         other.communicate("")
@@ -270,27 +233,27 @@ def test_a_rebuilt_fmu_is_refused(tmp_path: Path) -> None:
 
 def test_what_is_no_unfinished_run_is_told(whole: Path, tmp_path: Path) -> None:
     before = _content(whole)
-    done = resume(whole, build_fmu, _quiet())
+    done = resume(whole, build_fmu, quiet())
     assert (done.complete, done.exit_status) == (True, 4)
     assert _content(whole) == before
     with pytest.raises(OutputFolderError, match="holds no run"):
-        resume(tmp_path, build_fmu, _quiet())
+        resume(tmp_path, build_fmu, quiet())
     shutil.copy(whole / "scenario.toml", tmp_path)
     with pytest.raises(OutputFolderError, match="left nothing to go on from; repeat it"):
-        resume(tmp_path, build_fmu, _quiet())
+        resume(tmp_path, build_fmu, quiet())
 
 
 def test_killed_while_it_tidied_up_it_is_complete(killed: Path, whole: Path) -> None:
     for name in ("result.nc", "coupled.csv", "units.csv", "summary.json"):
         shutil.copy(whole / name, killed)
     (killed / "unfinished" / "checkpoint").unlink()
-    assert resume(killed, build_fmu, _quiet()).complete
-    _same(killed, whole)
+    assert resume(killed, build_fmu, quiet()).complete
+    assert_same_run(killed, whole)
 
 
 def test_a_run_without_figures_goes_on_without(killed: Path) -> None:
     assert json.loads((killed / "summary.json").read_text())["figures"] is False
-    assert resume(killed, build_fmu, _quiet()).complete
+    assert resume(killed, build_fmu, quiet()).complete
     assert not (killed / "figures").exists()
 
 
@@ -299,7 +262,7 @@ def test_without_a_checkpoint_what_was_recorded_is_kept_and_marked(killed: Path)
     with (killed / "unfinished" / "coupled.journal").open("ab") as file:
         file.write(b"1.5,torn")
     rows = Recorded(killed / "unfinished" / "coupled.journal").rows
-    done = resume(killed, build_fmu, _quiet(), figures=False)
+    done = resume(killed, build_fmu, quiet(), figures=False)
     assert (done.complete, done.exit_status, done.resumable) == (False, 3, False)
     assert "no checkpoint" in done.message
     assert not (killed / "unfinished").exists()
@@ -324,7 +287,7 @@ def test_where_steps_and_records_end_apart_each_is_kept_and_told(killed: Path) -
     until = left.last_time()
     records = Recorded(journal.with_name("coupled.journal")).rows
     assert left.rows == 1 < records
-    done = resume(killed, build_fmu, _quiet(), figures=False)
+    done = resume(killed, build_fmu, quiet(), figures=False)
     assert f"/steps until {until:g} s" in done.message
     every = load(str(killed / "scenario.toml")).record_every
     assert done.macro_steps == max(left.rows, every * (records - 1))
@@ -333,75 +296,15 @@ def test_where_steps_and_records_end_apart_each_is_kept_and_told(killed: Path) -
         assert tree["coupled"].sizes["time"] == records
 
 
-class _Disk:
-    """Of `room` bytes for journals, and none for another file once they are full."""
-
-    def __init__(self, room: int, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.room = room
-        self._write = Journal._put
-        monkeypatch.setattr(Journal, "_put", lambda journal, data: self._put(journal, data))
-        self._file = h5py.File
-        monkeypatch.setattr(h5py, "File", self._opened)
-
-    def _put(self, journal: Journal, data: bytes) -> None:
-        part, self.room = data[: self.room], max(0, self.room - len(data))
-        self._write(journal, part)
-        if len(part) < len(data):
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    def _opened(self, path: Path, *arguments: Any, **options: Any) -> Any:
-        """HDF5's own words about a disk that is full."""
-        if not self.room:
-            raise OSError(f"Unable to create file (errno = {errno.ENOSPC}, error message = 'No space')")
-        return self._file(path, *arguments, **options)
-
-
-@pytest.mark.parametrize("every", ["checkpoint_every=0", EVERY])
-def test_a_full_disk_is_told_and_no_record_on_it_is_lost(
-    every: str, whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(checkpoint, "SHARE", 1.0)
-    out, scenario = tmp_path / "out", load("valve-train", [*SHORT, every])
-    with monkeypatch.context() as full:
-        _Disk(30_000, full)
-        summary = run(scenario, out, build_fmu, _quiet(), figures=False)
-        assert (summary.complete, summary.exit_status) == (False, 3)
-        goes_on = "goes on from the last checkpoint" if every == EVERY else "makes the result of what was"
-        assert str(out) in summary.message
-        assert f"No space left on device; free some space, then tribocosim resume {out} {goes_on}" in (
-            summary.message
-        )
-        assert json.loads((out / "summary.json").read_text())["message"] == summary.message
-    kept = Recorded(out / "unfinished" / "coupled.journal").rows
-    assert kept > 1
-    done = resume(out, build_fmu, _quiet(), figures=False)
-    if every == EVERY:
-        _same(out, whole)
-        return
-    assert done.exit_status == 3
-    with open_result(out) as tree:
-        assert tree["coupled"].sizes["time"] == kept == len((out / "coupled.csv").read_text().split()) - 1
-
-
-def test_a_result_without_room_is_not_begun(whole: Path, tmp_path: Path, monkeypatch: Any) -> None:
-    """HDF5 would end the process where the disk is full in its midst."""
-    out = tmp_path / "out"
-    size = (whole / "result.nc").stat().st_size
-    with monkeypatch.context() as full:
-        full.setattr(shutil, "disk_usage", lambda path: SimpleNamespace(free=size // 2))
-        summary = run(load("valve-train", [*SHORT, EVERY]), out, build_fmu, _quiet(), figures=False)
-    assert (summary.complete, summary.exit_status, summary.resumable) == (False, 3, True)
-    assert f"{out / 'result.nc'}: No space left on device; free some space, then" in summary.message
-    assert not list(out.glob("result.nc*"))
-    assert resume(out, build_fmu, _quiet(), figures=False).complete
-    _same(out, whole)
-
-
 def test_a_run_that_fails_leaves_nothing_to_resume(tmp_path: Path) -> None:
     out = tmp_path / "out"
     with contextlib.suppress(ModelError):
         summary = run(
-            load("valve-train", [*UNSTABLE, *NO_REFERENCE, EVERY]), out, build_fmu, _quiet(), figures=False
+            load("valve-train", [*UNSTABLE, *NO_REFERENCE, EVERY]),
+            out,
+            build_fmu,
+            quiet(),
+            figures=False,
         )
     assert (summary.exit_status, summary.resumable) == (3, False)
     assert not (out / "unfinished").exists()

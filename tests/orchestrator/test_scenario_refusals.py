@@ -1,0 +1,286 @@
+"""A mistake in a scenario is one message that names the key, the value and the remedy."""
+
+from pathlib import Path
+
+import pytest
+
+from models.core.system import ModelError
+from orchestrator.errors import ParticipantError
+from orchestrator.participants import in_process
+from orchestrator.run.simulation import simulate
+from orchestrator.scenario import ScenarioError
+from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system, resolve_start
+
+BAD = {
+    "step_control=1": ("step_control = 1: must be a table",),
+    "components.camshaft.substeps=2.5": ("components.camshaft.substeps = 2.5: must be an integer",),
+    "macro_stp=1": ("macro_stp", "did you mean macro_step?"),
+    "macro_step=-1": ("macro_step", "-1", "> 0"),
+    "macro_step=0": ("macro_step", "> 0"),
+    "macro_step=nan": ("macro_step", "> 0"),
+    "macro_step=3 kg": ("macro_step", "kg", "like s"),
+    "macro_step=3 microsecnd": ("macro_step", "did you mean microsecond?"),
+    "components.camshaft.parameters.lift=3 milimetre": ("lift", "did you mean millimetre?"),
+    "components.camshaft.parameters.lift=3 qwx": ("lift", "write m or mm"),
+    "macro_step=1 s": ("macro_step", "stop_time"),
+    "macro_step=1e-30": (
+        "--set macro_step = 1e-30 s: must be at least 1.4e-14 s with stop_time = 0.12 s",
+        "'5 us'",
+    ),
+    "macro_step=1e-18": ("--set macro_step = 1e-18 s: must be at least 1.4e-14 s with stop_time = 0.12 s",),
+    "output_step=1": ("--set output_step = 1 s: must not be longer than stop_time = 0.12 s", "leave it out"),
+    "stop_time=[1]": ("stop_time", "number of seconds"),
+    "start=rest": ("start", "rest", "equilibrium"),
+    "start=equilibrum": ("start", "did you mean equilibrium?"),
+    "name=a/b": ("name", "a/b"),
+    "tolerance=3": ("tolerance", "table"),
+    "tolerance.contact.load=-1": ("tolerance.contact.load", "-1", "> 0"),
+    "connections=['a b']": ("connections", "a b", "instance.output -> instance.input"),
+    "reference.toleranc=2": ("reference.toleranc", "did you mean tolerance?"),
+    "master.name=jacob": ("master.name", "did you mean jacobi?"),
+    "master.name=gauss": (
+        "--set master.name: 'gauss': must be one of jacobi, gauss_seidel, iterated, newton; did you mean "
+        "gauss_seidel?",
+    ),
+    "master.tolerance=3": ("master.tolerance", "gauss_seidel"),
+    "master.extrapolation=cubic": ("extrapolation", "cubic", "quadratic"),
+    "reference.enabled=maybe": ("reference.enabled", "maybe", "true or false"),
+    "master.extrapolation=Quadratc": ("--set master.extrapolation", "did you mean quadratic?"),
+    "components.camshaft.participant=in_process": ("participant", "did you mean in-process?"),
+    "components.camshft.parameters.flexible=true": ("camshft", "did you mean camshaft?"),
+    "components.camshaft.component=camshft": ("camshft", "did you mean camshaft?"),
+    "components.camshaft.participnt=fmu": ("participnt", "did you mean participant?"),
+    "components.camshaft.participant=matlab": ("matlab", "in-process"),
+    "components.camshaft.parameters.flexibl=true": ("flexibl", "did you mean flexible?"),
+    "components.camshaft.parameters.flexible=2": ("flexible", "true or false"),
+    "components.camshaft.parameters.lift=true": ("lift", "number"),
+    "components.camshaft.parameters.lift=3 kg": ("lift", "kg", "like m"),
+    "components.camshaft.parameters.lift=[1]": ("lift", "must be a number"),
+    "components.camshaft.start.twst=1": ("start.twst", "did you mean twist?"),
+    "components.contact.parameters.film_model=kushwa": (
+        "film_model",
+        "kushwa",
+        "dowson_higginson",
+        "did you mean kushwaha?",
+    ),
+    "components.contact.parameters.film_model=3": ("film_model", "3", "one of"),
+    "components.valve_spring.structure.coils=3": ("coils", "did you mean coil_masses?"),
+    "components.valve_spring.structure.coil_masses=0": ("coil_masses", "0", "from 1 to 500"),
+    "components.valve_spring.structure.coil_masses=2.5": ("coil_masses", "2.5", "integer"),
+    "components.camshaft.structure.cams=2": ("cams", "no structural sizes"),
+    "macro_step": ("macro_step", "path=value"),
+    "master.order=[1]": ("--set master.order[0] = 1: must be a string",),
+    "tolerance.contact.load=nan": ("--set tolerance.contact.load = nan: must be a finite number > 0",),
+    "tolerance.contact.load=inf": ("--set tolerance.contact.load = inf: must be a finite number > 0",),
+    "step_control.relative=nan": ("--set step_control.relative = nan: must be a finite number > 0",),
+    "step_control.relative=1": ("--set step_control.relative = 1: must be < 1",),
+    "step_control={minimum_step='1 us', maximum_step='1 ns'}": (
+        "--set step_control.minimum_step = 1e-06 s: must not be longer than maximum_step = 1e-09 s",
+    ),
+    "components.camshaft.retries=-1": ("--set components.camshaft.retries = -1: must be >= 0",),
+    "components.camshaft.retries=21": ("--set components.camshaft.retries = 21: must be <= 20",),
+    "event_tolerance=1 s": ("--set event_tolerance = 1 s: must be shorter than macro_step = 5e-06 s",),
+    "event_tolerance=true": ("--set event_tolerance = true: must be a time", "'2 us'"),
+    "step_control.relative=1 %": ("--set step_control.relative = '1 %': must be a number, without a unit",),
+    "ledger=true": ("--set ledger: unknown key 'ledger'; did you mean energy.ledger?",),
+    "relative=1e-6": ("--set relative: unknown key 'relative'; did you mean step_control.relative?",),
+    "order=['contact']": ("--set order: unknown key 'order'; did you mean master.order?",),
+    "energy=true": ("--set energy = true: must be a table",),
+}
+
+
+@pytest.mark.parametrize("override", BAD)
+def test_a_mistake_is_one_message_that_names_it(override: str) -> None:
+    with pytest.raises(ScenarioError) as error:
+        load("valve-train", [override])
+    message = str(error.value)
+    assert all(word in message for word in BAD[override]), message
+    assert "\n" not in message
+
+
+BAD_SYSTEMS = {
+    "master={name='newton', iterate=['contact', 'contact']}": ("master.iterate", "'contact' is named twice"),
+    "components.valve_spring.parameters.valve_mass=-0.2": ("valve_spring.valve_mass = -0.2 kg", "> 0"),
+    "components.camshaft.parameters.base_radius=2 mm": ("curvature", "undercut"),
+    "tolerance.contact.lod=1e-3": ("contact.lod", "contact.load"),
+    "components.contact.inputs.approach=1": ("contact.approach", "constant value", "keep one"),
+    "master={name='iterated', iterate=['contact']}": ("master.iterate = contact", "nothing to iterate one"),
+    "master.order=['camshaft']": ("master.order = camshaft", "each of flywheel"),
+    "components.contact.participant=nowhere.fmu": ("contact", "nowhere.fmu", "no such file"),
+}
+
+
+@pytest.mark.parametrize("override", BAD_SYSTEMS)
+def test_an_impossible_system_is_one_message(override: str) -> None:
+    with pytest.raises((ScenarioError, ModelError)) as error:
+        build_system(load("valve-train", [override]))
+    assert all(word in str(error.value) for word in BAD_SYSTEMS[override]), error.value
+
+
+@pytest.mark.parametrize("table", ["step_control", "reference", "energy", "components.camshaft"])
+def test_an_unknown_key_of_any_table_is_one_message(table: str) -> None:
+    with pytest.raises(ScenarioError, match=rf"^--set {table}\.colour: unknown key; known: \w+"):
+        load("valve-train", [f"{table}.colour=1"])
+
+
+@pytest.mark.parametrize("master", ["iterated", "newton"])
+def test_what_is_iterated_are_components(master: str) -> None:
+    with pytest.raises(ScenarioError, match=r"master\.iterate: .*'contct'; did you mean contact\?"):
+        build_system(load("valve-train", [f"master.name={master}", "master.iterate=['camshaft', 'contct']"]))
+
+
+def test_the_energy_residual_needs_an_exchanged_power_bond() -> None:
+    """The quarter car's bond has a force that is not exchanged: no error would be seen, whatever the step."""
+    changes = ["master={name='jacobi'}", "step_control={estimator='energy'}"]
+    with pytest.raises(
+        ScenarioError, match=r"step_control\.estimator = 'energy': no power bond .* use schierz"
+    ):
+        build_system(load("quarter-car", changes))
+    build_system(load("two-masses", changes))
+
+
+@pytest.mark.parametrize("start", ["given", "equilibrium"])
+def test_a_start_outside_the_walls_is_one_message(start: str) -> None:
+    """At the flywheel's start angle, before anything is stepped; in-process participants say the same."""
+    changes = ["components.slider_crank.start.psi=0.02", "components.flywheel.start.angle=90 deg"]
+    scenario = load("slider-crank", [*changes, f"start={start}"])
+    said = r"slider_crank(\.|: )psi = 0\.02 rad .* at crank_angle = 1\.5708 rad"
+    with pytest.raises(ModelError, match=said):
+        resolve_start(scenario, build_system(scenario))
+    system = build_system(load("slider-crank", [*changes, "start=equilibrium"]))
+    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    with pytest.raises(ParticipantError, match=said):
+        simulate(system, units, scenario.master.build(), 1e-4, 1e-3)
+
+
+BAD_CONNECTIONS = {
+    "camshaft.surface_position -> contact.retreat": ("contact.retreat", "two sources", "valve_spring"),
+    "camshaft.lift_off -> flywheel.drive_torque": ("camshaft.lift_off", "no output"),
+    "camshaft.cam_lift -> flywheel.drive_torqe": ("no input", "did you mean drive_torque?"),
+    "camshaft.cam_lift -> flywheel.drive_torque": ("unit m", "N.m"),
+    "cam.lift -> flywheel.drive_torque": ("no component 'cam'", "camshaft"),
+}
+
+
+@pytest.mark.parametrize("line", BAD_CONNECTIONS)
+def test_a_bad_connection_is_one_message(line: str, tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(f'extends = "valve-train"\nconnections = ["{line}"]\n')
+    with pytest.raises(ModelError) as error:
+        build_system(load(file))
+    assert all(word in str(error.value) for word in BAD_CONNECTIONS[line]), error.value
+
+
+def test_a_mistake_is_marked_by_where_it_was_made(tmp_path: Path) -> None:
+    """A file's own fault stays the file's; what --set does to other keys is --set's."""
+    file = tmp_path / "mine.toml"
+    file.write_text('extends = "valve-train"\nstart = "rest"\n')
+    with pytest.raises(ScenarioError) as error:
+        load(file, ["stop_time=1 us", "master.extrapolation=cubic"])
+    lines = str(error.value).split("\n")
+    assert [line.split(" = ")[0] for line in lines] == [
+        "--set macro_step",
+        "--set output_step",
+        "mine.toml: start",
+        "--set master.extrapolation",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (
+            "[components.contact]\nmacro_step = 1",
+            "contact.macro_step: unknown key; put macro_step",
+        ),
+        (
+            "[components.contact.parameters]\nstop_time = 1",
+            "no such parameter; put stop_time",
+        ),
+        (
+            "[master]\nname = 'iterated'\nstop_time = 1",
+            "no such option; put stop_time",
+        ),
+        ("ledger = true", "ledger: unknown key; did you mean energy.ledger?"),
+    ],
+)
+def test_a_key_in_a_wrong_table_is_sent_to_its_own(content: str, message: str, tmp_path: Path) -> None:
+    """In TOML a key belongs to the table above it, also where it was meant for the whole file."""
+    file = tmp_path / "mine.toml"
+    file.write_text(f'extends = "valve-train"\n{content}\n')
+    with pytest.raises(ScenarioError) as error:
+        load(file)
+    assert message in str(error.value)
+
+
+def test_without_an_equilibrium_the_odd_parameter_and_the_cure_are_named() -> None:
+    scenario = load("valve-train", ["components.contact.parameters.viscosity=8"])
+    with pytest.raises(ModelError) as error:
+        resolve_start(scenario, build_system(scenario))
+    assert "contact.viscosity = 8 Pa.s" in str(error.value)
+    assert 'start = "given"' in str(error.value)
+
+
+def test_a_bad_file_in_place_of_a_component_is_the_participants_fault(tmp_path: Path) -> None:
+    (tmp_path / "text.fmu").write_text("no archive")
+    table = "stop_time = 1\nmacro_step = 0.1\nreference.enabled = false\n[components.cam]\n"
+    for name, words in {"none.fmu": "no such file", "text.fmu": "not an FMU"}.items():
+        file = tmp_path / "mine.toml"
+        file.write_text(f"{table}participant = '{name}'\nparameters = {{ lift = 1 }}\n")
+        with pytest.raises(ScenarioError) as error:
+            load(file)
+        assert str(error.value).startswith(f"mine.toml: components.cam.participant: {tmp_path / name}: ")
+        assert words in str(error.value)
+        assert "\n" not in str(error.value)
+
+
+def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+    broken = tmp_path / "broken.toml"
+    broken.write_text("macro_step = \n")
+    loop = tmp_path / "loop.toml"
+    loop.write_text('extends = "loop.toml"\n')
+    bare = tmp_path / "bare.toml"
+    bare.write_text("macro_step = 1e-5\n")
+    binary = tmp_path / "binary.toml"
+    binary.write_bytes(b"\xff\xfe\x00")
+    for name, words in {
+        broken: ("broken.toml", "not a valid TOML file", "line 1"),
+        loop: ("loop.toml", "extends itself"),
+        bare: ("components: missing", "stop_time: missing", "tolerance: missing"),
+        binary: ("binary.toml", "not a valid TOML file"),
+        tmp_path / "none.toml": ("none.toml", "no such scenario file"),
+        tmp_path: (str(tmp_path), "is a folder; give a file in it", "bare.toml"),
+        "valve-trian": ("valve-trian", "did you mean valve-train?"),
+    }.items():
+        with pytest.raises(ScenarioError) as error:
+            load(name)
+        assert all(word in str(error.value) for word in words), error.value
+
+
+@pytest.mark.parametrize("setting", ["motion=free", "final_speed=2000 rpm", "initial_speed=0"])
+def test_without_a_constant_speed_revolutions_are_refused(setting: str) -> None:
+    with pytest.raises(ScenarioError) as error:
+        load("valve-train", ["stop_time=2 revolutions", f"components.flywheel.parameters.{setting}"])
+    assert "stop_time = '2 revolutions'" in str(error.value)
+    assert "constant speed" in str(error.value)
+
+
+def test_without_a_drive_revolutions_are_refused() -> None:
+    with pytest.raises(ScenarioError, match="stop_time"):
+        load("two-masses", ["stop_time=2 revolutions"])
+
+
+@pytest.mark.parametrize("wrong", ["parameters=3", "parameters.initial_speed=[1]"])
+def test_a_wrong_type_is_the_fault_and_not_the_duration(wrong: str) -> None:
+    with pytest.raises(ScenarioError) as error:
+        load("valve-train", ["stop_time=2 revolutions", f"components.flywheel.{wrong}"])
+    assert f"components.flywheel.{wrong.partition('=')[0]}" in str(error.value)
+    assert "stop_time" not in str(error.value)
+
+
+def test_a_wrong_speed_is_the_fault_and_not_the_duration() -> None:
+    with pytest.raises(ScenarioError) as error:
+        load("valve-train", ["stop_time=2 revolutions", "components.flywheel.parameters.initial_speed=3 kg"])
+    assert "components.flywheel.parameters.initial_speed" in str(error.value)
+    assert "stop_time" not in str(error.value)

@@ -1,0 +1,64 @@
+"""What is no mistake but hardly meant is warned of: keys without effect, slips of the unit."""
+
+import tomllib
+
+import pytest
+
+from orchestrator.scenario import build_scenario
+from orchestrator.scenario.files import list_shipped, load, to_full_toml
+from orchestrator.scenario.warnings import list_warnings
+
+
+def test_what_has_no_effect_is_noticed() -> None:
+    assert list_warnings(load("valve-train")) == []
+    assert list_warnings(load("valve-train-controlled")) == []
+    (said,) = list_warnings(load("valve-train-controlled", ["output_step=1 ms"]))
+    assert said.startswith("output_step = 0.001 s: has no effect: [step_control] records every step")
+    corrected = ["master={name='jacobi'}", "energy.correction=true"]
+    (said,) = list_warnings(load("two-masses", corrected))
+    assert said.startswith(
+        "energy.correction = true: the energy given back is not counted; set energy.ledger = true"
+    )
+    assert list_warnings(load("two-masses", [*corrected, "energy.ledger=true"])) == []
+    given = "components.contact.parameters.load_is_given=true"
+    (said,) = list_warnings(load("valve-train", [given]))
+    assert "nothing drives contact.applied_load" in said
+    assert list_warnings(load("valve-train", [given, "components.contact.inputs.applied_load=300"])) == []
+
+
+SLIPS = {
+    "valve_spring.parameters.spring_rate=45": "45 N/mm",
+    "valve_spring.parameters.valve_mass=150": "150 g",
+    "flywheel.parameters.initial_speed=3000": "3000 rpm",
+    "flywheel.start.speed=2000": "2000 rpm",
+    "camshaft.parameters.base_radius=17": "17 mm",
+    "camshaft.parameters.phase=90": "90 deg",
+    "contact.parameters.viscosity=8": "8 mPa.s",
+    "contact.parameters.youngs_modulus_1=207": "207 GPa",
+    "contact.start.film_thickness=0.1": "0.1 um",
+}
+
+
+@pytest.mark.parametrize("setting", SLIPS)
+def test_a_slip_of_the_unit_is_doubted_with_both_readings(setting: str) -> None:
+    path, number = setting.split("=")
+    (doubt,) = list_warnings(load("valve-train", [f"components.{setting}"]))
+    assert doubt.startswith(f"components.{path} = {number} ")
+    assert f"did you mean {SLIPS[setting]}?" in doubt
+    assert list_warnings(load("valve-train", [f"components.{path}={SLIPS[setting]}"])) == []
+
+
+def test_a_number_with_its_unit_is_not_doubted() -> None:
+    assert (
+        list_warnings(load("valve-train", ["components.flywheel.parameters.initial_speed=14000 rpm"])) == []
+    )
+
+
+@pytest.mark.parametrize("name", sorted(list_shipped()))
+def test_no_value_of_a_shipped_scenario_is_doubted(name: str) -> None:
+    """Nor any default: written out, the numbers have no units."""
+    assert not [
+        line
+        for line in list_warnings(build_scenario(tomllib.loads(to_full_toml(load(name)))))
+        if "did you mean" in line
+    ]
