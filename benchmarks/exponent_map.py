@@ -11,7 +11,7 @@ import time
 import numpy as np
 
 from models.compile.parallel import cores
-from models.slider_crank.machine import Machine
+from models.slider_crank.motions.machine import Machine
 from models.slider_crank.motions.maps import exponent_map
 
 from .measure import measure_medians

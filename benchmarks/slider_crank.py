@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from models.slider_crank.equations import flight_acceleration, rebound, wall_angle, wall_rate
-from models.slider_crank.machine import Machine, Motion
+from models.slider_crank.motions.machine import Machine, Motion
 
 from . import fixed_step
 from .measure import measure_medians

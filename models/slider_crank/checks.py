@@ -1,4 +1,4 @@
-"""What the ranges of parameters and start states alone cannot say."""
+"""Requirements on several parameters or start values of the slider-crank."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from .crank import crank_turns
 from .flight.bouncing import LOWER, UPPER
 from .forms import NONLINEAR
 from .records import SliderCrankInputs, SliderCrankParameters, SliderCrankState
-from .walls import wall
+from .walls import wall_psi
 
 # psi of the linear forms, in rad: sin psi is psi to 0.2 % there.
 SMALL_ANGLE = 0.1
-# A start psi is typed in some digits, and sliding it is the wall's anyway: outside a wall, or off the wall
-# on which it is to slide, by this part of the travel it is taken to be on it.
+# Tolerances of a typed start psi, as parts of the travel: outside a wall in flight, and beside the wall on
+# which it slides (there psi is computed from the wall).
 OUTSIDE, BESIDE = 1e-6, 0.05
 
 
 @kernel
 def is_almost_linear(p: SliderCrankParameters, told: Vector) -> bool:
-    """Of the linear forms, with a crank that turns."""
+    """Linear forms need a small psi; checked if the crank can turn."""
     if p.form == NONLINEAR or p.crank_radius >= p.rod_length:
         return True
     # psi <= gap / sqrt(1 - xi^2).
@@ -34,7 +34,7 @@ def is_almost_linear(p: SliderCrankParameters, told: Vector) -> bool:
 
 @kernel
 def rod_stays_along(p: SliderCrankParameters, told: Vector) -> bool:
-    """Of the nonlinear form, with a crank that turns."""
+    """The nonlinear form needs a rod that cannot stand across; checked if the crank can turn."""
     room = p.rod_length - p.crank_radius
     told[0], told[1] = p.clearance, room
     return p.form != NONLINEAR or room <= 0.0 or p.clearance < room
@@ -49,8 +49,8 @@ class Room(NamedTuple):
 
 
 @kernel
-def room(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> Room:
-    upper, lower = wall(UPPER, x, u, p), wall(LOWER, x, u, p)
+def measure_room(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> Room:
+    upper, lower = wall_psi(UPPER, x, u, p), wall_psi(LOWER, x, u, p)
     return Room(upper, lower, upper - lower)
 
 
@@ -59,28 +59,28 @@ def films_leave_room(
     x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, told: Vector
 ) -> bool:
     told[0], told[1], told[2], told[3] = x.psi, x.upper_wall_film, x.lower_wall_film, p.clearance
-    return room(x, u, p).travel >= 0.0
+    return measure_room(x, u, p).travel >= 0.0
 
 
 @kernel
 def slides_on_a_wall(
     x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, told: Vector
 ) -> bool:
-    """Where its mode says so, and there is room."""
-    walls = room(x, u, p)
+    """A slider with mode +-1 is on that wall; checked if there is room."""
+    walls = measure_room(x, u, p)
     on_upper = x.mode > 0.0
-    needed = walls.upper if on_upper else walls.lower
+    required = walls.upper if on_upper else walls.lower
     told[0] = 1.0 if on_upper else 0.0
-    told[1], told[2], told[3], told[4] = x.mode, needed, u.crank_angle, x.psi
-    return x.mode == 0.0 or not walls.travel >= 0.0 or abs(x.psi - needed) <= BESIDE * walls.travel
+    told[1], told[2], told[3], told[4] = x.mode, required, u.crank_angle, x.psi
+    return x.mode == 0.0 or not walls.travel >= 0.0 or abs(x.psi - required) <= BESIDE * walls.travel
 
 
 @kernel
 def starts_between_walls(
     x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters, told: Vector
 ) -> bool:
-    """In flight, where there is room."""
-    walls = room(x, u, p)
+    """A free slider is between the walls; checked if there is room."""
+    walls = measure_room(x, u, p)
     slack = OUTSIDE * walls.travel
     told[0], told[1], told[2], told[3] = x.psi, walls.lower, walls.upper, u.crank_angle
     inside = walls.lower - slack <= x.psi <= walls.upper + slack

@@ -1,4 +1,4 @@
-"""What crank and rod must be, whatever they drive."""
+"""Requirement on crank and rod, shared by slider-crank and cylinder gas."""
 
 from __future__ import annotations
 
@@ -10,6 +10,6 @@ from ..core.quantities import Vector
 
 @kernel
 def crank_turns(p: Any, told: Vector) -> bool:
-    """With crank_radius and rod_length of the parameters; tells both."""
+    """The crank is shorter than the rod; reports both."""
     told[0], told[1] = p.crank_radius, p.rod_length
     return p.crank_radius < p.rod_length

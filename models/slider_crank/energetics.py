@@ -1,4 +1,4 @@
-"""Kinetic energy and crank torque that belong to the linear equation of motion.
+"""Kinetic energy and crank torque of the linear equation of motion.
 
 In the two coordinates theta (crank) and psi the exact kinetic energy over M l^2 is
 

@@ -1,4 +1,4 @@
-"""Along an exact motion at constant crank speed: the state at a position, and samples between two events."""
+"""State at a position of an exact flight, and samples of the flight between two events."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ PANEL = 0.4
 NODES, WEIGHTS = (tuple(float(v) for v in values) for values in np.polynomial.legendre.leggauss(8))
 
 
-def make_leave(component: Component) -> Any:
-    """leave(position, x, u, p): put psi and its rate at the position into x."""
+def make_write_state(component: Component) -> Any:
+    """write_state(position, x, u, p): write psi and psi' at the position into the state x."""
     P = component.parameters.dtype
     psi_at, rate_at = (component.state.index(name) for name in ("psi", "psi_rate"))
     angle_at, speed_at = component.inputs.index("crank_angle"), component.inputs.index("crank_speed")
 
     @kernel
-    def leave(position: Any, x: Any, u: Any, p: Any) -> None:
+    def write_state(position: Any, x: Any, u: Any, p: Any) -> None:
         parameters = record_of(p, P)
         theta, speed, m = u[angle_at], u[speed_at], mechanism(parameters)
         psi = wall_angle(parameters.form, theta, position[Y], m)
@@ -36,13 +36,13 @@ def make_leave(component: Component) -> Any:
         x[psi_at] = psi
         x[rate_at] = wall_rate(parameters.form, theta, speed, psi, m) + position[RATE_OF_Y] * speed / slope
 
-    return leave
+    return write_state
 
 
 class FlightCall(NamedTuple):
-    """The data of one call of `advance`: time at its start, its arguments, the flow, and scratch vectors."""
+    """Arguments of one call of `advance`, its flow and its scratch vectors."""
 
-    t: float
+    t: float  # at the start of the step
     x: Any  # state, with the mode between two events
     U: Any  # polynomials of the inputs
     p: Any  # parameters
@@ -56,23 +56,23 @@ class FlightCall(NamedTuple):
 
 
 @kernel
-def _nothing(start: float, end: float, w: FlightCall, position: Any) -> None:
+def _sample_nothing(start: float, end: float, w: FlightCall, position: Any) -> None:
     return
 
 
-def make_follow(component: Component, next_event: Any, cells: int) -> Any:
-    """follow(start, end, w, position): samples from start to end of a step, between two events, for a
-    component that asks for them (see `models.core.quadrature`).
+def make_sample_flight(component: Component, next_event: Any, cells: int) -> Any:
+    """sample_flight(start, end, w, position): sample the motion between two events of a step.
 
-    `position` is that at the start; it is changed, as are w.xd and w.u.
+    Components with a `sample` kernel ask for this (see `models.core.quadrature`). `position` is that at the
+    start; the kernel changes it, w.xd and w.u.
     """
     if component.sample is None:
-        return _nothing
-    sample, leave = component.sample, make_leave(component)
+        return _sample_nothing
+    sample, write_state = component.sample, make_write_state(component)
     mode_at, speed_at = component.state.index("mode"), component.inputs.index("crank_speed")
 
     @kernel
-    def follow(start: float, end: float, w: FlightCall, position: Any) -> None:
+    def sample_flight(start: float, end: float, w: FlightCall, position: Any) -> None:
         speed = w.U[0, speed_at]
         place = position[CELL] + position[FRACTION]
         panels = int((end - start) * speed / PANEL) + 1
@@ -85,7 +85,7 @@ def make_follow(component: Component, next_event: Any, cells: int) -> Any:
                     at = place + (s - start) * speed * cells / (2.0 * math.pi)
                     next_event(w.flow, w.walls, position, int(at), at - int(at), w.scratch)
                     taylor(w.U, s, w.u)
-                    leave(position, w.xd, w.u, w.p)
+                    write_state(position, w.xd, w.u, w.p)
                 sample(half * WEIGHTS[node], w.t, s, w.xd, w.U, w.u, w.p, w.work)
 
-    return follow
+    return sample_flight

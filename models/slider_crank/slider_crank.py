@@ -2,7 +2,7 @@
 
 Farahanchi 1991 (F); see `forms` for the equations of motion, walls, energy and crank torque, `walls` for
 the films on the walls. The crank's angle, speed and acceleration are given; F assumes constant speed, here
-the acceleration enters exactly to the order of the form.
+the acceleration counts too, to the order of the form.
 """
 
 from __future__ import annotations
@@ -34,7 +34,16 @@ from .records import (
     mechanism,
 )
 from .steady import EXTRA_WORK, make_advance
-from .walls import UNRESOLVED, Motion, ends_chatter, film_change, resolution, riding, wall, wall_force
+from .walls import (
+    UNRESOLVED,
+    Motion,
+    ends_chatter,
+    film_change,
+    resolution,
+    wall_force,
+    wall_motion,
+    wall_psi,
+)
 
 # Guards.
 UPPER_WALL, LOWER_WALL, RELEASE = 0, 1, 2
@@ -46,7 +55,7 @@ INSIDE = 4.4e-16
 def motion(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> Motion:
     """By F (2.13) in flight, the wall's while sliding."""
     if x.mode != FREE:
-        return riding(x.mode, x, u, p)
+        return wall_motion(x.mode, x, u, p)
     theta, speed, acceleration = u.crank_angle, u.crank_speed, u.crank_acceleration
     change = flight_acceleration(p.form, theta, speed, acceleration, x.psi, x.psi_rate, mechanism(p))
     return Motion(x.psi, x.psi_rate, change)
@@ -90,14 +99,14 @@ def guards(t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankPa
     g[LOWER_WALL] = 1.0
     g[RELEASE] = 1.0
     if x.mode == FREE:
-        g[UPPER_WALL] = wall(UPPER, x, u, p) - x.psi
-        g[LOWER_WALL] = x.psi - wall(LOWER, x, u, p)
+        g[UPPER_WALL] = wall_psi(UPPER, x, u, p) - x.psi
+        g[LOWER_WALL] = x.psi - wall_psi(LOWER, x, u, p)
     else:
-        g[RELEASE] = wall_force(x.mode, riding(x.mode, x, u, p), u, p)
+        g[RELEASE] = wall_force(x.mode, wall_motion(x.mode, x, u, p), u, p)
 
 
 @kernel
-def energy_now(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
+def stored_energy(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
     """Kinetic energy (J)."""
     now = motion(x, u, p)
     scale = p.piston_mass * p.rod_length**2
@@ -107,27 +116,27 @@ def energy_now(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParamete
 @kernel
 def transition(k: int, t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> None:
     """Impact F (2.17), the beginning of sliding after the last impact, or the release of the slider."""
-    before = energy_now(x, u, p)
+    before = stored_energy(x, u, p)
     if k == RELEASE:
         release(x, u, p)
-        count(t, x)
+        count_event(t, x)
     else:
         strike(UPPER if k == UPPER_WALL else LOWER, t, x, u, p)
-    x.impact_work += energy_now(x, u, p) - before
+    x.impact_work += stored_energy(x, u, p) - before
 
 
 @kernel
 def release(x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> None:
     """Flight begins on the wall, with the wall's rate (F appendix B)."""
-    on = riding(x.mode, x, u, p)
+    on = wall_motion(x.mode, x, u, p)
     x.psi = on.psi - x.mode * INSIDE * resolution(on.psi, p)
     x.psi_rate = on.rate
     x.mode = FREE
 
 
 @kernel
-def count(t: float, x: SliderCrankState) -> None:
-    """An event has happened."""
+def count_event(t: float, x: SliderCrankState) -> None:
+    """Count an event and note its time."""
     x.event_count += 1.0
     x.last_event_time = t
 
@@ -136,19 +145,19 @@ def count(t: float, x: SliderCrankState) -> None:
 def strike(
     side: float, t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters
 ) -> None:
-    """The slider has reached a wall.
+    """Impact of the slider on a wall.
 
-    At the end of chatter it slides: then this impact is plastic, the limit of the remaining ones.
+    At the end of chatter the impact is plastic, the limit of the remaining ones, and sliding begins.
     """
     m = mechanism(p)
-    on = riding(side, x, u, p)
+    on = wall_motion(side, x, u, p)
     slope = offset_slope(p.form, u.crank_angle, on.psi, m)
     size = resolution(on.psi, p)
     approach = side * (x.psi_rate - on.rate)
     x.psi = on.psi - side * INSIDE * size
-    if approach < 0.0:  # found outside a wall that has jumped, and leaving already
+    if approach < 0.0:  # outside a wall that has jumped, and already leaving it
         return
-    count(t, x)
+    count_event(t, x)
     pressing = wall_force(side, on, u, p) * slope / (inertia(m) * p.piston_mass * p.rod_length)
     slides = ends_chatter(p.restitution * approach, pressing, UNRESOLVED * size, u, p)
     restitution = 0.0 if slides else p.restitution
@@ -157,7 +166,7 @@ def strike(
     impulse = inertia(m) * p.piston_mass * p.rod_length * abs(jump) / slope
     velocity = approach * p.rod_length * slope
     x.impact_loss += 0.5 * (1.0 - restitution) * impulse * velocity
-    # What is lost has left the kinetic energy, not entered it as work.
+    # `transition` adds the change of kinetic energy; the loss in it is no work.
     x.impact_work += 0.5 * (1.0 - restitution) * impulse * velocity
     taken = crank_impulse(p.form, u.crank_angle, on.psi, jump, m)
     x.crank_impact_impulse += p.piston_mass * p.rod_length**2 * taken
@@ -217,7 +226,7 @@ def energy(t: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankPa
     """Stored: kinetic energy of the form. Dissipated: joint friction, and at impacts `impact_loss`. Source:
     the film that moves the wall under a sliding piston."""
     now = motion(x, u, p)
-    e[0] = energy_now(x, u, p)
+    e[0] = stored_energy(x, u, p)
     e[1] = p.joint_friction * joint_rate(u.crank_angle, u.crank_speed, now.rate, mechanism(p)) ** 2
     e[2] = 0.0
     if x.mode != FREE:

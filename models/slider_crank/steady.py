@@ -1,20 +1,20 @@
 """The component's advance at constant crank speed: exact flights instead of integration.
 
-Inside a step in which the crank turns uniformly and no film is on the walls, the motion is that of
-`bouncing`, on a flow tabulated once for the parameters and the speed. Everything else goes to the hybrid
-integrator. The table is derived data in the scratch vector: the state alone decides what happens.
+A step in which the crank turns uniformly, without films on the walls, is computed by `bouncing`, on a flow
+that is tabulated once for the parameters and the speed. All other steps use the hybrid integrator. The table
+is in the scratch vector and follows from the parameters: results depend on the state alone.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..compile.kernel import borrow, kernel, record_of, shaped
 from ..core.hybrid import MOST_EVENTS, hybrid_work_size, make_hybrid_advance
 from ..core.integrator import OK, TOO_MANY_EVENTS, copy, taylor
 from .equations import Mechanism
-from .flight import either
+from .flight import linear, pendulum
 from .flight.bouncing import (
     CELL,
     END,
@@ -30,14 +30,14 @@ from .flight.bouncing import (
     UPPER_IMPACT,
     Walls,
     Y,
+    make_next_event,
 )
-from .flight.either import EitherFlow
 from .flight.flow import COLUMNS, FEWEST_CELLS, UNRESOLVED, Flow, tabulate
 from .flight.samples import sample_flow, sample_pressing
 from .flight.series import TERMS
 from .forms import NONLINEAR, offset, offset_slope, wall_rate
 from .records import WALL_FILMS, mechanism
-from .sample_flight import NODES, PANEL, WEIGHTS, FlightCall, make_follow, make_leave
+from .sample_flight import NODES, PANEL, WEIGHTS, FlightCall, make_sample_flight, make_write_state
 
 if TYPE_CHECKING:
     from ..core.component import Component
@@ -59,8 +59,38 @@ _POSITION = _SCRATCH + POSITION_SIZE
 EXTRA_WORK = _POSITION + 8
 
 
+class AnyFlow(NamedTuple):
+    """A flow of any form: the fields of `flow.Flow` and of `pendulum.PendulumFlow`."""
+
+    form: float
+    mechanism: Mechanism
+    xi: float
+    cells: Any
+    ends: Any
+    bounds: Any
+    pressing: Any
+
+
 @kernel
-def parts(xi: float, extra: Any) -> Any:
+def dispatch_flight(flow: Any, position: Any, scratch: Any) -> float:
+    """`flight` of the flow's form."""
+    if flow.form == NONLINEAR:
+        return pendulum.flight(flow, position, scratch)
+    return linear.flight(flow, position, scratch)
+
+
+@kernel
+def dispatch_skip(flow: Any, walls: Walls, position: Any) -> bool:
+    """`skip` of the flow's form."""
+    return flow.form != NONLINEAR and linear.skip(flow, walls, position)
+
+
+# The form is chosen flight by flight, so that one compiled component serves all forms.
+next_event = make_next_event(dispatch_flight, dispatch_skip)
+
+
+@kernel
+def split_scratch(xi: float, extra: Any) -> Any:
     """Flow, position, scratch, key, and room for `flow.tabulate`, in the extra scratch."""
     flow = Flow(
         xi,
@@ -82,7 +112,7 @@ def parts(xi: float, extra: Any) -> Any:
 def tabulate_for(form: float, m: Mechanism, gap: float, flow: Flow, key: Any, room: Any) -> bool:
     """Fill `flow` for a mechanism at unit speed, if it is not there already; False if it is unresolved.
 
-    room: samples, modes and series as `flow.tabulate` needs them. key: what the table was made for.
+    room: samples, modes and series for `flow.tabulate`. key: form, mechanism and gap of the table.
     """
     known = key[7] != 0.0 and key[0] == form and key[6] == gap
     known = known and key[1] == m.xi and key[2] == m.alpha and key[3] == m.beta
@@ -99,17 +129,19 @@ def tabulate_for(form: float, m: Mechanism, gap: float, flow: Flow, key: Any, ro
     return key[7] > 0.0
 
 
-def make_press(component: Component) -> Any:
-    """press(start, end, w): add the time integrals of the sliding forces from start to end of the step.
+def make_integrate_forces(component: Component) -> Any:
+    """integrate_forces(start, end, w): integrate the wall forces of a sliding slider over time.
 
-    A release comes after the force's zero (PAST_ZERO): a wall has not pulled before.
+    The result is added to the state.
+
+    A release is found PAST_ZERO after the force's zero; the small negative force until then is left out.
     """
     derivative = component.flat_derivative
     upper_at, lower_at = (component.state.index(f"{side}_force_integral") for side in ("upper", "lower"))
     speed_at = component.inputs.index("crank_speed")
 
     @kernel
-    def press(start: float, end: float, w: FlightCall) -> None:
+    def integrate_forces(start: float, end: float, w: FlightCall) -> None:
         panels = int((end - start) * w.U[0, speed_at] / PANEL) + 1
         half = 0.5 * (end - start) / panels
         for panel in range(panels):
@@ -120,13 +152,13 @@ def make_press(component: Component) -> Any:
                 w.x[upper_at] += half * WEIGHTS[node] * max(0.0, w.dx[upper_at])
                 w.x[lower_at] += half * WEIGHTS[node] * max(0.0, w.dx[lower_at])
 
-    return press
+    return integrate_forces
 
 
 def make_fly(component: Component) -> Any:
     """fly(h, w, position, before) -> status: exact motion over h; `before` is room for a position."""
-    leave, follow = make_leave(component), make_follow(component, either.next_event, CELLS)
-    press, transition = make_press(component), component.flat_transition
+    write_state, sample_flight = make_write_state(component), make_sample_flight(component, next_event, CELLS)
+    integrate_forces, transition = make_integrate_forces(component), component.flat_transition
     mode_at, speed_at = component.state.index("mode"), component.inputs.index("crank_speed")
     width = 2.0 * math.pi / CELLS
 
@@ -143,16 +175,16 @@ def make_fly(component: Component) -> Any:
             k = CELLS - 1 if whole else int(left)
             started = elapsed
             copy(before, position)
-            code = either.next_event(w.flow, w.walls, position, k, 1.0 if whole else left - k, w.scratch)
+            code = next_event(w.flow, w.walls, position, k, 1.0 if whole else left - k, w.scratch)
             elapsed = (position[CELL] + position[FRACTION] + turned * CELLS - first) * width / speed
             if code == END and not whole:
                 elapsed = h
             if x[mode_at] != FREE:
-                press(started, elapsed, w)
-            follow(started, elapsed, w, before)
+                integrate_forces(started, elapsed, w)
+            sample_flight(started, elapsed, w, before)
             taylor(w.U, elapsed, u)
             if code != END:
-                leave(position, x, u, w.p)
+                write_state(position, x, u, w.p)
                 transition(code - UPPER_IMPACT, w.t + elapsed, x, u, w.p)
                 settle(w.walls, position, code, x[mode_at])
                 events += 1
@@ -162,7 +194,7 @@ def make_fly(component: Component) -> Any:
                 position[CELL] = position[FRACTION] = 0.0
                 turned += 1
             else:
-                leave(position, x, u, w.p)
+                write_state(position, x, u, w.p)
                 return OK
 
     return fly
@@ -170,7 +202,7 @@ def make_fly(component: Component) -> Any:
 
 @kernel
 def settle(walls: Walls, position: Any, code: int, mode: float) -> None:
-    """Bring the position to what the component's transition has decided: `mode`."""
+    """Give the position the mode that the component's transition has chosen, and y' after the event."""
     if code == RELEASE:
         return
     side = UPPER if code == UPPER_IMPACT else LOWER
@@ -248,10 +280,10 @@ def make_advance(component: Component) -> Any:
         c = Mechanism(c.xi, c.alpha, c.beta, c.forcing_beta, c.damping / U[0, speed_at])
         gap = parameters.clearance / parameters.rod_length
         room = borrow(work)
-        table, position, scratch, key, samples = parts(c.xi, room[base:])
+        table, position, scratch, key, samples = split_scratch(c.xi, room[base:])
         if not tabulate_for(form, c, gap, table, key, samples):
             return hybrid(t, h, x, U, p, scale, work)
-        flow = EitherFlow(form, c, c.xi, table.cells, table.ends, table.bounds, table.pressing)
+        flow = AnyFlow(form, c, c.xi, table.cells, table.ends, table.bounds, table.pressing)
         walls = Walls(gap, gap, parameters.restitution, 0.0)
         start, u, dx, xd = room[:n], room[n : n + m], room[n + m : 2 * n + m], room[2 * n + m : 3 * n + m]
         before = room[3 * n + m : 3 * n + m + POSITION_SIZE]

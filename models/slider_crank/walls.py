@@ -1,10 +1,10 @@
-"""The walls of the slider-crank behind their films: where they are, how they move, what holds the slider.
+"""Walls of the slider-crank with lubricant films: place, motion, and force on the slider.
 
 A wall stands at the clearance less its film h_f, which follows the film thickness h that is given,
 
     T^2 h_f'' + 2 T h_f' + h_f = h,    T = film_lag,
 
-so that its place, velocity and acceleration are known at every instant and belong together. A film of
+so that its place, velocity and acceleration are consistent at every instant. A film of
 constant rate is followed 2 T late.
 """
 
@@ -17,7 +17,7 @@ from .flight.bouncing import CHATTER_LEFT, UPPER
 from .forms import holding_force, moving_wall_acceleration, moving_wall_rate, wall_angle
 from .records import SliderCrankInputs, SliderCrankParameters, SliderCrankState, mechanism
 
-# Bounces lower than this fraction of the wall's psi drown in its rounding, and end there at the latest (at
+# Bounces lower than this fraction of the wall's psi are rounding, and end there at the latest (at
 # a restitution of 0.9 some 1e-7 rad before the end of the chatter).
 UNRESOLVED = 1e-14
 
@@ -37,7 +37,7 @@ def film_change(film: float, rate: float, thickness: float, p: SliderCrankParame
 
 
 @kernel
-def wall(side: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
+def wall_psi(side: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> float:
     """psi at which the slider touches that wall."""
     film = x.upper_wall_film if side == UPPER else x.lower_wall_film
     gap = side * (p.clearance - film) / p.rod_length
@@ -45,7 +45,7 @@ def wall(side: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankP
 
 
 @kernel
-def riding(side: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> Motion:
+def wall_motion(side: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCrankParameters) -> Motion:
     """The motion of a slider that stays on that wall."""
     if side == UPPER:
         velocity = x.upper_wall_film_rate
@@ -55,7 +55,7 @@ def riding(side: float, x: SliderCrankState, u: SliderCrankInputs, p: SliderCran
         change = film_change(x.lower_wall_film, velocity, u.lower_film_thickness, p)
     theta, speed, m = u.crank_angle, u.crank_speed, mechanism(p)
     inwards = -side / p.rod_length
-    psi = wall(side, x, u, p)
+    psi = wall_psi(side, x, u, p)
     return Motion(
         psi,
         moving_wall_rate(p.form, theta, speed, psi, inwards * velocity, m),
@@ -79,7 +79,7 @@ def wall_force(side: float, on: Motion, u: SliderCrankInputs, p: SliderCrankPara
 
 @kernel
 def resolution(psi: float, p: SliderCrankParameters) -> float:
-    """The size of which a wall's psi has the rounding: a film may have brought it close to zero."""
+    """Size by which to judge the rounding of a wall's psi, which films may bring close to zero."""
     return max(abs(psi), p.clearance / p.rod_length)
 
 

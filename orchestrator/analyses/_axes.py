@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 
 from models.core.quantities import Vector
-from models.slider_crank.flight.gpu import NoDeviceError
+from models.slider_crank.motions.gpu import NoDeviceError
 from models.slider_crank.motions.maps import VARIABLES
 
 from ..errors import MistakeError

@@ -9,8 +9,8 @@ import numpy as np
 import xarray
 
 from models.core.quantities import Vector
-from models.slider_crank.flight import histories as h
-from models.slider_crank.machine import Events
+from models.slider_crank.motions import histories as h
+from models.slider_crank.motions.machine import Events
 from models.slider_crank.motions.statistics import Distribution, approach_velocities
 
 from ._machine import MACHINE, START, duration_parameters, simulate_motion

@@ -7,7 +7,7 @@ from dataclasses import fields
 from typing import Any
 
 from models.slider_crank.equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI
-from models.slider_crank.machine import FORMS, Machine, Motion
+from models.slider_crank.motions.machine import FORMS, Machine, Motion
 
 from ..errors import MistakeError
 from .protocol import Parameter

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from models.slider_crank.motions.basins import LEAST, basins
+from models.slider_crank.motions.basins import LEAST, find_basins
 
 from ._axes import report_mistakes
 from ._machine import MACHINE, build_machine
@@ -22,7 +22,7 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     psi = values["gap"] * np.linspace(-1.0, 1.0, count)
     rate = values["largest_rate"] * np.linspace(-1.0, 1.0, count)
     with report_mistakes(), show_progress("basins of attraction") as shown:
-        found = basins(machine, psi, rate, values["cycles"], progress=shown)
+        found = find_basins(machine, psi, rate, values["cycles"], progress=shown)
     period, exponent, error, starts = zip(*found.attractors, strict=True)
     return xarray.Dataset(
         {

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from models.slider_crank.motions.bifurcation import RECORDS, followed, from_rest
+from models.slider_crank.motions.bifurcation import RECORDS, continue_sweep, sweep_from_rest
 
 from ._axes import axis_parameters, read_axis, report_mistakes
 from ._machine import MACHINE, build_machine, duration_parameters
@@ -26,11 +26,11 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     how = (values["record"], values["cycles"], values["transient"])
     with report_mistakes(), show_progress("bifurcation diagram") as shown:
         if values["start"] == "from_rest":
-            diagrams = {REST: from_rest(machine, name, x, *how, progress=shown)}
+            diagrams = {REST: sweep_from_rest(machine, name, x, *how, progress=shown)}
         else:
             diagrams = {
-                UP: followed(machine, name, x, *how, progress=shown),
-                DOWN: followed(machine, name, x[::-1], *how, progress=shown),
+                UP: continue_sweep(machine, name, x, *how, progress=shown),
+                DOWN: continue_sweep(machine, name, x[::-1], *how, progress=shown),
             }
     value, recorded = (np.concatenate(parts) for parts in zip(*diagrams.values(), strict=True))
     direction = np.repeat(list(diagrams), [len(diagram.value) for diagram in diagrams.values()])

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import xarray
 
-from models.slider_crank.machine import Motion
 from models.slider_crank.motions.classification import classify, finite_time_exponents
+from models.slider_crank.motions.machine import Motion
 
 from ._axes import report_mistakes
 from ._machine import MACHINE, START, build_machine

@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 
 from models.slider_crank.flight.bouncing import LOWER, UPPER
-from models.slider_crank.machine import Machine
+from models.slider_crank.motions.machine import Machine
 from models.slider_crank.motions.regions import holding_intervals, region, sign_changes, wall_forces
 
 from ..errors import MistakeError

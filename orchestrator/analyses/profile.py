@@ -8,7 +8,7 @@ from typing import Any
 import xarray
 
 from models.core.quantities import Vector
-from models.slider_crank.machine import Events
+from models.slider_crank.motions.machine import Events
 from models.slider_crank.motions.statistics import Distribution, impact_profile
 
 from ._impacts import PER, SUMS, VELOCITY, impact_parameters, sum_velocities

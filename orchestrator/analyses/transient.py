@@ -11,9 +11,9 @@ import xarray
 
 from models.slider_crank.motions.transients import (
     ORDINARY_TRANSIENT,
-    escape_time,
-    random_starts,
-    transients,
+    draw_starts,
+    fit_escape_time,
+    measure_transients,
 )
 
 from ._machine import MACHINE, build_machine
@@ -24,10 +24,10 @@ from .protocol import Analysis, Parameter, Result
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
     machine = build_machine(values)
-    starts = random_starts(machine, values["starts"], values["seed"])
+    starts = draw_starts(machine, values["starts"], values["seed"])
     with show_progress("transients") as shown:
-        found = transients(machine, starts, values["cycles"], progress=shown)
-    fit = escape_time(found)
+        found = measure_transients(machine, starts, values["cycles"], progress=shown)
+    fit = fit_escape_time(found)
     return xarray.Dataset(
         {
             "psi": column("start", starts[:, 0], "rad", "start, crank angle 0"),

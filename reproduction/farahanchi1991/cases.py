@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from models.slider_crank.machine import Machine
+from models.slider_crank.motions.machine import Machine
 
 # Appendix B: cycles before data is taken, cycles of data, and the rebound below which the roller slides.
 TRANSIENT, CYCLES, THRESHOLD = 30, 3000, 0.005

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from models.slider_crank.flight.bouncing import UPPER
-from models.slider_crank.machine import Machine
+from models.slider_crank.motions.machine import Machine
 from models.slider_crank.motions.statistics import energies
 
 from ..statement import Numbers, Words

@@ -9,7 +9,7 @@ import numpy as np
 
 from models.core.quantities import Vector
 from models.slider_crank.flight.bouncing import LOWER, UPPER
-from models.slider_crank.machine import Machine
+from models.slider_crank.motions.machine import Machine
 from models.slider_crank.motions.regions import (
     TURN,
     Interval,

@@ -6,10 +6,10 @@ from functools import cache
 
 import numpy as np
 
-from models.slider_crank.flight.histories import ONSET
-from models.slider_crank.machine import Events, Motion
 from models.slider_crank.motions.classification import Classification, classify
-from models.slider_crank.motions.transients import Transients, random_starts, transients
+from models.slider_crank.motions.histories import ONSET
+from models.slider_crank.motions.machine import Events, Motion
+from models.slider_crank.motions.transients import Transients, draw_starts, measure_transients
 
 from .cases import CYCLES, TRANSIENT, Case
 
@@ -58,7 +58,7 @@ class Runs:
 
     @staticmethod
     def _settling(case: Case) -> Transients:
-        return transients(case.machine, random_starts(case.machine, STARTS), STARTS_SOUGHT)
+        return measure_transients(case.machine, draw_starts(case.machine, STARTS), STARTS_SOUGHT)
 
     def _band(self, case: Case, cycles: int = 1000) -> tuple[int, float]:
         """The shortest period that a motion keeps within NARROW, or else that of at most LONGEST_SEEN cycles

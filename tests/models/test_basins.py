@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from models.slider_crank.machine import Machine
-from models.slider_crank.motions.basins import basins
+from models.slider_crank.motions.basins import find_basins
+from models.slider_crank.motions.machine import Machine
 
 
 def grid(gap: float, count: int):
@@ -19,7 +19,7 @@ def grid(gap: float, count: int):
 def test_a_sliding_and_a_bouncing_orbit_have_a_basin_each(workers: int) -> None:
     # Permanent sliding and four impacts a cycle, both stable, with the corrected sign.
     machine = Machine(damping=0.15, gap=0.02, form="corrected")
-    found = basins(machine, *grid(0.02, 8), cycles=2000, workers=workers)
+    found = find_basins(machine, *grid(0.02, 8), cycles=2000, workers=workers)
     assert [attractor.period for attractor in found.attractors] == [1, 1]
     sliding = [attractor.exponent == -math.inf for attractor in found.attractors]
     assert sorted(sliding) == [False, True]
@@ -32,7 +32,7 @@ def test_a_sliding_and_a_bouncing_orbit_have_a_basin_each(workers: int) -> None:
 def test_one_attractor_whether_periodic_or_chaotic_is_one_from_every_start(
     gap: float, period: int, sign: float
 ) -> None:
-    found = basins(Machine(damping=0.05, gap=gap, form="as_published"), *grid(gap, 6), cycles=2000)
+    found = find_basins(Machine(damping=0.05, gap=gap, form="as_published"), *grid(gap, 6), cycles=2000)
     assert len(found.attractors) == 1
     assert found.attractors[0].period == period
     assert found.attractors[0].exponent * sign > 3.0 * found.attractors[0].uncertainty
@@ -40,9 +40,9 @@ def test_one_attractor_whether_periodic_or_chaotic_is_one_from_every_start(
 
 def test_a_start_outside_the_walls_is_refused() -> None:
     with pytest.raises(ValueError, match="between the walls"):
-        basins(Machine(gap=0.01), np.array([0.0, 0.02]), np.array([0.0]), cycles=100)
+        find_basins(Machine(gap=0.01), np.array([0.0, 0.02]), np.array([0.0]), cycles=100)
 
 
 def test_too_few_cycles_for_the_errors_of_means_are_refused() -> None:
     with pytest.raises(ValueError, match="cycles = 39"):
-        basins(Machine(), np.array([0.0]), np.array([0.0]), cycles=39)
+        find_basins(Machine(), np.array([0.0]), np.array([0.0]), cycles=39)

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.slider_crank.flight import histories as h
 from models.slider_crank.flight.bouncing import (
     CELL,
     CHATTER_LEFT,
@@ -26,9 +25,10 @@ from models.slider_crank.flight.bouncing import (
     phase,
 )
 from models.slider_crank.flight.linear import carry, kick
-from models.slider_crank.flight.tangent import across_impact
 from models.slider_crank.forms import constraint_force, wall_angle
-from models.slider_crank.machine import FORMS, Machine, Motion
+from models.slider_crank.motions import histories as h
+from models.slider_crank.motions.histories import apply_saltation
+from models.slider_crank.motions.machine import FORMS, Machine, Motion
 
 from .oscillators import flow_of, impact_oscillator, impact_oscillator_orbit, position_at, scratch
 
@@ -81,7 +81,7 @@ def test_multipliers_of_the_impact_oscillator(record) -> None:
     start = position.copy()
     assert h.LINEAR.next_event(flow, walls, position, last, 1.0, scratch()) == UPPER_IMPACT
     carry(flow, start, position, v, scratch())
-    across_impact(r, kick(flow, walls, position, UPPER), position[RATE_OF_Y], v)
+    apply_saltation(r, kick(flow, walls, position, UPPER), position[RATE_OF_Y], v)
     for name, value, exact, tolerance in (
         ("trace", np.trace(v), orbit.trace, 1e-10),
         ("determinant", np.linalg.det(v), r**2, 1e-12),

@@ -6,7 +6,6 @@ import math
 
 import pytest
 
-from models.slider_crank.machine import Machine, Motion
 from models.slider_crank.motions.classification import (
     CHAOTIC,
     PERIODIC,
@@ -14,6 +13,7 @@ from models.slider_crank.motions.classification import (
     UNDECIDED,
     classify,
 )
+from models.slider_crank.motions.machine import Machine, Motion
 
 THESIS = "as_published"
 

@@ -11,8 +11,8 @@ import pytest
 from models.catalogue import CATALOGUE
 from models.core.component import NO_EVENT
 from models.monolithic import equilibrium, solve
-from models.slider_crank.flight.histories import LIFT
-from models.slider_crank.machine import Machine, Motion
+from models.slider_crank.motions.histories import LIFT
+from models.slider_crank.motions.machine import Machine, Motion
 from models.valve_train.cam_profile import REACHED, cycloidal_lift
 
 from .pistons import DRIVEN, ROLLER, advance

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from models.slider_crank.flight.flow import MOST_CELLS, UnresolvedError, tabulate_flow
-from models.slider_crank.flight.linear import at_start, carry
+from models.slider_crank.flight.linear import carry, state_at_cell_start
 from models.slider_crank.flight.samples import offset_acceleration
 from models.slider_crank.flight.series import (
     NEVER,
@@ -24,7 +24,7 @@ from models.slider_crank.flight.series import (
     value,
     value_and_slope,
 )
-from models.slider_crank.machine import Machine
+from models.slider_crank.motions.machine import Machine
 
 from .oscillators import flow_of, position_at, scratch
 
@@ -122,7 +122,7 @@ def test_flow_is_that_of_the_equation_of_motion(xi: float, record) -> None:
 def test_state_in_a_cell_belongs_to_one_at_its_start() -> None:
     flow = Machine(0.1).flow
     for k, u in ((0, 0.2), (17, 0.99), (63, 0.5)):
-        y, rate = at_start(flow, k, u, 0.004, -0.03)
+        y, rate = state_at_cell_start(flow, k, u, 0.004, -0.03)
         c = flow.cells[k, 0] + y * flow.cells[k, 1] + rate * flow.cells[k, 2]
         width = 2.0 * math.pi / flow.cells.shape[0]
         found, slope = value_and_slope(c, u)

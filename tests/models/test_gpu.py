@@ -9,8 +9,8 @@ import sys
 import numpy as np
 import pytest
 
-from models.slider_crank.flight import gpu
-from models.slider_crank.machine import Machine, Motion, exponents_of
+from models.slider_crank.motions import gpu
+from models.slider_crank.motions.machine import Machine, Motion, exponents_of
 
 # Chaotic, periodic, sliding.
 CASES = [(0.05, 0.01), (0.05, 0.015), (0.25, 0.015), (0.025, 0.02)]
@@ -20,7 +20,7 @@ CYCLES = 4
 def compare(form: str) -> None:
     """Four revolutions: rounding of 1e-16 grown by e^(0.42 * 25) = 4e4 stays below 1e-10."""
     machines = [Machine(damping, gap, form=form) for damping, gap in CASES]
-    found = gpu.follow(machines, CYCLES, blocks=CYCLES)
+    found = gpu.grow_tangents(machines, CYCLES, blocks=CYCLES)
     for machine, growths, impacts, state in zip(machines, *found[:3], strict=True):
         motion = Motion(machine)
         expected = motion.exponents(CYCLES, blocks=CYCLES)
@@ -36,7 +36,7 @@ def compare(form: str) -> None:
 def missing() -> str:
     """Why there is no device; empty if there is one."""
     try:
-        gpu.follow([Machine()], 1, blocks=1)
+        gpu.grow_tangents([Machine()], 1, blocks=1)
     except gpu.NoDeviceError as reason:
         return str(reason)
     return ""
@@ -56,7 +56,7 @@ def test_device_agrees_with_the_processor(form: str) -> None:
 
 @pytest.mark.usefixtures("device")
 def test_exponents_on_a_device_agree_within_their_uncertainty() -> None:
-    found = gpu.exponents([Machine(0.05, 0.01, form="as_published")], 4000, transient=50)[0]
+    found = gpu.compute_exponents([Machine(0.05, 0.01, form="as_published")], 4000, transient=50)[0]
     assert found.largest == pytest.approx(0.4116, abs=5.0 * found.uncertainty)
 
 
@@ -82,4 +82,4 @@ def test_simulated_device_agrees_with_the_processor(form: str) -> None:
 
 def test_forms_of_different_kinds_are_not_mixed() -> None:
     with pytest.raises(ValueError, match="one kind of form"):
-        gpu.follow([Machine(), Machine(form="nonlinear")], 1)
+        gpu.grow_tangents([Machine(), Machine(form="nonlinear")], 1)

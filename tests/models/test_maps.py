@@ -15,8 +15,8 @@ from scipy.optimize import brentq
 from models.compile.parallel import cores, each
 from models.slider_crank.flight.bouncing import Walls
 from models.slider_crank.flight.flow import Flow
-from models.slider_crank.machine import Machine, Motion
-from models.slider_crank.motions.bifurcation import followed, from_rest
+from models.slider_crank.motions.bifurcation import continue_sweep, sweep_from_rest
+from models.slider_crank.motions.machine import Machine, Motion
 from models.slider_crank.motions.maps import exponent_map, largest_exponent, period_map
 
 from .oscillators import FAR, impact_oscillator, impact_oscillator_orbit
@@ -58,7 +58,7 @@ def doubling() -> float:
 def test_stable_orbits_of_the_impact_oscillator_have_their_closed_form(doubling: float) -> None:
     # The slowest multiplier, -1 at the doubling, is less than 0.97 here: 1e-12 after 1000 cycles.
     values = np.linspace(2.3, doubling - 0.02, 12)
-    found = followed(ImpactOscillator(), "omega", values, "impact_rate", cycles=4, transient=1000)
+    found = continue_sweep(ImpactOscillator(), "omega", values, "impact_rate", cycles=4, transient=1000)
     assert len(found.value) == 4 * len(values)
     expected = [closed_form(omega).velocity / omega for omega in found.value]
     np.testing.assert_allclose(found.recorded, expected, rtol=0.0, atol=1e-10)
@@ -67,7 +67,7 @@ def test_stable_orbits_of_the_impact_oscillator_have_their_closed_form(doubling:
 def test_period_doubles_where_the_closed_form_says(doubling: float) -> None:
     # Beyond it the two velocities part as the root of the distance: their difference squared is a line there.
     distance = np.array([0.0005, 0.001, 0.0015])
-    found = followed(
+    found = continue_sweep(
         ImpactOscillator(), "omega", doubling + distance, "impact_rate", cycles=2, transient=20_000
     )
     squares = np.diff(found.recorded.reshape(-1, 2), axis=1)[:, 0] ** 2
@@ -108,13 +108,15 @@ def test_a_map_is_made_of_single_points() -> None:
 
 
 def test_a_diagram_from_rest_is_made_of_single_motions() -> None:
-    found = from_rest(Machine(), "gap", np.array([0.01, 0.012]), "strobe_psi", cycles=5, transient=10)
+    found = sweep_from_rest(Machine(), "gap", np.array([0.01, 0.012]), "strobe_psi", cycles=5, transient=10)
     alone = Motion(Machine(gap=0.012)).skip(10).strobe(5)[:, 0]
     np.testing.assert_array_equal(found.recorded[found.value == 0.012], alone)
 
 
 def test_following_stays_between_walls_that_come_closer() -> None:
-    found = followed(Machine(), "gap", np.linspace(0.02, 0.002, 10), "strobe_psi", cycles=10, transient=0)
+    found = continue_sweep(
+        Machine(), "gap", np.linspace(0.02, 0.002, 10), "strobe_psi", cycles=10, transient=0
+    )
     assert np.all(np.abs(found.recorded) <= found.value * (1.0 + 1e-12))
 
 

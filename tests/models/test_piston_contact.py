@@ -36,7 +36,7 @@ def rising_block(velocity: float) -> tuple[co.Motion, me.Machine]:
 def test_impact_of_one_corner_of_a_free_block() -> None:
     """Impulse (1 + e) v / (1/M + L^2/J)."""
     s, m = rising_block(2.0)
-    found = co.impulses(co.Touching(0, -1), co.Pair(0.0, 0.0), co.Pair(-1.3 * 2.0, 1.0), s, m)
+    found = co.solve_impulses(co.Touching(0, -1), co.Pair(0.0, 0.0), co.Pair(-1.3 * 2.0, 1.0), s, m)
     assert found.first == pytest.approx(1.3 * 2.0 / (1.0 / MASS + LENGTH**2 / INERTIA), rel=1e-13)
     assert found.second == 0.0
 
@@ -45,7 +45,7 @@ def test_flat_impact_of_a_free_block() -> None:
     """Each corner gives (1 + e) M v / 2."""
     s, m = rising_block(2.0)
     w = co.Pair(-1.3 * 2.0, -1.3 * 2.0)
-    found = co.impulses(co.Touching(0, 1), co.Pair(0.0, 0.0), w, s, m)
+    found = co.solve_impulses(co.Touching(0, 1), co.Pair(0.0, 0.0), w, s, m)
     assert found == pytest.approx([0.5 * 1.3 * MASS * 2.0] * 2, rel=1e-12)
 
 
@@ -57,7 +57,9 @@ def test_corner_of_a_free_block_sticks_where_friction_suffices(friction: float) 
     w = co.Pair(-2.0, 1.0)
     ratios = co.impact_ratios(co.Touching(0, -1), w, friction, s, m)
     assert abs(ratios.first) == pytest.approx(LENGTH / HEIGHT, rel=1e-12)
-    v = co.after(co.Touching(0, -1), co.impulses(co.Touching(0, -1), ratios, w, s, m), ratios, s.v, s, m)
+    v = co.add_reaction(
+        co.Touching(0, -1), co.solve_impulses(co.Touching(0, -1), ratios, w, s, m), ratios, s.v, s, m
+    )
     assert co.sliding_velocity(0, s.q, v, m) == pytest.approx(0.0, abs=1e-12)
     slipping = co.impact_ratios(co.Touching(0, -1), w, 0.1, s, m)
     assert abs(slipping.first) == 0.1
@@ -103,8 +105,8 @@ def test_law_of_impact(
     assume(min(before) < -1e-6)
     w = [rate + restitution * min(rate, 0.0) for rate in before] + [1.0]
     ratios = co.impact_ratios(touching, co.Pair(w[0], w[1]), friction, s, m)
-    found = co.impulses(touching, ratios, co.Pair(w[0], w[1]), s, m)
-    v = co.after(touching, found, ratios, s.v, s, m)
+    found = co.solve_impulses(touching, ratios, co.Pair(w[0], w[1]), s, m)
+    v = co.add_reaction(touching, found, ratios, s.v, s, m)
     size = 1e-11 * (1.0 + abs(speed))
     for i, corner in enumerate(corners):
         xi = me.dot(co.normal(corner, q, m), v) + restitution * min(before[i], 0.0)
@@ -133,7 +135,7 @@ def test_impacts_keep_the_books(
     p = DRIVEN.parameters.vector({"restitution": restitution, "pin_offset": 1e-3})
     x, u = DRIVEN.state.vector(), DRIVEN.inputs.vector({"crank_angle": theta, "crank_speed": 200.0})
     m = machine(DRIVEN.parameters.view(p))
-    side, along = co.side(corner), co.along(corner, m)
+    side, along = co.side(corner), co.corner_along(corner, m)
     if partner is None:
         x[:4] = side * m.clearance, side * rate, 0.0, 0.0
         x[2] = 1e-4 * side * math.copysign(1.0, along)

@@ -11,8 +11,8 @@ from models.slider_crank.motions.recurrence import (
     REPEATS,
     SETTLED,
     TOLERANCE,
-    recurrence,
-    until_recurrent,
+    find_recurrence,
+    run_until_recurrent,
 )
 
 
@@ -38,7 +38,7 @@ def test_the_smallest_period_is_found_exactly(period: int, seed: int, before: in
     values = orbit(period, seed)
     length = (REPEATS + 1) * period + extra
     start = np.random.default_rng(seed + 1).uniform(-1.0, -0.5, before)
-    found = recurrence(states(np.concatenate([start, np.resize(values, length)])))
+    found = find_recurrence(states(np.concatenate([start, np.resize(values, length)])))
     assert found is not None
     assert (found.period, found.transient, found.exact, found.distance) == (period, before, True, 0.0)
     assert found.repeats == length // period
@@ -51,7 +51,7 @@ def test_an_orbit_approached_exponentially_is_found_with_its_transient(
 ) -> None:
     cycles = np.arange(int(REPEATS * period + 30.0 / rate) + 1)
     psi = np.resize(orbit(period, seed), len(cycles))
-    found = recurrence(states(psi + np.exp(-rate * cycles)))
+    found = find_recurrence(states(psi + np.exp(-rate * cycles)))
     assert found is not None
     assert found.period == period
     # psi of size 1: settled at exp(-rate t) = SETTLED; the scale is between 1/2 and 2.
@@ -61,7 +61,7 @@ def test_an_orbit_approached_exponentially_is_found_with_its_transient(
 @pytest.mark.parametrize("split", [10.0 * TOLERANCE, 1e-3])
 def test_a_doubled_period_is_not_taken_for_the_single(split: float) -> None:
     psi = 0.7 + split * (np.arange(200) % 2)
-    found = recurrence(states(psi))
+    found = find_recurrence(states(psi))
     assert found is not None
     assert found.period == 2
 
@@ -69,20 +69,20 @@ def test_a_doubled_period_is_not_taken_for_the_single(split: float) -> None:
 def test_the_same_place_on_and_off_the_wall_is_not_the_same_state() -> None:
     sequence = states(np.full(100, 0.7))
     sequence[::2, 2] = 1.0
-    found = recurrence(sequence)
+    found = find_recurrence(sequence)
     assert found is not None
     assert found.period == 2
 
 
 def test_a_return_to_the_last_bit_is_a_period_however_long() -> None:
-    found = recurrence(states(np.resize(orbit(97, 5), 200)))
+    found = find_recurrence(states(np.resize(orbit(97, 5), 200)))
     assert found is not None
     assert (found.period, found.repeats, found.exact) == (97, 2, True)
 
 
 def test_rounding_that_repeats_later_does_not_lengthen_an_exact_period() -> None:
     psi = np.resize(orbit(4, 1), 60)
-    found = recurrence(states(psi * (1.0 + 1e-15 * (np.arange(60) // 4 % 3))))
+    found = find_recurrence(states(psi * (1.0 + 1e-15 * (np.arange(60) // 4 % 3))))
     assert found is not None
     assert (found.period, found.exact) == (4, True)
 
@@ -93,7 +93,7 @@ def test_a_logistic_map_in_chaos_does_not_repeat(start: float) -> None:
     psi = [start]
     for _ in range(3000):
         psi.append(3.9999 * psi[-1] * (1.0 - psi[-1]))
-    assert recurrence(states(psi[100:])) is None
+    assert find_recurrence(states(psi[100:])) is None
 
 
 class Stream:
@@ -111,7 +111,7 @@ class Stream:
 
 def test_looking_ends_with_the_period() -> None:
     stream = Stream(np.concatenate([np.linspace(-1.0, 0.0, 300), np.full(10_000, 0.7)]))
-    seen, found = until_recurrent(stream, 10_000)
+    seen, found = run_until_recurrent(stream, 10_000)
     assert found is not None
     assert (found.period, found.transient) == (1, 300)
     assert len(seen) == stream.given == 512
@@ -119,6 +119,6 @@ def test_looking_ends_with_the_period() -> None:
 
 def test_looking_ends_with_the_cycles() -> None:
     stream = Stream(np.arange(5000.0))
-    seen, found = until_recurrent(stream, 1000)
+    seen, found = run_until_recurrent(stream, 1000)
     assert found is None
     assert len(seen) == stream.given == 1000

@@ -10,9 +10,9 @@ from scipy.integrate import solve_ivp
 
 from models.slider_crank.equations import inertia
 from models.slider_crank.flight.flow import UnresolvedError
-from models.slider_crank.flight.histories import ONSET
 from models.slider_crank.flight.series import NEVER, TERMS, bounds_of_bend, first_fall
-from models.slider_crank.machine import FASTEST, FORMS, Machine, Motion, exponents_of
+from models.slider_crank.motions.histories import ONSET
+from models.slider_crank.motions.machine import FASTEST, FORMS, Machine, Motion, exponents_of
 from models.slider_crank.nonlinear import free_moment, offset
 
 TURN = 2.0 * math.pi

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from models.core.quantities import Vector
-from models.slider_crank.machine import Machine, Motion
+from models.slider_crank.motions.machine import Machine, Motion
 
 from .test_slider_crank import CRANK, INPUTS, OUTPUTS, SCALE, STATE, TURN, thesis_parameters
 

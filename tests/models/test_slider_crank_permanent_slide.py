@@ -2,7 +2,7 @@
 
 import math
 
-from models.slider_crank.machine import Machine, Motion
+from models.slider_crank.motions.machine import Machine, Motion
 
 
 def test_a_motion_on_the_wall_has_no_memory_from_whatever_moment_it_is_followed() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from models.slider_crank.forms import wall_rate
-from models.slider_crank.machine import FORMS, Machine, Motion
+from models.slider_crank.motions.machine import FORMS, Machine, Motion
 from models.slider_crank.motions.portrait import Portrait, portrait
 
 CYCLES, POINTS = 3, 200

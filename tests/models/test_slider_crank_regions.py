@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.core.quantities import Vector
-from models.slider_crank.flight.histories import LIFT
 from models.slider_crank.flight.series import TERMS
-from models.slider_crank.machine import FORMS, Machine, Motion
+from models.slider_crank.motions.histories import LIFT
+from models.slider_crank.motions.machine import FORMS, Machine, Motion
 from models.slider_crank.motions.regions import (
     critical_damping,
     force_zeros,

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.slider_crank.flight.histories import BOUNCE, ONSET
 from models.slider_crank.forms import kinetic_energy, wall_angle
-from models.slider_crank.machine import FORMS, Events, Machine, Motion
+from models.slider_crank.motions.histories import BOUNCE, ONSET
+from models.slider_crank.motions.machine import FORMS, Events, Machine, Motion
 from models.slider_crank.motions.portrait import rates_after
 from models.slider_crank.motions.statistics import (
     approach_velocities,

@@ -12,9 +12,9 @@ import math
 import numpy as np
 import pytest
 
-from models.slider_crank.machine import Machine, Motion
 from models.slider_crank.motions.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS, classify
-from models.slider_crank.motions.transients import escape_time, random_starts, transients
+from models.slider_crank.motions.machine import Machine, Motion
+from models.slider_crank.motions.transients import draw_starts, fit_escape_time, measure_transients
 
 TRANSIENT = [(0.025, 0.01, 1), (0.025, 0.015, 3), (0.075, 0.01, 1)]
 CHAOS = [(0.025, 0.02), (0.05, 0.01), (0.05, 0.02), (0.075, 0.015), (0.075, 0.02), (0.2, 0.015)]
@@ -26,7 +26,7 @@ def thesis(damping: float, gap: float, threshold: float = 0.0) -> Machine:
 
 def settled(machine: Machine, cycles: int):
     """Transients from 24 random starts."""
-    return transients(machine, random_starts(machine, 24, seed=1), cycles)
+    return measure_transients(machine, draw_starts(machine, 24, seed=1), cycles)
 
 
 @pytest.mark.parametrize(("damping", "gap", "period"), TRANSIENT[1:])
@@ -43,7 +43,7 @@ def test_chaos_that_ends_after_thousands_of_cycles() -> None:
     # Mean escape 2500 cycles: 1e5 are passed with probability e^-40.
     found = settled(thesis(0.025, 0.01), 100_000)
     assert set(found.periods) == {1}
-    fit = escape_time(found)
+    fit = fit_escape_time(found)
     assert fit is not None
     assert fit.mean > 1000.0
     # Kolmogorov and Smirnov at 24 escapes: 0.33 is passed with probability 1 %.
@@ -74,7 +74,7 @@ def test_motion_with_sliding_repeats_from_0_23_on(damping: float) -> None:
 
 
 def test_periodic_motion_of_the_thesis_has_transients_as_long_as_its_transient_chaos() -> None:
-    periodic, chaos = (escape_time(settled(thesis(d, 0.015), 5000)) for d in (0.05, 0.025))
+    periodic, chaos = (fit_escape_time(settled(thesis(d, 0.015), 5000)) for d in (0.05, 0.025))
     assert periodic is not None
     assert chaos is not None
     assert periodic.mean + 3.0 * periodic.error > chaos.mean

@@ -7,8 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.slider_crank.machine import Machine
-from models.slider_crank.motions.transients import Transients, escape_time, random_starts, transients
+from models.slider_crank.motions.machine import Machine
+from models.slider_crank.motions.transients import (
+    Transients,
+    draw_starts,
+    fit_escape_time,
+    measure_transients,
+)
 
 
 def drawn(mean: float, seed: int, count: int, cycles: int) -> Transients:
@@ -23,7 +28,7 @@ def drawn(mean: float, seed: int, count: int, cycles: int) -> Transients:
 def test_the_mean_escape_time_is_found_within_its_error_though_some_never_escape(
     mean: float, seed: int
 ) -> None:
-    found = escape_time(drawn(mean, seed, 4000, 5000))
+    found = fit_escape_time(drawn(mean, seed, 4000, 5000))
     assert found is not None
     # 50 draws: 4.5 standard errors are passed with probability 3e-4.
     assert abs(found.mean - mean) < 4.5 * found.error
@@ -32,28 +37,28 @@ def test_the_mean_escape_time_is_found_within_its_error_though_some_never_escape
 
 
 def test_a_distribution_that_is_not_exponential_is_far_from_its_fit() -> None:
-    found = escape_time(Transients(np.zeros((500, 2)), np.full(500, 130.0), np.ones(500), 1000))
+    found = fit_escape_time(Transients(np.zeros((500, 2)), np.full(500, 130.0), np.ones(500), 1000))
     assert found is not None
     assert found.mean == 100.0
     assert found.distance > 0.3
 
 
 def test_no_escape_gives_no_mean() -> None:
-    assert escape_time(Transients(np.zeros((3, 2)), np.full(3, 100.0), np.zeros(3), 100)) is None
+    assert fit_escape_time(Transients(np.zeros((3, 2)), np.full(3, 100.0), np.zeros(3), 100)) is None
 
 
 def test_starts_are_between_the_walls_and_repeat_with_their_seed() -> None:
     machine = Machine(gap=0.01)
-    starts = random_starts(machine, 1000, seed=3)
+    starts = draw_starts(machine, 1000, seed=3)
     assert np.all(np.abs(starts) <= [0.01, 0.1])
     assert np.abs(starts).max(axis=0) == pytest.approx([0.01, 0.1], rel=0.02)
-    np.testing.assert_array_equal(starts, random_starts(machine, 1000, seed=3))
+    np.testing.assert_array_equal(starts, draw_starts(machine, 1000, seed=3))
 
 
 def test_transient_chaos_of_the_thesis_does_not_depend_on_the_workers() -> None:
     machine = Machine(damping=0.075, gap=0.01, form="as_published")
-    starts = random_starts(machine, 40)
-    one, two = (transients(machine, starts, 4000, workers) for workers in (1, 2))
+    starts = draw_starts(machine, 40)
+    one, two = (measure_transients(machine, starts, 4000, workers) for workers in (1, 2))
     np.testing.assert_array_equal(one.lengths, two.lengths)
     assert one.settled.all()
     assert one.lengths.max() > 100

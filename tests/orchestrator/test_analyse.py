@@ -12,7 +12,7 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-from models.slider_crank.machine import FORMS
+from models.slider_crank.motions.machine import FORMS
 from orchestrator.analyses import load, names
 from orchestrator.analyses._evaluate import analyse, parse_setting
 from orchestrator.command_line import app

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from models.slider_crank.flight.bouncing import LOWER, UPPER
-from models.slider_crank.machine import Machine, Motion
+from models.slider_crank.motions.machine import Machine, Motion
 from models.slider_crank.motions.regions import TURN
 from reproduction.farahanchi1991 import SHOWN
 from reproduction.farahanchi1991.cases import CORRECTED, FORMS, PUBLISHED, Case

@@ -1,1 +1,1 @@
-"""Flights between impacts, impacts, chatter, sliding and tangent vectors, exact to rounding."""
+"""Flights, impacts, chatter and sliding at constant crank speed, exact to rounding."""

@@ -7,7 +7,7 @@ that a bounce of any height has its duration to full relative accuracy.
 
 Bounces on a pressing wall get lower by e each; sliding begins when what remains of them, 2 v / ((1-e) A),
 is shorter than CHATTER_LEFT: their limit point. Sliding ends where the pressing acceleration falls to
-zero. Nothing is decided by a step size.
+zero. No decision depends on a step size.
 """
 
 from __future__ import annotations
@@ -34,10 +34,9 @@ CELL, FRACTION, Y, RATE_OF_Y, SIDE, POSITION_SIZE = 0, 1, 2, 3, 4, 5
 FREE, UPPER, LOWER = 0.0, 1.0, -1.0
 # What `next_event` returns.
 END, UPPER_IMPACT, LOWER_IMPACT, RELEASE = 0, 1, 2, 3
-# Chatter is at its end when what remains of it takes no more than this much of crank angle (rad). The
-# plastic impact put in its place and the sliding force of that time give the impulse, the energy loss and
-# the place on the wall that the bounces would have given, but for the change of the pressing acceleration
-# within that time: 1e-8 of it. Sliding that would have ended within it is missed or added.
+# Chatter ends when its remainder is shorter than this crank angle (rad). A plastic impact replaces it:
+# impulse, energy loss and place are those of the bounces, but for the change of the pressing acceleration
+# in that time, 1e-8 of it. Sliding that would end within that time is missed or added.
 CHATTER_LEFT = 1e-8
 # With restitution above 1 - ELASTIC bounces hardly get lower by themselves, but friction, on a wall that
 # presses all the time, makes exponentially more of them; those shorter than ELASTIC (rad), and so not 1e-12
@@ -96,7 +95,7 @@ def time_to_wall(side: float, c: Any, low: float, high: float, wall: float, leng
 
 
 @kernel
-def pressing_now(flow: Any, position: Any, side: float) -> float:
+def pressing_at(flow: Any, position: Any, side: float) -> float:
     """Acceleration towards the wall on that side of a slider that rests on it, per radian squared."""
     return value(flow.pressing[int(position[CELL]), 0 if side == UPPER else 1], position[FRACTION])
 
@@ -138,7 +137,7 @@ def slide(flow: Any, position: Any, length: float, c: Any) -> bool:
 def strike(flow: Any, walls: Walls, position: Any, side: float) -> None:
     """The impact on that side: y' -> -e y', and sliding if it is the last one."""
     wall = wall_of(side, walls)
-    pressing = pressing_now(flow, position, side)
+    pressing = pressing_at(flow, position, side)
     rebound = walls.restitution * max(0.0, side * position[RATE_OF_Y])
     slow = pressing > 0.0 and rebound <= walls.threshold * rod_cosine(phase(flow, position), flow.xi)
     position[Y] = side * wall

@@ -25,8 +25,7 @@ FORCING, STIFFNESS, DAMPING, PRESSING_UPPER, PRESSING_LOWER, COLUMNS = 0, 1, 2, 
 PARTICULAR, OFFSET, RATE = 0, 1, 2
 # Fourier coefficients in the upper quarter of the modes, against the largest: rounding is 1e-17.
 UNRESOLVED = 1e-15
-# Where a column is a small difference (xi = 0.01, or much damping) rounding is more than that, and no more
-# cells make it less.
+# A column that is a small difference (xi = 0.01, or much damping) has more rounding, whatever the cells.
 ROUNDING = 1e-12
 # With 64 cells r = 0.4 l is resolved, with 4096 r = 0.9998 l.
 FEWEST_CELLS, MOST_CELLS = 64, 4096
@@ -101,7 +100,7 @@ def expand(modes: Any, column: int, k: int, count: int, series: Any) -> None:
 
 
 @kernel
-def solve(width: float, forced: float, r: Any, q: Any, d: Any, y: Any) -> None:
+def solve_series(width: float, forced: float, r: Any, q: Any, d: Any, y: Any) -> None:
     """The series of y from y[0] and y[1] on; `forced`: 1 with r, 0 without."""
     for i in range(DEGREE - 1):
         total = forced * width * r[i]
@@ -128,7 +127,7 @@ def largest_value(series: Any) -> float:
 
 
 @kernel
-def rest(y: Any) -> float:
+def remainder(y: Any) -> float:
     """The last coefficient of a series over the sum of all; infinite if that is no number."""
     total = 0.0
     for i in range(TERMS):
@@ -159,7 +158,7 @@ def tabulate(samples: Any, flow: Flow, modes: Any, series: Any) -> float:
             y = flow.cells[k, row]
             y[0] = 1.0 if row == OFFSET else 0.0
             y[1] = width if row == RATE else 0.0
-            solve(
+            solve_series(
                 width,
                 1.0 if row == PARTICULAR else 0.0,
                 series[FORCING],
@@ -168,7 +167,7 @@ def tabulate(samples: Any, flow: Flow, modes: Any, series: Any) -> float:
                 y,
             )
             if row == RATE:
-                unresolved = max(unresolved, rest(y))
+                unresolved = max(unresolved, remainder(y))
             end, slope = value_and_slope(y, 1.0)
             flow.ends[k, row, 0] = end
             flow.ends[k, row, 1] = slope / width

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from ...compile.kernel import kernel
-from .bouncing import CELL, FLIGHT, FRACTION, RATE_OF_Y, Walls, Y, pressing_now
+from .bouncing import CELL, FLIGHT, FRACTION, RATE_OF_Y, Walls, Y, pressing_at
 from .flow import OFFSET, PARTICULAR, RATE, Flow
 from .series import TERMS, move_origin, value_and_slope
 
@@ -19,7 +19,7 @@ def flight(flow: Flow, position: Any, scratch: Any) -> float:
     width = 2.0 * math.pi / flow.cells.shape[0]
     y, rate = position[Y], position[RATE_OF_Y]
     if u > 0.0:
-        y, rate = at_start(flow, k, u, y, rate)
+        y, rate = state_at_cell_start(flow, k, u, y, rate)
     for i in range(TERMS):
         c[i] = flow.cells[k, PARTICULAR, i] + y * flow.cells[k, OFFSET, i] + rate * flow.cells[k, RATE, i]
     if u > 0.0:
@@ -30,7 +30,7 @@ def flight(flow: Flow, position: Any, scratch: Any) -> float:
 
 
 @kernel
-def at_start(flow: Flow, k: int, u: float, y: float, rate: float) -> tuple[float, float]:
+def state_at_cell_start(flow: Flow, k: int, u: float, y: float, rate: float) -> tuple[float, float]:
     """y and y' at the start of cell k of the flight that has y and rate at its fraction u."""
     width = 2.0 * math.pi / flow.cells.shape[0]
     zero, zero_rate = value_and_slope(flow.cells[k, PARTICULAR], u)
@@ -119,4 +119,4 @@ def carry(flow: Flow, start: Any, end: Any, v: Any, scratch: Any) -> None:
 @kernel
 def kick(flow: Flow, walls: Walls, position: Any, side: float) -> float:
     """e A_before + A_after of an impact, A = y'': linear in y', which leaves (1 + e) A at rest."""
-    return (1.0 + walls.restitution) * side * pressing_now(flow, position, side)
+    return (1.0 + walls.restitution) * side * pressing_at(flow, position, side)

@@ -1,4 +1,4 @@
-"""Truncated power series: where one falls below zero, and shifting its origin.
+"""Truncated power series: first roots, bounds, and moves of the origin.
 
 A series is the vector of its coefficients, c(u) = c[0] + c[1] u + ... + c[DEGREE] u^DEGREE; u = 1 is the
 length of one cell of a `flow`, short against the radius of convergence.
@@ -102,7 +102,7 @@ def first_fall(c: Any, sign: float, wall: float, bend: float, length: float) -> 
 
 @kernel
 def divide_by_u(c: Any, sign: float, quotient: Any) -> None:
-    """quotient(u) = -sign (c(u) - c(0)) / u: what is left of a distance that is zero at the origin."""
+    """quotient(u) = -sign (c(u) - c(0)) / u: a distance that is zero at the origin, divided by u."""
     for i in range(DEGREE):
         quotient[i] = -sign * c[i + 1]
     quotient[DEGREE] = 0.0

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ...compile.parallel import each, no_progress
 from ...core.quantities import Vector
-from ..machine import Machine, Motion
-from .recurrence import until_recurrent
+from .machine import Machine, Motion
+from .recurrence import run_until_recurrent
 
 # Blocks of the last half of a motion without period, from whose scatter its means have their errors.
 BLOCKS, LEAST = 20, 40
@@ -54,7 +54,7 @@ class Basins(NamedTuple):
     attractors: tuple[Attractor, ...]
 
 
-def basins(
+def find_basins(
     machine: Machine,
     psi: Vector,
     psi_rate: Vector,
@@ -69,11 +69,11 @@ def basins(
     for outermost in (float(np.min(psi)), float(np.max(psi))):
         Motion(machine, outermost)
     starts = [(float(a), float(b)) for b in psi_rate for a in psi]
-    ends = each(lambda start: end_of(machine, start, cycles), starts, workers, progress)
+    ends = each(lambda start: find_end(machine, start, cycles), starts, workers, progress)
     found: list[int] = []
     label = np.zeros(len(ends), dtype=int)
     for i, end in enumerate(ends):
-        known = next((n for n, first in enumerate(found) if same(end, ends[first])), len(found))
+        known = next((n for n, first in enumerate(found) if share_attractor(end, ends[first])), len(found))
         if known == len(found):
             found.append(i)
         label[i] = known
@@ -87,9 +87,9 @@ def basins(
     return Basins(psi, psi_rate, places, tuple(attractors))
 
 
-def end_of(machine: Machine, start: tuple[float, float], cycles: int) -> End:
+def find_end(machine: Machine, start: tuple[float, float], cycles: int) -> End:
     """How the motion from there ends."""
-    states, found = until_recurrent(Motion(machine, *start), cycles)
+    states, found = run_until_recurrent(Motion(machine, *start), cycles)
     scaled = states[:, :2] / (machine.gap * np.array([1.0, 10.0]))
     squares = np.concatenate([scaled, scaled**2], axis=1)
     if found:
@@ -98,8 +98,8 @@ def end_of(machine: Machine, start: tuple[float, float], cycles: int) -> End:
     return End(0, means.mean(axis=0), means.std(axis=0, ddof=1) / math.sqrt(len(means)))
 
 
-def same(end: End, other: End) -> bool:
-    """True if two motions end on one attractor, as far as can be told."""
+def share_attractor(end: End, other: End) -> bool:
+    """True if two motions end on one attractor, within the errors of their means."""
     allowed = ROUNDING + SAME * np.hypot(end.errors, other.errors)
     return end.period == other.period and bool(np.all(np.abs(end.means - other.means) <= allowed))
 

@@ -10,7 +10,7 @@ import numpy as np
 from ...compile.parallel import each, no_progress
 from ...core.quantities import Vector
 from ..forms import wall_angle
-from ..machine import FORMS, Machine, Motion
+from .machine import Machine, Motion
 from .maps import vary
 
 
@@ -38,7 +38,7 @@ def impact_angle(motion: Motion, cycles: int) -> Vector:
     return impacts.theta[impacts.side > 0.0]
 
 
-# What can be recorded.
+# Quantities that a diagram records, by name.
 RECORDS: Mapping[str, Callable[[Motion, int], Vector]] = {
     "impact_rate": impact_rate,
     "impact_angle": impact_angle,
@@ -46,7 +46,7 @@ RECORDS: Mapping[str, Callable[[Motion, int], Vector]] = {
 }
 
 
-def from_rest(
+def sweep_from_rest(
     machine: Machine,
     name: str,
     values: Vector,
@@ -56,7 +56,10 @@ def from_rest(
     workers: int | None = None,
     progress: Callable[[int, int], None] = no_progress,
 ) -> Diagram:
-    """Every value from psi = psi' = 0; ValueError for a parameter or value that the machine refuses."""
+    """Diagram whose every value starts from psi = psi' = 0.
+
+    ValueError for a parameter or value that the machine refuses.
+    """
 
     def point(at: Machine) -> Vector:
         return RECORDS[record](Motion(at).skip(transient), cycles)
@@ -64,7 +67,7 @@ def from_rest(
     return _diagram(values, each(point, vary(machine, name, values), workers, progress))
 
 
-def followed(
+def continue_sweep(
     machine: Machine,
     name: str,
     values: Vector,
@@ -73,7 +76,7 @@ def followed(
     transient: int = 400,
     progress: Callable[[int, int], None] = no_progress,
 ) -> Diagram:
-    """Every value from the state in which the one before ended; ValueError as in `from_rest`.
+    """Diagram whose every value starts where the one before ended; ValueError as in `sweep_from_rest`.
 
     An attractor is followed as far as it is stable: the diagram of the reversed values shows hysteresis.
     """
@@ -88,7 +91,7 @@ def followed(
 
 def between_walls(machine: Machine, state: Vector) -> tuple[float, float]:
     """(psi, psi') at crank angle zero, moved to the nearer wall if the gap has become too small for it."""
-    form, m = float(FORMS.index(machine.form)), machine.mechanism
+    form, m = machine.form_code, machine.mechanism
     least, most = (wall_angle(form, 0.0, side * machine.gap, m) for side in (-1.0, 1.0))
     return min(max(float(state[0]), least), most), float(state[1])
 

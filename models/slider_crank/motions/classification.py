@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.quantities import Vector
-from ..machine import Exponents, Machine, Motion
-from .recurrence import SETTLED, TOLERANCE, Recurrence, until_recurrent
+from .machine import Exponents, Machine, Motion
+from .recurrence import SETTLED, TOLERANCE, Recurrence, run_until_recurrent
 from .transients import ORDINARY_TRANSIENT
 
 PERIODIC, CHAOTIC, TRANSIENT_CHAOS, UNDECIDED = "periodic", "chaotic", "transient chaos", "undecided"
@@ -21,7 +21,7 @@ WINDOW = 5
 # An exponent over an orbit is taken over so many blocks of whole periods and at least so many cycles, so that
 # the tangent vector's turn to its direction at the start does not count.
 BLOCKS, ORBIT_CYCLES = 20, 2000
-# Cycles of a long sliding orbit that are looked at for what it is like between slides.
+# Cycles of a long sliding orbit over which the exponent between slides is taken.
 LONGEST_LOOK = 2000
 # Growth of a deviation, in e-foldings, that takes rounding to the size of the motion.
 ROUNDING = -math.log(np.finfo(float).eps)
@@ -29,7 +29,7 @@ ROUNDING = -math.log(np.finfo(float).eps)
 
 @dataclass(frozen=True)
 class Classification:
-    """What a motion is in the end, and why.
+    """Kind of a motion, and the evidence.
 
     period: cycles (0 unless it repeats). transient: cycles before it is within `SETTLED` of the orbit.
     exponent: the largest per radian in the end, -inf if the motion slides, with its standard error
@@ -64,7 +64,7 @@ def classify(
     positive with certainty. undecided: anything else; the evidence says what would help.
     """
     motion = Motion(machine, psi, psi_rate)
-    states, found = until_recurrent(motion, cycles)
+    states, found = run_until_recurrent(motion, cycles)
     if found is None:
         return _without_period(motion.exponents(max(20, cycles // 5)), len(states))
     orbit = orbit_exponents(motion, found.period)
@@ -142,7 +142,7 @@ def _classification(
 
 
 def _between(motion: Motion, period: int, orbit: Exponents) -> str:
-    """What a sliding orbit is like between its slides, where that says something."""
+    """Evidence of chaos between the slides of an orbit; empty without."""
     if orbit.largest > -math.inf or period < 2 * WINDOW:
         return ""
     mean, error = transient_exponent(motion, min(period, LONGEST_LOOK))

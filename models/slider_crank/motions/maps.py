@@ -11,14 +11,14 @@ import numpy as np
 
 from ...compile.parallel import each, no_progress
 from ...core.quantities import Vector
-from ..flight import gpu
-from ..machine import Machine, Motion
-from .recurrence import until_recurrent
+from . import gpu
+from .machine import Machine, Motion
+from .recurrence import run_until_recurrent
 
-# What a map or a bifurcation diagram can be drawn over.
+# Parameters that a map or a bifurcation diagram can vary.
 VARIABLES = tuple(field.name for field in fields(Machine) if field.name != "form")
-# Revolutions that tell whether a motion repeats by sliding, before many are computed: chatter is the dearest
-# motion, and its exponent is known.
+# Revolutions after which a motion that slides is recognised: chatter is the most expensive motion, and its
+# exponent is known.
 FIRST_LOOK = 20
 
 
@@ -48,7 +48,7 @@ def exponent_map(
     def point(at: Machine) -> tuple[float, float, float]:
         return largest_exponent(at, cycles, transient)
 
-    found = np.array(each(point, grid(machine, x, y), workers, progress))
+    found = np.array(each(point, build_grid(machine, x, y), workers, progress))
     return ExponentMap(*found.T.reshape(3, len(y[1]), len(x[1])))
 
 
@@ -59,11 +59,11 @@ def exponent_map_on_device(
     cycles: int = 1000,
     transient: int = 200,
 ) -> ExponentMap:
-    """`exponent_map` on a CUDA device; its errors and those of `gpu.follow`.
+    """`exponent_map` on a CUDA device; its errors and those of `gpu.grow_tangents`.
 
     Values agree within their uncertainty: in chaos, rounding decides after some 80 rad what happens.
     """
-    every = gpu.exponents(grid(machine, x, y), cycles, transient)
+    every = gpu.compute_exponents(build_grid(machine, x, y), cycles, transient)
     found = np.array([(one.largest, one.uncertainty, one.impacts_per_cycle) for one in every])
     return ExponentMap(*found.T.reshape(3, len(y[1]), len(x[1])))
 
@@ -80,18 +80,18 @@ def period_map(
     within so many cycles. ValueError as in `exponent_map`."""
 
     def point(at: Machine) -> int:
-        found = until_recurrent(Motion(at), cycles)[1]
+        found = run_until_recurrent(Motion(at), cycles)[1]
         return found.period if found else 0
 
-    found = np.array(each(point, grid(machine, x, y), workers, progress))
+    found = np.array(each(point, build_grid(machine, x, y), workers, progress))
     return found.reshape(len(y[1]), len(x[1]))
 
 
-def grid(machine: Machine, x: tuple[str, Vector], y: tuple[str, Vector]) -> list[Machine]:
+def build_grid(machine: Machine, x: tuple[str, Vector], y: tuple[str, Vector]) -> list[Machine]:
     """The machines of a map, row by row."""
     if x[0] == y[0]:
         raise ValueError(f"x = y = {x[0]!r}: must be two different parameters")
-    return [along for row in vary(machine, *y) for along in vary(row, *x)]
+    return [point for row in vary(machine, *y) for point in vary(row, *x)]
 
 
 def vary(machine: Machine, name: str, values: Sequence[float] | Vector) -> list[Machine]:

@@ -9,9 +9,9 @@ import numpy as np
 
 from ...core.quantities import Vector
 from ..equations import rebound
-from ..flight import histories as h
 from ..forms import wall_angle, wall_rate
-from ..machine import FORMS, Events, Machine, Motion
+from . import histories as h
+from .machine import Events, Machine, Motion
 
 
 class Portrait(NamedTuple):
@@ -39,13 +39,13 @@ def portrait(motion: Motion, cycles: int, points: int = 1000) -> Portrait:
 
 def wall_angles(machine: Machine, side: float, theta: Vector) -> Vector:
     """psi of the wall on that side, F (2.14), (2.15)."""
-    form, m = float(FORMS.index(machine.form)), machine.mechanism
+    form, m = machine.form_code, machine.mechanism
     return np.array([wall_angle(form, angle, side * machine.gap, m) for angle in theta])
 
 
 def rates_after(machine: Machine, impacts: Events) -> Vector:
     """psi' after each impact, F (2.16), (2.17); the wall's where sliding begins."""
-    form, m = float(FORMS.index(machine.form)), machine.mechanism
+    form, m = machine.form_code, machine.mechanism
     rates = np.empty_like(impacts.rate)
     for i, (theta, psi) in enumerate(zip(impacts.theta, _angles(machine, impacts), strict=True)):
         restitution = 0.0 if impacts.kind[i] == h.ONSET else machine.restitution
@@ -54,7 +54,7 @@ def rates_after(machine: Machine, impacts: Events) -> Vector:
 
 
 def _angles(machine: Machine, impacts: Events) -> Vector:
-    form, m = float(FORMS.index(machine.form)), machine.mechanism
+    form, m = machine.form_code, machine.mechanism
     offsets = machine.gap * impacts.side
     return np.array([wall_angle(form, angle, y, m) for angle, y in zip(impacts.theta, offsets, strict=True)])
 

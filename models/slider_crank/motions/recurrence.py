@@ -18,7 +18,7 @@ SETTLED = 1e-3
 # Periods in succession that make a recurrence. A state that comes back to the last bit needs only one: the
 # same state has the same future.
 REPEATS = 20
-# Near returns that are tried as a period before a motion counts as not recurrent.
+# Near returns to try as a period before a motion counts as not recurrent.
 TRIES = 64
 # Revolutions before the first look for a period; each further look has twice as many.
 FIRST_LOOK = 256
@@ -39,13 +39,13 @@ class Recurrence(NamedTuple):
     exact: bool
 
 
-class Strobed(Protocol):
-    """A motion that can be looked at once a revolution: (cycles, 3) of psi, psi' and the sliding side."""
+class StroboscopicMotion(Protocol):
+    """A motion with states (cycles, 3) of psi, psi' and sliding side, one a revolution."""
 
     def strobe(self, cycles: int) -> Vector: ...
 
 
-def recurrence(states: Vector) -> Recurrence | None:
+def find_recurrence(states: Vector) -> Recurrence | None:
     """The smallest period with which states (cycles, 3: psi, psi', side) repeat at their end, or None."""
     last = len(states) - 1
     scale = scales(states)
@@ -61,16 +61,16 @@ def recurrence(states: Vector) -> Recurrence | None:
     )
 
 
-def until_recurrent(motion: Strobed, cycles: int) -> tuple[Vector, Recurrence | None]:
+def run_until_recurrent(motion: StroboscopicMotion, cycles: int) -> tuple[Vector, Recurrence | None]:
     """States of a motion until a period is found, or over so many cycles, and the recurrence."""
     states = motion.strobe(min(FIRST_LOOK, cycles))
-    while (found := recurrence(states)) is None and len(states) < cycles:
+    while (found := find_recurrence(states)) is None and len(states) < cycles:
         states = np.concatenate([states, motion.strobe(min(len(states), cycles - len(states)))])
     return states, found
 
 
 def scales(states: Vector) -> Vector:
-    """What differences of states are measured by: the largest psi and psi', and nothing for the side."""
+    """Scales of differences of states: the largest psi and psi'; next to zero for the side."""
     largest = np.abs(states[:, :2]).max(axis=0)
     return np.append(np.where(largest > 0.0, largest, 1.0), np.finfo(float).tiny)
 

@@ -21,7 +21,7 @@ from ..equations import Mechanism
 from ..flight.bouncing import LOWER, PAST_ZERO, UPPER
 from ..flight.series import bounds_of_bend, first_fall, move_origin
 from ..forms import constraint_force, wall_angle
-from ..machine import FORMS, Machine
+from .machine import Machine
 
 TURN = 2.0 * math.pi
 # Crank angles between which the maximum over a revolution is bracketed; the functions have a handful of
@@ -53,7 +53,7 @@ def wall_force(form: float, side: float, theta: float, gap: float, m: Mechanism)
 
 def wall_forces(machine: Machine, side: float, theta: Vector) -> Vector:
     """`wall_force` at many crank angles."""
-    form, m = float(FORMS.index(machine.form)), machine.mechanism
+    form, m = machine.form_code, machine.mechanism
     return np.array([wall_force(form, side, angle, machine.gap, m) for angle in theta])
 
 

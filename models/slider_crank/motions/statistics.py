@@ -10,10 +10,10 @@ import numpy as np
 from ...compile.kernel import kernel
 from ...core.quantities import Vector
 from ..equations import Mechanism, inertia
-from ..flight import histories as h
 from ..flight.bouncing import LOWER, UPPER
 from ..forms import offset_slope, wall_angle
-from ..machine import FORMS, Events, Machine
+from . import histories as h
+from .machine import Events, Machine
 
 TURN = 2.0 * math.pi
 
@@ -76,7 +76,7 @@ def energies(machine: Machine, impacts: Events) -> Vector:
     """Energy that each impact takes: (1 - e^2) a v^2 / (2 (dy/dpsi)^2), v the approach; all of it where
     sliding begins. Over M l^2 Omega^2."""
     taken = np.empty_like(impacts.theta)
-    form = float(FORMS.index(machine.form))
+    form = machine.form_code
     kept = np.where(impacts.kind == h.ONSET, 0.0, machine.restitution**2)
     fill_energies(form, machine.mechanism, machine.gap, kept, impacts, taken)
     return taken

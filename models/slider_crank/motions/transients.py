@@ -11,8 +11,8 @@ import numpy as np
 
 from ...compile.parallel import each, no_progress
 from ...core.quantities import Vector
-from ..machine import Machine, Motion
-from .recurrence import until_recurrent
+from .machine import Machine, Motion
+from .recurrence import run_until_recurrent
 
 # F appendix B lets 30 cycles pass before it records anything.
 ORDINARY_TRANSIENT = 30
@@ -52,7 +52,7 @@ class EscapeTime:
     distance: float
 
 
-def transients(
+def measure_transients(
     machine: Machine,
     starts: Vector,
     cycles: int = 10_000,
@@ -62,20 +62,20 @@ def transients(
     """Transients from (n, 2) starts psi, psi' at crank angle zero, each looked at for so many cycles."""
 
     def one(start: tuple[float, float]) -> tuple[int, int]:
-        found = until_recurrent(Motion(machine, *start), cycles)[1]
+        found = run_until_recurrent(Motion(machine, *start), cycles)[1]
         return (found.transient, found.period) if found else (cycles, 0)
 
     found = np.array(each(one, [(float(psi), float(rate)) for psi, rate in starts], workers, progress))
     return Transients(starts, found[:, 0], found[:, 1], cycles)
 
 
-def random_starts(machine: Machine, count: int, seed: int = 0) -> Vector:
+def draw_starts(machine: Machine, count: int, seed: int = 0) -> Vector:
     """Uniform between the walls, and in psi' up to what crosses the gap in a tenth of a radian."""
     unit = np.random.default_rng(seed).uniform(-1.0, 1.0, (count, 2))
     return unit * machine.gap * np.array([1.0, 10.0])
 
 
-def escape_time(found: Transients, after: float = ORDINARY_TRANSIENT) -> EscapeTime | None:
+def fit_escape_time(found: Transients, after: float = ORDINARY_TRANSIENT) -> EscapeTime | None:
     """Most likely mean of an exponential distribution of the lengths above `after`; None if none escaped.
 
     Motions that did not settle count with the time for which they were seen. mean = total time / escapes,

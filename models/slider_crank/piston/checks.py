@@ -1,4 +1,4 @@
-"""What ranges alone cannot say about parameters and start of the slider-crank with a tilting piston."""
+"""Requirements on several parameters or start values of the slider-crank with a tilting piston."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .contact import CORNERS, exists, gap
 from .motion import machine
 
 NAMES = ("upper front", "upper rear", "lower front", "lower rear")
-# Of corners that are closed together, numbered with a bit for each.
+# Names of corners that are closed together, by the number of `encode_closed_corners`.
 NAMES_TOGETHER = tuple(
     " and ".join(name for i, name in enumerate(NAMES) if closed >> i & 1) for closed in range(1 << CORNERS)
 )
@@ -37,8 +37,8 @@ def piston_stays_upright(p: Any, told: Vector) -> bool:
 
 
 @kernel
-def find_closed_corners(x: Any) -> int:
-    """A bit for each."""
+def encode_closed_corners(x: Any) -> int:
+    """The closed corners as a number with a bit for each."""
     closed = 0
     for i in range(CORNERS):
         if x.closed[i] != 0.0:
@@ -59,19 +59,19 @@ def closes_its_own(x: Any, u: Any, p: Any, told: Vector) -> bool:
 
 @kernel
 def can_touch_together(x: Any) -> bool:
-    """One corner, two on one wall, or a diagonal: none across from each other."""
+    """True unless two corners across from each other are closed."""
     return x.closed[0] * x.closed[2] == 0.0 and x.closed[1] * x.closed[3] == 0.0
 
 
 @kernel
 def closes_together(x: Any, u: Any, p: Any, told: Vector) -> bool:
-    told[0] = find_closed_corners(x)
+    told[0] = encode_closed_corners(x)
     return can_touch_together(x) or not closes_its_own(x, u, p, told)
 
 
 @kernel
 def starts_between_walls(x: Any, u: Any, p: Any, told: Vector) -> bool:
-    """The first open corner that does not is told, of closed ones that can be."""
+    """Reports the first open corner outside its wall, if the closed corners are possible."""
     if not closes_its_own(x, u, p, told) or not can_touch_together(x):
         return True
     m = machine(p)

@@ -36,10 +36,10 @@ BISECTIONS = 60
 
 
 class Motion(NamedTuple):
-    """The mechanism at an instant: where, how fast, and what forces do to it.
+    """The mechanism at an instant: coordinates q, rates v, and how it answers forces.
 
-    `inverse` maps forces to accelerations (with zeros for a crank that nothing moves), `free` are the
-    accelerations without walls.
+    `inverse` maps forces to accelerations (zeros for a crank of given motion). `free`: accelerations without
+    walls.
     """
 
     q: Coordinates
@@ -68,13 +68,13 @@ def side(corner: int) -> float:
 
 
 @kernel
-def along(corner: int, m: Machine) -> float:
+def corner_along(corner: int, m: Machine) -> float:
     """Place of a corner along the piston, from the middle."""
     return m.half_length if corner % 2 == 0 else -m.half_length
 
 
 @kernel
-def across(corner: int, m: Machine) -> float:
+def corner_across(corner: int, m: Machine) -> float:
     return side(corner) * m.half_height
 
 
@@ -87,27 +87,27 @@ def exists(corner: int, m: Machine) -> bool:
 @kernel
 def gap(corner: int, offset: float, tilt: float, m: Machine) -> float:
     """Distance of a corner from its wall; `offset` is that of the piston's middle."""
-    raised = offset + along(corner, m) * math.sin(tilt)
+    raised = offset + corner_along(corner, m) * math.sin(tilt)
     return m.clearance - side(corner) * raised + 2.0 * m.half_height * math.sin(0.5 * tilt) ** 2
 
 
 @kernel
 def gap_rate(corner: int, offset_rate: float, tilt: float, tilt_rate: float, m: Machine) -> float:
-    raising = offset_rate + along(corner, m) * math.cos(tilt) * tilt_rate
+    raising = offset_rate + corner_along(corner, m) * math.cos(tilt) * tilt_rate
     return -side(corner) * raising + m.half_height * math.sin(tilt) * tilt_rate
 
 
 @kernel
 def normal(corner: int, q: Coordinates, m: Machine) -> Coordinates:
     """Derivatives of the gap by the coordinates."""
-    row = across_row(along(corner, m), across(corner, m), q, m)
+    row = across_row(corner_along(corner, m), corner_across(corner, m), q, m)
     return Coordinates(-side(corner) * row.theta, -side(corner) * row.eta, -side(corner) * row.chi)
 
 
 @kernel
 def tangent(corner: int, q: Coordinates, m: Machine) -> Coordinates:
     """Derivatives of the corner's place along the wall by the coordinates."""
-    return along_row(along(corner, m), across(corner, m), q, m)
+    return along_row(corner_along(corner, m), corner_across(corner, m), q, m)
 
 
 @kernel
@@ -116,7 +116,7 @@ def sliding_velocity(corner: int, q: Coordinates, v: Coordinates, m: Machine) ->
 
 
 @kernel
-def push(corner: int, ratio: float, q: Coordinates, m: Machine) -> Coordinates:
+def wall_push(corner: int, ratio: float, q: Coordinates, m: Machine) -> Coordinates:
     """Generalised force of a unit wall force with friction `ratio` times it, towards -x."""
     if corner < 0:
         return Coordinates(0.0, 0.0, 0.0)
@@ -125,24 +125,24 @@ def push(corner: int, ratio: float, q: Coordinates, m: Machine) -> Coordinates:
 
 @kernel
 def coupling(corner: int, other: int, ratio: float, s: Motion, m: Machine) -> float:
-    """How much a unit wall force on `other` opens `corner` (its gap's acceleration)."""
+    """Gap acceleration of `corner` per unit wall force on `other`."""
     if corner < 0 or other < 0:
         return 0.0
-    return dot(normal(corner, s.q, m), times(s.inverse, push(other, ratio, s.q, m)))
+    return dot(normal(corner, s.q, m), times(s.inverse, wall_push(other, ratio, s.q, m)))
 
 
 @kernel
 def gap_acceleration(corner: int, acceleration: Coordinates, s: Motion, m: Machine) -> float:
-    """gap''; 1 without a corner, which then needs no force."""
+    """gap''; 1 for corner -1, so that it needs no force."""
     if corner < 0:
         return 1.0
-    turning = across_turning(along(corner, m), across(corner, m), s.q, s.v, m)
+    turning = across_turning(corner_along(corner, m), corner_across(corner, m), s.q, s.v, m)
     return dot(normal(corner, s.q, m), acceleration) - side(corner) * turning
 
 
 @kernel
-def held(a: Pair, b: Pair, w: Pair) -> Pair:
-    """z with A z + w = 0; a and b are the rows of A. A corner that is none has zeros there, and gets 0."""
+def solve_holding_forces(a: Pair, b: Pair, w: Pair) -> Pair:
+    """z with A z + w = 0; a and b are the rows of A. Corner -1 has zeros in A and gets z = 0."""
     if b.second == 0.0:
         return Pair(-w.first / a.first if a.first != 0.0 else 0.0, 0.0)
     if a.first == 0.0:
@@ -169,15 +169,15 @@ def solve_complementarity(a: Pair, b: Pair, w: Pair) -> Pair:
     second = -w.second / b.second if w.second < 0.0 and b.second > 0.0 else 0.0
     if second > 0.0 and w.first + a.second * second >= 0.0:
         return Pair(0.0, second)
-    both = held(a, b, w)
+    both = solve_holding_forces(a, b, w)
     if both.first >= 0.0 and both.second >= 0.0:
         return both
     return Pair(first, 0.0) if w.first < w.second else Pair(0.0, second)
 
 
 @kernel
-def rows(touching: Touching, ratios: Pair, s: Motion, m: Machine) -> tuple[Pair, Pair]:
-    """The matrix that wall forces (or impulses) and gap accelerations (or jumps of gap rates) share."""
+def contact_matrix(touching: Touching, ratios: Pair, s: Motion, m: Machine) -> tuple[Pair, Pair]:
+    """The matrix from wall forces to gap accelerations, or from impulses to jumps of gap rates."""
     i, j = touching.first, touching.second
     return (
         Pair(coupling(i, i, ratios.first, s, m), coupling(i, j, ratios.second, s, m)),
@@ -195,14 +195,14 @@ def force_on(corner: int, touching: Touching, forces: Pair) -> float:
 @kernel
 def reaction(touching: Touching, forces: Pair, ratios: Pair, s: Motion, m: Machine) -> Coordinates:
     """Generalised force (impulse) of the walls with their friction."""
-    total = add(Coordinates(0.0, 0.0, 0.0), forces.first, push(touching.first, ratios.first, s.q, m))
-    return add(total, forces.second, push(touching.second, ratios.second, s.q, m))
+    total = add(Coordinates(0.0, 0.0, 0.0), forces.first, wall_push(touching.first, ratios.first, s.q, m))
+    return add(total, forces.second, wall_push(touching.second, ratios.second, s.q, m))
 
 
 @kernel
-def after(touching: Touching, forces: Pair, ratios: Pair, start: Coordinates, s: Motion, m: Machine) -> (
-    Coordinates
-):  # fmt: skip
+def add_reaction(
+    touching: Touching, forces: Pair, ratios: Pair, start: Coordinates, s: Motion, m: Machine
+) -> Coordinates:
     """Accelerations (rates) after wall forces (impulses), from those without."""
     return add(start, 1.0, times(s.inverse, reaction(touching, forces, ratios, s, m)))
 
@@ -216,7 +216,7 @@ def sliding_ratio(corner: int, s: Motion, friction: float, creep: float, m: Mach
 
 
 @kernel
-def needed(touching: Touching, s: Motion, m: Machine) -> Pair:
+def free_gap_accelerations(touching: Touching, s: Motion, m: Machine) -> Pair:
     """The corners' gap accelerations without walls."""
     return Pair(
         gap_acceleration(touching.first, s.free, s, m), gap_acceleration(touching.second, s.free, s, m)
@@ -224,18 +224,21 @@ def needed(touching: Touching, s: Motion, m: Machine) -> Pair:
 
 
 @kernel
-def impulses(touching: Touching, ratios: Pair, w: Pair, s: Motion, m: Machine) -> Pair:
+def solve_impulses(touching: Touching, ratios: Pair, w: Pair, s: Motion, m: Machine) -> Pair:
     """Normal impulses with given friction ratios; w = gamma_N- + e gamma_N-."""
-    a, b = rows(touching, ratios, s, m)
+    a, b = contact_matrix(touching, ratios, s, m)
     return solve_complementarity(a, b, w)
 
 
 @kernel
 def slip_power(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> float:
-    """Sum of normal impulse times sliding velocity afterwards; where friction jams, away from it."""
+    """Sum of normal impulses times sliding velocities after the impact.
+
+    Without impulses (friction jams the piston) a number that sends the bisection away from there.
+    """
     if found.first == 0.0 and found.second == 0.0:
         return -ratios.first
-    v = after(touching, found, ratios, s.v, s, m)
+    v = add_reaction(touching, found, ratios, s.v, s, m)
     total = 0.0
     if found.first > 0.0:
         total += found.first * sliding_velocity(touching.first, s.q, v, m)
@@ -246,10 +249,10 @@ def slip_power(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Mach
 
 @kernel
 def slips(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> bool:
-    """True if there are impulses, and every corner that got one slides against its friction afterwards."""
+    """True if there are impulses, and each corner with one slides against its friction afterwards."""
     if found.first == 0.0 and found.second == 0.0:
         return False
-    v = after(touching, found, ratios, s.v, s, m)
+    v = add_reaction(touching, found, ratios, s.v, s, m)
     if found.first > 0.0 and ratios.first * sliding_velocity(touching.first, s.q, v, m) < 0.0:
         return False
     return not (found.second > 0.0 and ratios.second * sliding_velocity(touching.second, s.q, v, m) < 0.0)
@@ -257,9 +260,9 @@ def slips(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) 
 
 @kernel
 def impact_ratios(touching: Touching, w: Pair, friction: float, s: Motion, m: Machine) -> Pair:
-    """Friction over normal impulse: the directions of sliding that persist, or what stops the sliding.
+    """Friction over normal impulse: +-friction where sliding goes on, less where it stops.
 
-    Corners that stop together share one ratio, as their velocities are the same while both are closed.
+    Corners that stop together share one ratio: both being closed, they slide at one velocity.
     """
     first = second = friction
     if touching.first >= 0 and sliding_velocity(touching.first, s.q, s.v, m) < 0.0:
@@ -268,13 +271,13 @@ def impact_ratios(touching: Touching, w: Pair, friction: float, s: Motion, m: Ma
         second = -friction
     for trial in range(4):
         ratios = Pair(first if trial < 2 else -first, second if trial % 2 == 0 else -second)
-        if slips(touching, impulses(touching, ratios, w, s, m), ratios, s, m):
+        if slips(touching, solve_impulses(touching, ratios, w, s, m), ratios, s, m):
             return ratios
     low, high = -friction, friction
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         ratios = Pair(middle, middle)
-        if slip_power(touching, impulses(touching, ratios, w, s, m), ratios, s, m) > 0.0:
+        if slip_power(touching, solve_impulses(touching, ratios, w, s, m), ratios, s, m) > 0.0:
             low = middle
         else:
             high = middle

@@ -12,38 +12,38 @@ from .contact import (
     Motion,
     Pair,
     Touching,
-    after,
+    add_reaction,
+    contact_matrix,
     exists,
     force_on,
+    free_gap_accelerations,
     gap,
     gap_acceleration,
     gap_rate,
-    held,
     impact_ratios,
-    impulses,
-    needed,
     reaction,
-    rows,
     side,
     solve_complementarity,
+    solve_holding_forces,
+    solve_impulses,
 )
 from .mechanics import Coordinates, Machine, across_row, add, dot
-from .motion import Place, closed, find_place, machine, ratios_of, wall_forces
+from .motion import Place, find_closed_corners, find_place, friction_ratios, machine, wall_forces
 
-# After an event an open corner that touched is this share of the clearance inside its wall: a hundred
-# times the rounding of a gap.
+# After an event an open corner is inside its wall by this share of the clearance: a hundred times the
+# rounding of a gap.
 INSIDE = 1e-13
-# Corners nearer than this many times that meet the wall together.
+# Corners nearer than this many times INSIDE to their walls meet them together.
 TOGETHER = 10.0
-# Bounces lower than this many times that drown in it; chatter ends there at the latest.
+# Bounces lower than this many times INSIDE are rounding; chatter ends there at the latest.
 UNRESOLVED = 100.0
-# Rates that should be zero are so to this share of the mechanism's velocities.
+# Rates below this share of the mechanism's velocities are rounding of zero.
 STILL = 1e-13
 
 
 @kernel
 def find_touching(corner: int, x: Any, place: Place, m: Machine) -> Touching:
-    """The corner and the other one that touches, if any: closed, or at its wall at the same instant."""
+    """The corner, and another one that is closed or at its wall at the same instant."""
     for i in range(CORNERS):
         near = gap(i, place.offset, place.tilt, m) <= TOGETHER * INSIDE * m.clearance
         if i != corner and exists(i, m) and (x.closed[i] != 0.0 or near):
@@ -52,40 +52,40 @@ def find_touching(corner: int, x: Any, place: Place, m: Machine) -> Touching:
 
 
 @kernel
-def approach(corner: int, place: Place, m: Machine) -> float:
-    """Gap rate; 1 without a corner, which then gets no impulse."""
+def corner_gap_rate(corner: int, place: Place, m: Machine) -> float:
+    """Gap rate of a corner; 1 for corner -1, so that it gets no impulse."""
     return 1.0 if corner < 0 else gap_rate(corner, place.offset_rate, place.tilt, place.tilt_rate, m)
 
 
 @kernel
-def with_restitution(rate: float, restitution: float) -> float:
+def add_restitution(rate: float, restitution: float) -> float:
     """gamma_N- + e gamma_N-, for a corner that approaches."""
     return rate + restitution * min(rate, 0.0)
 
 
 @kernel
 def select_corners(touching: Touching, first: bool, second: bool) -> Touching:
-    """The wanted ones of the two corners."""
+    """The chosen ones of two corners; -1 for the others."""
     return Touching(touching.first if first else -1, touching.second if second else -1)
 
 
 @kernel
-def pressing(corner: int, other: int, s: Motion, p: Any, m: Machine) -> float:
-    """Acceleration of a corner towards its wall when another one is held (if its wall pushes)."""
+def pressing_acceleration(corner: int, other: int, s: Motion, p: Any, m: Machine) -> float:
+    """Acceleration of a corner towards its wall; the other corner's wall counts if it pushes."""
     partner = Touching(-1, other)
     force = max(0.0, wall_forces(partner, s, p, m).second)
-    q2 = after(partner, Pair(0.0, force), ratios_of(partner, s, p, m), s.free, s, m)
+    q2 = add_reaction(partner, Pair(0.0, force), friction_ratios(partner, s, p, m), s.free, s, m)
     return -gap_acceleration(corner, q2, s, m)
 
 
 @kernel
-def ends(corner: int, other: int, rebound: float, s: Motion, p: Any, m: Machine) -> bool:
-    """True if the bounces that would follow this rebound end now, for all that can be told."""
+def bounces_end(corner: int, other: int, rebound: float, s: Motion, p: Any, m: Machine) -> bool:
+    """True if the bounces after this rebound end within the chatter time, or are lost in rounding."""
     if corner < 0:
         return False
     if rebound <= 0.0:
         return True
-    pressed = pressing(corner, other, s, p, m)
+    pressed = pressing_acceleration(corner, other, s, p, m)
     if pressed <= 0.0:
         return False
     soon = 2.0 * rebound <= (1.0 - p.restitution) * pressed * p.chatter_time
@@ -95,8 +95,7 @@ def ends(corner: int, other: int, rebound: float, s: Motion, p: Any, m: Machine)
 
 @kernel
 def move_inside(x: Any, touching: Touching, m: Machine) -> None:
-    """Put open corners that touch just inside their walls: the first by the offset, the
-    second by the tilt."""
+    """Move open corners that touch just inside their walls: the first by offset, the second by tilt."""
     margin = INSIDE * m.clearance
     place = find_place(x, m)
     x.offset = place.offset
@@ -119,13 +118,13 @@ def move_inside(x: Any, touching: Touching, m: Machine) -> None:
 @kernel
 def rate_after(corner: int, touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> float:
     """Gap rate of a corner after an impact."""
-    v = after(touching, found, ratios, s.v, s, m)
+    v = add_reaction(touching, found, ratios, s.v, s, m)
     place = Place(0.0, dot(across_row(0.0, 0.0, s.q, m), v), s.q.chi, v.chi)
-    return approach(corner, place, m)
+    return corner_gap_rate(corner, place, m)
 
 
 @kernel
-def parting(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> float:
+def parting_rate(touching: Touching, found: Pair, ratios: Pair, s: Motion, m: Machine) -> float:
     """The larger gap rate of both corners after an impact."""
     first = rate_after(touching.first, touching, found, ratios, s, m)
     return max(first, rate_after(touching.second, touching, found, ratios, s, m))
@@ -152,9 +151,9 @@ def open_all(x: Any, m: Machine) -> None:
 
 @kernel
 def close_pressed(x: Any, s: Motion, p: Any, touching: Touching, m: Machine) -> None:
-    """Of the corners that touch and do not part, close those that are pressed."""
-    a, b = rows(touching, ratios_of(touching, s, p, m), s, m)
-    forces = solve_complementarity(a, b, needed(touching, s, m))
+    """Close the touching corners whose walls push them."""
+    a, b = contact_matrix(touching, friction_ratios(touching, s, p, m), s, m)
+    forces = solve_complementarity(a, b, free_gap_accelerations(touching, s, m))
     if forces.first > 0.0:
         x.closed[touching.first] = 1.0
     if forces.second > 0.0:
@@ -169,7 +168,7 @@ def count_event(t: float, x: Any) -> None:
 
 @kernel
 def release(corner: int, other: int, x: Any, s: Motion, p: Any, m: Machine) -> None:
-    """A wall would have to pull at a corner: of it and the other one, now open, close what is pressed."""
+    """Release a corner whose wall would have to pull; close again what is pressed of it and the other one."""
     close_pressed(x, s, p, Touching(corner, other), m)
     # To rounding both may be pressed still.
     if x.closed[corner] != 0.0 and (other < 0 or x.closed[other] != 0.0):
@@ -191,30 +190,30 @@ class Impact(NamedTuple):
 def solve_impact(
     touching: Touching, rates: Pair, second_closed: bool, s: Motion, p: Any, m: Machine
 ) -> Impact:
-    """The impact of corners that approach their walls with these gap rates; the second may have rested."""
+    """The impact of corners with these gap rates; the second may have been closed before."""
     i, j = touching.first, touching.second
     e = p.restitution
-    w = Pair(with_restitution(rates.first, e), with_restitution(rates.second, e))
+    w = Pair(add_restitution(rates.first, e), add_restitution(rates.second, e))
     ratios = impact_ratios(touching, w, p.wall_friction, s, m)
-    found = impulses(touching, ratios, w, s, m)
+    found = solve_impulses(touching, ratios, w, s, m)
     still = STILL * speed_scale(s.v, m)
     after_i, after_j = rate_after(i, touching, found, ratios, s, m), 1.0
     if j >= 0:
         after_j = rate_after(j, touching, found, ratios, s, m)
-    i_ends = ends(i, j if after_j <= still else -1, after_i - still, s, p, m)
-    j_ends = ends(j, i if after_i <= still else -1, after_j - still, s, p, m)
+    i_ends = bounces_end(i, j if after_j <= still else -1, after_i - still, s, p, m)
+    j_ends = bounces_end(j, i if after_i <= still else -1, after_j - still, s, p, m)
     if i_ends or (j_ends and not second_closed):
         w = Pair(
-            with_restitution(rates.first, 0.0 if i_ends else e),
-            with_restitution(rates.second, 0.0 if j_ends else e),
+            add_restitution(rates.first, 0.0 if i_ends else e),
+            add_restitution(rates.second, 0.0 if j_ends else e),
         )
         ratios = impact_ratios(touching, w, p.wall_friction, s, m)
-        found = impulses(touching, ratios, w, s, m)
-    if i_ends and j_ends and parting(touching, found, ratios, s, m) > still:
-        # One corner would lift the other: the limit of bounces that rock between them.
-        ratios = ratios_of(touching, s, p, m)
-        a, b = rows(touching, ratios, s, m)
-        found = held(a, b, rates)
+        found = solve_impulses(touching, ratios, w, s, m)
+    if i_ends and j_ends and parting_rate(touching, found, ratios, s, m) > still:
+        # One corner would lift the other. The limit of bounces that rock between them holds both.
+        ratios = friction_ratios(touching, s, p, m)
+        a, b = contact_matrix(touching, ratios, s, m)
+        found = solve_holding_forces(a, b, rates)
     return Impact(touching, found, ratios, i_ends, j_ends)
 
 
@@ -222,7 +221,7 @@ def solve_impact(
 def apply_impact(t: float, x: Any, impact: Impact, s: Motion, m: Machine) -> tuple[Coordinates, Coordinates]:
     """Give the piston its jump of the rates and count it; returns the jump and the walls' impulse."""
     touching, found = impact.touching, impact.impulses
-    v = after(touching, found, impact.ratios, s.v, s, m)
+    v = add_reaction(touching, found, impact.ratios, s.v, s, m)
     jump = add(v, -1.0, s.v)
     mean = add(s.v, 0.5, jump)
     walls = reaction(touching, found, impact.ratios, s, m)
@@ -231,7 +230,7 @@ def apply_impact(t: float, x: Any, impact: Impact, s: Motion, m: Machine) -> tup
     for i in range(CORNERS):
         impulse = force_on(i, touching, found)
         if impulse != 0.0:
-            towards = -approach(i, place, m)
+            towards = -corner_gap_rate(i, place, m)
             x.impact_impulse[i] += impulse
             if towards > STILL * speed_scale(s.v, m):
                 x.impact_count[i] += 1.0
@@ -245,13 +244,13 @@ def apply_impact(t: float, x: Any, impact: Impact, s: Motion, m: Machine) -> tup
 
 
 @kernel
-def rest_after(x: Any, impact: Impact, still: float, s: Motion, p: Any, m: Machine) -> None:
+def close_after_impact(x: Any, impact: Impact, still: float, s: Motion, p: Any, m: Machine) -> None:
     """Close the corners whose bounces have ended and that are pressed; s is the motion after the impact."""
     touching, place = impact.touching, find_place(x, m)
     resting = select_corners(
         touching,
-        impact.first_ends and approach(touching.first, place, m) <= still,
-        impact.second_ends and approach(touching.second, place, m) <= still,
+        impact.first_ends and corner_gap_rate(touching.first, place, m) <= still,
+        impact.second_ends and corner_gap_rate(touching.second, place, m) <= still,
     )
     close_pressed(x, s, p, resting, m)
     if touching.second >= 0 and x.closed[touching.second] != 0.0:
@@ -259,17 +258,17 @@ def rest_after(x: Any, impact: Impact, still: float, s: Motion, p: Any, m: Machi
     move_inside(x, touching, m)
 
 
-def contact_events(motion: Any, give: Any) -> Events:
+def contact_events(motion: Any, apply_to_crank: Any) -> Events:
     """Events of a component: each corner's gap while open, its wall force while closed.
 
-    motion(x, u, p) -> Motion; give(x, u, s, jump, walls): what an impact's jump of the rates, with the
-    generalised impulse of the walls, does to crank angle states and books.
+    motion(x, u, p) -> Motion. apply_to_crank(x, u, s, jump, walls, m) changes the crank's states and energy
+    counters after an impact: `jump` of the rates, generalised impulse `walls`.
     """
 
     @kernel
     def guards(t: float, x: Any, u: Any, p: Any, g: Vector) -> None:
         m = machine(p)
-        place, touching = find_place(x, m), closed(x)
+        place, touching = find_place(x, m), find_closed_corners(x)
         for i in range(CORNERS):
             g[i] = gap(i, place.offset, place.tilt, m) if exists(i, m) else 1.0
         if touching.first >= 0:
@@ -283,8 +282,8 @@ def contact_events(motion: Any, give: Any) -> Events:
         """The first of two corners has reached its wall; all are open in the state."""
         m, s = machine(p), motion(x, u, p)
         place = find_place(x, m)
-        rates = Pair(approach(touching.first, place, m), approach(touching.second, place, m))
-        if rates.first >= 0.0:  # found outside a wall, and leaving already
+        rates = Pair(corner_gap_rate(touching.first, place, m), corner_gap_rate(touching.second, place, m))
+        if rates.first >= 0.0:  # outside the wall by rounding, and already leaving it
             if second_closed:
                 close_pressed(x, s, p, Touching(-1, touching.second), m)
                 touching = Touching(touching.second, touching.first)
@@ -293,12 +292,12 @@ def contact_events(motion: Any, give: Any) -> Events:
         count_event(t, x)
         impact = solve_impact(touching, rates, second_closed, s, p, m)
         jump, walls = apply_impact(t, x, impact, s, m)
-        give(x, u, s, jump, walls, m)
-        rest_after(x, impact, STILL * speed_scale(s.v, m), motion(x, u, p), p, m)
+        apply_to_crank(x, u, s, jump, walls, m)
+        close_after_impact(x, impact, STILL * speed_scale(s.v, m), motion(x, u, p), p, m)
 
     @kernel
     def transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
-        m, before = machine(p), closed(x)
+        m, before = machine(p), find_closed_corners(x)
         if x.closed[k] != 0.0:
             count_event(t, x)
             open_all(x, m)

@@ -1,4 +1,4 @@
-"""Slider-crank with a tilting piston, its crank free under a torque."""
+"""Slider-crank with a tilting piston; a torque drives the crank."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def motion(x: FreePistonCrankState, u: FreePistonCrankInputs, p: FreePistonParam
 
 
 @kernel
-def give(
+def apply_to_crank(
     x: FreePistonCrankState,
     u: FreePistonCrankInputs,
     s: Motion,
@@ -131,7 +131,7 @@ def free_piston_crank() -> Component:
             "friction_power": forced,
         },
         bonds=(PowerBond("crank_drive", "crank_speed", +1),),
-        events=contact_events(motion, give),
+        events=contact_events(motion, apply_to_crank),
         requirements=REQUIREMENTS,
         start_requirements=START_REQUIREMENTS,
         resting=(),

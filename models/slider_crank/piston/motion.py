@@ -1,8 +1,7 @@
-"""What both components share: states and outputs, walls as guards, impacts and releases as transitions.
+"""Kernels that both piston components share: place, forces in lasting contact, derivatives, outputs.
 
-The state has the piston's offset and tilt, in which the walls' equations do not contain the crank; while
-corners are closed, the coordinates that they determine are taken from the walls, so that integration
-cannot drift off them.
+The states are the piston's offset and tilt: by them, gaps do not depend on the crank. Coordinates that closed
+corners determine are computed from the walls, so that integration cannot drift off them.
 """
 
 from __future__ import annotations
@@ -16,17 +15,17 @@ from .contact import (
     Motion,
     Pair,
     Touching,
-    after,
-    along,
+    add_reaction,
+    contact_matrix,
+    corner_along,
     force_on,
+    free_gap_accelerations,
     gap,
-    held,
-    needed,
     reaction,
-    rows,
     side,
     sliding_ratio,
     sliding_velocity,
+    solve_holding_forces,
 )
 from .mechanics import (
     Coordinates,
@@ -78,7 +77,7 @@ def machine(p: Any) -> Machine:
 
 
 @kernel
-def closed(x: Any) -> Touching:
+def find_closed_corners(x: Any) -> Touching:
     """The closed corners."""
     first = second = -1
     for i in range(CORNERS):
@@ -99,19 +98,19 @@ def jammed_tilt(m: Machine) -> float:
 
 @kernel
 def find_place(x: Any, m: Machine) -> Place:
-    """The state, with what closed corners determine taken from their walls."""
-    corners = closed(x)
+    """The piston's place; coordinates that closed corners determine are computed from their walls."""
+    corners = find_closed_corners(x)
     i, j = corners.first, corners.second
     if i < 0:
         return Place(x.offset, x.offset_rate, x.tilt, x.tilt_rate)
     if j < 0:
-        sine, k = math.sin(x.tilt), along(i, m)
+        sine, k = math.sin(x.tilt), corner_along(i, m)
         lift = m.clearance + 2.0 * m.half_height * math.sin(0.5 * x.tilt) ** 2
         slope = side(i) * m.half_height * sine - k * math.cos(x.tilt)
         return Place(side(i) * lift - k * sine, slope * x.tilt_rate, x.tilt, x.tilt_rate)
     if side(i) == side(j):
         return Place(side(i) * m.clearance, 0.0, 0.0, 0.0)
-    return Place(0.0, 0.0, math.copysign(jammed_tilt(m), along(i, m)), 0.0)
+    return Place(0.0, 0.0, math.copysign(jammed_tilt(m), corner_along(i, m)), 0.0)
 
 
 @kernel
@@ -132,7 +131,7 @@ def rates(speed: float, q: Coordinates, place: Place, m: Machine) -> Coordinates
 
 
 @kernel
-def ratios_of(touching: Touching, s: Motion, p: Any, m: Machine) -> Pair:
+def friction_ratios(touching: Touching, s: Motion, p: Any, m: Machine) -> Pair:
     """Friction over wall force in lasting contact."""
     return Pair(
         sliding_ratio(touching.first, s, p.wall_friction, p.creep_velocity, m),
@@ -143,21 +142,23 @@ def ratios_of(touching: Touching, s: Motion, p: Any, m: Machine) -> Pair:
 @kernel
 def wall_forces(touching: Touching, s: Motion, p: Any, m: Machine) -> Pair:
     """Forces that keep the corners closed; negative ones would have to pull."""
-    a, b = rows(touching, ratios_of(touching, s, p, m), s, m)
-    return held(a, b, needed(touching, s, m))
+    a, b = contact_matrix(touching, friction_ratios(touching, s, p, m), s, m)
+    return solve_holding_forces(a, b, free_gap_accelerations(touching, s, m))
 
 
 @kernel
 def accelerations(x: Any, s: Motion, p: Any, m: Machine) -> Coordinates:
     """q'' with the forces of closed corners."""
-    touching = closed(x)
-    return after(touching, wall_forces(touching, s, p, m), ratios_of(touching, s, p, m), s.free, s, m)
+    touching = find_closed_corners(x)
+    return add_reaction(
+        touching, wall_forces(touching, s, p, m), friction_ratios(touching, s, p, m), s.free, s, m
+    )
 
 
 @kernel
 def differentiate(x: Any, s: Motion, p: Any, m: Machine, dx: Any) -> None:
     """The derivatives of the shared states."""
-    place, touching = find_place(x, m), closed(x)
+    place, touching = find_place(x, m), find_closed_corners(x)
     forces = wall_forces(touching, s, p, m)
     q2 = accelerations(x, s, p, m)
     dx.offset = place.offset_rate
@@ -179,13 +180,13 @@ def differentiate(x: Any, s: Motion, p: Any, m: Machine, dx: Any) -> None:
 @kernel
 def wall_reaction(s: Motion, touching: Touching, forces: Pair, p: Any, m: Machine) -> Coordinates:
     """Generalised force of the walls with their friction."""
-    return reaction(touching, forces, ratios_of(touching, s, p, m), s, m)
+    return reaction(touching, forces, friction_ratios(touching, s, p, m), s, m)
 
 
 @kernel
 def wall_loss(s: Motion, touching: Touching, forces: Pair, p: Any, m: Machine) -> float:
     """Power (W) that the walls' friction takes."""
-    ratios = ratios_of(touching, s, p, m)
+    ratios = friction_ratios(touching, s, p, m)
     total = 0.0
     if touching.first >= 0:
         total += ratios.first * forces.first * sliding_velocity(touching.first, s.q, s.v, m)
@@ -197,16 +198,16 @@ def wall_loss(s: Motion, touching: Touching, forces: Pair, p: Any, m: Machine) -
 @kernel
 def friction_power(x: Any, s: Motion, p: Any, m: Machine) -> float:
     """Power (W) that all friction takes between impacts."""
-    touching = closed(x)
+    touching = find_closed_corners(x)
     return joint_loss(s.v, m) + wall_loss(s, touching, wall_forces(touching, s, p, m), p, m)
 
 
 @kernel
 def observe(x: Any, s: Motion, gas_pressure: float, p: Any, m: Machine, y: Any) -> None:
     """The shared outputs."""
-    place, touching = find_place(x, m), closed(x)
+    place, touching = find_place(x, m), find_closed_corners(x)
     forces = wall_forces(touching, s, p, m)
-    ratios = ratios_of(touching, s, p, m)
+    ratios = friction_ratios(touching, s, p, m)
     q2 = accelerations(x, s, p, m)
     a, b = m.mass_along, m.mass_across
     y.piston_position = position_along(0.0, 0.0, s.q, m)

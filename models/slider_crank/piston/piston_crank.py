@@ -1,4 +1,4 @@
-"""Slider-crank with a tilting piston, its crank turning as the inputs say."""
+"""Slider-crank with a tilting piston; the crank's motion is an input."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from .mechanics import (
 )
 from .motion import (
     accelerations,
-    closed,
     coordinates,
     differentiate,
+    find_closed_corners,
     find_place,
     friction_power,
     machine,
@@ -60,7 +60,7 @@ def motion(x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters) -> Mo
 @kernel
 def crank_torque(x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters) -> float:
     """Torque that the mechanism takes: theta's row of the equation of motion."""
-    m, s, touching = machine(p), motion(x, u, p), closed(x)
+    m, s, touching = machine(p), motion(x, u, p), find_closed_corners(x)
     q2 = accelerations(x, s, p, m)
     walls = wall_reaction(s, touching, wall_forces(touching, s, p, m), p, m)
     inertial = times(mass_matrix(s.q, m), q2).theta + turning_forces(s.q, s.v, m).theta
@@ -68,7 +68,7 @@ def crank_torque(x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters)
 
 
 @kernel
-def give(
+def apply_to_crank(
     x: PistonCrankState, u: PistonCrankInputs, s: Motion, jump: Coordinates, walls: Coordinates, m: Machine
 ) -> None:
     """The crank keeps its speed and gives the angular impulse that this takes."""
@@ -136,7 +136,7 @@ def piston_crank() -> Component:
             "crank_torque": forced,
         },
         bonds=(PowerBond("crank_torque", "crank_speed", +1),),
-        events=contact_events(motion, give),
+        events=contact_events(motion, apply_to_crank),
         requirements=REQUIREMENTS,
         start_requirements=START_REQUIREMENTS,
         resting=(),

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator, ScalarFormatter
 
 from models.slider_crank.flight.bouncing import LOWER, UPPER
-from models.slider_crank.machine import Machine
+from models.slider_crank.motions.machine import Machine
 from models.slider_crank.motions.portrait import portrait, wall_angles
 from models.slider_crank.motions.regions import TURN, thresholds, wall_forces
 from orchestrator.plots.motion.angles import shift_to_first_turn

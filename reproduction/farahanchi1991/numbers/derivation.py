@@ -19,7 +19,7 @@ from models.slider_crank.equations import (
     thesis_mechanism,
     wall_angle,
 )
-from models.slider_crank.machine import Machine, Motion
+from models.slider_crank.motions.machine import Machine, Motion
 
 from ...statement import near
 from ..cases import GAPS, PUBLISHED, Case

@@ -1,7 +1,16 @@
-"""What a bouncing motion leaves behind: its events, its states at chosen phases, its exponents.
+"""Records of bouncing motions: events, states at chosen phases, growth of tangent vectors.
 
 `LINEAR` and `NONLINEAR` hold the same kernels for the two kinds of flight. All of them take a flow, walls,
 a position that they advance, and scratch (SCRATCH_ROWS, TERMS).
+
+Tangent vectors (dy, dy') are the rows of `v`. An impact maps them by its saltation matrix (phase fixed):
+
+    dy -> -e dy,    dy' -> -e dy' + (e A_before + A_after) dy / y'_before,
+
+A the acceleration y'' just before and after it; determinant e^2. Hence the exponents' exact sum
+-lambda/a + 2 N ln e/(2 pi) for N impacts a cycle. At the onset of sliding every deviation ends, and none
+begins at the release, whose phase does not depend on the past: both vectors become zero, and the
+exponents are -infinity.
 """
 
 from __future__ import annotations
@@ -10,9 +19,9 @@ import math
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
-from . import linear as linear_flight
-from . import pendulum as pendulum_flight
-from .bouncing import (
+from ..flight import linear as linear_flight
+from ..flight import pendulum as pendulum_flight
+from ..flight.bouncing import (
     CELL,
     END,
     FRACTION,
@@ -31,7 +40,6 @@ from .bouncing import (
     phase,
     strike,
 )
-from .tangent import across_impact, orthonormalize
 
 # Columns of an event: revolution, phase in it, side, y' before it, and what it was.
 CYCLE, PHASE, EVENT_SIDE, RATE_BEFORE, KIND, EVENT_SIZE = 0, 1, 2, 3, 4, 5
@@ -60,6 +68,35 @@ def begin_cycle(position: Any) -> None:
 @kernel
 def copy_state(position: Any, state: Any) -> None:
     state[0], state[1], state[2] = position[Y], position[RATE_OF_Y], position[SIDE]
+
+
+@kernel
+def apply_saltation(restitution: float, kick: float, rate: float, v: Any) -> None:
+    """The saltation matrix; `kick` is e A_before + A_after, `rate` y' before the impact."""
+    for row in range(2):
+        v[row, 1] = -restitution * v[row, 1] + kick / rate * v[row, 0]
+        v[row, 0] = -restitution * v[row, 0]
+
+
+@kernel
+def orthonormalize(v: Any, growth: Any) -> None:
+    """Gram and Schmidt; adds the logarithms of the lengths to growth. Zero vectors stay zero."""
+    growth[0] += normalize(v[0])
+    along = v[0, 0] * v[1, 0] + v[0, 1] * v[1, 1]
+    v[1, 0] -= along * v[0, 0]
+    v[1, 1] -= along * v[0, 1]
+    growth[1] += normalize(v[1])
+
+
+@kernel
+def normalize(v: Any) -> float:
+    """Divide a vector by its length; returns the logarithm of that."""
+    length = math.hypot(v[0], v[1])
+    if length == 0.0:
+        return -math.inf
+    v[0] /= length
+    v[1] /= length
+    return math.log(length)
 
 
 def make_follow_tangents(next_event: Any, carry: Any, kick: Any) -> Any:
@@ -96,7 +133,7 @@ def make_follow_tangents(next_event: Any, carry: Any, kick: Any) -> Any:
                 if position[SIDE] != FREE:
                     v[0, 0] = v[0, 1] = v[1, 0] = v[1, 1] = 0.0
                 elif rate != 0.0:
-                    across_impact(walls.restitution, jerk, rate, v)
+                    apply_saltation(walls.restitution, jerk, rate, v)
             begin_cycle(position)
             orthonormalize(v, growth)
         return impacts

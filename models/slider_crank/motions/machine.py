@@ -14,16 +14,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..compile.kernel import kernel
-from ..core.quantities import Vector
-from .equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI, Mechanism, inertia
-from .flight import histories as h
-from .flight import pendulum as pendulum_flight
-from .flight.bouncing import POSITION_SIZE, RATE_OF_Y, SCRATCH_ROWS, Walls, Y
-from .flight.flow import COLUMNS, Flow, UnresolvedError, tabulate_flow
-from .flight.samples import sample_flow, sample_pressing
-from .flight.series import TERMS
-from .forms import offset, offset_slope, wall_angle, wall_rate
+from ...compile.kernel import kernel
+from ...core.quantities import Vector
+from ..equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI, Mechanism, inertia
+from ..flight import pendulum as pendulum_flight
+from ..flight.bouncing import POSITION_SIZE, RATE_OF_Y, SCRATCH_ROWS, Walls, Y
+from ..flight.flow import COLUMNS, Flow, UnresolvedError, tabulate_flow
+from ..flight.samples import sample_flow, sample_pressing
+from ..flight.series import TERMS
+from ..forms import offset, offset_slope, wall_angle, wall_rate
+from . import histories as h
 
 FORMS = ("as_published", "corrected", "nonlinear")
 # Events kept per call of the recording kernel.
@@ -71,6 +71,11 @@ class Machine:
             yield f"gap = {self.gap}: must be less than 1 - xi = {1.0 - self.xi:.4g}, or the rod turns over"
 
     @property
+    def form_code(self) -> float:
+        """The form as the kernels of `forms` take it."""
+        return float(FORMS.index(self.form))
+
+    @property
     def mechanism(self) -> Mechanism:
         """The numbers of the equation of motion."""
         sign = -1.0 if self.form == "as_published" else 1.0
@@ -102,10 +107,9 @@ class Machine:
 
     def _samples(self, cells: int) -> Vector:
         samples = np.zeros((cells, COLUMNS))
-        form = float(FORMS.index(self.form))
         if self.form != "nonlinear":
             sample_flow(self.mechanism, samples)
-        sample_pressing(form, self.mechanism, self.gap, samples)
+        sample_pressing(self.form_code, self.mechanism, self.gap, samples)
         return samples
 
 
@@ -156,7 +160,7 @@ class Motion:
         self.impact_count = 0
         self._scratch = np.zeros((SCRATCH_ROWS, TERMS))
         self._position = np.zeros(POSITION_SIZE)
-        form, m = float(FORMS.index(machine.form)), machine.mechanism
+        form, m = machine.form_code, machine.mechanism
         least, most = (wall_angle(form, 0.0, side * machine.gap, m) for side in (-1.0, 1.0))
         if not least <= psi <= most:
             raise ValueError(f"psi = {psi}: must be between the walls, {least:.6g} to {most:.6g} rad")
@@ -235,8 +239,7 @@ class Motion:
 
     def _in_psi(self, phases: Vector, states: Vector) -> Vector:
         result = np.empty_like(states)
-        form = float(FORMS.index(self.machine.form))
-        to_psi(form, self.machine.mechanism, phases, states, result)
+        to_psi(self.machine.form_code, self.machine.mechanism, phases, states, result)
         return result
 
     def _events(self, table: Vector) -> Events:

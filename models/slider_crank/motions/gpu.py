@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...core.quantities import Vector
-from ..machine import BLOCKS, Exponents, Machine, exponents_of
-from .bouncing import POSITION_SIZE, SCRATCH_ROWS
-from .series import TERMS
+from ..flight.bouncing import POSITION_SIZE, SCRATCH_ROWS
+from ..flight.series import TERMS
+from .machine import BLOCKS, Exponents, Machine, exponents_of
 
 THREADS = 64
 # Motions that are on the device at the same time, with 45 KB each.
@@ -27,7 +27,7 @@ class NoDeviceError(RuntimeError):
     """There is no CUDA device, or nothing to reach it with."""
 
 
-class Followed(NamedTuple):
+class TangentGrowths(NamedTuple):
     """For each machine: logarithmic growths (., blocks, 2) of two tangent vectors over blocks of `length`
     revolutions, impacts (.) in all of them, and y and y' (., 2) at the end."""
 
@@ -37,18 +37,20 @@ class Followed(NamedTuple):
     length: int
 
 
-def exponents(machines: Sequence[Machine], cycles: int, transient: int = 0) -> list[Exponents]:
+def compute_exponents(machines: Sequence[Machine], cycles: int, transient: int = 0) -> list[Exponents]:
     """Exponents over `cycles` revolutions (rounded up to whole blocks) after `transient` ones, from rest in
-    the middle. Errors as `follow`."""
-    found = follow(machines, cycles, transient)
+    the middle. Errors as `grow_tangents`."""
+    found = grow_tangents(machines, cycles, transient)
     return [
         exponents_of(machine, growths, float(impacts), found.length)
         for machine, growths, impacts in zip(machines, found.growths, found.impacts, strict=True)
     ]
 
 
-def follow(machines: Sequence[Machine], cycles: int, transient: int = 0, blocks: int = BLOCKS) -> Followed:
-    """The motions from psi = psi' = 0 with their tangent vectors.
+def grow_tangents(
+    machines: Sequence[Machine], cycles: int, transient: int = 0, blocks: int = BLOCKS
+) -> TangentGrowths:
+    """Growth of the tangent vectors of motions from psi = psi' = 0.
 
     ValueError if linear and nonlinear forms, or machines with different numbers of cells, are mixed;
     NoDeviceError without a device.
@@ -62,14 +64,14 @@ def follow(machines: Sequence[Machine], cycles: int, transient: int = 0, blocks:
     run = _kernels().nonlinear if kinds.pop() else _kernels().linear
     length = -(-cycles // blocks)
     parts = [
-        _follow_batch(run, machines[i : i + BATCH], length, blocks, transient)
+        _grow_batch(run, machines[i : i + BATCH], length, blocks, transient)
         for i in range(0, len(machines), BATCH)
     ]
     growths, impacts, state = (np.concatenate(columns) for columns in zip(*parts, strict=True))
-    return Followed(growths, impacts, state, length)
+    return TangentGrowths(growths, impacts, state, length)
 
 
-def _follow_batch(
+def _grow_batch(
     run: Any, machines: Sequence[Machine], length: int, blocks: int, transient: int
 ) -> tuple[Vector, Vector, Vector]:
     cuda, count = _kernels().cuda, len(machines)
@@ -83,12 +85,12 @@ def _follow_batch(
 
     def block(revolutions: int) -> tuple[Vector, Vector]:
         impacts, growth = np.zeros(count), np.zeros((count, 2 + POSITION_SIZE))
-        impacts_there, growth_there = cuda.to_device(impacts), cuda.to_device(growth)
+        device_impacts, device_growth = cuda.to_device(impacts), cuda.to_device(growth)
         with warnings.catch_warnings():
-            # Few machines leave most of the device idle: no fault of theirs.
+            # Few machines leave most of the device idle.
             warnings.filterwarnings("ignore", message=".*low occupancy")
-            run[grid](*on_device, impacts_there, revolutions, growth_there)
-        return growth_there.copy_to_host()[:, :2], impacts_there.copy_to_host()
+            run[grid](*on_device, device_impacts, revolutions, device_growth)
+        return device_growth.copy_to_host()[:, :2], device_impacts.copy_to_host()
 
     block(transient)
     growths, impacts = zip(*(block(length) for _ in range(blocks)), strict=True)

@@ -1,4 +1,4 @@
-"""What a thread of a CUDA device runs, compiled at the first call; see `gpu`."""
+"""Kernels of the CUDA device, one motion a thread; compiled at the first call, see `gpu`."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import Any
 from numba import cuda
 
 from ..equations import Mechanism
-from .bouncing import Walls
-from .flow import Flow
+from ..flight.bouncing import Walls
+from ..flight.flow import Flow
+from ..flight.pendulum import PendulumFlow
 from .histories import LINEAR, NONLINEAR
-from .pendulum import PendulumFlow
 
 _follow_linear, _follow_nonlinear = LINEAR.follow_tangents, NONLINEAR.follow_tangents
 
