@@ -7,43 +7,77 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic
 
-from orchestrator.reporter import Reporter
-from orchestrator.store.output_folder import OutputFolderError
+from matplotlib.figure import Figure
+from PIL import Image
+
+from orchestrator.plots.style import save_figure
+from orchestrator.run.output_folder import OutputFolderError
+from orchestrator.run.report import Reporter
 
 from . import table
 from .statement import Claim, Runs, Statement
 
 CSV, JSON, FIGURES = "statements.csv", "statements.json", "figures"
+# Line drawings lose nothing in so few colours, and the files are small enough for a repository.
+PALETTE = 128
+
+
+@dataclass(frozen=True)
+class Drawing(Generic[Runs]):
+    """A figure; the page shows those that have a caption."""
+
+    file: str
+    plot: Callable[[Runs], Figure]
+    caption: str = ""
+    dpi: float | None = None
+
+    def save(self, runs: Runs, folder: Path) -> None:
+        path = save_figure(lambda: self.plot(runs), folder / self.file, self.dpi)
+        Image.open(path).convert("RGB").quantize(PALETTE).save(path, optimize=True)
+
+    @property
+    def markdown(self) -> str:
+        return f"![{self.caption}]({FIGURES}/{self.file})\n"
+
+
+@dataclass(frozen=True)
+class NumbersFile(Generic[Runs]):
+    """A CSV file beside the figures, with the numbers that they show."""
+
+    file: str
+    rows: Callable[[Runs], list[list[str]]]
+
+    def save(self, runs: Runs, folder: Path) -> None:
+        table.write_csv(self.rows(runs), folder / self.file)
 
 
 @dataclass(frozen=True)
 class Publication(Generic[Runs]):
-    """`claims` are the source's statements, in its order; `figures` are the files that `draw` makes.
+    """`claims` are the source's statements, in its order. `sections` gives the parts of the Markdown page
+    between the introduction and the statements.
 
-    All of them work on one `runs()`, which computes what is asked for and keeps it. `solve` computes what
-    takes long before they ask, and yields the share that is done.
+    All work on one `runs()`, which computes what is asked for and keeps it. `solve` computes in advance what
+    takes long, and yields the share that is done.
     """
 
     name: str
     runs: Callable[[], Runs]
     claims: Sequence[Claim[Runs]]
-    figures: Sequence[str]
-    draw: Callable[[Runs, Path], list[Path]]
-    page: Callable[[Runs, Sequence[Statement]], str]
+    figures: Sequence[Drawing[Runs] | NumbersFile[Runs]]
+    introduction: str
+    sections: Callable[[Runs], Sequence[str]]
     solve: Callable[[Runs], Iterator[float]] | None = None
 
     @property
     def page_name(self) -> str:
         return f"{self.name}.md"
 
-    def reproduce(
-        self, folder: Path, overwrite: bool = False, reporter: Reporter | None = None
-    ) -> list[Statement]:
+    def reproduce(self, folder: Path, overwrite: bool = False) -> None:
         """Draw, check, print and write everything into `folder`.
 
         OutputFolderError, before anything is computed, where the folder cannot take it.
         """
-        reporter = reporter or Reporter()
+        reporter = Reporter()
         self.prepare(folder, overwrite)
         runs = self.runs()
         if self.solve:
@@ -56,20 +90,31 @@ class Publication(Generic[Runs]):
                 statements.append(claim.judge(runs))
                 bar.show((n + 1) / len(self.claims))
         with reporter.stage("figures"):
-            drawn = self.draw(runs, folder / FIGURES)
-        table.write_csv(statements, folder / CSV)
-        table.write_json(statements, folder / JSON)
-        (folder / self.page_name).write_text(self.page(runs, statements), "utf-8")
+            self.draw(runs, folder / FIGURES)
+        table.write_statements(statements, folder / CSV, folder / JSON)
+        (folder / self.page_name).write_text(self.format_page(runs, statements), "utf-8")
         table.print_table(statements, reporter.console)
         reporter.line(table.count_verdicts(statements))
-        reporter.line(f"results in {folder}: {self.page_name}, {CSV}, {JSON}, {len(drawn)} in {FIGURES}")
-        return statements
+        reporter.line(
+            f"results in {folder}: {self.page_name}, {CSV}, {JSON}, {len(self.figures)} in {FIGURES}"
+        )
+
+    def draw(self, runs: Runs, folder: Path) -> None:
+        """All figures, and the numbers of those that have many."""
+        for figure in self.figures:
+            figure.save(runs, folder)
+
+    def format_page(self, runs: Runs, statements: Sequence[Statement]) -> str:
+        """The Markdown page."""
+        parts = [self.introduction, *self.sections(runs), "## Statements\n"]
+        parts += [f"{table.count_verdicts(statements)}.\n", table.format_statements(statements), ""]
+        return "\n".join(parts)
 
     def prepare(self, folder: Path, overwrite: bool) -> None:
         """Make the folder; a reproduction in it, or a part of one, is refused unless `overwrite`."""
         if folder.exists() and not folder.is_dir():
             raise OutputFolderError(f"{folder}: is a file; choose a folder with --out")
-        names = (self.page_name, CSV, JSON, *(f"{FIGURES}/{name}" for name in self.figures))
+        names = (self.page_name, CSV, JSON, *(f"{FIGURES}/{figure.file}" for figure in self.figures))
         held = [folder / name for name in names if (folder / name).exists()]
         if held and not overwrite:
             raise OutputFolderError(

@@ -1,4 +1,4 @@
-"""Statements of a source: a table of claims, what the models make of each, and the verdict."""
+"""Statements of a source: a table of claims, the models' numbers for each, and the verdict."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ import numpy as np
 from models.core.quantities import Vector
 
 Runs = TypeVar("Runs")
+# What a quantity finds, by name.
+Values = dict[str, Any]
 
 
 class Verdict(StrEnum):
@@ -42,23 +44,23 @@ class Statement:
 
 
 class Numbers:
-    """The results of a quantity, as attributes; `read` are those that a claim has used."""
+    """The values of a quantity, as attributes; `read` are those that a claim has used."""
 
-    def __init__(self, found: Mapping[str, Any]) -> None:
+    def __init__(self, found: Values) -> None:
         self._found = found
-        self.read: dict[str, Any] = {}
+        self.read: Values = {}
 
     def __getattr__(self, name: str) -> Any:
         self.read[name] = self._found[name]
         return self._found[name]
 
-    def values(self) -> dict[str, Any]:
+    def values(self) -> Values:
         """The finite numbers that were read."""
         arrays = {name: np.asarray(value) for name, value in self.read.items()}
         return {n: a.tolist() for n, a in arrays.items() if a.dtype.kind in "iuf" and np.isfinite(a).all()}
 
 
-class Words(string.Formatter):
+class NumberFormatter(string.Formatter):
     """Format strings with lists ({loads:.0f}), prefixes ({film:µ.3f} µm), {share:.1f%} and {angles:.1f°}."""
 
     PREFIXES: Mapping[str, float] = {"µ": 1e6, "m": 1e3, "G": 1e-9}
@@ -76,8 +78,13 @@ class Words(string.Formatter):
         return f"{100.0 * value:{spec[:-1]}} %" if spec.endswith("%") else format(value, spec)
 
 
-def nothing(runs: object) -> Mapping[str, Any]:
-    """The quantity of a statement that no number can tell."""
+def format_numbers(text: str, numbers: object) -> str:
+    """A format string (see NumberFormatter) with these attributes."""
+    return NumberFormatter().vformat(text, (numbers,), {})
+
+
+def compute_nothing(runs: object) -> Values:
+    """The quantity of a statement that is judged without numbers."""
     return {}
 
 
@@ -85,14 +92,14 @@ def nothing(runs: object) -> Mapping[str, Any]:
 class Claim(Generic[Runs]):
     """A statement of the source, as a row of a table.
 
-    `text`, `computed` and `reason` are format strings (see Words) of the numbers that `quantity` finds;
-    `criterion` tells from them whether the statement is met, or is the verdict itself.
+    `text`, `computed` and `reason` are format strings (see NumberFormatter) of the numbers that `quantity`
+    finds; `criterion` decides from them whether the statement is met, or is the verdict itself.
     """
 
     key: str
     place: str
     text: str
-    quantity: Callable[..., Mapping[str, Any]]
+    quantity: Callable[..., Values]
     computed: str
     criterion: Verdict | Callable[[Numbers], bool]
     reason: str = ""
@@ -102,16 +109,14 @@ class Claim(Generic[Runs]):
 
     def apply(self, found: Numbers) -> Statement:
         """The statement with these numbers."""
-        text, computed, reason = (
-            Words().vformat(words, (found,), {}) for words in (self.text, self.computed, self.reason)
-        )
+        text, computed, reason = (format_numbers(s, found) for s in (self.text, self.computed, self.reason))
         verdict = self.criterion
         if callable(verdict):
             verdict = Verdict.MET if verdict(found) else Verdict.NOT_MET
         return Statement(self.key, self.place, text, computed, verdict, reason, found.values())
 
 
-def near(value: float, stated: float, share: float = 0.01) -> bool:
+def is_near(value: float, stated: float, share: float = 0.01) -> bool:
     """Equal as printed numbers are: to `share` of the stated one."""
     return abs(value - stated) <= share * abs(stated)
 
@@ -121,6 +126,6 @@ def rms(values: Vector) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def rising(values: Sequence[float]) -> bool:
+def is_rising(values: Sequence[float]) -> bool:
     """Each larger than the one before."""
     return bool(np.all(np.diff(values) > 0.0))

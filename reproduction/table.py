@@ -1,9 +1,10 @@
-"""The table of statements on the terminal, as CSV, JSON and Markdown."""
+"""Tables on the terminal, as CSV, JSON and Markdown."""
 
 from __future__ import annotations
 
 import csv
 import json
+import textwrap
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
@@ -22,9 +23,9 @@ STYLES = {
     Verdict.CANNOT: "red",
     Verdict.UNCHECKED: "magenta",
 }
-HEADINGS = ("Place", "Statement", "Computed", "Verdict", "Reason")
+HEADINGS = ["Place", "Statement", "Computed", "Verdict", "Reason"]
 # Of a source whose own model and the corrected one are judged side by side.
-TWO_FORMS = ("Place", "Statement", "As published", "Verdict", "Corrected", "Corrected verdict", "Reason")
+TWO_FORMS = ["Place", "Statement", "As published", "Verdict", "Corrected", "Corrected verdict", "Reason"]
 
 
 def count_verdicts(statements: Sequence[Statement]) -> str:
@@ -41,16 +42,15 @@ def _count(verdicts: Iterable[Verdict]) -> str:
     return ", ".join(f"{count[verdict]} {verdict}" for verdict in Verdict if count[verdict])
 
 
-def choose_columns(statements: Sequence[Statement]) -> tuple[str, ...]:
-    """The columns that these statements need."""
-    return TWO_FORMS if any(s.corrected for s in statements) else HEADINGS
-
-
-def list_cells(s: Statement, columns: Sequence[str]) -> tuple[str, ...]:
-    """A statement's row."""
-    if columns is HEADINGS:
-        return s.place, s.text, s.computed, s.verdict, s.reason
-    return s.place, s.text, s.computed, s.verdict, s.corrected, s.corrected_verdict or "", s.reason
+def tabulate(statements: Sequence[Statement]) -> list[list[str]]:
+    """Headings and rows; with columns for the corrected form where a statement has it."""
+    if any(s.corrected for s in statements):
+        right = [[s.corrected, s.corrected_verdict or ""] for s in statements]
+        headings = TWO_FORMS
+    else:
+        right, headings = [[] for _ in statements], HEADINGS
+    pairs = zip(statements, right, strict=True)
+    return [headings, *([s.place, s.text, s.computed, s.verdict, *more, s.reason] for s, more in pairs)]
 
 
 def print_table(statements: Sequence[Statement], console: Console) -> None:
@@ -70,23 +70,39 @@ def print_table(statements: Sequence[Statement], console: Console) -> None:
     console.print(table)
 
 
-def write_csv(statements: Sequence[Statement], path: Path) -> None:
-    columns = choose_columns(statements)
+def write_csv(rows: Iterable[Sequence[str]], path: Path) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["key", *(name.lower() for name in columns)])
-        writer.writerows([s.key, *list_cells(s, columns)] for s in statements)
+        csv.writer(file).writerows(rows)
 
 
-def write_json(statements: Sequence[Statement], path: Path) -> None:
-    path.write_text(json.dumps([asdict(s) for s in statements], indent=2, ensure_ascii=False) + "\n", "utf-8")
+def write_statements(statements: Sequence[Statement], csv_path: Path, json_path: Path) -> None:
+    headings, *rows = tabulate(statements)
+    keyed = ([s.key, *row] for s, row in zip(statements, rows, strict=True))
+    write_csv([["key", *(name.lower() for name in headings)], *keyed], csv_path)
+    plain = json.dumps([asdict(s) for s in statements], indent=2, ensure_ascii=False)
+    json_path.write_text(plain + "\n", "utf-8")
 
 
-def format_rows(statements: Sequence[Statement]) -> str:
-    columns = choose_columns(statements)
-    rows: list[Sequence[str]] = [columns, ("---",) * len(columns)]
-    for s in statements:
-        row = list_cells(s, columns)
-        pairs = zip(columns, row, strict=True)
-        rows.append([f"**{text}**" if "erdict" in name and text else text for name, text in pairs])
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows)
+def format_statements(statements: Sequence[Statement]) -> str:
+    """The Markdown table, verdicts in bold."""
+    headings, *rows = tabulate(statements)
+    bold = ["erdict" in name for name in headings]
+    return format_table(
+        headings,
+        *(
+            [f"**{s}**" if b and s else s.replace("|", "\\|") for s, b in zip(r, bold, strict=True)]
+            for r in rows
+        ),
+    )
+
+
+def format_table(headings: Sequence[str], *rows: Sequence[str]) -> str:
+    """A Markdown table."""
+    return "\n".join("| " + " | ".join(row) + " |" for row in (headings, ["---"] * len(headings), *rows))
+
+
+def format_bullets(sentences: Iterable[str]) -> str:
+    """A Markdown list."""
+    return "".join(
+        textwrap.fill(text, 110, initial_indent="- ", subsequent_indent="  ") + "\n" for text in sentences
+    )

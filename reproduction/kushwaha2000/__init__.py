@@ -6,12 +6,8 @@ Instn Mech. Engrs 214 K (2000).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from .. import table
-from ..publication import FIGURES, Publication
-from ..statement import Statement
-from . import figures
+from ..publication import Publication
+from .figures import FIGURES
 from .runs import Runs
 from .statements import CLAIMS
 
@@ -40,20 +36,9 @@ models, copy `kushwaha2000.md` and `figures` to `docs`.
 """
 
 
-def format_page(runs: Runs, statements: Sequence[Statement]) -> str:
-    """The Markdown page: introduction, figures, table."""
-    parts = [INTRODUCTION, "## Figures\n"]
-    for number, (_, caption) in figures.FIGURES.items():
-        parts.append(f"![Fig. {number}: {caption}]({FIGURES}/{figures.PREFIX}{number}.png)\n")
-    parts += ["## Statements\n", f"{table.count_verdicts(statements)}.\n", table.format_rows(statements), ""]
-    return "\n".join(parts)
+def format_sections(runs: Runs) -> list[str]:
+    """The page's parts before the statements."""
+    return ["## Figures\n", *(figure.markdown for figure in FIGURES)]
 
 
-PUBLICATION = Publication(
-    name="kushwaha2000",
-    runs=Runs,
-    claims=CLAIMS,
-    figures=[f"{figures.PREFIX}{number}.png" for number in figures.FIGURES],
-    draw=figures.draw,
-    page=format_page,
-)
+PUBLICATION = Publication("kushwaha2000", Runs, CLAIMS, FIGURES, INTRODUCTION, format_sections)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,10 +13,9 @@ from matplotlib.ticker import MultipleLocator
 
 from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, create_subplots
 
-from ..pictures import save_compact
+from ..publication import Drawing
 from .runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, NOSE_DEG, SPEEDS, Runs
 
-PREFIX = "kushwaha2000-fig"
 MICRO, MILLI = 1e6, 1e3
 INK = "#333c46"
 # One hue, darker with speed: the order of the curves is read without the legend.
@@ -26,14 +23,6 @@ SPEED_COLOURS = dict(zip(SPEEDS, ("#9bc4e2", "#5b9bd0", "#1f66a8", "#0a2f5c"), s
 FILM_WORDS = {AS_PRINTED: "load exponent +0.059, as printed", NEGATIVE: "load exponent −0.059"}
 # The source's own levels, from its section 5 (m).
 STATED_FILMS = {"stated minimum 0.04 µm": 0.04e-6, "stated maximum 1.3 µm": 1.3e-6}
-
-
-def draw(runs: Runs, folder: Path) -> list[Path]:
-    """Draw every figure into `folder`."""
-    return [
-        save_compact(partial(plot, runs), folder / f"{PREFIX}{number}.png")
-        for number, (plot, _) in FIGURES.items()
-    ]
 
 
 def _panels(rows: int, title: str, heights: Sequence[float] = ()) -> tuple[Figure, Any]:
@@ -192,8 +181,7 @@ def plot_flexible_load(runs: Runs) -> Figure:
     return figure
 
 
-# By the source's number: the plot and the caption.
-FIGURES: Mapping[int, tuple[Callable[[Runs], Figure], str]] = {
+PLOTS: Mapping[int, tuple[Callable[[Runs], Figure], str]] = {
     2: (plot_lift, "Lift, velocity and acceleration characteristics of the cycloidal cam"),
     3: (plot_entraining_velocity, "Entraining velocity at different camshaft speeds"),
     4: (plot_film, "Lubricant film thickness at the point of contact"),
@@ -202,3 +190,7 @@ FIGURES: Mapping[int, tuple[Callable[[Runs], Figure], str]] = {
     7: (plot_films, "Lubricant film thickness at different camshaft speeds"),
     8: (plot_flexible_load, "Contact load variation at 600 r/min owing to camshaft elasticity"),
 }
+FIGURES = [
+    Drawing(f"kushwaha2000-fig{number}.png", plot, f"Fig. {number}: {caption}")
+    for number, (plot, caption) in PLOTS.items()
+]

@@ -1,25 +1,34 @@
-"""Sections 3 and 4.4: the film formula (10), its ranges, and the way to its squeeze velocity (37)-(39)."""
+"""Sections 3 and 4.4: the film formula (10), its ranges, and the paper's iteration for squeeze (37)-(39)."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from scipy.special import wrightomega
 
 from models.contact.films import FILMS
 from models.contact.films.groups import groups
 from models.contact.hertz import compliance_of
 from models.core.quantities import Vector
 
-from ..film_iteration import FIRST_INCREASE, ITERATIONS, FilmIteration, iterate
-from ..runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, Runs
-from .parts import Numbers, find_nose_contact
+from ..statement import Values
+from .runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, Runs
+from .parts import find_nose_contact
 
 STEPS = 500  # per turn
 TABLE_3_FLAGS = {"G*": "material", "w_s*": "squeeze", "W*": "load", "U*": "speed"}
 # A formula for the same central film, fitted to numerical solutions by others.
 COMPARED = "pan_hamrock_central"
+# More iterations find a few more of the slowly converging steps; those counted here oscillate or diverge.
+ITERATIONS = 100
+RELATIVE_TOLERANCE = 1e-6
+# exp of more is no film thickness.
+LARGEST_EXPONENT = 300.0
+FIRST_INCREASE = 1.05
 
 
 def _film(runs: Runs, name: str, load: float, speed: float, radius: float) -> float:
@@ -40,7 +49,7 @@ def _similarity_sum(runs: Runs, name: str) -> float:
     return math.log(two / one)
 
 
-def compute_exponents(runs: Runs) -> Numbers:
+def compute_exponents(runs: Runs) -> Values:
     """Of the load, and a - b/4 + c/2 of the exponents a of U, b of G, c of W."""
     load, radius, *_ = find_nose_contact(runs)
     of_load = {
@@ -57,10 +66,10 @@ def compute_exponents(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def compare_films(runs: Runs) -> Numbers:
+def compare_films(runs: Runs) -> Values:
     """Films of (10) over another formula's, inside Table 3."""
     cycle = runs.kinematic()
-    found: Numbers = {}
+    found: Values = {}
     inside = (cycle["contact.load_in_range"] > 0.0) & (cycle["contact.speed_in_range"] > 0.0)
     seen = (cycle["contact.load"], np.abs(cycle["camshaft.entraining_velocity"]),
             cycle["camshaft.radius_of_curvature"])  # fmt: skip
@@ -73,7 +82,7 @@ def compare_films(runs: Runs) -> Numbers:
     return found
 
 
-def check_table_3(runs: Runs) -> Numbers:
+def check_table_3(runs: Runs) -> Values:
     """Shares of the cycle inside the ranges, and the squeeze-roll ratio, unbounded as u goes to zero."""
     cycle, p = runs.kinematic(), runs.parameters("contact")
     inside = {name: cycle[f"contact.{flag}_in_range"] for name, flag in TABLE_3_FLAGS.items()}
@@ -86,6 +95,56 @@ def check_table_3(runs: Runs) -> Numbers:
         "G": groups(modulus, 1.0, 1.0, 1.0, p.length, p.viscosity, p.pressure_viscosity).material,
         "ratio_low": ratio.min(), "ratio_high": ratio.max(),
     }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class FilmIteration:
+    """Film thickness after every step of a turn, and the steps that did not converge."""
+
+    film: Sequence[float]
+    failed: Sequence[int]
+
+
+def iterate(
+    steady_film: Vector, velocity: Vector, step: float, squeeze_constant: float, sign: float = 1.0
+) -> FilmIteration:
+    """Step along a turn; index 0 is the start. A step that fails is given its exact solution (`implicit`)
+    or, with the reversed sign, where there may be none, the film of the step before."""
+    film = [FIRST_INCREASE * float(steady_film[0])]
+    failed = []
+    for n in range(1, steady_film.size):
+        speed, before = abs(float(velocity[n])), film[-1]
+        found = _fixed_point(float(steady_film[n]), before, sign * squeeze_constant, speed * step)
+        if found is None:
+            failed.append(n)
+            found = before
+            if sign > 0.0:
+                found = solve_implicit_step(float(steady_film[n]), before, squeeze_constant, speed * step)
+        film.append(found)
+    return FilmIteration(film, failed)
+
+
+def _fixed_point(steady: float, before: float, constant: float, travel: float) -> float | None:
+    if travel <= 0.0:
+        return None
+    film = before
+    for _ in range(ITERATIONS):
+        exponent = -constant * (film - before) / travel
+        if exponent > LARGEST_EXPONENT:
+            return None
+        new = steady * math.exp(exponent)
+        if new > 0.0 and abs(new - film) <= RELATIVE_TOLERANCE * new:
+            return new
+        film = new
+    return None
+
+
+def solve_implicit_step(steady: float, before: float, constant: float, travel: float) -> float:
+    """The solution of one step: h = a W0(h_ss/a exp(h_prev/a)) with a = |u| dt / C; without motion h_prev."""
+    a = travel / constant
+    if a <= 0.0 or steady <= 0.0 or before / a > 1e8:
+        return before
+    return a * float(wrightomega(math.log(steady / a) + before / a).real)
 
 
 def _angles() -> Vector:
@@ -102,7 +161,7 @@ def _iteration(runs: Runs, sign: float) -> FilmIteration:
 
 
 @cache
-def run_iteration(runs: Runs) -> Numbers:
+def run_iteration(runs: Runs) -> Values:
     """Where (37) to (39) do not converge, with either sign; and how the start is forgotten."""
     cycle, angles = runs.kinematic(), _angles()
     c, u = runs.parameters("contact").squeeze_constant, cycle["camshaft.entraining_velocity"][0]

@@ -1,4 +1,4 @@
-"""Sections 2 and 4: parts, valve spring, Hertz's contact, constrained multibody equations."""
+"""Sections 2 and 4, Figs 2 and 3: parts, spring, Hertz's contact, multibody equations, cam, entrainment."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ import numpy as np
 from scipy.integrate import quad
 
 from models.contact.hertz import compliance_of, deflection, half_width, maximum_pressure
+from models.core.quantities import Vector
 from models.valve_train.camshaft import shaft_element
 from models.valve_train.valve_spring import lumping, spring_frequencies
 
-from ...statement import rms
-from ..runs import NOSE_DEG, Runs
+from ..statement import Values, rms
+from .runs import KINEMATIC_SPEED, NOSE_DEG, SPEEDS, Runs
 
 # Table 1: ranges of mass (kg) and of Ixx, Iyy, Izz (kg mm^2).
 Range = tuple[float, float]
@@ -34,10 +35,13 @@ WRITTEN_CONSTRAINTS = 4 + 5 + 2 + 1
 # "2 per cent" as a time (s): C = 0.02 K.
 LITERAL_DAMPING, LITERAL_FREQUENCY = 0.02, 500.0
 
-Numbers = dict[str, Any]
+STATED_REVERSALS = (-36.0, -12.0, 12.0, 36.0)
+# Largest acceleration s'' B^2/S of other rises of the same angle and lift.
+OTHER_RISES = {"constant acceleration": 4.0, "simple harmonic": math.pi**2 / 2.0, "3-4-5 polynomial": 5.7735}
+OMEGA = KINEMATIC_SPEED * math.pi / 30.0
 
 
-def count_parts(runs: Runs) -> Numbers:
+def count_parts(runs: Runs) -> Values:
     """Parts, freedoms and equations."""
     each, removed = FIRST_ORDER + MOMENTA, sum(TABLE_2)
     return {
@@ -48,7 +52,7 @@ def count_parts(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def list_masses(runs: Runs) -> Numbers:
+def list_masses(runs: Runs) -> Values:
     """Masses of the model's parts, and moments of inertia: none exceeds the sum of the other two."""
     camshaft = runs.parameters("camshaft")
     impossible = [
@@ -66,7 +70,7 @@ def list_masses(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def compare_coil_masses(runs: Runs) -> Numbers:
+def compare_coil_masses(runs: Runs) -> Values:
     """Two coil masses beside eight, which hold the continuous spring's mass within 1.5 %."""
     two, eight, none = runs.surge(3000.0), runs.surge(3000.0, coil_masses=8), runs.kinematic(3000.0)
     difference, surge = rms(two.load - eight.load), rms(eight.load - none.load)
@@ -77,7 +81,7 @@ def compare_coil_masses(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def compute_spring(runs: Runs) -> Numbers:
+def compute_spring(runs: Runs) -> Values:
     """Lumped mass, rates and frequencies of the valve spring, as printed in (1) and with the square of pi."""
     p, share = runs.parameters("valve_spring"), lumping(2)
     printed = float(2.0 / 3.0 * p.spring_rate / (math.pi * p.surge_frequency**2))
@@ -104,7 +108,7 @@ def find_nose_contact(runs: Runs) -> tuple[float, float, float, float]:
 
 
 @cache
-def compute_hertz(runs: Runs) -> Numbers:
+def compute_hertz(runs: Runs) -> Values:
     """The contact at the nose by formulas, and by integrals: of (4) over (8) the one in y is closed."""
     load, radius, length, sigma = find_nose_contact(runs)
     b, p0 = half_width(load, radius, length, sigma), maximum_pressure(load, radius, length, sigma)
@@ -123,7 +127,7 @@ def compute_hertz(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def measure_contact(runs: Runs) -> Numbers:
+def measure_contact(runs: Runs) -> Values:
     """Width and pressure of the contact over the cycle."""
     cycle = runs.kinematic()
     width, pressure = cycle["contact.half_width"], cycle["contact.maximum_pressure"]
@@ -143,7 +147,7 @@ def compute_bending_rate(p: Any) -> float:
     return float(np.sqrt(np.min(np.real(squares))))
 
 
-def compute_shaft(runs: Runs) -> Numbers:
+def compute_shaft(runs: Runs) -> Values:
     """Frequencies of the camshaft, and what (33) and "2 per cent" make of it as printed."""
     p = runs.parameters("camshaft")
     bending, torsion = compute_bending_rate(p), math.sqrt(shaft_element(p).twist_stiffness / p.polar_inertia)
@@ -155,7 +159,7 @@ def compute_shaft(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def check_constraints(runs: Runs) -> Numbers:
+def check_constraints(runs: Runs) -> Values:
     """Rank of (18), (19): sin(theta) sin(phi) = sin(theta) cos(phi) = 0, by (psi, theta, phi); lift (m) and
     residual of (27), dy2/dpsi y3, of a follower on the cam at 120 degrees; the factor ds/dpsi of (36)."""
     phi, cam = 0.7, runs.lift(120.0)  # any phi has the same rank
@@ -164,4 +168,65 @@ def check_constraints(runs: Runs) -> Numbers:
         "lift": cam.s, "residual": cam.ds * cam.s, "factor": runs.lift(NOSE_DEG).ds,
         "load": runs.kinematic().at("contact.load", NOSE_DEG),
         "preload": runs.parameters("valve_spring").preload,
+    }  # fmt: skip
+
+
+def _lifts(runs: Runs, angles: Vector) -> Vector:
+    """Lift and its derivatives, a row for each."""
+    return np.array([runs.lift(a) for a in angles]).T
+
+
+@cache
+def measure_lift(runs: Runs) -> Values:
+    """The event and its nose, and how continuous the acceleration is."""
+    angles, p = np.linspace(0.0, 360.0, 36001), runs.parameters("camshaft")
+    s, _, dds = _lifts(runs, angles)
+    coarse, moved = angles[::10], angles[::10][s[::10] > 0.0]
+    return {
+        "begin_deg": moved[0], "end_deg": moved[-1], "middle_deg": 0.5 * (moved[0] + moved[-1]),
+        "greatest_deg": coarse[np.argmax(s[::10])],
+        "dwell_deg": 2.0 * math.degrees(p.dwell_half_width),
+        "flat_deg": np.mean(s > 0.99 * runs.lift(NOSE_DEG).s) * 360.0,
+        "jump": np.max(np.abs(np.diff(dds))) / np.max(np.abs(dds)),
+        "steepest": 2.0 * math.pi / p.rise_angle * math.radians(angles[1]),
+    }  # fmt: skip
+
+
+@cache
+def measure_acceleration(runs: Runs) -> Values:
+    """Of the rise: s'' B^2/S, its spike at the nose (m/s^2), its symmetry, and the inertial forces (N)."""
+    p, valve = runs.parameters("camshaft"), runs.parameters("valve_spring")
+    rise, half = np.linspace(90.0, 180.0, 9001), np.linspace(0.0, 180.0, 1801)
+    dds = _lifts(runs, rise)[2]
+    off = np.max(np.abs(_lifts(runs, NOSE_DEG - half)[2] - _lifts(runs, NOSE_DEG + half)[2]))
+    bend = max(abs(runs.lift(a).dds) for a in np.linspace(90.0, 180.0, 901))
+    forces = [valve.valve_mass * bend * (speed * math.pi / 30.0) ** 2 for speed in SPEEDS]
+    return {
+        "coefficient": dds.max() * p.rise_angle**2 / p.lift,
+        "others": [f"{name} {value:.2f}" for name, value in OTHER_RISES.items()],
+        "largest_other": max(OTHER_RISES.values()),
+        "lowest": (OMEGA**2 * dds).min(), "lowest_deg": rise[np.argmin(OMEGA**2 * dds)],
+        "at_nose": OMEGA**2 * runs.lift(NOSE_DEG).dds,
+        "asymmetry": off / np.max(np.abs(_lifts(runs, half)[2])),
+        "forces": forces, "preload": valve.preload, "shares": [force / valve.preload for force in forces],
+    }  # fmt: skip
+
+
+def find_reversals(runs: Runs) -> Values:
+    """Where entrainment reverses, from the nose, and the largest film of (10) without squeeze there."""
+    found, film = [angle - NOSE_DEG for angle in runs.reversals_deg], "contact.steady_film_thickness"
+    return {
+        "angles": found,
+        "off_deg": max(abs(a - b) for a, b in zip(found, STATED_REVERSALS, strict=True)),
+        "film": max(runs.kinematic().at(film, a) for a in runs.reversals_deg),
+    }
+
+
+def compute_entrainment(runs: Runs) -> Values:
+    """At the nose, and by the printed formula at 120 degrees."""
+    u, cam = runs.entraining(NOSE_DEG), runs.lift(120.0)
+    return {
+        "at_nose": u, "needed_rpm": 4.0 / u * KINEMATIC_SPEED, "needed_radius": 2.0 * 4.0 / OMEGA,
+        "printed": 0.5 * (runs.parameters("camshaft").base_radius + cam.s + 2.0 * cam.dds),
+        "omega": OMEGA, "at_120": runs.entraining(120.0),
     }  # fmt: skip

@@ -10,9 +10,9 @@ import numpy as np
 from models.core.quantities import Vector
 from models.valve_train.camshaft import shaft_element
 
-from ...statement import Words, rms
-from ..runs import FLEXIBLE_SPEED, INTERVALS, NOSE_DEG, SPEEDS, Cycle, Runs, read_parameters
-from .parts import Numbers, compute_bending_rate
+from ..statement import Values, rms
+from .runs import FLEXIBLE_SPEED, INTERVALS, NOSE_DEG, SPEEDS, Cycle, Runs, read_parameters
+from .parts import compute_bending_rate
 
 # Before and after the nose, far from it and near to it.
 SPANS = {
@@ -24,21 +24,21 @@ SPANS = {
 
 
 @cache
-def compare_speeds(runs: Runs) -> Numbers:
+def compare_speeds(runs: Runs) -> Values:
     """Loads with spring surge: extremes, on the flank, at the reversals; and what surge changes."""
     cycles = [runs.surge(speed) for speed in SPEEDS]
     at_rest = {a: [c.at("contact.load", a) for c in cycles] for a in runs.reversals_deg}
     return {
         "least": [c.load.min() for c in cycles], "largest": [c.load.max() for c in cycles],
         "flank": [c.between("contact.load", 90.0, 134.0).max() for c in cycles],
-        "at_rest": "; ".join(f"{a:.0f}°: {Words().format_field(row, '.0f')}" for a, row in at_rest.items()),
+        "at_rest": "; ".join(f"{a:.0f}°: {', '.join(f'{v:.0f}' for v in row)}" for a, row in at_rest.items()),
         "changed": [rms(c.load - runs.kinematic(c.run.speed_rpm).load) for c in cycles],
         "flexible_least": runs.flexible(SPEEDS[-1]).load.min(),
         "preload": runs.parameters("valve_spring").preload,
     }  # fmt: skip
 
 
-def measure_surge(runs: Runs) -> Numbers:
+def measure_surge(runs: Runs) -> Values:
     """What surge changes at 3000 r/min where the load is low and where it is high."""
     plain = runs.kinematic(3000.0).load
     change, low = runs.surge(3000.0).load - plain, plain < np.median(plain) * (1.0 + 1e-9)
@@ -48,7 +48,7 @@ def measure_surge(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def find_crossings(runs: Runs) -> Numbers:
+def find_crossings(runs: Runs) -> Values:
     """Cam angles from the nose, more than 5 degrees, at which slowest and fastest load are equal."""
     slow, fast = (runs.kinematic(speed) for speed in (SPEEDS[0], SPEEDS[-1]))
     angle, change = slow.angle_deg, fast.load - slow.load
@@ -69,7 +69,7 @@ def _oscillation(cycle: Cycle, rigid: Cycle) -> Vector:
 
 
 @cache
-def compare_shafts(runs: Runs) -> Numbers:
+def compare_shafts(runs: Runs) -> Values:
     """What a flexible camshaft changes at 600 r/min."""
     cycle, longer, rigid = runs.flexible(), runs.flexible(shaft_length_mm=200.0), runs.surge(FLEXIBLE_SPEED)
     change, swing, angle = cycle.load - rigid.load, np.abs(_oscillation(cycle, rigid)), cycle.angle_deg

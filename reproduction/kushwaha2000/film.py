@@ -7,8 +7,8 @@ from functools import cache
 
 import numpy as np
 
-from ..runs import AS_PRINTED, NEGATIVE, NOSE_DEG, SPEEDS, Cycle, Runs
-from .parts import Numbers
+from ..statement import Values
+from .runs import AS_PRINTED, NEGATIVE, NOSE_DEG, SPEEDS, Cycle, Runs
 
 STATED_MINIMUM, STATED_NOSE, STATED_MAXIMUM, STATED_TRANSIT = 0.04e-6, 1.0e-6, 1.3e-6, 1e-3
 LOW_SPEED = 100.0
@@ -26,7 +26,7 @@ def _minima(runs: Runs, cycle: Cycle) -> list[int]:
 
 
 @cache
-def find_minima(runs: Runs) -> Numbers:
+def find_minima(runs: Runs) -> Values:
     """The least films near the reversals of the kinematic cycle."""
     cycle = runs.kinematic()
     found = _minima(runs, cycle)
@@ -44,7 +44,7 @@ def find_minima(runs: Runs) -> Numbers:
 
 
 @cache
-def measure_films(runs: Runs) -> Numbers:
+def measure_films(runs: Runs) -> Values:
     """Films of the kinematic cycle by (10) with either exponent, and the speeds that the stated ones need."""
     printed, negative = runs.kinematic(), runs.kinematic(film=NEGATIVE)
     slower = [runs.kinematic(speed) for speed in (LOW_SPEED, *SPEEDS)]
@@ -68,7 +68,7 @@ def measure_films(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def measure_squeeze(runs: Runs) -> Numbers:
+def measure_squeeze(runs: Runs) -> Values:
     """Squeeze velocity of the kinematic cycle and its part in the film."""
     cycle, other = runs.kinematic(), runs.kinematic(film=NEGATIVE).squeeze
     ends = runs.reversals_deg[0], runs.reversals_deg[-1]
@@ -90,7 +90,7 @@ def measure_squeeze(runs: Runs) -> Numbers:
 
 
 @cache
-def compare_speeds(runs: Runs) -> Numbers:
+def compare_speeds(runs: Runs) -> Values:
     """Films with spring surge: least, on flank and nose over the base circle's, at the reversals."""
     cycles = [runs.surge(speed) for speed in SPEEDS]
     film = "contact.film_thickness"
@@ -108,7 +108,7 @@ def compare_speeds(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def separate_load(runs: Runs) -> Numbers:
+def separate_load(runs: Runs) -> Values:
     """Film from 1000 to 3000 r/min on the flank, and the load's share in it."""
 
     def gain(name: str) -> float:
