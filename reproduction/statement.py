@@ -83,11 +83,6 @@ def format_numbers(text: str, numbers: object) -> str:
     return NumberFormatter().vformat(text, (numbers,), {})
 
 
-def compute_nothing(runs: object) -> Values:
-    """The quantity of a statement that is judged without numbers."""
-    return {}
-
-
 @dataclass(frozen=True)
 class Claim(Generic[Runs]):
     """A statement of the source, as a row of a table.
@@ -114,6 +109,13 @@ class Claim(Generic[Runs]):
         if callable(verdict):
             verdict = Verdict.MET if verdict(found) else Verdict.NOT_MET
         return Statement(self.key, self.place, text, computed, verdict, reason, found.values())
+
+
+def state_verdict(
+    key: str, place: str, text: str, computed: str, verdict: Verdict, reason: str = ""
+) -> Claim[Any]:
+    """A claim that is judged without numbers."""
+    return Claim(key, place, text, lambda runs: {}, computed, verdict, reason)
 
 
 def is_near(value: float, stated: float, share: float = 0.01) -> bool:

@@ -6,14 +6,12 @@ M.S. thesis, Michigan State University (1991).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from .. import table
-from ..publication import FIGURES, Publication
-from ..statement import Statement
-from . import engineer, figures
+from ..publication import Publication
+from .chapters_1_to_3 import CLAIMS as CHAPTERS_1_TO_3
+from .chapters_4_and_5 import CLAIMS as CHAPTERS_4_AND_5
+from .engineer import format_findings
+from .figures import FIGURES
 from .runs import STARTS, STARTS_SOUGHT, Runs
-from .statements import CLAIMS
 
 INTRODUCTION = f"""\
 # Farahanchi (1991), reproduced
@@ -44,34 +42,19 @@ cycles rather than of impacts (F (3.6)).
 `python -m reproduction farahanchi1991 --out FOLDER` writes this page and its figures. After a change of the
 models, copy `farahanchi1991.md` and the figures that it shows to `docs`.
 """
-# Of all figures the page shows these; F's numbers.
-SHOWN = {
-    "2.4": "At high speed the wall force changes its sign four times a cycle",
-    "2.10": "Where the slider stays on the upper wall for good",
-    "4.3": "F's strange attractor, and what the right sign makes of it",
-    "4.6": "Transient chaos: spikes on a background; chaos with the right sign",
-    "4.25": "Low speed: impacts as published, rest with the right sign",
-    "4.44": "e = 0.5: sliding",
-}
+# F's statements that can be computed or contradict another, in F's order.
+CLAIMS = (*CHAPTERS_1_TO_3, *CHAPTERS_4_AND_5)
 
 
-def format_page(runs: Runs, statements: Sequence[Statement]) -> str:
-    """The Markdown page: introduction, what it means, figures, table."""
-    parts = [INTRODUCTION, engineer.format_section(runs), "## Figures\n"]
-    parts.append(f"The command draws {len(figures.PICTURES)}; six of them:\n")
-    for picture in figures.PICTURES:
-        if picture.number in SHOWN:
-            name = f"{FIGURES}/{figures.PREFIX}{picture.file}"
-            parts.append(f"![Fig. {picture.number}: {SHOWN[picture.number]}]({name})\n")
-    parts += ["## Statements\n", f"{table.count_verdicts(statements)}.\n", table.format_rows(statements), ""]
-    return "\n".join(parts)
+def format_sections(runs: Runs) -> list[str]:
+    """The page's parts before the statements."""
+    shown = [figure.markdown for figure in FIGURES if figure.caption]
+    return [
+        format_findings(runs),
+        "## Figures\n",
+        f"The command draws {len(FIGURES)}; six of them:\n",
+        *shown,
+    ]
 
 
-PUBLICATION = Publication(
-    name="farahanchi1991",
-    runs=Runs,
-    claims=CLAIMS,
-    figures=[figures.PREFIX + picture.file for picture in figures.PICTURES],
-    draw=figures.draw,
-    page=format_page,
-)
+PUBLICATION = Publication("farahanchi1991", Runs, CLAIMS, FIGURES, INTRODUCTION, format_sections)

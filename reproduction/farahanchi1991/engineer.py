@@ -11,11 +11,10 @@ from models.slider_crank.flight.bouncing import UPPER
 from models.slider_crank.motions.machine import Machine
 from models.slider_crank.motions.statistics import energies
 
-from ..statement import Numbers, Words
-from .cases import CYCLES, FORMS, MATRIX, Case, list_cases
-from .forces import compute_curve, find_changes, find_limits
-from .kinds import observe
-from .runs import STARTS, Runs
+from ..statement import Numbers, Values, format_numbers
+from ..table import format_table
+from .force import compute_curve, find_changes, find_limits
+from .runs import CYCLES, FORMS, MATRIX, STARTS, Case, Runs, list_cases, observe
 
 FAST, AUTOMOTIVE = 0.01, 0.4
 HEADINGS = ["(λ, ρ)"] + [
@@ -51,8 +50,11 @@ TABLE = (
 
 
 class Load(NamedTuple):
-    """What a motion does to the walls. slides: share of the time. largest: velocity of approach over l Omega.
-    energy: what the impacts take per cycle, over M l^2 Omega^2."""
+    """What a motion does to the walls.
+
+    `slides`: share of the time. `largest`: velocity of approach over l Omega. `energy`: dissipated by impacts
+    per cycle, over M l^2 Omega^2.
+    """
 
     kind: str
     slides: float
@@ -60,7 +62,7 @@ class Load(NamedTuple):
     largest: float
     energy: float
 
-    def cells(self) -> list[str]:
+    def list_cells(self) -> list[str]:
         if not self.impacts:
             return ["rests on the upper wall", f"{100 * self.slides:.0f} %", "-", "0"]
         return [self.kind, f"{100 * self.slides:.0f} %", f"{self.largest:.3f}", f"{1e6 * self.energy:.0f}"]
@@ -70,24 +72,30 @@ def measure_load(runs: Runs, case: Case) -> Load:
     """Of F's record."""
     impacts = runs.events(case).impacts
     largest = impacts.approach.max(initial=0.0)
-    taken = float(energies(case.machine, impacts).sum()) / CYCLES
-    kind, share = observe(runs, case).kind, runs.sliding_share(case)
-    return Load(kind, share, len(impacts.theta), largest, taken)
+    energy = float(energies(case.machine, impacts).sum()) / CYCLES
+    return Load(observe(runs, case).kind, runs.sliding_share(case), len(impacts.theta), largest, energy)
 
 
-def format_section(runs: Runs) -> str:
+def format_findings(runs: Runs) -> str:
     """The Markdown section."""
     own, right = ([measure_load(runs, case) for case in list_cases(MATRIX, form)] for form in FORMS)
-    numbers = Numbers(_numbers(runs, own, right))
-    findings = [f"- {Words().vformat(text, (numbers,), {})}" for text in FINDINGS]
-    rows = [HEADINGS, ["---"] * len(HEADINGS)]
-    for case, first, second in zip(list_cases(MATRIX), own, right, strict=True):
-        rows.append([str(case), *first.cells(), *second.cells()])
-    table = ["| " + " | ".join(row) + " |" for row in rows]
-    return "\n".join(["## What the sign error changes for an engineer\n", *findings, "", TABLE, *table, ""])
+    numbers = Numbers(compare_forms(runs, own, right))
+    findings = [f"- {format_numbers(text, numbers)}" for text in FINDINGS]
+    cases = zip(list_cases(MATRIX), own, right, strict=True)
+    rows = ([str(case), *first.list_cells(), *second.list_cells()] for case, first, second in cases)
+    return "\n".join(
+        [
+            "## What the sign error changes for an engineer\n",
+            *findings,
+            "",
+            TABLE,
+            format_table(HEADINGS, *rows),
+            "",
+        ]
+    )
 
 
-def _numbers(runs: Runs, own: Sequence[Load], right: Sequence[Load]) -> dict[str, object]:
+def compare_forms(runs: Runs, own: Sequence[Load], right: Sequence[Load]) -> Values:
     machines = [Machine(FAST, 0.01, form=form) for form in FORMS]
     pairs = list(zip(own[:9], right[:9], strict=True))
     taken, speeds = [b.energy / a.energy for a, b in pairs], [b.largest / a.largest for a, b in pairs]

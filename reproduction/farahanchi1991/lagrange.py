@@ -1,4 +1,4 @@
-"""F's own way to the equation of motion (F 2.2, 2.6), done numerically from the positions that it gives.
+"""F's derivation of the equation of motion (F 2.2, 2.6), done numerically from F's displacements.
 
 Everything over M l^2 Omega^2, with tau = theta. `rotation` is +1 for F's rate of the connecting rod
 phi' + psi', -1 for that of the rod's angle phi - psi.
@@ -9,14 +9,14 @@ from __future__ import annotations
 import cmath
 import math
 
-from models.slider_crank.equations import Mechanism, rod_curvature, rod_slope
+from models.slider_crank.equations import Mechanism, rod_curvature
 
 # Complex steps have no rounding error; central ones 1e-16 / STEP + STEP^2.
 TINY, STEP = 1e-30, 1e-5
 
 
-def kinetic_energy(theta: complex, psi: complex, rate: complex, rotation: float, m: Mechanism) -> complex:
-    """T of (2.5)."""
+def compute_energy(theta: complex, psi: complex, rate: complex, rotation: float, m: Mechanism) -> complex:
+    """Kinetic energy T of (2.5)."""
     phi = cmath.asin(m.xi * cmath.sin(theta))
     slope = m.xi * cmath.cos(theta) / cmath.cos(phi)
     turning = slope - rate
@@ -28,22 +28,24 @@ def kinetic_energy(theta: complex, psi: complex, rate: complex, rotation: float,
     return energy
 
 
-def momentum(theta: float, psi: float, rate: float, rotation: float, m: Mechanism) -> float:
+def compute_momentum(theta: float, psi: float, rate: float, rotation: float, m: Mechanism) -> float:
     """dT/dpsi'."""
-    return kinetic_energy(theta, psi, rate + TINY * 1j, rotation, m).imag / TINY
+    return compute_energy(theta, psi, rate + TINY * 1j, rotation, m).imag / TINY
 
 
-def equation(theta: float, psi: float, rate: float, bend: float, rotation: float, m: Mechanism) -> float:
+def evaluate_lagrange(
+    theta: float, psi: float, rate: float, bend: float, rotation: float, m: Mechanism
+) -> float:
     """d/dtau (dT/dpsi') - dT/dpsi at psi'' = `bend`."""
 
     def later(s: float) -> float:
-        return momentum(theta + s, psi + s * rate, rate + s * bend, rotation, m)
+        return compute_momentum(theta + s, psi + s * rate, rate + s * bend, rotation, m)
 
-    slope = kinetic_energy(theta, psi + TINY * 1j, rate, rotation, m).imag / TINY
+    slope = compute_energy(theta, psi + TINY * 1j, rate, rotation, m).imag / TINY
     return (later(STEP) - later(-STEP)) / (2.0 * STEP) - slope
 
 
-def printed(
+def evaluate_printed(
     theta: float, psi: float, bend: float, m: Mechanism, rod_term: str = "(2.10)", first_sign: float = 1.0
 ) -> float:
     """Left side of the equation of motion as F prints it.
@@ -61,7 +63,7 @@ def printed(
     return rod + piston + m.beta * (rod_curvature(theta, m.xi) + bend)
 
 
-def rod_angle_rate(theta: float, psi: float, rate: float, m: Mechanism) -> float:
+def compute_rod_rate(theta: float, psi: float, rate: float, m: Mechanism) -> float:
     """Rate of the angle under which the wrist pin is seen from the crank pin, by F's displacements (2.2)."""
 
     def angle(s: float) -> float:
@@ -69,8 +71,3 @@ def rod_angle_rate(theta: float, psi: float, rate: float, m: Mechanism) -> float
         return math.atan2(math.sin(phi), math.cos(phi))
 
     return (angle(STEP) - angle(-STEP)) / (2.0 * STEP)
-
-
-def joint_rate(theta: float, rate: float, m: Mechanism) -> float:
-    """theta' + phi' - psi' of F (2.6)."""
-    return 1.0 + rod_slope(theta, m.xi) - rate

@@ -6,15 +6,11 @@ Kushwaha's Table 3; and power laws fitted anew over those ranges.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from .. import table
-from ..publication import FIGURES, Publication
-from ..statement import Statement
-from . import figures
+from ..publication import Publication
 from .cam import NODES
 from .cycle_table import format_speeds
 from .field_text import describe_field
+from .figures import FIGURES, NUMBERS
 from .numerical import TOLERANCE
 from .runs import STEP_DEG, Runs
 from .statements import CLAIMS
@@ -51,25 +47,17 @@ at the reversals (0: no film without squeeze); share of the event outside its co
 """
 
 
-def format_page(runs: Runs, statements: Sequence[Statement]) -> str:
-    """The Markdown page: introduction, figures, tables."""
-    pictures = {name: f"![{caption}]({FIGURES}/{name}.png)\n" for name, caption in figures.CAPTIONS.items()}
-    across = ["## Across the contact\n", pictures.pop(figures.FIELD), describe_field(runs.shown)]
-    cycle = ["## Through the cam's event\n", pictures.pop(figures.CYCLE)]
-    over = ["## Over Table 3\n", *pictures.values()]
-    verdicts = ["## Verdicts\n", f"{table.count_verdicts(statements)}.\n", table.format_rows(statements), ""]
-    brief = ["## In short\n", summarise(runs)]
-    return "\n".join(
-        [INTRODUCTION, *brief, *cycle, BY_SPEED, format_speeds(runs), "", *across, *over, *verdicts]
-    )
+def format_sections(runs: Runs) -> list[str]:
+    """The page's parts before the statements."""
+    cycle, field, *over = (figure.markdown for figure in FIGURES)
+    return [
+        "## In short\n", summarise(runs),
+        "## Through the cam's event\n", cycle, BY_SPEED, format_speeds(runs), "",
+        "## Across the contact\n", field, describe_field(runs.shown),
+        "## Over Table 3\n", *over,
+    ]  # fmt: skip
 
 
 PUBLICATION = Publication(
-    name="films",
-    runs=Runs,
-    claims=CLAIMS,
-    figures=figures.FILES,
-    draw=figures.draw,
-    page=format_page,
-    solve=Runs.solve,
+    "films", Runs, CLAIMS, [*FIGURES, *NUMBERS], INTRODUCTION, format_sections, Runs.solve
 )

@@ -9,6 +9,7 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..kushwaha2000.runs import NOSE_DEG
+from ..table import format_table
 from .cam import CamCycle
 from .formulas import CENTRAL, MINIMUM
 from .runs import Runs
@@ -19,14 +20,14 @@ MICRO = 1e6
 def format_speeds(runs: Runs) -> str:
     """A Markdown table: the transient film, then each other film over it, in a column for each speed."""
     speeds = [f"{c.speed_rpm:.0f} r/min" for c in runs.cycles]
-    rows = [["", "Film", *speeds], ["---"] * (2 + len(speeds))]
+    rows = []
     for words, film, cell in NUMBERS:
         rows.append([words, film, *(cell(c) for c in runs.cycles)])
     for name, judged in runs.cycles[0].judged.items():
         rows.append(
             [f"{judged.words} / transient", judged.film, *(format_ratio(c, name) for c in runs.cycles)]
         )
-    return "\n".join("| " + " | ".join(row) + " |" for row in rows)
+    return format_table(["", "Film", *speeds], *rows)
 
 
 def format_ratio(c: CamCycle, name: str) -> str:

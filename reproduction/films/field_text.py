@@ -9,8 +9,8 @@ from scipy.signal import find_peaks
 
 from models.core.quantities import Vector
 
+from ..table import format_bullets
 from .cam import CamCycle, Flags
-from .summary import format_bullets
 
 MICRO, GIGA = 1e6, 1e-9
 # A second maximum of the pressure counts where it rises so much of the highest above its surroundings.

@@ -1,48 +1,200 @@
-"""Figures and their numbers: films through the cam cycle, formulas over Table 3, the new power laws."""
+"""Figures and their numbers: films through the cam cycle and across the contact, formulas over Table 3."""
 
 from __future__ import annotations
 
-import csv
-from pathlib import Path
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Literal
 
+import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
-from matplotlib.ticker import FormatStrFormatter, NullFormatter
+from matplotlib.ticker import FormatStrFormatter, MultipleLocator, NullFormatter
 
 from models.core.quantities import Vector
-from orchestrator.plots.style import COUPLED, MUTED, add_title, create_subplots
+from orchestrator.plots.style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
 
-from ..pictures import save_compact
-from .cycle_figure import COLOURS, INK, plot_cycles
-from .field_figure import plot_field
+from ..publication import Drawing, NumbersFile
+from .cam import EVENT_DEG, SQUEEZED, STEADY, CamCycle, Flags
 from .formulas import CENTRAL, FORMULAS, MINIMUM, Formula
 from .numerical import list_heights
 from .runs import Runs
 
-CYCLE, FIELD, TABLE_3, LAWS = "films-cycle", "films-field", "films-table-3", "films-power-laws"
-FILES = (f"{CYCLE}.png", f"{FIELD}.png", f"{TABLE_3}.png", f"{LAWS}.png", f"{CYCLE}.csv", f"{TABLE_3}.csv")
-CAPTIONS = {
-    CYCLE: "Transient and steady numerical films through the cam's event, and other films over the "
-    "transient one; dotted, with a bar below, where their conditions do not hold",
-    FIELD: "Pressure and film across the contact at instants of the event, and over cam angle and x",
-    TABLE_3: "Formulas over the numerical central film, at contacts sampled over Kushwaha's Table 3",
-    LAWS: "The new power laws over the numerical films of contacts that they were not fitted to",
-}
 # Of the figures with many panels.
 DPI = 105.0
+INK, AMBER, VIOLET = "#22282f", "#c77d11", "#8a5bb5"
+COLOURS = {
+    "kushwaha": REFERENCE,
+    "kushwaha_negative": VIOLET,
+    "dowson_toyoda": ACCENT,
+    "pan_hamrock_central": COUPLED,
+    "dowson_higginson": ACCENT,
+    "pan_hamrock_minimum": COUPLED,
+    "moes_venner": AMBER,
+}
+MICRO, GIGA = 1e6, 1e-9
+# Ratios of either film that are drawn, and their ticks.
+LIMITS = {CENTRAL: (0.5, 10.0), MINIMUM: (0.78, 1.3)}
+TICKS = {CENTRAL: (0.7, 1.0, 1.4, 2.0, 5.0, 10.0), MINIMUM: (0.9, 1.0, 1.1, 1.2, 1.3)}
+# Bars of the conditions: their height, and the first's place above the panel's foot (shares of the panel).
+BAR, FOOT = 0.028, 0.02
+# Cam angles relative to the first reversal (degrees), and what is seen there.
+BEFORE, AT, TRAPPED, LEAVING, AFTER = -2.0, 0.0, 1.0, 3.0, 6.0
+# Largest |x| in profiles and maps (µm).
+PROFILE, WIDTH = 250.0, 150.0
+# Points of the maps: every so many angles of the history, and rows over x.
+EVERY, ROWS = 2, 241
+# Steps of colour of the film's map (µm) and the pressure's (GPa).
+FILMS = (0.08, 0.1, 0.125, 0.16, 0.2, 0.25, 0.32, 0.4, 0.5, 0.63, 0.8, 1.0, 1.25)
+PRESSURES = (0.0, 0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6)
+MAP_DEG = (130.0, 230.0)
 
 
-def draw(runs: Runs, folder: Path) -> list[Path]:
-    """Every figure, and the numbers of those that have many."""
-    return [
-        save_compact(lambda: plot_cycles(runs.cycles), folder / f"{CYCLE}.png", DPI),
-        save_compact(lambda: plot_field(runs.shown), folder / f"{FIELD}.png", DPI),
-        save_compact(lambda: plot_table_3(runs), folder / f"{TABLE_3}.png"),
-        save_compact(lambda: plot_power_laws(runs), folder / f"{LAWS}.png"),
-        _write(folder / f"{CYCLE}.csv", _cycle_rows(runs)),
-        _write(folder / f"{TABLE_3}.csv", _sample_rows(runs)),
-    ]
+def plot_cycles(found: Sequence[CamCycle]) -> Figure:
+    """A row for each speed: numerical films; films over the transient one, central and minimum."""
+    rows = len(found)
+    figure, axes = create_subplots(rows, 3, sharex=True, squeeze=False, figsize=(11.5, 1.4 + 2.2 * rows))
+    add_title(
+        figure, "Films through the cam's event: numerical, and formulas over the transient numerical film"
+    )
+    for row, c in zip(axes, found, strict=True):
+        _draw_films(row[0], c)
+        for ax, film in zip(row[1:], (CENTRAL, MINIMUM), strict=True):
+            _draw_ratios(ax, c, film)
+        row[0].set_ylabel(f"{c.speed_rpm:.0f} r/min\nFilm [µm]")
+    titles = (
+        "numerical films",
+        "over the transient central film (bars: conditions do not hold)",
+        "over the transient minimum film (bars: as before)",
+    )
+    for ax, title in zip(axes[0], titles, strict=True):
+        ax.set_title(title, loc="left", fontsize=8.5, pad=50.0)
+        ax.legend(
+            loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=2, fontsize=7.5, handlelength=1.8,
+            columnspacing=1.0, labelspacing=0.3, borderaxespad=0.1,
+        )  # fmt: skip
+    for ax in axes[-1]:
+        ax.set_xlabel("Cam angle [deg] (nose at 180)")
+        ax.xaxis.set_major_locator(MultipleLocator(30.0))
+        ax.set_xlim(*EVENT_DEG)
+    return figure
+
+
+def _draw_films(ax: Axes, c: CamCycle) -> None:
+    inside, history = c.in_event, c.history
+    looks = (
+        (CENTRAL, history.film_thickness, INK),
+        (MINIMUM, history.minimum_film_thickness, COUPLED),
+    )
+    for film, values, colour in looks:
+        ax.plot(c.history_deg[inside], MICRO * values[inside], color=colour, label=f"{film}, transient")
+        ax.plot(c.angle_deg, MICRO * c.steady[film], color=colour, lw=0.9, ls=(0, (3, 1.5)),
+                label=f"{film}, steady")  # fmt: skip
+    least, angle = c.least
+    ax.plot([angle], [0.88 * MICRO * least], "^", color=REFERENCE, ms=5.0, label="least of the event")
+    ax.set_yscale("log")
+    ax.set_ylim(0.03, 3.5)
+    ax.set_yticks([0.05, 0.1, 0.2, 0.5, 1.0, 2.0])
+    _label_plainly(ax)
+
+
+def _draw_ratios(ax: Axes, c: CamCycle, film: str) -> None:
+    chosen = [(name, judged) for name, judged in c.judged.items() if judged.film == film]
+    bars = 0
+    for name, judged in chosen:
+        formula = name.removesuffix(f" {SQUEEZED}")
+        steady, squeezed = name.startswith(STEADY), name != formula
+        colour = MUTED if steady else COLOURS[formula]
+        ratio = c.ratio(name)
+        style = (0, (4, 1.2)) if squeezed else "-"
+        width = 2.2 if steady else 1.2
+        inside = np.where(judged.valid, ratio, np.nan)
+        ax.plot(c.angle_deg, ratio, color=colour, lw=0.8, ls=(0, (1, 1.5)))
+        ax.plot(c.angle_deg, inside, color=colour, lw=width, ls=style, label=judged.words)
+        if not steady and not squeezed:
+            _draw_bar(ax, c.angle_deg, ~judged.valid, colour, bars)
+            bars += 1
+    ax.axhline(1.0, color=INK, lw=0.7, zorder=0.5)
+    ax.set_yscale("log")
+    ax.set_ylim(*LIMITS[film])
+    ax.set_yticks(TICKS[film])
+    _label_plainly(ax)
+
+
+def _draw_bar(ax: Axes, angle: Vector, outside: Flags, colour: str, row: int) -> None:
+    """A bar at the foot of the panel over the angles where conditions do not hold."""
+    foot = FOOT + 1.4 * BAR * row
+    ax.fill_between(
+        angle, foot, foot + BAR, where=outside, color=colour, lw=0.0, step="mid",
+        transform=ax.get_xaxis_transform(),
+    )  # fmt: skip
+
+
+def _label_plainly(ax: Axes) -> None:
+    ax.yaxis.set_major_formatter(FormatStrFormatter("%g"))
+    ax.yaxis.set_minor_formatter(NullFormatter())
+
+
+def plot_field(c: CamCycle) -> Figure:
+    """Profiles at six instants; maps of pressure and film over cam angle and x."""
+    figure = Figure(figsize=(11.0, 9.0))
+    add_title(figure, f"Pressure and film across the contact at {c.speed_rpm:.0f} r/min (transient)")
+    halves: Any = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
+    upper, lower = halves
+    first = c.reversals_deg[0]
+    instants = (
+        (112.0, "flank"),
+        (first + BEFORE, "before the first reversal"),
+        (first + AT, "first reversal"),
+        (first + TRAPPED, "trapped dimple"),
+        (first + LEAVING, "dimple at the outlet"),
+        (180.0, "nose"),
+    )
+    axes = upper.subplots(2, 3, sharex=True, sharey=True)
+    for ax, (angle, words) in zip(axes.flat, instants, strict=True):
+        _draw_profile(ax, c, angle, words)
+    for ax in axes[1]:
+        ax.set_xlabel("x [µm]")
+    maps = lower.subplots(1, 2, sharey=True)
+    _draw_map(lower, maps[0], c, GIGA * c.history.pressure, "Pressure [GPa]", PRESSURES, "magma")
+    _draw_map(lower, maps[1], c, MICRO * c.history.film, "Film [µm]", FILMS, "viridis")
+    maps[0].set_ylabel("x [µm]")
+    return figure
+
+
+def _draw_profile(ax: Axes, c: CamCycle, angle_deg: float, words: str) -> None:
+    k = int(np.argmin(np.abs(c.history_deg - angle_deg)))
+    history, x = c.history, MICRO * c.history.x[k]
+    ax.fill_between(x, GIGA * history.pressure[k], color=REFERENCE, alpha=0.25, lw=0.0)
+    ax.plot(x, GIGA * history.pressure[k], color=REFERENCE)
+    ax.set_title(f"{angle_deg:.0f}°: {words}", loc="left", fontsize=9)
+    other = ax.twinx()
+    other.plot(x, MICRO * history.film[k], color=COUPLED)
+    ax.set_xlim(-PROFILE, PROFILE)
+    ax.set_ylim(0.0, 0.8)
+    other.set_ylim(0.0, 1.6)
+    other.grid(visible=False)
+    ax.set_ylabel("Pressure [GPa]", color=REFERENCE)
+    other.set_ylabel("Film [µm]", color=COUPLED)
+
+
+def _draw_map(
+    figure: Any, ax: Axes, c: CamCycle, values: Vector, words: str, steps: Sequence[float], colours: str
+) -> None:
+    x = np.linspace(-WIDTH, WIDTH, ROWS)
+    shown = np.flatnonzero((c.history_deg >= MAP_DEG[0]) & (c.history_deg <= MAP_DEG[1]))[::EVERY]
+    rows = np.array([np.interp(x, MICRO * c.history.x[k], values[k]) for k in shown]).T
+    # Steps of their own colour: few colours, and evenly spread over uneven steps.
+    extend: Literal["both", "max"] = "both" if steps[0] > 0.0 else "max"
+    norm = BoundaryNorm(steps, colormaps[colours].N, extend=extend)
+    drawn = ax.contourf(c.history_deg[shown], x, rows, steps, cmap=colours, norm=norm, extend=extend)
+    for angle in c.reversals_deg:
+        ax.axvline(angle, color="white", lw=0.8, ls=(0, (3, 2)))
+    ax.grid(visible=False)
+    ax.set_title(words, loc="left", fontsize=9)
+    ax.set_xlabel("Cam angle [deg] (nose at 180; dashed: reversals)")
+    figure.colorbar(drawn, ax=ax, pad=0.02, ticks=steps, format="%g")
 
 
 def plot_table_3(runs: Runs) -> Figure:
@@ -51,9 +203,9 @@ def plot_table_3(runs: Runs) -> Figure:
     add_title(figure, "Formulas over the numerical central film, contacts of Kushwaha's Table 3")
     central = [formula for formula in FORMULAS if formula.film == CENTRAL]
     for formula in central:
-        _points(axes[0], runs.fit.M, runs.fit.over_numerical(formula), formula)
+        _draw_points(axes[0], runs.fit.M, runs.fit.over_numerical(formula), formula)
     for formula in central[:2]:
-        _points(axes[1], runs.fit.M, runs.fit.squeezed_over_numerical(formula), formula)
+        _draw_points(axes[1], runs.fit.M, runs.fit.squeezed_over_numerical(formula), formula)
     for ax, words in zip(axes, ("steady", "with squeeze, −0.005 < w_s < 0"), strict=True):
         ax.axhline(1.0, color=INK, lw=0.9)
         ax.set_xscale("log")
@@ -68,7 +220,7 @@ def plot_table_3(runs: Runs) -> Figure:
     return figure
 
 
-def _points(ax: Axes, x: Vector, y: Vector, formula: Formula) -> None:
+def _draw_points(ax: Axes, x: Vector, y: Vector, formula: Formula) -> None:
     ax.plot(x, y, ".", ms=3.2, color=COLOURS[formula.name], label=formula.words)
 
 
@@ -91,9 +243,9 @@ def plot_power_laws(runs: Runs) -> Figure:
     return figure
 
 
-def _cycle_rows(runs: Runs) -> list[list[Any]]:
+def list_cycles(runs: Runs) -> list[list[str]]:
     names = list(runs.cycles[0].judged)
-    rows: list[list[Any]] = [
+    rows: list[list[str]] = [
         ["speed [r/min]", "angle [deg]", "velocity [m/s]", "M [1]", "L [1]", "transient central [m]",
          "transient minimum [m]", *(f"{name} [m]" for name in names), *(f"{name} valid" for name in names)]
     ]  # fmt: skip
@@ -101,15 +253,15 @@ def _cycle_rows(runs: Runs) -> list[list[Any]]:
         films = (*c.transient.values(), *(judged.values for judged in c.judged.values()))
         for k, angle in enumerate(c.angle_deg):
             numbers = (f"{v[k]:.6g}" for v in (c.velocity, c.M, c.L, *films))
-            flags = (int(judged.valid[k]) for judged in c.judged.values())
+            flags = (str(int(judged.valid[k])) for judged in c.judged.values())
             rows.append([f"{c.speed_rpm:g}", f"{angle:g}", *numbers, *flags])
     return rows
 
 
-def _sample_rows(runs: Runs) -> list[list[Any]]:
+def list_samples(runs: Runs) -> list[list[str]]:
     head = ["sample", *(f"{name} [1]" for name in ("G", "W", "U", "w_s", "M", "L"))]
     head += [f"H {film}{state} [1]" for state in ("", " squeezed") for film in (CENTRAL, MINIMUM)]
-    rows: list[list[Any]] = [head]
+    rows: list[list[str]] = [head]
     for words, s in (("fit", runs.fit), ("validation", runs.validation)):
         columns = [s.material, s.load, s.speed, s.squeeze, s.M, s.L]
         for films in (s.steady, s.squeezed):
@@ -118,7 +270,23 @@ def _sample_rows(runs: Runs) -> list[list[Any]]:
     return rows
 
 
-def _write(path: Path, rows: list[list[Any]]) -> Path:
-    with path.open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file).writerows(rows)
-    return path
+FIGURES = [
+    Drawing[Runs](
+        "films-cycle.png", lambda runs: plot_cycles(runs.cycles),
+        "Transient and steady numerical films through the cam's event, and other films over the transient "
+        "one; dotted, with a bar below, where their conditions do not hold", DPI,
+    ),
+    Drawing[Runs](
+        "films-field.png", lambda runs: plot_field(runs.shown),
+        "Pressure and film across the contact at instants of the event, and over cam angle and x", DPI,
+    ),
+    Drawing[Runs](
+        "films-table-3.png", plot_table_3,
+        "Formulas over the numerical central film, at contacts sampled over Kushwaha's Table 3",
+    ),
+    Drawing[Runs](
+        "films-power-laws.png", plot_power_laws,
+        "The new power laws over the numerical films of contacts that they were not fitted to",
+    ),
+]  # fmt: skip
+NUMBERS = [NumbersFile("films-cycle.csv", list_cycles), NumbersFile("films-table-3.csv", list_samples)]

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from functools import cache, partial
-from typing import Any
 
 import numpy as np
 
 from models.core.quantities import Vector
 
-from ..statement import Claim
+from ..statement import Claim, Values
 from .cam import SQUEEZED, STEADY
 from .formulas import CENTRAL, FORMULAS, MINIMUM, Formula, is_in_table_3
 from .runs import Runs
@@ -20,10 +19,8 @@ RIGHT = 0.10
 # A fifth of the least that separates the formulas that are right.
 NOT_SEEN = 0.02
 
-Numbers = dict[str, Any]
 
-
-def summarise_ratios(name: str, values: Vector) -> Numbers:
+def summarise_ratios(name: str, values: Vector) -> Values:
     """Least, largest and median of some ratios, whether all are right, and words for them."""
     values = values[np.isfinite(values)]
     if not values.size:
@@ -36,39 +33,43 @@ def summarise_ratios(name: str, values: Vector) -> Numbers:
     }  # fmt: skip
 
 
-def near_share(ratio: Vector) -> float:
+def measure_near_share(ratio: Vector) -> float:
     """Share within RIGHT of 1."""
     return float(np.mean(np.abs(ratio - 1.0) <= RIGHT))
 
 
 @cache
-def judge_in_cycle(runs: Runs, formula: Formula) -> Numbers:
+def judge_in_cycle(runs: Runs, formula: Formula) -> Values:
     """Against the steady film that it is for, where its conditions hold and where they do not; and against
     the transient film."""
     steady, transient = runs.over_steady(formula.name), runs.ratios(formula.name)
     valid = runs.valid(formula.name)
     found = summarise_ratios("inside", steady[valid]) | summarise_ratios("outside", steady[~valid])
     found["elsewhere"] = f"; elsewhere {found['outside']}" if "outside_low" in found else ""
-    return found | {"share": np.mean(valid), "median": np.median(transient), "near": near_share(transient)}
+    return found | {
+        "share": np.mean(valid),
+        "median": np.median(transient),
+        "near": measure_near_share(transient),
+    }
 
 
 @cache
-def judge_squeezed(runs: Runs, formula: Formula) -> Numbers:
+def judge_squeezed(runs: Runs, formula: Formula) -> Values:
     """With the squeeze term, against the transient film."""
     name = f"{formula.name} {SQUEEZED}"
     ratio, valid = runs.ratios(name), runs.valid(name)
     at_rest = np.concatenate([c.ratio(name)[c.reversals] for c in runs.cycles])
     parts = {"all": ratio, "inside": ratio[valid], "outside": ratio[~valid], "at_rest": at_rest}
-    found: Numbers = {"share": np.mean(valid)}
+    found: Values = {"share": np.mean(valid)}
     for part, values in parts.items():
         found |= summarise_ratios(part, values)
     return found
 
 
 @cache
-def compare_steady(runs: Runs) -> Numbers:
+def compare_steady(runs: Runs) -> Values:
     """Whether the film is the one that load, speed and radius would keep up."""
-    shares = {c.speed_rpm: near_share(c.ratio(f"{STEADY} {CENTRAL}")) for c in runs.cycles}
+    shares = {c.speed_rpm: measure_near_share(c.ratio(f"{STEADY} {CENTRAL}")) for c in runs.cycles}
     kept = np.concatenate([c.transient[MINIMUM][c.reversals] for c in runs.cycles])
     return {
         "each": [f"{100.0 * share:.0f} % at {speed:.0f}" for speed, share in shares.items()],
@@ -77,7 +78,7 @@ def compare_steady(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def measure_resolution(runs: Runs) -> Numbers:
+def measure_resolution(runs: Runs) -> Values:
     """The transient film's error, by half as many nodes."""
     inside = runs.shown.in_event
     histories = (runs.coarser, runs.shown.history)
@@ -94,7 +95,7 @@ def measure_resolution(runs: Runs) -> Numbers:
 
 
 @cache
-def measure_table_3_share(runs: Runs) -> Numbers:
+def measure_table_3_share(runs: Runs) -> Values:
     """How much of the cam's event is inside Table 3."""
     shares = {c.speed_rpm: np.mean(c.judged["kushwaha"].valid) for c in runs.cycles}
     each = [f"{100.0 * share:.0f} % at {speed:.0f}" for speed, share in shares.items()]
@@ -102,7 +103,7 @@ def measure_table_3_share(runs: Runs) -> Numbers:
 
 
 @cache
-def judge_over_table_3(runs: Runs, formula: Formula) -> Numbers:
+def judge_over_table_3(runs: Runs, formula: Formula) -> Values:
     """Kushwaha's formula where he says it applies."""
     s = runs.fit
     found = summarise_ratios("steady", s.over_numerical(formula))
@@ -111,7 +112,7 @@ def judge_over_table_3(runs: Runs, formula: Formula) -> Numbers:
 
 
 @cache
-def judge_power_law(runs: Runs, film: str, blended: bool) -> Numbers:
+def judge_power_law(runs: Runs, film: str, blended: bool) -> Values:
     """The new regression, judged by contacts that it was not fitted to."""
     law = runs.laws[film, blended]
     fit, steady, squeezed = (

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import textwrap
-from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from ..kushwaha2000.runs import NOSE_DEG
-from ..statement import Numbers, Words
+from ..statement import Numbers, format_numbers
+from ..table import format_bullets
 from .formulas import CENTRAL, FORMULAS, MINIMUM
 from .runs import Runs
 from .statements import CLAIMS, judge_in_cycle, judge_power_law
@@ -53,22 +52,19 @@ SENTENCES = (
 )
 
 
-def format_bullets(sentences: Sequence[str]) -> str:
-    """A Markdown list."""
-    return "".join(
-        textwrap.fill(text, 110, initial_indent="- ", subsequent_indent="  ") + "\n" for text in sentences
-    )
-
-
 def summarise(runs: Runs) -> str:
     """A Markdown list."""
     quantities = {claim.key: claim.quantity for claim in CLAIMS}
     found: dict[str, Any] = {name: Numbers(quantities[key](runs)) for name, key in NAMES.items()}
-    found |= {"laws": _conditions(runs), "new": _errors(runs, False), "joined": _errors(runs, True)}
-    return format_bullets([Words().vformat(text, (SimpleNamespace(**found),), {}) for text in SENTENCES])
+    found |= {
+        "laws": _measure_conditions(runs),
+        "new": _format_errors(runs, False),
+        "joined": _format_errors(runs, True),
+    }
+    return format_bullets(format_numbers(text, SimpleNamespace(**found)) for text in SENTENCES)
 
 
-def _conditions(runs: Runs) -> SimpleNamespace:
+def _measure_conditions(runs: Runs) -> SimpleNamespace:
     """Where the conditions of power laws do not hold, and how right minimum films are everywhere."""
     outside = [~c.judged[POWER_LAW].valid for c in runs.cycles]
     flanks = [
@@ -89,7 +85,7 @@ def _conditions(runs: Runs) -> SimpleNamespace:
     )
 
 
-def _errors(runs: Runs, blended: bool) -> SimpleNamespace:
+def _format_errors(runs: Runs, blended: bool) -> SimpleNamespace:
     """Errors of the new laws for central and minimum film."""
     laws = [judge_power_law(runs, film, blended) for film in (CENTRAL, MINIMUM)]
     names = ("rms", "worst", "squeezed_rms", "squeezed_worst")

@@ -16,8 +16,8 @@ from models.contact.hertz import compliance_of
 from models.core.quantities import Vector
 
 from ..statement import Values
-from .runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, Runs
 from .parts import find_nose_contact
+from .runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, Runs
 
 STEPS = 500  # per turn
 TABLE_3_FLAGS = {"G*": "material", "w_s*": "squeeze", "W*": "load", "U*": "speed"}

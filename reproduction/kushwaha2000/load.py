@@ -11,8 +11,8 @@ from models.core.quantities import Vector
 from models.valve_train.camshaft import shaft_element
 
 from ..statement import Values, rms
-from .runs import FLEXIBLE_SPEED, INTERVALS, NOSE_DEG, SPEEDS, Cycle, Runs, read_parameters
 from .parts import compute_bending_rate
+from .runs import FLEXIBLE_SPEED, INTERVALS, NOSE_DEG, SPEEDS, Cycle, Runs, read_parameters
 
 # Before and after the nose, far from it and near to it.
 SPANS = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..statement import Claim, Verdict, compute_nothing, is_near, is_rising
+from ..statement import Claim, Verdict, is_near, is_rising, state_verdict
 from . import film, formula, load, parts
 from .runs import Runs
 
@@ -69,9 +69,9 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "The contact is narrow beside the radius of curvature and its own length", parts.measure_contact,
         "b at most {of_radius:.2f%} of the radius and {of_length:.2f%} of the length (1000 r/min)",
         lambda v: max(v.of_radius, v.of_length) < 0.1),
-    Claim("time-per-step", "3",
+    state_verdict("time-per-step", "3",
         "A numerical EHL solution takes 5-7 h per time step, 500 steps per revolution",
-        compute_nothing, "104-146 days per revolution", Verdict.CANNOT,
+        "104-146 days per revolution", Verdict.CANNOT,
         "a statement about computers and methods of 1999"),
     Claim("similarity", "(10)", "h* = 1.67 W*^0.059 U*^0.541 G*^0.421 exp(−96.775 w_s*)",
         formula.compute_exponents,
@@ -179,7 +179,8 @@ CLAIMS: tuple[Claim[Runs], ...] = (
     Claim("event", "5, Fig. 4", "Flank and nose action from 90° to 270°, nose at 180°", parts.measure_lift,
         "lift from {begin_deg:.1f}° to {end_deg:.1f}°, middle {middle_deg:.1f}°, greatest lift reached at "
         "{greatest_deg:.1f}°",
-        lambda v: max(abs(v.begin_deg - 90), abs(v.end_deg - 270)) < 0.5 and is_near(v.middle_deg, 180, 1e-3)),
+        lambda v: max(abs(v.begin_deg - 90), abs(v.end_deg - 270)) < 0.5
+        and is_near(v.middle_deg, 180, 1e-3)),
     Claim("reversals", "5, Figs. 3, 4", "Zero entraining velocity at ±12° and ±36° from the nose",
         parts.find_reversals, "{angles:+.6f°}", lambda v: v.off_deg < 1e-6,
         "exactly one family of cycloidal cams with dwell has this; lift and its angle were solved from it"),

@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,15 +14,12 @@ from PIL import Image
 from models.slider_crank.flight.bouncing import LOWER, UPPER
 from models.slider_crank.motions.machine import Machine, Motion
 from models.slider_crank.motions.regions import TURN
-from reproduction.farahanchi1991 import SHOWN
-from reproduction.farahanchi1991.cases import CORRECTED, FORMS, PUBLISHED, Case
-from reproduction.farahanchi1991.figures import PICTURES, PREFIX
-from reproduction.farahanchi1991.forces import compute_curve, find_changes, find_limits, measure_shares
-from reproduction.farahanchi1991.lagrange import equation, printed
-from reproduction.farahanchi1991.numbers.derivation import M
-from reproduction.farahanchi1991.runs import Runs
-from reproduction.farahanchi1991.statements import CLAIMS, chapters_1_to_3
-from reproduction.pictures import save_compact
+from reproduction.farahanchi1991 import CLAIMS, chapters_1_to_3
+from reproduction.farahanchi1991.derivation import M
+from reproduction.farahanchi1991.figures import FIGURES, PICTURES
+from reproduction.farahanchi1991.force import compute_curve, find_changes, find_limits, measure_shares
+from reproduction.farahanchi1991.lagrange import evaluate_lagrange, evaluate_printed
+from reproduction.farahanchi1991.runs import CORRECTED, FORMS, PUBLISHED, Case, Runs
 from reproduction.statement import Statement, Verdict
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -46,7 +44,7 @@ def test_every_figure_from_2_4_to_4_44_is_there_once() -> None:
     expected = ["2.2", *(f"2.{n}" for n in range(4, 11)), "3.1", *(f"4.{n}" for n in range(1, 45))]
     assert numbers == expected
     assert len({picture.file for picture in PICTURES}) == len(PICTURES)
-    assert all(re.fullmatch(r"fig-[0-9a-z.-]+\.png", picture.file) for picture in PICTURES)
+    assert all(re.fullmatch(r"farahanchi1991-fig-[0-9a-z.-]+\.png", picture.file) for picture in PICTURES)
 
 
 @pytest.mark.parametrize(
@@ -124,9 +122,9 @@ def test_2_10_follows_from_f_s_energy_and_2_27_from_the_rod_s(
     theta: float, psi: float, rate: float, bend: float
 ) -> None:
     # Central differences of 1e-5 leave 1e-16 / 1e-5 and 1e-10 of the third derivative.
-    assert printed(theta, psi, bend, M) == pytest.approx(equation(theta, psi, rate, bend, 1.0, M), abs=1e-8)
-    rod = printed(theta, psi, bend, M, rod_term="(2.27)")
-    assert rod == pytest.approx(equation(theta, psi, rate, bend, -1.0, M), abs=1e-8)
+    for rod_term, rotation in (("(2.10)", 1.0), ("(2.27)", -1.0)):
+        found = evaluate_printed(theta, psi, bend, M, rod_term)
+        assert found == pytest.approx(evaluate_lagrange(theta, psi, rate, bend, rotation, M), abs=1e-8)
 
 
 def test_verdicts_of_both_forms(quick: dict[str, Statement]) -> None:
@@ -163,9 +161,9 @@ def test_the_thesis_s_threshold_makes_a_chaotic_motion_periodic(runs: Runs) -> N
     "number", ["2.4", "2.8", "2.10", "3.1", "4.2", "4.5", "4.12", "4.20", "4.31", "4.40"]
 )
 def test_figures_are_drawn(number: str, runs: Runs, tmp_path: Path) -> None:
-    picture = next(picture for picture in PICTURES if picture.number == number)
-    path = save_compact(lambda: picture.draw(runs, picture), tmp_path / picture.file, dpi=60)
-    colours = np.unique(np.asarray(Image.open(path).convert("RGB")).reshape(-1, 3), axis=0)
+    figure = next(f for f, picture in zip(FIGURES, PICTURES, strict=True) if picture.number == number)
+    replace(figure, dpi=60).save(runs, tmp_path)
+    colours = np.unique(np.asarray(Image.open(tmp_path / figure.file).convert("RGB")).reshape(-1, 3), axis=0)
     assert len(colours) > 20
 
 
@@ -175,6 +173,5 @@ def test_the_page_has_the_quick_verdicts(quick: dict[str, Statement]) -> None:
         words = statement.text.replace("|", "\\|")
         (row,) = (line for line in lines if f"| {statement.place} | {words} |" in line)
         assert f"**{statement.verdict}**" in row, "regenerate the page"
-    assert {
-        picture.number for picture in PICTURES if f"figures/{PREFIX}{picture.file}" in "".join(lines)
-    } == {*SHOWN}
+    shown = {figure.file for figure in FIGURES if figure.caption}
+    assert {figure.file for figure in FIGURES if f"figures/{figure.file}" in "".join(lines)} == shown

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reproduction.kushwaha2000.film_iteration import ITERATIONS, iterate, solve_implicit_step
+from reproduction.kushwaha2000.formula import ITERATIONS, iterate, solve_implicit_step
 from reproduction.kushwaha2000.runs import NEGATIVE, REVERSALS_DEG, Runs
 from reproduction.kushwaha2000.statements import CLAIMS
 from reproduction.statement import Statement, Verdict

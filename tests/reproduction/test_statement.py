@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from reproduction.statement import Claim, Numbers, Verdict, Words
+from reproduction.statement import Claim, Numbers, Verdict, format_numbers, state_verdict
 
 
 @pytest.mark.parametrize(
@@ -23,7 +23,7 @@ def test_numbers_are_written_with_their_units(text: str, written: str) -> None:
         "loads": [330.0, 610.2], "film": 1.3e-6, "pressure": 4.7e8, "share": 0.12, "angles": [-36.0, 36.0],
         "words": "none",
     })  # fmt: skip
-    assert Words().vformat(text, (numbers,), {}) == written
+    assert format_numbers(text, numbers) == written
 
 
 @pytest.mark.parametrize(("stated", "verdict"), [(2.0, Verdict.MET), (3.0, Verdict.NOT_MET)])
@@ -35,6 +35,6 @@ def test_a_claim_is_judged_by_its_criterion(stated: float, verdict: Verdict) -> 
 
 
 def test_a_missing_number_is_an_error() -> None:
-    claim = Claim[float]("key", "2.1", "text", lambda runs: {}, "{absent}", Verdict.CANNOT)
+    claim = state_verdict("key", "2.1", "text", "{absent}", Verdict.CANNOT)
     with pytest.raises(KeyError, match="absent"):
         claim.judge(1.0)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 from models.slider_crank.motions.regions import TURN
 
-from ...statement import Claim, Numbers, Verdict, near, nothing
-from ..numbers import derivation, force, impacts, motions
-from ..runs import Runs
-from .both_forms import BothForms
+from ..statement import Claim, Verdict, is_near, state_verdict
+from . import derivation, force, impacts, motions
+from .both_forms import BothForms, of_symmetry
+from .runs import Runs
 
 # Central differences in `lagrange` leave 1e-9.
 ROUNDING = 1e-7
@@ -25,16 +23,6 @@ EVEN = (
     "for every ρ, is f_u(−θ) = f_l(θ)"
 )
 
-
-def holds(v: Numbers) -> bool:
-    """A symmetry is exact, but for rounding."""
-    return bool(v.fault < 1e-9)
-
-
-def broken(v: Numbers) -> bool:
-    return not holds(v)
-
-
 # fmt: off
 CLAIMS: tuple[Claim[Runs], ...] = (
     BothForms("three-types", "Abstract", "Three types of response: chaotic, transient chaos, periodic",
@@ -45,9 +33,9 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "chaotic: {fast} of 9 at λ ≤ 0.075, e = 0.9; {slow} of 9 at λ ≥ 0.15; {soft} of 9 at e = 0.5",
         lambda v: v.fast > max(9 / 2, v.slow, v.soft),
         "prevalent: more than half of the cases. As published λ = 0.15 and 0.20 are as chaotic as small λ"),
-    Claim("permuted-list", "List of figures",
+    state_verdict("permuted-list", "List of figures",
         "Figs. 4.15-4.17 are (0.05, 0.015), Figs. 4.18-4.20 (0.025, 0.01)",
-        nothing, "captions and text: Figs. 4.15-4.17 are (0.025, 0.01), Figs. 4.18-4.20 (0.05, 0.015)",
+        "captions and text: Figs. 4.15-4.17 are (0.025, 0.01), Figs. 4.18-4.20 (0.05, 0.015)",
         Verdict.CANNOT, "the list contradicts the captions and the text; drawn as captioned"),
     Claim("gravity", "2.1", "Gravity may be ignored when the crank speed is sufficiently large",
         derivation.compute_engine,
@@ -72,8 +60,8 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         Verdict.CANNOT,
         "the first minus must be a plus, and l²(φ̈−ψ̈) does not belong into a bracket with the factor "
         "Ω²rl; (2.10) is right in both"),
-    Claim("scaling", "2.3", "τ = Ωt and ()' = Ω(˙)",
-        nothing, "d/dt = Ω d/dτ: (˙) = Ω()'", Verdict.CANNOT,
+    state_verdict("scaling", "2.3", "τ = Ωt and ()' = Ω(˙)",
+        "d/dt = Ω d/dτ: (˙) = Ω()'", Verdict.CANNOT,
         "the equations use (˙) = Ω()'"),
     Claim("equation-2-10", "(2.10)", "The dimensionless equation of motion follows by Lagrange's method",
         derivation.compare_equations,
@@ -92,7 +80,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "if e does not depend on the impact velocity"),
     Claim("wall-angles", "(2.14), (A.4)", "For |ψ| ≪ 1, ψ_max = ρ/√(1 − ξ² sin²τ)", derivation.check_walls,
         "off by at most {off:.2f%} of ρ from sin(φ − ψ) = sin φ − ρ at ρ = 0.010, 0.015, 0.020",
-        lambda v: v.off[2] < 0.01 and near(v.off[2] / v.off[0], 2.0, 0.025)),
+        lambda v: v.off[2] < 0.01 and is_near(v.off[2] / v.off[0], 2.0, 0.025)),
     Claim("symmetric-walls", "2.5", "ψ_max = −ψ_min is valid only in the linearized case",
         derivation.check_walls, "exact walls at ρ = 0.02: |ψ_max + ψ_min| up to {sum:.1e} rad",
         lambda v: v.sum > 1e-6),
@@ -106,7 +94,7 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         derivation.sum_bounces,
         "400 bounces at e = 0.9 take {share:.12f} of 2v/(g(1 − e)); at (0.25, 0.015) the roller is still "
         "after {impacts} impacts, when less than rounding is left of the sum",
-        lambda v: near(v.share, 1.0, 1e-12),
+        lambda v: is_near(v.share, 1.0, 1e-12),
         "cited from Greenwood, pp. 160-161, which was not at hand"),
     Claim("when-it-slides", "2.6",
         "Sliding occurs when the friction is large or the coefficient of restitution small",
@@ -119,9 +107,9 @@ CLAIMS: tuple[Claim[Runs], ...] = (
     Claim("virtual-work", "(2.22)-(2.26)", "δW = −F_u l cos(φ − ψ) δψ", derivation.check_walls,
         "∂y/∂ψ of y = l sin φ − l sin(φ − ψ): {lever:.8f} l, cos(φ − ψ) = {cosine:.8f}",
         lambda v: abs(v.lever - v.cosine) < 1e-9),
-    Claim("repeated-energy", "2.6 after (2.26)",
+    state_verdict("repeated-energy", "2.6 after (2.26)",
         "T_total (from 2.5) = ½M{{… + [rΩ cos Ωt − ½l(φ̇−ψ̇) cos(φ−ψ)]²}} + …",
-        nothing, "(2.4), (2.5): the slider's vertical velocity is r Ω cos Ωt − l(φ̇−ψ̇) cos(φ−ψ)",
+        "(2.4), (2.5): the slider's vertical velocity is r Ω cos Ωt − l(φ̇−ψ̇) cos(φ−ψ)",
         Verdict.CANNOT, "a misprint: the ½ belongs to the rod alone"),
     Claim("equation-2-27", "(2.27), (2.29)",
         "… − β(φ'' − ψ'') = −f_u cos(φ−ψ) + … in (2.27), … + β(φ'' + ψ'') … in (2.29)",
@@ -129,30 +117,18 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "(2.27) differs by up to {own_2_27:.3f} from Lagrange's equation of F's energy (2.5) and by "
         "{rod_2_27:.0e} from that with the rod's right rate φ' − ψ'", Verdict.CANNOT,
         "(2.27) is right, printed once and not used: all figures follow from (2.10) and (2.29)"),
-    Claim("force-scale", "2.6 after (2.26)", "Dividing by M l Ω² gives (2.27)",
-        nothing, "the terms are moments, M l² Ω²; F_u l over that is f_u = F_u/(M l Ω²), (2.28)",
+    state_verdict("force-scale", "2.6 after (2.26)", "Dividing by M l Ω² gives (2.27)",
+        "the terms are moments, M l² Ω²; F_u l over that is f_u = F_u/(M l Ω²), (2.28)",
         Verdict.CANNOT, "must be M l² Ω², as in 2.3"),
     Claim("restitution-no-part", "2.6", "The coefficient of restitution cannot affect the constraint force",
         force.compare_restitutions, "forces with e = 0, 0.5 and 1 differ by {spread:.0e}",
         lambda v: v.spread == 0.0),
-    BothForms("symmetry-i", "2.6", "ρ = 0, λ = 0: (i) f_u = −f_l",
-        partial(force.check_symmetry, damping=0.0, gap=0.0, half_turn=False),
-        "sum up to {fault:.2g} of the largest force", holds),
-    BothForms("symmetry-ii", "2.6", "ρ = 0, λ = 0: (ii) f_u(θ + π) = −f_u(θ)",
-        partial(force.check_symmetry, damping=0.0, gap=0.0, half_turn=True),
-        "sum up to {fault:.2g} of the largest force", holds, EVEN),
-    BothForms("symmetry-i-damped", "2.6", "ρ = 0, λ ≠ 0: (i) holds",
-        partial(force.check_symmetry, damping=0.05, gap=0.0, half_turn=False),
-        "sum up to {fault:.2g} of the largest force", holds),
-    BothForms("symmetry-ii-damped", "2.6", "ρ = 0, λ ≠ 0: (ii) is broken",
-        partial(force.check_symmetry, damping=0.05, gap=0.0, half_turn=True),
-        "sum up to {fault:.2g} of the largest force", broken, "also without λ"),
-    BothForms("symmetry-i-gap", "2.6", "ρ ≠ 0, λ = 0: (i) is broken",
-        partial(force.check_symmetry, damping=0.0, gap=0.02, half_turn=False),
-        "sum up to {fault:.2g} of the largest force", broken),
-    BothForms("symmetry-ii-gap", "2.6", "ρ ≠ 0, λ = 0: (ii) holds",
-        partial(force.check_symmetry, damping=0.0, gap=0.02, half_turn=True),
-        "sum up to {fault:.2g} of the largest force", holds, EVEN),
+    of_symmetry("symmetry-i", "ρ = 0, λ = 0: (i) f_u = −f_l", 0.0, 0.0),
+    of_symmetry("symmetry-ii", "ρ = 0, λ = 0: (ii) f_u(θ + π) = −f_u(θ)", 0.0, 0.0, reason=EVEN),
+    of_symmetry("symmetry-i-damped", "ρ = 0, λ ≠ 0: (i) holds", 0.05, 0.0),
+    of_symmetry("symmetry-ii-damped", "ρ = 0, λ ≠ 0: (ii) is broken", 0.05, 0.0, True, "also without λ"),
+    of_symmetry("symmetry-i-gap", "ρ ≠ 0, λ = 0: (i) is broken", 0.0, 0.02, True),
+    of_symmetry("symmetry-ii-gap", "ρ ≠ 0, λ = 0: (ii) holds", 0.0, 0.02, reason=EVEN),
     BothForms("figure-2-4", "2.6, Fig. 2.4",
         "(0.01, 0.01): the forces change direction at two crank angles; sliding on the upper wall from "
         "about 0 to π, on the lower from π to 2π", force.find_changes_of_sign,
@@ -219,8 +195,8 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "{out:.0f%} of the upper impacts on the way from the head, {back:.0f%} on the way back",
         lambda v: min(v.out, v.back) == 0.0,
         "they hold more: θ and 2π − θ are the same place x"),
-    Claim("transient-length", "4.2, appendix B",
+    state_verdict("transient-length", "4.2, appendix B",
         "Transients have decayed after 25 cycles (4.2); 30 are allowed to achieve steady state (appendix B)",
-        nothing, "25 and 30", Verdict.CANNOT,
+        "25 and 30", Verdict.CANNOT,
         "30 taken. For transient chaos neither is enough"),
 )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from functools import cache
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -16,15 +15,15 @@ from models.slider_crank.equations import (
     THESIS_XI,
     free_moment,
     inertia,
+    joint_rate,
     thesis_mechanism,
     wall_angle,
 )
 from models.slider_crank.motions.machine import Machine, Motion
 
-from ...statement import near
-from ..cases import GAPS, PUBLISHED, Case
-from ..lagrange import equation, joint_rate, printed, rod_angle_rate
-from ..runs import Runs
+from ..statement import Values, is_near
+from .lagrange import compute_rod_rate, evaluate_lagrange, evaluate_printed
+from .runs import GAPS, PUBLISHED, Case, Runs
 
 INCH_M, GRAVITY = 0.0254, 9.80665
 # F's engine (4.1): lb s^2/in, in, lb s^2 in; as printed.
@@ -37,16 +36,18 @@ ANGLES = np.linspace(0.1, 6.2, 13)
 STATES = tuple(product((-0.02, 0.013), (-0.1, 0.07), (-1.0, 0.4)))
 TURN = np.linspace(0.0, 2.0 * math.pi, 721)
 
-Numbers = dict[str, Any]
 
-
-def compute_engine(runs: Runs) -> Numbers:
+def compute_engine(runs: Runs) -> Values:
     """F's ratios from F's masses and lengths, and those of rods; gravity beside the crank's acceleration."""
     xi, alpha = CRANK_IN / ROD_IN, ROD_MASS / PISTON_MASS
     beta = ROD_INERTIA / (PISTON_MASS * ROD_IN**2)
     uniform, most = THESIS_ALPHA / 12.0, THESIS_ALPHA / 4.0
     slow, fast = (GRAVITY / (CRANK_IN * INCH_M * (rpm * math.pi / 30.0) ** 2) for rpm in (600, 3000))
-    good = near(xi, THESIS_XI, 1e-3) and near(alpha, THESIS_ALPHA, 1e-3) and near(beta, THESIS_BETA, ROUNDED)
+    good = (
+        is_near(xi, THESIS_XI, 1e-3)
+        and is_near(alpha, THESIS_ALPHA, 1e-3)
+        and is_near(beta, THESIS_BETA, ROUNDED)
+    )
     return {
         "xi": xi, "alpha": alpha, "beta": beta, "good": good,
         "uniform": uniform, "of_uniform": THESIS_BETA / uniform, "most": most, "of_most": THESIS_BETA / most,
@@ -54,13 +55,13 @@ def compute_engine(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def compute_rates(runs: Runs) -> Numbers:
+def compute_rates(runs: Runs) -> Values:
     """Rates of the rod by F's own displacements, beside those that F states."""
-    phi_rate, quarter = joint_rate(1.0, 0.0, M) - 1.0, 1.0 + M.alpha / 4.0
+    phi_rate, quarter = joint_rate(1.0, 1.0, 0.0, M) - 1.0, 1.0 + M.alpha / 4.0
     return {
-        "seen": rod_angle_rate(1.0, 0.01, 0.2, M), "phi_rate": phi_rate, "wrong": phi_rate + 0.2,
+        "seen": compute_rod_rate(1.0, 0.01, 0.2, M), "phi_rate": phi_rate, "wrong": phi_rate + 0.2,
         "published": quarter - M.beta, "corrected": quarter + M.beta,
-        "relative": 1.0 + rod_angle_rate(0.7, 0.01, 0.05, M), "stated": joint_rate(0.7, 0.05, M),
+        "relative": 1.0 + compute_rod_rate(0.7, 0.01, 0.05, M), "stated": joint_rate(0.7, 1.0, 0.05, M),
     }  # fmt: skip
 
 
@@ -68,7 +69,8 @@ def _largest_fault(rotation: float, rod_term: str = "(2.10)", first_sign: float 
     """Largest difference of a printed left side and Lagrange's equation."""
     return max(
         abs(
-            printed(theta, psi, bend, M, rod_term, first_sign) - equation(theta, psi, rate, bend, rotation, M)
+            evaluate_printed(theta, psi, bend, M, rod_term, first_sign)
+            - evaluate_lagrange(theta, psi, rate, bend, rotation, M)
         )
         for theta in ANGLES
         for psi, rate, bend in STATES
@@ -80,7 +82,7 @@ def _linear_fault(psi: float) -> float:
     return max(
         abs(
             inertia(M) * bend - free_moment(theta, 1.0, 0.0, psi, 0.0, M)
-            - printed(theta, psi, bend, M) + M.damping * joint_rate(theta, 0.0, M)
+            - evaluate_printed(theta, psi, bend, M) + M.damping * joint_rate(theta, 1.0, 0.0, M)
         )
         for theta in ANGLES
         for bend in (-1.0, 0.4)
@@ -100,7 +102,7 @@ def _speed_fault(speed: float) -> float:
 
 
 @cache
-def compare_equations(runs: Runs) -> Numbers:
+def compare_equations(runs: Runs) -> Values:
     """How far printed equations are from Lagrange's of F's energy, and of that with the rod's right rate."""
     small, large = _linear_fault(0.01), _linear_fault(0.02)
     return {
@@ -112,7 +114,7 @@ def compare_equations(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def check_walls(runs: Runs) -> Numbers:
+def check_walls(runs: Runs) -> Values:
     """Exact walls beside the linear ones; the rule of impacts; the lever of the wall's force."""
 
     def off(gap: float) -> float:
@@ -134,14 +136,14 @@ def check_walls(runs: Runs) -> Numbers:
     }  # fmt: skip
 
 
-def sum_bounces(runs: Runs) -> Numbers:
+def sum_bounces(runs: Runs) -> Values:
     """Bounces under a constant push g from a rebound v take 2v/(g(1 - e)); the share of 400 of them."""
     times = np.cumsum(2.0 * 0.9 ** np.arange(400))
     events = Motion(Machine(0.25, 0.015, 0.9, PUBLISHED)).skip(30).events(1).impacts
     return {"share": times[-1] / (2.0 / (1.0 - 0.9)), "impacts": len(events.theta)}
 
 
-def measure_sliding(runs: Runs) -> Numbers:
+def measure_sliding(runs: Runs) -> Values:
     """Shares of the time in which the roller slides."""
     cases = (Case(0.05, 0.01), Case(0.25, 0.01), Case(0.05, 0.01, 0.5))
     plain, damped, soft = (runs.sliding_share(case) for case in cases)

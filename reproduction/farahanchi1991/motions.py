@@ -9,14 +9,24 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
-from models.slider_crank.motions.classification import classify
-from models.slider_crank.motions.histories import LIFT, ONSET
-from models.slider_crank.motions.machine import Machine, Motion
+from models.slider_crank.flight.histories import LIFT, ONSET
+from models.slider_crank.machine import Machine, Motion
+from models.slider_crank.motions.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS, classify
 
-from ..cases import CYCLES, HIGH_DAMPINGS, LOW_DAMPINGS, MATRIX, THRESHOLD, TRANSIENT, Case, list_cases
-from ..kinds import CHAOTIC, PERIODIC, TRANSIENT_CHAOS, observe
-from ..runs import STARTS, Runs
-from .derivation import Numbers
+from ..statement import Values
+from .runs import (
+    CYCLES,
+    HIGH_DAMPINGS,
+    LOW_DAMPINGS,
+    MATRIX,
+    STARTS,
+    THRESHOLD,
+    TRANSIENT,
+    Case,
+    Runs,
+    list_cases,
+    observe,
+)
 
 EXAMPLE, SLIDING = Case(0.05, 0.01), Case(0.20, 0.015)
 RESTITUTIONS = (0.9, 0.7, 0.5)
@@ -28,7 +38,7 @@ def _kinds(runs: Runs, dampings: tuple[float, ...], form: str, restitution: floa
     return [observe(runs, case).kind for case in list_cases(dampings, form, restitution)]
 
 
-def describe_motion(runs: Runs, form: str, case: Case) -> Numbers:
+def describe_motion(runs: Runs, form: str, case: Case) -> Values:
     """The kind of a case over the starts, and what F's threshold of sliding makes of the published one."""
     seen, exact, ruled = (observe(runs, c) for c in (case.in_form(form), case, case.by_thesis_rule))
     rule = (
@@ -37,7 +47,7 @@ def describe_motion(runs: Runs, form: str, case: Case) -> Numbers:
     return {"kind": seen.kind, "words": seen.words, "rule": rule, "also": rule and f"; {rule}"}
 
 
-def count_kinds(runs: Runs, form: str) -> Numbers:
+def count_kinds(runs: Runs, form: str) -> Values:
     """How many of the cases are of each kind, at small and at large friction."""
     low, high = (Counter(_kinds(runs, dampings, form)) for dampings in (LOW_DAMPINGS, HIGH_DAMPINGS))
     kinds = (CHAOTIC, TRANSIENT_CHAOS, PERIODIC)
@@ -55,14 +65,14 @@ def count_kinds(runs: Runs, form: str) -> Numbers:
     }  # fmt: skip
 
 
-def count_chaotic(runs: Runs, form: str) -> Numbers:
+def count_chaotic(runs: Runs, form: str) -> Values:
     """How many of 9 cases are chaotic at small friction, at large friction, and with e = 0.5; by lambda."""
     counts = [_kinds(runs, (damping,), form).count(CHAOTIC) for damping in MATRIX]
     soft = _kinds(runs, LOW_DAMPINGS, form, 0.5).count(CHAOTIC)
     return {"fast": sum(counts[:3]), "slow": sum(counts[3:]), "soft": soft, "counts": counts}
 
 
-def count_starts(runs: Runs, form: str) -> Numbers:
+def count_starts(runs: Runs, form: str) -> Values:
     """Starts that are periodic for most of F's record, and those that are chaotic throughout."""
     found = runs.settling(Case(0.025, 0.01, form=form))
     return {
@@ -71,7 +81,7 @@ def count_starts(runs: Runs, form: str) -> Numbers:
     }  # fmt: skip
 
 
-def correlate_sliding(runs: Runs, form: str) -> Numbers:
+def correlate_sliding(runs: Runs, form: str) -> Values:
     """Correlation of sliding share and impacts per cycle, with F's threshold."""
     cases = [case.by_thesis_rule for e in RESTITUTIONS for case in list_cases(MATRIX, form, e)]
     shares = [runs.sliding_share(case) for case in cases]
@@ -82,7 +92,7 @@ def _listed(cases: list[str]) -> str:
     return f": {'; '.join(cases)}" if cases else ""
 
 
-def list_unexpected_sliding(runs: Runs, form: str) -> Numbers:
+def list_unexpected_sliding(runs: Runs, form: str) -> Values:
     """Cases of small friction whose records slide, and others that do so from another start."""
     cases = list_cases(LOW_DAMPINGS, form)
     recorded = [str(case) for case in cases if np.any(runs.events(case).kind == ONSET)]
@@ -91,7 +101,7 @@ def list_unexpected_sliding(runs: Runs, form: str) -> Numbers:
             "other": (other and f"; from other starts{_listed(other)}") or ""}  # fmt: skip
 
 
-def list_sliding(runs: Runs, form: str) -> Numbers:
+def list_sliding(runs: Runs, form: str) -> Values:
     """Cases of large friction that slide; as published with F's threshold too."""
     cases = list_cases(HIGH_DAMPINGS, form)
     sliding = [str(case) for case in cases if runs.sliding_share(case) > 0.0]
@@ -100,19 +110,19 @@ def list_sliding(runs: Runs, form: str) -> Numbers:
             "ruled": len(ruled), "ruled_cases": "; ".join(ruled)}  # fmt: skip
 
 
-def measure_distance(runs: Runs, form: str) -> Numbers:
+def measure_distance(runs: Runs, form: str) -> Values:
     """How far apart successive cycles begin after 25 cycles, over the range of F's print."""
     states = Motion(EXAMPLE.in_form(form).machine).skip(25).strobe(3)[:, :2]
     return {"apart": np.abs(np.diff(states, axis=0) / [2.0 * EXAMPLE.gap, 0.2]).max(axis=1).min()}
 
 
-def find_exponent(runs: Runs, form: str) -> Numbers:
+def find_exponent(runs: Runs, form: str) -> Values:
     kind = runs.kind(EXAMPLE.in_form(form))
     return {"kind": kind.kind, "evidence": kind.evidence,
             "exponent": kind.exponent, "error": kind.uncertainty}  # fmt: skip
 
 
-def compute_dimension(runs: Runs, form: str) -> Numbers:
+def compute_dimension(runs: Runs, form: str) -> Values:
     """Kaplan-Yorke dimension of the section."""
     found = Motion(EXAMPLE.in_form(form).machine).skip(100).exponents(20_000)
     if found.largest == -math.inf:
@@ -123,7 +133,7 @@ def compute_dimension(runs: Runs, form: str) -> Numbers:
     return {"words": f"{words} of the section", "dimension": dimension}
 
 
-def vary_gap(runs: Runs, form: str) -> Numbers:
+def vary_gap(runs: Runs, form: str) -> Values:
     """The kinds at (0.05, 0.015) with slightly other gaps."""
     shares = (-SLIGHT, -0.5 * SLIGHT, 0.0, 0.5 * SLIGHT, SLIGHT)
     kinds = [observe(runs, Case(0.05, 0.015 * (1.0 + share), form=form)).kind for share in shares]
@@ -133,14 +143,14 @@ def vary_gap(runs: Runs, form: str) -> Numbers:
     }
 
 
-def describe_matrix(runs: Runs, form: str) -> Numbers:
+def describe_matrix(runs: Runs, form: str) -> Values:
     """The motions of the cases of large friction."""
     seen = {case: observe(runs, case) for case in list_cases(HIGH_DAMPINGS, form)}
     counts = [_kinds(runs, (damping,), form).count(PERIODIC) for damping in HIGH_DAMPINGS]
     return {"each": "; ".join(f"{case} {one.words}" for case, one in seen.items()), "periodic": counts}
 
 
-def count_slides(runs: Runs, form: str) -> Numbers:
+def count_slides(runs: Runs, form: str) -> Values:
     """How often (0.20, 0.015) slides, exactly and with F's threshold."""
     case = SLIDING.in_form(form)
     approach, share = runs.events(case).impacts.approach, runs.sliding_share(case)
@@ -155,7 +165,7 @@ def count_slides(runs: Runs, form: str) -> Numbers:
     return {"words": words, "exact": exact, "ruled": ruled}
 
 
-def find_simple_periodic(runs: Runs, form: str) -> Numbers:
+def find_simple_periodic(runs: Runs, form: str) -> Values:
     """lambda from which the motion has period 1 at rho = 0.015, exactly and with F's threshold."""
 
     def first(threshold: float) -> float:
@@ -172,20 +182,20 @@ def find_simple_periodic(runs: Runs, form: str) -> Numbers:
     return {"exact": exact, "ruled": ruled, "exact_words": words[0], "ruled_words": words[1]}
 
 
-def count_releases(runs: Runs, form: str) -> Numbers:
+def count_releases(runs: Runs, form: str) -> Values:
     """Beginnings of sliding and releases per cycle at (0.25, 0.015)."""
     kinds = runs.events(Case(0.25, 0.015, form=form)).kind
     return {"onsets": (kinds == ONSET).sum() / CYCLES, "lifts": (kinds == LIFT).sum() / CYCLES}
 
 
-def find_periods(runs: Runs, form: str) -> Numbers:
+def find_periods(runs: Runs, form: str) -> Values:
     """Periods at lambda = 0.25 over the gaps."""
     gaps = np.linspace(0.01, 0.02, 21)
     return {"periods": sorted({classify(Machine(0.25, float(gap), 0.9, form), 2000).period for gap in gaps})}
 
 
 @cache
-def compare_restitutions(runs: Runs, form: str) -> Numbers:
+def compare_restitutions(runs: Runs, form: str) -> Values:
     """By e, over all pairs (lambda, rho): share of sliding, irregular motions; sliding at (0.05, 0.02)."""
     return {
         "shares": [
@@ -196,7 +206,7 @@ def compare_restitutions(runs: Runs, form: str) -> Numbers:
     }
 
 
-def measure_sliding(runs: Runs, form: str, restitution: float) -> Numbers:
+def measure_sliding(runs: Runs, form: str, restitution: float) -> Values:
     """Of all pairs (lambda, rho) with this restitution."""
     shares = [runs.sliding_share(case) for case in list_cases(MATRIX, form, restitution)]
     kinds = _kinds(runs, MATRIX, form, restitution)

@@ -4,18 +4,26 @@ from __future__ import annotations
 
 from functools import partial
 
-from ...statement import Claim, Verdict, nothing, rising
-from ..cases import HIGH_DAMPINGS, LOW_DAMPINGS, Case
-from ..kinds import CHAOTIC, PERIODIC, TRANSIENT_CHAOS
-from ..numbers import derivation, force, impacts, motions
-from ..runs import Runs
+from models.slider_crank.motions.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS
+
+from ..statement import Claim, Verdict, is_rising, state_verdict
+from . import derivation, force, impacts, motions
 from .both_forms import BothForms, of_kind
+from .runs import HIGH_DAMPINGS, LOW_DAMPINGS, Case, Runs, list_cases
 
 # Two states of one motion differ at the print's resolution if by more than this part of their range.
 PRINTED = 0.005
 UNKNOWN_START = (
     "F's start is not known: from some starts the transient is shorter than the 30 cycles that F leaves out"
 )
+TRANSIENT = ("exhibits transient chaos", TRANSIENT_CHAOS, "")
+SUSTAINED = ("exhibits sustained chaos", CHAOTIC, "")
+# F's 3 x 3 matrix of Figs 4.6 to 4.14.
+MATRIX_KINDS = (
+    TRANSIENT, TRANSIENT, SUSTAINED,
+    SUSTAINED, ("is periodic without a chaotic transient", PERIODIC, UNKNOWN_START), SUSTAINED,
+    TRANSIENT, SUSTAINED, SUSTAINED,
+)  # fmt: skip
 
 
 # fmt: off
@@ -28,8 +36,8 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "a uniform rod has β = α/12 = {uniform:.4f}; 0.4719 is {of_uniform:.2f} times that and "
         "{of_most:.1f%} of α/4 = {most:.4f}, all of its mass at its ends", Verdict.CANNOT,
         "no rod has that; kept, as all figures follow from it"),
-    Claim("ford-engine", "4.1", "The values are those of a Ford four-cylinder engine",
-        nothing, "-", Verdict.UNCHECKED, "cited from Denman (1988), which was not at hand"),
+    state_verdict("ford-engine", "4.1", "The values are those of a Ford four-cylinder engine",
+        "-", Verdict.UNCHECKED, "cited from Denman (1988), which was not at hand"),
     BothForms("no-sliding", "4.1, 4.3",
         "For small λ and e near 1 (λ ≤ 0.075, e = 0.9) no sliding is observed in the steady state",
         motions.list_unexpected_sliding, "{count} of {cases} records have sliding{recorded}{other}",
@@ -64,33 +72,20 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "The attractor is composed of several lobes, some of them distinct",
         impacts.count_lobes, "{words}", lambda v: v.lobes > 1,
         "distinct in crank angle, to half a degree"),
-    Claim("gap-misprint", "4.3", "The matrix has ρ = 0.01, 0.015, 0.2",
-        nothing, "figures, captions and text that follow have ρ = 0.020", Verdict.CANNOT,
+    state_verdict("gap-misprint", "4.3", "The matrix has ρ = 0.01, 0.015, 0.2",
+        "figures, captions and text that follow have ρ = 0.020", Verdict.CANNOT,
         "a misprint: with ρ = 0.2, |ψ| reaches 12°"),
     BothForms("matrix-kinds", "4.3", "All three types of response occur in the 3 × 3 matrix",
         motions.count_kinds, "{low}", lambda v: v.low_kinds == 3),
-    Claim("listed-twice", "4.3",
+    state_verdict("listed-twice", "4.3",
         "Transient chaos at (0.025, 0.01), (0.025, 0.01), 0.015), and (0.075, 0.01) (Figs. 4.6, 4.7, 4.12)",
-        nothing, "Fig. 4.7 is (0.025, 0.015)", Verdict.CANNOT,
+        "Fig. 4.7 is (0.025, 0.015)", Verdict.CANNOT,
         "a pair stands twice; the second is (0.025, 0.015)"),
-    of_kind("kind-0.025-0.01", "4.3, Fig. 4.6", "(0.025, 0.01) exhibits transient chaos",
-        Case(0.025, 0.01), TRANSIENT_CHAOS),
-    of_kind("kind-0.025-0.015", "4.3, Fig. 4.7", "(0.025, 0.015) exhibits transient chaos",
-        Case(0.025, 0.015), TRANSIENT_CHAOS),
-    of_kind("kind-0.025-0.02", "4.3, Fig. 4.8", "(0.025, 0.02) exhibits sustained chaos",
-        Case(0.025, 0.02), CHAOTIC),
-    of_kind("kind-0.05-0.01", "4.3, Fig. 4.9", "(0.05, 0.01) exhibits sustained chaos",
-        Case(0.05, 0.01), CHAOTIC),
-    of_kind("kind-0.05-0.015", "4.3, Fig. 4.10", "(0.05, 0.015) is periodic without a chaotic transient",
-        Case(0.05, 0.015), PERIODIC, UNKNOWN_START),
-    of_kind("kind-0.05-0.02", "4.3, Fig. 4.11", "(0.05, 0.02) exhibits sustained chaos",
-        Case(0.05, 0.02), CHAOTIC),
-    of_kind("kind-0.075-0.01", "4.3, Fig. 4.12", "(0.075, 0.01) exhibits transient chaos",
-        Case(0.075, 0.01), TRANSIENT_CHAOS),
-    of_kind("kind-0.075-0.015", "4.3, Fig. 4.13", "(0.075, 0.015) exhibits sustained chaos",
-        Case(0.075, 0.015), CHAOTIC),
-    of_kind("kind-0.075-0.02", "4.3, Fig. 4.14", "(0.075, 0.02) exhibits sustained chaos",
-        Case(0.075, 0.02), CHAOTIC),
+    *(
+        of_kind(f"4.3, Fig. 4.{number}", f"{case} {words}", case, kind, reason)
+        for number, case, (words, kind, reason) in zip(
+            range(6, 15), list_cases(LOW_DAMPINGS), MATRIX_KINDS, strict=True)
+    ),
     BothForms("uniform-if-chaotic", "Abstract, 4.3, 5",
         "Chaotic motions give quite uniform distributions of impacts, periodic ones highly localized impacts",
         impacts.measure_uniformity,
@@ -115,12 +110,12 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "larger λ", partial(impacts.compare_walls, dampings=LOW_DAMPINGS),
         "mean velocity on the upper wall less that on the lower, mean over ρ, at λ = 0.025, 0.05, 0.075: "
         "{differences:+.4f}; lower wall hit harder at {wrong}",
-        lambda v: v.wrong == "none" and rising(v.differences),
+        lambda v: v.wrong == "none" and is_rising(v.differences),
         "by the mean; the upper wall has many small impacts"),
     BothForms("upper-worn", "4.3, Figs. 4.6-4.14", "The same, of the profiles' areas",
         partial(impacts.compare_walls, dampings=LOW_DAMPINGS),
         "velocities per cycle, upper wall over lower, at λ = 0.025, 0.05, 0.075: {ratios:.2f}",
-        lambda v: min(v.ratios) > 1.0 and rising(v.ratios),
+        lambda v: min(v.ratios) > 1.0 and is_rising(v.ratios),
         "the bars of (3.6) weigh the velocities by the number of impacts"),
     BothForms("slow-impacts", "4.3", "In all cases there are regions of very small impact velocities",
         impacts.find_slowest,
@@ -131,9 +126,9 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "Very slight changes of the parameters render the periodic motions chaotic",
         motions.vary_gap, "(0.05, 0.015) with ρ changed by {each}",
         lambda v: v.kinds[2] != CHAOTIC and CHAOTIC in v.kinds, "very slight: up to 2 %"),
-    Claim("no-prediction", "4.3, 5",
+    state_verdict("no-prediction", "4.3, 5",
         "Chaos and periodicity occur without rhyme or reason; an a priori prediction is impossible",
-        nothing, "every kind here is found by computing, from 24 starts", Verdict.UNCHECKED,
+        "every kind here is found by computing, from 24 starts", Verdict.UNCHECKED,
         "an impossibility cannot be computed; but maps of the exponent show ordered windows of periodicity"),
     BothForms("sliding-matrix", "4.4, Figs. 4.24-4.32",
         "The matrix λ = 0.15, 0.20, 0.25: periodic at λ = 0.25",
@@ -154,21 +149,21 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "Increases of λ increase the difference between the impact velocities on the upper and the lower "
         "wall", partial(impacts.compare_walls, dampings=HIGH_DAMPINGS),
         "mean velocity on the upper and the lower wall, mean over ρ, at λ = 0.15, 0.20, 0.25: {pairs}",
-        lambda v: rising(v.gaps), "at λ = 0.25 the lower wall is not hit at all"),
-    of_kind("kind-0.2-0.015", "4.4, Fig. 4.33", "(0.20, 0.015) is chaotic",
+        lambda v: is_rising(v.gaps), "at λ = 0.25 the lower wall is not hit at all"),
+    of_kind("4.4, Fig. 4.33", "(0.20, 0.015) is chaotic",
         Case(0.20, 0.015), CHAOTIC),
     BothForms("slides-not-seldom", "4.4, Fig. 4.33",
         "(0.20, 0.015): during the chaotic motion sliding occurs not infrequently",
         motions.count_slides, "{words}", lambda v: min(v.exact, v.ruled) > 30,
         "F's routine may have taken slow impacts for sliding; a motion that slides is released from a "
         "fixed state, so recurrent sliding and chaos exclude each other"),
-    of_kind("kind-0.22-0.015", "4.4", "(0.22, 0.015): approximately there only transient chaos is observed",
+    of_kind("4.4", "(0.22, 0.015): approximately there only transient chaos is observed",
         Case(0.22, 0.015), TRANSIENT_CHAOS),
     BothForms("simple-periodic", "4.4", "At ρ = 0.015 simple periodic motion occurs for λ = 0.23 and above",
         motions.find_simple_periodic, "period 1 {exact_words}, with F's threshold {ruled_words}",
         lambda v: v.exact <= 0.23,
         "as published met with F's threshold only: the exact motion at 0.23 has a longer period"),
-    of_kind("kind-0.25-0.015", "4.4, Fig. 4.35", "(0.25, 0.015) is periodic",
+    of_kind("4.4, Fig. 4.35", "(0.25, 0.015) is periodic",
         Case(0.25, 0.015), PERIODIC),
     BothForms("low-velocity-cycles", "4.4, Figs. 4.34, 4.35",
         "(0.25, 0.015): cycles of low velocity impacts end in sliding, then release",
@@ -192,15 +187,15 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "As λ increases, the region where the moment presses to the lower wall becomes smaller and moves "
         "towards θ = 0", force.follow_lower_region,
         "(ρ = 0.01) largest interval pressed to the lower wall: {each}; the middle is {from_zero[0]:.2f}, "
-        "then {from_zero[2]:.2f} from θ = 0", lambda v: rising(v.sizes[::-1]) and rising(v.from_zero[::-1]),
+        "then {from_zero[2]:.2f} from θ = 0",
+        lambda v: is_rising(v.sizes[::-1]) and is_rising(v.from_zero[::-1]),
         "barely: where it vanishes it is still more than 1 rad from θ = 0"),
     BothForms("lower-threshold", "4.4",
         "Beyond a critical λ, depending on ρ, no net moment pushes to the lower wall at any crank angle",
         force.find_thresholds, "λ = {lower:.4f} at ρ = 0.010, 0.015, 0.020",
         lambda v: v.lower[0] != v.lower[1] != v.lower[2]),
-    Claim("wrong-figures", "4.4",
+    state_verdict("wrong-figures", "4.4",
         "For (0.05, 0.02): Poincaré maps Figs. 4.21, 4.38, 4.39, distributions Figs. 4.8, 4.40, 4.41",
-        nothing,
         "Fig. 4.21 is (0.075, 0.02), Fig. 4.8 is (0.025, 0.02); the captions of 4.40 and 4.41 say λ = 0.025",
         Verdict.CANNOT,
         "text and captions contradict each other; the distribution of (0.05, 0.02), e = 0.9, is Fig. 4.11. "
@@ -210,9 +205,9 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         motions.compare_restitutions,
         "e = 0.9, 0.7, 0.5, the 18 pairs (λ, ρ): slides {shares:.0f%} of the time; {irregular} irregular",
         lambda v: v.shares == sorted(v.shares) and v.irregular[-1] == 0),
-    of_kind("kind-e-0.7", "4.4, Fig. 4.38", "(0.05, 0.02), e = 0.7: transient chaos",
+    of_kind("4.4, Fig. 4.38", "(0.05, 0.02), e = 0.7: transient chaos",
         Case(0.05, 0.02, 0.7), TRANSIENT_CHAOS),
-    of_kind("kind-e-0.5", "4.4, Fig. 4.39", "(0.05, 0.02), e = 0.5: periodic motion",
+    of_kind("4.4, Fig. 4.39", "(0.05, 0.02), e = 0.5: periodic motion",
         Case(0.05, 0.02, 0.5), PERIODIC),
     BothForms("sliding-begins", "4.4, Figs. 4.42-4.44",
         "Near e = 1 no sliding occurs, and more often as e decreases; the motion develops substantial "
@@ -236,8 +231,9 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         motions.count_starts,
         "(0.025, 0.01), {starts} starts: {short} would be periodic for most of 3000 cycles, {long} chaotic "
         "throughout", lambda v: v.short > 0 and v.long > 0),
-    Claim("beneficial", "Abstract, 5", "Chaotic motions may be beneficial, as they spread wear more evenly",
-        nothing, "see the uniformities in 4.3; in print a possibility, not a result", Verdict.UNCHECKED,
+    state_verdict("beneficial", "Abstract, 5",
+        "Chaotic motions may be beneficial, as they spread wear more evenly",
+        "see the uniformities in 4.3; in print a possibility, not a result", Verdict.UNCHECKED,
         "a possibility in print; wear itself is not modelled, here or in F"),
     BothForms("fewer-impacts", "5",
         "Increases in sliding duration are typically correlated with fewer impacts per cycle",
@@ -245,16 +241,16 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "correlation of sliding share and impacts per cycle {value:+.2f} (54 cases, F's threshold)",
         lambda v: v.value < 0.0,
         "with F's threshold, as every slide begins with infinitely many impacts"),
-    Claim("averages-lost", "5",
+    state_verdict("averages-lost", "5",
         "An integral average measure cannot be obtained from the pattern of the Poincaré map",
-        nothing, "(3.6) of the upper wall is the sum of x₂ over the points of Σ by θ", Verdict.NOT_MET,
+        "(3.6) of the upper wall is the sum of x₂ over the points of Σ by θ", Verdict.NOT_MET,
         "the map's points hold angle and velocity of every upper impact"),
-    Claim("four-dimensions", "5",
+    state_verdict("four-dimensions", "5",
         "The Poincaré map of a model with two degrees of freedom is four-dimensional",
-        nothing, "two angles, two rates and the crank angle, less one by the impact's condition: 4",
+        "two angles, two rates and the crank angle, less one by the impact's condition: 4",
         Verdict.MET),
-    Claim("unpredictable", "5",
+    state_verdict("unpredictable", "5",
         "It may be practically impossible to predict the response over a range of speeds with any confidence",
-        nothing, "-", Verdict.UNCHECKED,
+        "-", Verdict.UNCHECKED,
         "of motions, beyond some cycles; their statistics and kinds are computed here"),
 )

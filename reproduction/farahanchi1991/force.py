@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import brentq
 
+from models.core.quantities import Vector
 from models.slider_crank.equations import (
     joint_rate,
     thesis_mechanism,
@@ -16,15 +19,21 @@ from models.slider_crank.equations import (
     wall_rate,
 )
 from models.slider_crank.flight.bouncing import LOWER, UPPER
-from models.slider_crank.motions.histories import LIFT
-from models.slider_crank.motions.machine import Machine, Motion
-from models.slider_crank.motions.regions import TURN, region
+from models.slider_crank.flight.histories import LIFT
+from models.slider_crank.machine import Machine, Motion
+from models.slider_crank.motions.regions import (
+    TURN,
+    Interval,
+    force_zeros,
+    holding_intervals,
+    region,
+    thresholds,
+    wall_forces,
+)
 
-from ..cases import GAPS, PUBLISHED
-from ..forces import can_hold, compute_curve, find_changes, find_limits, find_pressed, measure_shares
-from ..lagrange import printed
-from ..runs import Runs
-from .derivation import Numbers
+from ..statement import Values
+from .lagrange import evaluate_printed
+from .runs import GAPS, PUBLISHED, Runs
 
 # F's figures and their regions.
 REGIONS = {
@@ -33,17 +42,59 @@ REGIONS = {
 }  # fmt: skip
 
 
+def compute_curve(machine: Machine, side: float, samples: int = 721) -> Vector:
+    """The force over one revolution, both ends included."""
+    return wall_forces(machine, side, np.linspace(0.0, TURN, samples))
+
+
+def can_hold(machine: Machine, side: float, theta: float) -> bool:
+    """True if that wall can hold the roller at this crank angle."""
+    return bool(wall_forces(machine, side, np.array([theta]))[0] > 0.0)
+
+
+@lru_cache(maxsize=256)
+def find_changes(machine: Machine, side: float) -> tuple[float, ...]:
+    """Crank angles in [0, 2 pi) at which the force is zero."""
+    return tuple(float(angle) for angle in force_zeros(machine, side))
+
+
+def find_pressed(machine: Machine, side: float) -> list[Interval]:
+    """Where the roller may slide; an interval that passes 2 pi is given with a negative start."""
+    found = [
+        Interval(a - TURN, b - TURN) if b > TURN and a > 0.0 else Interval(a, b)
+        for a, b in holding_intervals(machine, side)
+    ]
+    return sorted(found)
+
+
+def measure_shares(machine: Machine) -> dict[str, float]:
+    """Radians of crank in which the roller may slide on the upper wall only, lower only, both, neither."""
+    edges = sorted({0.0, TURN, *find_changes(machine, UPPER), *find_changes(machine, LOWER)})
+    found = {"upper": 0.0, "lower": 0.0, "both": 0.0, "neither": 0.0}
+    for a, b in pairwise(edges):
+        up, low = (can_hold(machine, side, 0.5 * (a + b)) for side in (UPPER, LOWER))
+        found["both" if up and low else "upper" if up else "lower" if low else "neither"] += b - a
+    return found
+
+
+@lru_cache(maxsize=64)
+def find_limits(form: str, gap: float = 0.0) -> tuple[float, float]:
+    """lambda from which the upper wall holds throughout, and from which the lower one holds nowhere."""
+    found = thresholds(Machine(gap=gap, form=form))
+    return found.upper, found.lower
+
+
 def _intervals(pairs: Sequence[tuple[float, float]]) -> str:
     return ", ".join(f"{a:.3f}-{b:.3f}" for a, b in pairs) or "nowhere"
 
 
-def compare_restitutions(runs: Runs) -> Numbers:
+def compare_restitutions(runs: Runs) -> Values:
     """Largest difference of the forces with e = 0, 0.5 and 1."""
     values = [compute_curve(Machine(0.1, 0.01, e, PUBLISHED), UPPER, 361) for e in (0.0, 0.5, 1.0)]
     return {"spread": np.ptp(values, axis=0).max()}
 
 
-def check_symmetry(runs: Runs, form: str, damping: float, gap: float, half_turn: bool) -> Numbers:
+def check_symmetry(runs: Runs, form: str, damping: float, gap: float, half_turn: bool) -> Values:
     """What is missing of f_u = -f_l, or of f_u(theta + pi) = -f_u(theta), over the largest force."""
     machine = Machine(damping, gap, form=form)
     upper = compute_curve(machine, UPPER, 721)[:-1]
@@ -51,12 +102,12 @@ def check_symmetry(runs: Runs, form: str, damping: float, gap: float, half_turn:
     return {"fault": np.abs(upper + other).max() / np.abs(upper).max()}
 
 
-def divide_turn(runs: Runs, form: str) -> Numbers:
+def divide_turn(runs: Runs, form: str) -> Values:
     found = measure_shares(Machine(0.1, 0.01, form=form))
     return {"each": [f"{name} {value:.4f}" for name, value in found.items()], "least": min(found.values())}
 
 
-def find_changes_of_sign(runs: Runs, form: str) -> Numbers:
+def find_changes_of_sign(runs: Runs, form: str) -> Values:
     """`off`: how far the changes are from pi and 2 pi, infinite where there are not two of them."""
     machine = Machine(0.01, 0.01, form=form)
     up, low = find_changes(machine, UPPER), find_changes(machine, LOWER)
@@ -68,7 +119,7 @@ def find_changes_of_sign(runs: Runs, form: str) -> Numbers:
     }  # fmt: skip
 
 
-def compare_dampings(runs: Runs, form: str) -> Numbers:
+def compare_dampings(runs: Runs, form: str) -> Values:
     machines = [Machine(damping, 0.01, form=form) for damping in (0.01, 0.1, 0.25)]
     found = [measure_shares(machine) for machine in machines]
     grows = bool(np.all(np.diff([compute_curve(machine, UPPER, 361) for machine in machines], axis=0) > 0.0))
@@ -78,14 +129,14 @@ def compare_dampings(runs: Runs, form: str) -> Numbers:
     }  # fmt: skip
 
 
-def compare_gaps(runs: Runs, form: str) -> Numbers:
+def compare_gaps(runs: Runs, form: str) -> Values:
     machines = [Machine(0.1, gap, form=form) for gap in (0.0, 0.01, 0.02)]
     return {
         "sums": [np.abs(compute_curve(m, UPPER, 361) + compute_curve(m, LOWER, 361)).max() for m in machines]
     }
 
 
-def find_holding_intervals(runs: Runs, form: str) -> Numbers:
+def find_holding_intervals(runs: Runs, form: str) -> Values:
     """Where the walls can hold the roller; the lower one's first interval."""
     machine = Machine(0.267, 0.02, form=form)
     low, upper_changes = find_pressed(machine, LOWER), len(find_changes(machine, UPPER))
@@ -105,12 +156,12 @@ def _mixed_interval() -> tuple[float, float]:
         psi = wall_angle(theta, -0.02, m.xi)
         rate = wall_rate(theta, 1.0, psi, m.xi)
         bend = wall_acceleration(theta, 1.0, 0.0, psi, m.xi)
-        return printed(theta, psi, bend, m) - m.damping * joint_rate(theta, 1.0, rate, m)
+        return evaluate_printed(theta, psi, bend, m) - m.damping * joint_rate(theta, 1.0, rate, m)
 
     return float(brentq(pushing, 4.85, 5.05)), float(brentq(pushing, 5.05, 5.25))
 
 
-def measure_crossings(runs: Runs, form: str) -> Numbers:
+def measure_crossings(runs: Runs, form: str) -> Values:
     """Over pairs (lambda, rho) with crossings: radians in which either wall holds the roller, and neither."""
     pairs = [(d, gap) for d in np.linspace(0.01, 0.25, 9) for gap in (0.005, 0.01, 0.02)]
     machines = [Machine(float(damping), gap, form=form) for damping, gap in pairs]
@@ -127,7 +178,7 @@ def measure_crossings(runs: Runs, form: str) -> Numbers:
     }  # fmt: skip
 
 
-def find_crossings(runs: Runs, form: str) -> Numbers:
+def find_crossings(runs: Runs, form: str) -> Values:
     machine = Machine(0.1, 0.01, form=form)
     pairs = list(zip(find_changes(machine, UPPER), find_changes(machine, LOWER), strict=True))
     return {
@@ -136,7 +187,7 @@ def find_crossings(runs: Runs, form: str) -> Numbers:
     }
 
 
-def count_releases(runs: Runs, form: str) -> Numbers:
+def count_releases(runs: Runs, form: str) -> Values:
     machine = Machine(0.35, 0.01, form=form)
     return {
         "least": compute_curve(machine, UPPER, 721).min(),
@@ -144,7 +195,7 @@ def count_releases(runs: Runs, form: str) -> Numbers:
     }
 
 
-def assign_regions(runs: Runs, form: str) -> Numbers:
+def assign_regions(runs: Runs, form: str) -> Values:
     found = {name: region(Machine(d, gap, form=form)) for name, (d, gap, _) in REGIONS.items()}
     return {
         "each": [f"Fig. {name}: {where}" for name, where in found.items()],
@@ -152,14 +203,14 @@ def assign_regions(runs: Runs, form: str) -> Numbers:
     }
 
 
-def find_thresholds(runs: Runs, form: str) -> Numbers:
+def find_thresholds(runs: Runs, form: str) -> Values:
     """lambda from which the upper wall holds throughout and from which the lower one holds nowhere."""
     first, second = find_limits(form, 0.02)
     return {"zero": find_limits(form)[0], "first": first, "second": second,
             "lower": [find_limits(form, gap)[1] for gap in GAPS]}  # fmt: skip
 
 
-def follow_lower_region(runs: Runs, form: str) -> Numbers:
+def follow_lower_region(runs: Runs, form: str) -> Values:
     """Largest interval pressed to the lower wall at rho = 0.01: its size and its distance from theta = 0."""
     rows = []
     for share in (0.2, 0.6, 0.95):
