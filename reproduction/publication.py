@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from orchestrator.plots.style import save_figure
-from orchestrator.run.output_folder import OutputFolderError
-from orchestrator.run.report import Reporter
+from orchestrator.reporter import Reporter
+from orchestrator.store.output_folder import OutputFolderError
 
 from . import table
 from .statement import Claim, Runs, Statement

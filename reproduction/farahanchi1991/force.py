@@ -19,8 +19,8 @@ from models.slider_crank.equations import (
     wall_rate,
 )
 from models.slider_crank.flight.bouncing import LOWER, UPPER
-from models.slider_crank.flight.histories import LIFT
-from models.slider_crank.machine import Machine, Motion
+from models.slider_crank.motions.histories import LIFT
+from models.slider_crank.motions.machine import Machine, Motion
 from models.slider_crank.motions.regions import (
     TURN,
     Interval,

@@ -9,8 +9,8 @@ import numpy as np
 from models.core.quantities import Vector
 from models.slider_crank.equations import THESIS_XI
 from models.slider_crank.flight.bouncing import LOWER, UPPER
-from models.slider_crank.machine import Events
 from models.slider_crank.motions.classification import CHAOTIC
+from models.slider_crank.motions.machine import Events
 from models.slider_crank.motions.statistics import impact_profile, uniformity, wall_position
 
 from ..statement import Values

@@ -9,9 +9,9 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
-from models.slider_crank.flight.histories import LIFT, ONSET
-from models.slider_crank.machine import Machine, Motion
 from models.slider_crank.motions.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS, classify
+from models.slider_crank.motions.histories import LIFT, ONSET
+from models.slider_crank.motions.machine import Machine, Motion
 
 from ..statement import Values
 from .runs import (

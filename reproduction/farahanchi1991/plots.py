@@ -14,7 +14,7 @@ from matplotlib.ticker import MultipleLocator, ScalarFormatter
 
 from models.slider_crank.equations import THESIS_XI
 from models.slider_crank.flight.bouncing import LOWER, UPPER
-from models.slider_crank.machine import Machine
+from models.slider_crank.motions.machine import Machine
 from models.slider_crank.motions.portrait import portrait, wall_angles
 from models.slider_crank.motions.regions import TURN, thresholds, wall_forces
 from models.slider_crank.motions.statistics import approach_velocities, impact_profile, impact_spectrum

@@ -12,8 +12,6 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from models.slider_crank.flight.histories import ONSET
-from models.slider_crank.machine import Events, Machine, Motion
 from models.slider_crank.motions.classification import (
     CHAOTIC,
     PERIODIC,
@@ -21,7 +19,9 @@ from models.slider_crank.motions.classification import (
     Classification,
     classify,
 )
-from models.slider_crank.motions.transients import Transients, random_starts, transients
+from models.slider_crank.motions.histories import ONSET
+from models.slider_crank.motions.machine import Events, Machine, Motion
+from models.slider_crank.motions.transients import Transients, draw_starts, measure_transients
 
 # Appendix B: cycles before data is taken, cycles of data, and the rebound below which the roller slides.
 TRANSIENT, CYCLES, THRESHOLD = 30, 3000, 0.005
@@ -111,7 +111,7 @@ class Runs:
 
     @staticmethod
     def _settling(case: Case) -> Transients:
-        return transients(case.machine, random_starts(case.machine, STARTS), STARTS_SOUGHT)
+        return measure_transients(case.machine, draw_starts(case.machine, STARTS), STARTS_SOUGHT)
 
     def _band(self, case: Case) -> tuple[int, float]:
         """The shortest period that a motion keeps within NARROW, or else that of at most LONGEST_SEEN cycles
