@@ -12,12 +12,10 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-import numpy as np
-
 from models.compile.kernel import kernel, record_of
 from models.core.bonds import counts_energies
 from models.core.component import Component, PowerBond
-from models.core.integrator import INPUT_COEFFICIENTS, NOT_CONVERGED, OK, taylor, work_size
+from models.core.integrator import NOT_CONVERGED, OK, taylor, work_size
 from models.core.quantities import Layout, Quantity, Vector, per_element
 
 # Newton's last change over the velocities' nominal size: ten thousand roundings; the next is its square.
@@ -196,10 +194,3 @@ def make_midpoint(component: Component) -> Any:
         return NOT_CONVERGED
 
     return advance
-
-
-def held(component: Component, **inputs: float) -> Vector:
-    """Polynomials of inputs that are held."""
-    U = np.zeros((INPUT_COEFFICIENTS, component.inputs.size))
-    U[0] = component.inputs.vector(inputs)
-    return U

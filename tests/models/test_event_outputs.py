@@ -15,10 +15,8 @@ from models.slider_crank.motions.histories import LIFT
 from models.slider_crank.motions.machine import Machine, Motion
 from models.valve_train.cam_profile import REACHED, cycloidal_lift
 
-from .pistons import DRIVEN, ROLLER, advance
-from .pistons import turn as turn_piston
+from .slider_cranks import CRANK, DRIVEN, ROLLER, STATE, advance, thesis_parameters, turn
 from .systems import column, outputs_of, valve_train
-from .test_slider_crank import OUTPUTS, STATE, thesis_parameters, turn
 
 CAMSHAFT, FLYWHEEL = CATALOGUE["camshaft"](), CATALOGUE["flywheel"]()
 PROFILE = CAMSHAFT.parameters.view(CAMSHAFT.parameters.start)
@@ -182,7 +180,7 @@ def test_slider_crank_counts_impacts_and_releases_with_their_times(exactly):
     constant = {} if exactly else {"crank_acceleration": 1e-300}
     x, t, h, releases = STATE.vector(), 0.0, 0.07, []
     while t < 3.0 * TURN - h:
-        y = OUTPUTS.named(turn(x, p, t, h, **constant))
+        y = turn(CRANK, x, p, t, h, **constant)
         t += h
         # How many bounces end a chatter depends on rounding; releases do not.
         releases.append(y["event_count"] - y["impact_count"])
@@ -201,8 +199,8 @@ def test_tilting_pistons_events_are_those_of_the_slider_crank_as_a_roller():
     slider, q = STATE.vector(), thesis_parameters(damping, gap, form=2.0)
     t, h, counts = 0.0, 0.5, []
     while t < 8.0:
-        ours = turn_piston(piston, p, t, h)
-        theirs = OUTPUTS.named(turn(slider, q, t, h))
+        ours = turn(DRIVEN, piston, p, t, h)
+        theirs = turn(CRANK, slider, q, t, h)
         t += h
         counts.append(ours["event_count"])
         assert ours["event_count"] == theirs["event_count"]

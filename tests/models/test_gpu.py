@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -33,35 +34,38 @@ def compare(form: str) -> None:
             assert not np.isfinite(exponents.largest)
 
 
-def missing() -> str:
-    """Why there is no device; empty if there is one."""
+@pytest.fixture(scope="module")
+def _device() -> None:
     try:
         gpu.grow_tangents([Machine()], 1, blocks=1)
     except gpu.NoDeviceError as reason:
-        return str(reason)
-    return ""
+        pytest.skip(str(reason))
 
 
-@pytest.fixture(scope="module")
-def device() -> None:
-    if reason := missing():
-        pytest.skip(reason)
-
-
-@pytest.mark.usefixtures("device")
+@pytest.mark.usefixtures("_device")
 @pytest.mark.parametrize("form", ["as_published", "nonlinear"])
 def test_device_agrees_with_the_processor(form: str) -> None:
     compare(form)
 
 
-@pytest.mark.usefixtures("device")
+@pytest.mark.usefixtures("_device")
 def test_exponents_on_a_device_agree_within_their_uncertainty() -> None:
     found = gpu.compute_exponents([Machine(0.05, 0.01, form="as_published")], 4000, transient=50)[0]
     assert found.largest == pytest.approx(0.4116, abs=5.0 * found.uncertainty)
 
 
-def test_missing_device_is_named() -> None:
-    assert missing() == "" or "no CUDA device" in missing() or "pip install 'tribocosim[cuda]'" in missing()
+@pytest.mark.parametrize("unusable", ["module", "device"])
+def test_missing_device_is_named(unusable: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With its remedy: without numba's CUDA, and with it but without a device."""
+
+    def load(name: str, package: str) -> SimpleNamespace:
+        if unusable == "module":
+            raise ImportError("no libnvvm")
+        return SimpleNamespace(cuda=SimpleNamespace(is_available=lambda: False))
+
+    monkeypatch.setattr(gpu, "import_module", load)
+    with pytest.raises(gpu.NoDeviceError, match=r"tribocosim\[cuda\]"):
+        gpu.grow_tangents([Machine()], 1, blocks=1)
 
 
 @pytest.mark.parametrize("form", ["as_published", "nonlinear"])

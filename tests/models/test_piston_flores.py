@@ -15,7 +15,7 @@ import pytest
 
 from models.slider_crank.piston.records import FLORES
 
-from .pistons import FREE, advance
+from .slider_cranks import FREE, advance
 
 SPEED = 150.0
 SWEEPS = 400  # of the projected Gauss-Seidel; flat contact converges by 0.92 a sweep

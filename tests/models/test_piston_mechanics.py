@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,22 +17,9 @@ ROUNDING = 1e-13
 CASES = range(12)
 
 
-@dataclass(frozen=True)
-class Derived:
-    """Functions of (theta, eta, chi, their rates, pressure, *machine) from the bodies' places alone."""
-
-    mass: Any
-    turning: Any
-    applied: Any
-    kinetic: Any
-    potential: Any
-    loss: Any
-    gas: Any
-    point: Any
-
-
 @cache
-def derived() -> Derived:
+def derive() -> SimpleNamespace:
+    """Functions of (theta, eta, chi, their rates, pressure, *machine) from the bodies' places alone."""
     q = sp.Matrix(sp.symbols("theta eta chi"))
     v = sp.Matrix(sp.symbols("theta1 eta1 chi1"))
     pressure = sp.Symbol("pressure")
@@ -76,7 +63,7 @@ def derived() -> Derived:
     def function(expression: Any, *more: Any) -> Any:
         return sp.lambdify([*arguments, *more], expression)
 
-    return Derived(
+    return SimpleNamespace(
         mass=function(momentum.jacobian(v)),
         turning=function(turning),
         applied=function(applied),
@@ -109,21 +96,15 @@ def matrix(s: me.Symmetric) -> np.ndarray:
 
 
 @pytest.mark.parametrize("seed", CASES)
-def test_equation_of_motion_is_lagranges(seed: int) -> None:
+def test_equation_of_motion_energies_and_powers_are_lagranges(seed: int) -> None:
     q, v, pressure, m, numbers = case(seed)
-    d = derived()
+    d = derive()
     assert matrix(me.mass_matrix(q, m)) == pytest.approx(d.mass(*numbers), rel=ROUNDING, abs=ROUNDING)
     size = 100.0  # of the largest terms that may cancel
     assert me.turning_forces(q, v, m) == pytest.approx(np.ravel(d.turning(*numbers)), abs=size * ROUNDING)
     assert me.applied_forces(q, v, pressure, m) == pytest.approx(
         np.ravel(d.applied(*numbers)), abs=size * ROUNDING
     )
-
-
-@pytest.mark.parametrize("seed", CASES)
-def test_energies_and_powers(seed: int) -> None:
-    q, v, pressure, m, numbers = case(seed)
-    d = derived()
     found = (
         me.kinetic_energy(q, v, m), me.potential_energy(q, m), me.joint_loss(v, m),
         me.gas_power(q, v, pressure, m),
@@ -136,7 +117,7 @@ def test_energies_and_powers(seed: int) -> None:
 def test_places_rows_and_turning_of_a_piston_point(seed: int) -> None:
     q, v, _, m, numbers = case(seed)
     at = (0.7, -0.3)
-    place, rows, turning = derived().point(*numbers, *at)
+    place, rows, turning = derive().point(*numbers, *at)
     assert me.position_along(*at, q, m) == pytest.approx(place[0, 0], abs=ROUNDING)
     assert me.position_across(*at, q, m) == pytest.approx(place[1, 0], abs=ROUNDING)
     assert me.along_row(*at, q, m) == pytest.approx(rows[0], abs=ROUNDING)

@@ -9,41 +9,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 from models.catalogue import CATALOGUE
-from models.core.quantities import Vector
 from models.core.system import Instance, System
 from models.monolithic import solve
 from models.slider_crank.piston.records import FLORES
 
-from .pistons import DRIVEN, FREE, ROLLER, advance, turn
-from .test_slider_crank import OUTPUTS, STATE, thesis_parameters
-from .test_slider_crank import turn as turn_thesis
+from .slider_cranks import CRANK, DRIVEN, FREE, ROLLER, STATE, advance, energies, thesis_parameters, turn
 
-TURN = 2.0 * math.pi
 CORNERS = ("upper_front", "upper_rear", "lower_front", "lower_rear")
 ENGINE_SPEED = 2000.0 * math.pi / 30.0
 # Asymmetric in every respect.
 UNEVEN = {"pin_offset": 1e-3, "mass_offset": -0.5e-3}
-
-
-def test_roller_between_impacts_is_a_pendulum() -> None:
-    """a s'' + lambda s' + k sin s = 0 in s = theta + eta, at constant crank speed."""
-    damping, offset, rate, angle = 0.05, 0.02, 0.03, 2.5
-    values = {**ROLLER, "crank_pin_friction": damping, "clearance": 0.6}
-    x = DRIVEN.state.vector({"offset": offset, "offset_rate": rate})
-    y = turn(x, DRIVEN.parameters.vector(values), 0.3, angle)
-    assert y["impact_count"] == 0.0
-    a, k = 1.9 / 4.0 + 1.0 + 0.4719, (1.0 + 1.9 / 2.0) * 0.3030
-    eta = math.asin(0.303 * math.sin(0.3) - offset)
-    eta_rate = (0.303 * math.cos(0.3) - rate) / math.cos(eta)
-    found = solve_ivp(
-        lambda _, s: [s[1], -(damping * s[1] + k * math.sin(s[0])) / a],
-        (0.0, angle), [0.3 + eta, 1.0 + eta_rate], method="DOP853", rtol=1e-12, atol=1e-14,
-    )  # fmt: skip
-    # The integrator's tolerance is 1e-10 a step, of some tens of steps.
-    assert y["rod_angle"] == pytest.approx(found.y[0, -1] - 0.3 - angle, abs=1e-9)
 
 
 def test_roller_is_the_nonlinear_slider_crank() -> None:
@@ -51,14 +28,14 @@ def test_roller_is_the_nonlinear_slider_crank() -> None:
     damping, gap, start, horizon = 0.05, 0.015, 0.2, 10.0
     values = {**ROLLER, "crank_pin_friction": damping, "clearance": gap, "restitution": 0.9}
     ours = DRIVEN.state.vector({"offset": 0.005})
-    there = turn(ours, DRIVEN.parameters.vector(values), start, horizon)
+    there = turn(DRIVEN, ours, DRIVEN.parameters.vector(values), start, horizon)
     phi = math.asin(0.303 * math.sin(start))
     psi = phi - math.asin(math.sin(phi) - 0.005)
     # psi' of a piston at rest across the bore.
     slope = 0.303 * math.cos(start)
     psi_rate = slope / math.cos(phi) - slope / math.cos(phi - psi)
     x = STATE.vector({"psi": psi, "psi_rate": psi_rate})
-    named = OUTPUTS.named(turn_thesis(x, thesis_parameters(damping, gap, form=2.0), start, horizon))
+    named = turn(CRANK, x, thesis_parameters(damping, gap, form=2.0), start, horizon)
     assert there["impact_count"] == named["impact_count"] > 5.0
     # Errors of 1e-10 grow by e^(0.41 per rad) at most.
     assert there["last_impact_time"] == pytest.approx(named["last_impact_time"], abs=1e-7)
@@ -67,21 +44,15 @@ def test_roller_is_the_nonlinear_slider_crank() -> None:
     assert there["crank_impact_impulse"] == pytest.approx(named["crank_impact_impulse"], abs=1e-7)
 
 
-def energy_of(component, x: Vector, u: Vector, p: Vector) -> np.ndarray:
-    e = np.zeros(3)
-    component.flat_energy(0.0, x, u, p, e)
-    return e
-
-
 def test_elastic_impacts_without_friction_keep_the_energy() -> None:
     values = {**FLORES, **UNEVEN, "wall_friction": 0.0, "restitution": 1.0}
     p, x = FREE.parameters.vector(values), FREE.state.vector({"crank_speed": 150.0})
     u = FREE.inputs.vector()
-    before = energy_of(FREE, x, u, p)[0]
+    before = energies(FREE, x, u, p)[0]
     y = advance(FREE, x, p, 0.0, 0.1)
     assert y["impact_count"] > 100.0
     assert y["impact_loss"] == pytest.approx(0.0, abs=1e-9 * before)
-    assert energy_of(FREE, x, u, p)[0] == pytest.approx(before, rel=1e-8)
+    assert energies(FREE, x, u, p)[0] == pytest.approx(before, rel=1e-8)
 
 
 def test_energy_balances_through_impacts_chatter_and_sliding() -> None:
@@ -133,12 +104,12 @@ def test_power_balances_at_every_instant(closed: tuple[int, ...]) -> None:
         dx, y = np.zeros(DRIVEN.state.size), np.zeros(DRIVEN.outputs.size)
         DRIVEN.flat_derivative(0.0, x, u, p, dx)
         DRIVEN.flat_output(0.0, x, u, p, y)
-        _, lost, given = energy_of(DRIVEN, x, u, p)
+        _, lost, given = energies(DRIVEN, x, u, p)
         power = y[DRIVEN.outputs.index("crank_torque")] * speed - lost + given
 
         def stored(s: float, x=x, dx=dx, u=u, speed=speed, acceleration=acceleration) -> float:
             moved = u + np.array([s * speed + 0.5 * s**2 * acceleration, s * acceleration, 0.0, 0.0])
-            return energy_of(DRIVEN, x + s * dx, moved, p)[0]
+            return energies(DRIVEN, x + s * dx, moved, p)[0]
 
         d = 1e-3 / 300.0  # error (speed d)^4 and rounding / d
         change = (8.0 * (stored(d) - stored(-d)) - (stored(2.0 * d) - stored(-2.0 * d))) / (12.0 * d)
@@ -153,7 +124,7 @@ def test_reflection_of_the_mechanism_reflects_the_motion() -> None:
     start = {"offset": 1e-5, "tilt": 3e-4, "offset_rate": 0.1}
     x = DRIVEN.state.vector(start)
     z = DRIVEN.state.vector({name: -value for name, value in start.items()})
-    one = turn(x, DRIVEN.parameters.vector(values), 0.4, 6.0, 150.0)
+    one = turn(DRIVEN, x, DRIVEN.parameters.vector(values), 0.4, 6.0, 150.0)
     other = advance(
         DRIVEN, z, DRIVEN.parameters.vector(mirrored), 0.4 / 150.0, 6.0 / 150.0,
         crank_angle=(-0.4, -150.0), crank_speed=-150.0,
@@ -209,8 +180,8 @@ def test_cutting_time_changes_no_impact() -> None:
     cuts = np.concatenate([[0.0], np.sort(rng.uniform(0.0, span, 300)), [span]])
     x, whole = DRIVEN.state.vector(), DRIVEN.state.vector()
     for start, end in itertools.pairwise(cuts):
-        y = turn(x, p, start, end - start, ENGINE_SPEED)
-    once = turn(whole, p, 0.0, span, ENGINE_SPEED)
+        y = turn(DRIVEN, x, p, start, end - start, ENGINE_SPEED)
+    once = turn(DRIVEN, whole, p, 0.0, span, ENGINE_SPEED)
     assert y["impact_count"] == once["impact_count"] > 10.0
     assert y["last_impact_time"] == pytest.approx(once["last_impact_time"], rel=1e-9)
     assert x == pytest.approx(whole, rel=1e-6, abs=1e-9)
@@ -218,11 +189,11 @@ def test_cutting_time_changes_no_impact() -> None:
 
 def test_restored_state_repeats_bit_for_bit() -> None:
     p, x = DRIVEN.parameters.vector(UNEVEN), DRIVEN.state.vector()
-    turn(x, p, 0.0, 1.0, ENGINE_SPEED)
+    turn(DRIVEN, x, p, 0.0, 1.0, ENGINE_SPEED)
     saved = x.copy()
-    y = turn(x, p, 1.0, 2.0, ENGINE_SPEED)
+    y = turn(DRIVEN, x, p, 1.0, 2.0, ENGINE_SPEED)
     again = saved.copy()
-    assert turn(again, p, 1.0, 2.0, ENGINE_SPEED) == y
+    assert turn(DRIVEN, again, p, 1.0, 2.0, ENGINE_SPEED) == y
     assert np.array_equal(again, x)
 
 
@@ -232,69 +203,7 @@ def test_chatter_taken_to_its_limit_early_changes_the_motion_by_its_square() -> 
     for time in (1e-5, 1e-6, 1e-8):
         p = DRIVEN.parameters.vector({"chatter_time": time, **UNEVEN})
         x = DRIVEN.state.vector()
-        y = turn(x, p, 0.0, 0.25, ENGINE_SPEED)
+        y = turn(DRIVEN, x, p, 0.0, 0.25, ENGINE_SPEED)
         ends.append(y["piston_tilt"])
     assert abs(ends[0] - ends[2]) < 1e-3 * abs(ends[2])
     assert abs(ends[1] - ends[2]) < 0.03 * abs(ends[0] - ends[2]) + 1e-12
-
-
-@pytest.mark.parametrize(
-    ("values", "name", "rule"),
-    [
-        ({"restitution": 1.1}, "restitution", "<= 1"),
-        ({"piston_inertia": 0.0}, "piston_inertia", "> 0"),
-        ({"clearance": 0.0}, "clearance", ">= 1e-07"),
-        ({"crank_radius": 0.15}, "crank_radius", "rod_length"),
-        ({"half_length": 1e-3}, "half_length", "0 makes it a roller"),
-        ({"creep_velocity": 0.0}, "creep_velocity", "> 0"),
-    ],
-)
-def test_parameters_out_of_range_are_named(values: dict[str, float], name: str, rule: str) -> None:
-    faults = DRIVEN.parameter_faults(DRIVEN.parameters.vector(values))
-    assert len(faults) == 1
-    assert name in faults[0]
-    assert rule in faults[0]
-
-
-@pytest.mark.parametrize(
-    ("start", "words"),
-    [
-        ({"offset": 50e-6}, "upper front corner starts 1e-05 m outside"),
-        ({"tilt": -2e-3}, "upper rear corner"),
-        ({"closed[1]": 1.0, "closed[3]": 1.0}, "cannot touch together"),
-        ({"closed[1]": 0.5}, "true or false"),
-    ],
-)
-def test_start_outside_the_walls_is_refused(start: dict[str, float], words: str) -> None:
-    faults = DRIVEN.start_faults(
-        DRIVEN.parameters.vector(), DRIVEN.state.vector(start), DRIVEN.inputs.vector()
-    )
-    assert len(faults) == 1
-    assert words in faults[0]
-
-
-@pytest.mark.parametrize("component", [DRIVEN, FREE])
-def test_defaults_are_allowed(component) -> None:
-    assert component.parameter_faults(component.parameters.vector()) == []
-    p, x, u = component.parameters.vector(), component.state.vector(), component.inputs.vector()
-    assert component.start_faults(p, x, u) == []
-
-
-@pytest.mark.parametrize("component", [DRIVEN, FREE])
-def test_outputs_depend_on_no_other_inputs_than_declared(component) -> None:
-    """Changing an input changes only the outputs that list it, and all that list it in some mode."""
-    rng = np.random.default_rng(5)
-    p, seen = component.parameters.vector(UNEVEN), set()
-    outputs, inputs = component.outputs, component.inputs
-    for closed in MODES * 3:
-        x = component.state.vector({f"closed[{i + 1}]": 1.0 for i in closed})
-        x[:4] = rng.uniform(-1.0, 1.0, 4) * np.array([1e-5, 0.3, 2e-4, 5.0])
-        u = rng.uniform(0.5, 2.0, inputs.size) * inputs.nominal
-        y, changed = np.zeros(outputs.size), np.zeros(outputs.size)
-        component.flat_output(0.0, x, u, p, y)
-        for j, name in enumerate(inputs.names):
-            other = u.copy()
-            other[j] *= 1.01
-            component.flat_output(0.0, x, other, p, changed)
-            seen |= {(outputs.names[i], name) for i in np.nonzero(y != changed)[0]}
-    assert seen == {(out, name) for out, names in component.feedthrough.items() for name in names}

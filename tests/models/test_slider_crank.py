@@ -7,49 +7,25 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from models.core.integrator import OK
 from models.core.quantities import Vector
-from models.slider_crank.records import WALL_FILMS, mechanism
-from models.slider_crank.slider_crank import slider_crank
+from models.slider_crank.records import mechanism
 
-CRANK = slider_crank()
-STATE, INPUTS, OUTPUTS = CRANK.state, CRANK.inputs, CRANK.outputs
-TURN = 2.0 * math.pi
-# Sizes at unit speed: rates of psi are of the size of psi.
-SCALE = STATE.nominal.copy()
-SCALE[STATE.index("psi_rate")] = 1e-2
-FILMS = [STATE.index(name) for name in WALL_FILMS]
-# Film lag at unit speed (rad): 20 us at 100 rad/s.
-LAG = 2e-3
-
-
-def thesis_parameters(damping: float, gap: float, **values: float) -> Vector:
-    """F's dimensionless engine as a component: M = l = 1, so that speed 1 gives F's lambda and rho."""
-    unit = {
-        "crank_radius": 0.3030,
-        "rod_length": 1.0,
-        "piston_mass": 1.0,
-        "rod_mass": 1.9,
-        "rod_inertia": 0.4719,
-    }
-    return CRANK.parameters.vector(
-        {**unit, "form": 0.0, "joint_friction": damping, "clearance": gap, "film_lag": LAG, **values}
-    )
-
-
-def turn(x: Vector, p: Vector, start: float, angle: float, **constant: float) -> Vector:
-    """Advance by `angle` at unit speed from crank angle (= time) `start`; the outputs at the end."""
-    U = CRANK.input_polynomial()
-    for name, value in {"crank_angle": start, "crank_speed": 1.0, **constant}.items():
-        U[0, INPUTS.index(name)] = value
-    U[1, INPUTS.index("crank_angle")] = 1.0
-    y = np.zeros(OUTPUTS.size)
-    work, u = np.zeros(CRANK.work_size), np.zeros(INPUTS.size)
-    assert CRANK.step(start, angle, x, U, p, SCALE, work, u, y) == OK
-    return y
+from .slider_cranks import (
+    CRANK,
+    FILMS,
+    FORMS,
+    LAG,
+    OUTPUTS,
+    STATE,
+    TURN,
+    advance,
+    energies,
+    thesis_parameters,
+    turn,
+)
 
 
 def test_defaults_are_the_thesis_engine() -> None:
@@ -64,41 +40,12 @@ def test_defaults_are_the_thesis_engine() -> None:
     assert p["rod_inertia"] == pytest.approx(0.0295 * pound_force * inch, rel=4e-4)
 
 
-@pytest.mark.parametrize(
-    ("values", "name", "rule"),
-    [
-        ({"restitution": 1.1}, "restitution", "<= 1"),
-        ({"restitution": -0.1}, "restitution", ">= 0"),
-        ({"piston_mass": 0.0}, "piston_mass", "> 0"),
-        ({"form": 3.0}, "form", "as_published"),
-        ({"joint_friction": -1.0}, "joint_friction", ">= 0"),
-        ({"clearance": -1e-4}, "clearance", ">= 0"),
-        ({"form": 2.0, "crank_radius": 0.2}, "crank_radius", "rod_length"),
-        ({"form": 2.0, "clearance": 0.1}, "clearance", "rod_length - crank_radius = 0.0966"),
-        ({"crank_radius": 0.2}, "crank_radius", "rod_length"),
-        ({"clearance": 0.02}, "clearance", "0.1 rad"),
-        ({"rod_length": math.nan}, "rod_length", "> 0"),
-    ],
-)
-def test_parameters_out_of_range_are_named(values: dict[str, float], name: str, rule: str) -> None:
-    faults = CRANK.parameter_faults(CRANK.parameters.vector(values))
-    assert len(faults) == 1
-    assert name in faults[0]
-    assert rule in faults[0]
-
-
-def test_default_parameters_are_allowed() -> None:
-    assert CRANK.parameter_faults(CRANK.parameters.vector()) == []
-
-
 def stored_energy_at(s: float, x: Vector, dx: Vector, U: Vector, p: Vector) -> float:
     u = U[0] + s * U[1] + 0.5 * s**2 * U[2]
-    e = np.zeros(3)
-    CRANK.flat_energy(0.0, x + s * dx, u, p, e)
-    return float(e[0])
+    return float(energies(CRANK, x + s * dx, u, p)[0])
 
 
-@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
+@pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("mode", [0.0, 1.0, -1.0])
 def test_power_balances_at_every_instant(form: float, mode: float) -> None:
     """d(stored)/dt = torque * speed - friction + source, also at varying speed and with moving films."""
@@ -106,71 +53,37 @@ def test_power_balances_at_every_instant(form: float, mode: float) -> None:
     p = CRANK.parameters.vector({"form": form})
     for _ in range(20):
         U = CRANK.input_polynomial()
-        theta, speed, acceleration = (
-            rng.uniform(0.0, TURN),
-            rng.uniform(-300.0, 300.0),
-            rng.uniform(-1e4, 1e4),
-        )
+        theta, speed, acceleration = rng.uniform([0.0, -300.0, -1e4], [TURN, 300.0, 1e4])
         films, rates = rng.uniform(0.0, 1e-4, 2), rng.uniform(-0.01, 0.01, 2)
         U[0] = [theta, speed, acceleration, *(films + rng.uniform(-1e-6, 1e-6, 2))]
         U[1] = [speed, acceleration, 0.0, *rates]
         U[2, 0] = acceleration
         x = STATE.vector({"psi": rng.uniform(-0.01, 0.01), "psi_rate": rng.uniform(-5.0, 5.0), "mode": mode})
         x[FILMS] = films[0], rates[0], films[1], rates[1]
-        dx, y, e = np.zeros(STATE.size), np.zeros(OUTPUTS.size), np.zeros(3)
+        dx, y = np.zeros(STATE.size), np.zeros(OUTPUTS.size)
         CRANK.flat_derivative(0.0, x, U[0], p, dx)
         CRANK.flat_output(0.0, x, U[0], p, y)
-        CRANK.flat_energy(0.0, x, U[0], p, e)
-        power = y[OUTPUTS.index("crank_torque")] * speed - e[1] + e[2]
+        _, lost, given = energies(CRANK, x, U[0], p)
+        torque = y[OUTPUTS.index("crank_torque")]
+        power = torque * speed - lost + given
         # Differences of a function that varies with the crank angle: error (speed d)^4 and rounding/d.
         d = 1e-3 / 300.0
         change = 8.0 * (stored_energy_at(d, x, dx, U, p) - stored_energy_at(-d, x, dx, U, p))
         change -= stored_energy_at(2 * d, x, dx, U, p) - stored_energy_at(-2 * d, x, dx, U, p)
-        size = 300.0 * float(np.abs(y[OUTPUTS.index("crank_torque")]) + 1.0)
+        size = 300.0 * (abs(torque) + 1.0)
         assert abs(change / (12.0 * d) - power) < 1e-6 * size
-
-
-@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
-def test_impacts_and_changes_of_mode_keep_the_books(form: float) -> None:
-    """Stored energy changes by the work of impacts less their losses; the crank's impulse does the work."""
-    p = thesis_parameters(0.2, 0.015, form=form)
-    x, u, e = STATE.vector(), INPUTS.vector({"crank_speed": 1.0}), np.zeros(3)
-    losses = 0.0
-    for k, (side, rate) in itertools.product((0, 1), enumerate((0.08, 0.01, 1e-12))):
-        u[0] = 0.7 + 2.0 * side + k
-        towards = 1.0 - 2.0 * k
-        x[:3] = towards * 0.0152, towards * rate, 0.0
-        CRANK.flat_energy(0.0, x, u, p, e)
-        before, impulse, work, lost = e[0], x[9], x[13], x[12]
-        CRANK.flat_transition(k, 1.0, x, u, p)
-        CRANK.flat_energy(0.0, x, u, p, e)
-        gained = (x[13] - work) - (x[12] - lost)
-        assert e[0] - before == pytest.approx(gained, abs=1e-13 * abs(before))
-        assert x[12] >= losses
-        losses = x[12]
-        # psi is also put back on the wall, from 1 % outside.
-        assert x[13] - work == pytest.approx(x[9] - impulse, abs=2e-3 * abs(before))
 
 
 def test_impact_loss_is_that_of_the_restitution() -> None:
     """(1 - e) P v / 2 with the impulse P = (1 + e) v m_eff, m_eff = a M / Lambda^2."""
     p = thesis_parameters(0.0, 0.015)
     x = STATE.vector()
-    turn(x, p, 0.0, 0.9)
+    turn(CRANK, x, p, 0.0, 0.9)
     assert x[3] + x[4] == 1.0
     velocity, impulse = x[11], x[5] + x[6]
     big = 1.0 - (0.303 * math.sin(x[10])) ** 2
     assert impulse == pytest.approx(1.9 * velocity * (1.9 / 4.0 + 1.0 + 0.4719) / big, rel=1e-12)
     assert x[12] == pytest.approx(0.05 * impulse * velocity, rel=1e-12)
-
-
-def test_elastic_impacts_without_friction_lose_nothing() -> None:
-    p = thesis_parameters(0.0, 0.015, restitution=1.0)
-    x = STATE.vector({"psi_rate": 0.03})
-    y = turn(x, p, 0.0, 10 * TURN)
-    assert y[OUTPUTS.index("impact_count")] > 50.0
-    assert x[STATE.index("impact_loss")] == 0.0
-    assert x[STATE.index("mode")] == 0.0
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
@@ -180,20 +93,22 @@ def test_elastic_impacts_without_friction_lose_nothing() -> None:
     restitution=st.floats(0.0, 0.95),
     rate=st.floats(-0.2, 0.2),
     start=st.floats(0.0, 6.0),
-    form=st.sampled_from([0.0, 1.0, 2.0]),
+    form=st.sampled_from(FORMS),
+    threshold=st.sampled_from([0.0, 0.005]),
 )
+@example(damping=0.1, gap=0.3, restitution=0.9, rate=0.0, start=0.0, form=2.0, threshold=0.0)
 def test_walls_are_never_passed_and_only_push(
-    damping: float, gap: float, restitution: float, rate: float, start: float, form: float
+    damping: float, gap: float, restitution: float, rate: float, start: float, form: float, threshold: float
 ) -> None:
-    p = thesis_parameters(damping, gap, restitution=restitution, form=form)
+    p = thesis_parameters(damping, gap, restitution=restitution, form=form, sliding_threshold=threshold)
     x = STATE.vector({"psi_rate": rate})
     sums = np.zeros(4)
     for part in range(20):
-        y = turn(x, p, start + 0.3 * part, 0.3)
+        y = turn(CRANK, x, p, start + 0.3 * part, 0.3)
         # The wall's psi is known to rounding.
-        assert abs(y[OUTPUTS.index("piston_offset")]) <= gap * (1.0 + 1e-13)
+        assert abs(y["piston_offset"]) <= gap * (1.0 + 1e-13)
         # At the instant of release the force is zero to rounding.
-        assert min(y[OUTPUTS.index("upper_wall_force")], y[OUTPUTS.index("lower_wall_force")]) >= -1e-12
+        assert min(y["upper_wall_force"], y["lower_wall_force"]) >= -1e-12
         now = x[5:9].copy()
         assert (now >= sums).all()
         sums = now
@@ -203,12 +118,12 @@ def impacts_of(p: Vector, cuts: Vector, **constant: float) -> Vector:
     """Impact count and last impact's time (that of a release does not show) at the end of every piece."""
     x, found = STATE.vector(), []
     for start, end in itertools.pairwise(cuts):
-        turn(x, p, start, end - start, **constant)
+        turn(CRANK, x, p, start, end - start, **constant)
         found.append((x[3] + x[4], x[10]))
     return np.array(found)
 
 
-@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
+@pytest.mark.parametrize("form", FORMS)
 def test_cutting_time_changes_no_impact(form: float) -> None:
     """Pieces of any size, down to 1e-9 rad, over two turns of a chaotic motion: the same impacts.
 
@@ -255,79 +170,46 @@ def test_exact_flights_are_those_of_the_integrator(form: float) -> None:
 def test_restored_state_repeats_bit_for_bit(film: float, end: float, mode: float) -> None:
     """In the middle of chattering (13.775), of sliding and of flight; exact flights and integrated ones."""
     p, x = thesis_parameters(0.25, 0.015), STATE.vector()
-    turn(x, p, 0.0, end, upper_film_thickness=film)
+    turn(CRANK, x, p, 0.0, end, upper_film_thickness=film)
     assert x[STATE.index("mode")] == mode
     saved = x.copy()
-    y = turn(x, p, end, 12.0, upper_film_thickness=film)
+    y = turn(CRANK, x, p, end, 12.0, upper_film_thickness=film)
     again = saved.copy()
-    assert np.array_equal(turn(again, p, end, 12.0, upper_film_thickness=film), y)
+    assert turn(CRANK, again, p, end, 12.0, upper_film_thickness=film) == y
     assert np.array_equal(again, x)
 
 
-@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
+@pytest.mark.parametrize("form", FORMS)
 def test_film_narrows_the_clearance_and_moves_the_wall(form: float) -> None:
     """Sliding on a film: the offset is clearance - film, and follows a film of constant rate 2 T late."""
     p, film, rate = thesis_parameters(0.35, 0.015, form=form), 0.002, -1e-4
     x = STATE.vector({"upper_wall_film": film})
-    y = turn(x, p, 0.0, 20.0, upper_film_thickness=film)
-    assert y[OUTPUTS.index("sliding")] == 1.0
-    assert y[OUTPUTS.index("piston_offset")] == pytest.approx(0.015 - film, rel=1e-14)
-    U = CRANK.input_polynomial()
-    U[0] = [20.0, 1.0, 0.0, film, 0.0]
-    U[1] = [1.0, 0.0, 0.0, rate, 0.0]
-    u = np.zeros(INPUTS.size)
-    assert CRANK.step(20.0, 3.0, x, U, p, STATE.nominal, np.zeros(CRANK.work_size), u, y) == OK
+    y = turn(CRANK, x, p, 0.0, 20.0, upper_film_thickness=film)
+    assert y["sliding"] == 1.0
+    assert y["piston_offset"] == pytest.approx(0.015 - film, rel=1e-14)
+    y = turn(CRANK, x, p, 20.0, 3.0, upper_film_thickness=(film, rate))
     # To the integrator's tolerance on a film of mm.
     late = film + (3.0 - 2.0 * LAG) * rate
-    assert y[OUTPUTS.index("piston_offset")] == pytest.approx(0.015 - late, abs=1e-12)
+    assert y["piston_offset"] == pytest.approx(0.015 - late, abs=1e-12)
     # The state psi, integrated from the rates, is the same.
-    assert x[0] == pytest.approx(y[OUTPUTS.index("psi")], rel=1e-9)
+    assert x[0] == pytest.approx(y["psi"], rel=1e-9)
 
 
-def test_film_that_grows_into_a_bounce_is_an_approaching_wall() -> None:
-    """e = 1 at rest: after an impact the slider leaves a wall of velocity w with twice w."""
-    p = thesis_parameters(0.0, 0.015, restitution=1.0)
-    x = STATE.vector({"psi": 0.015, "upper_wall_film_rate": 0.01})
-    CRANK.flat_transition(0, 0.0, x, INPUTS.vector(), p)
-    assert x[1] == pytest.approx(-0.02, rel=1e-14)
-
-
-@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
+@pytest.mark.parametrize("form", FORMS)
 def test_no_clearance_is_the_nominal_mechanism(form: float) -> None:
     x = STATE.vector()
-    y = turn(x, thesis_parameters(0.05, 0.0, form=form), 0.0, 7.0)
-    assert y[OUTPUTS.index("psi")] == 0.0
-    assert abs(y[OUTPUTS.index("sliding")]) == 1.0
-    assert y[OUTPUTS.index("piston_position")] == pytest.approx(
+    y = turn(CRANK, x, thesis_parameters(0.05, 0.0, form=form), 0.0, 7.0)
+    assert y["psi"] == 0.0
+    assert abs(y["sliding"]) == 1.0
+    assert y["piston_position"] == pytest.approx(
         0.303 * math.cos(7.0) + math.sqrt(1.0 - (0.303 * math.sin(7.0)) ** 2), rel=1e-14
     )
 
 
-@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
+@pytest.mark.parametrize("form", FORMS)
 def test_crank_at_rest_comes_to_rest(form: float) -> None:
     """Nothing is divided by the speed: a swinging rod is stopped by friction."""
     p, x = thesis_parameters(0.5, 0.015, form=form), STATE.vector({"psi_rate": 0.05})
-    U, y, u = CRANK.input_polynomial(), np.zeros(OUTPUTS.size), np.zeros(INPUTS.size)
-    assert CRANK.step(0.0, 200.0, x, U, p, STATE.nominal, np.zeros(CRANK.work_size), u, y) == OK
+    y = advance(CRANK, x, p, 0.0, 200.0)
     assert abs(x[1]) < 1e-10
-    assert y[OUTPUTS.index("impact_count")] > 2.0
-
-
-@pytest.mark.parametrize("form", [0.0, 1.0, 2.0])
-def test_outputs_depend_on_no_other_inputs_than_declared(form: float) -> None:
-    """Changing an input changes only the outputs that list it, and all that list it in some mode."""
-    rng = np.random.default_rng(5)
-    p, seen = CRANK.parameters.vector({"form": form}), set()
-    for _ in range(60):
-        mode = float(rng.integers(-1, 2))
-        x = STATE.vector({"psi": rng.uniform(-0.01, 0.01), "psi_rate": rng.uniform(-5.0, 5.0), "mode": mode})
-        x[FILMS] = rng.uniform(0.0, 1e-6, 4)
-        u = rng.uniform(0.5, 2.0, INPUTS.size) * INPUTS.nominal
-        y, changed = np.zeros(OUTPUTS.size), np.zeros(OUTPUTS.size)
-        CRANK.flat_output(0.0, x, u, p, y)
-        for j, name in enumerate(INPUTS.names):
-            other = u.copy()
-            other[j] *= 1.01
-            CRANK.flat_output(0.0, x, other, p, changed)
-            seen |= {(OUTPUTS.names[i], name) for i in np.nonzero(y != changed)[0]}
-    assert seen == {(out, name) for out, names in CRANK.feedthrough.items() for name in names}
+    assert y["impact_count"] > 2.0

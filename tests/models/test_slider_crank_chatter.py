@@ -16,7 +16,7 @@ from models.slider_crank.flight.bouncing import CHATTER_LEFT
 from models.slider_crank.records import mechanism
 from models.slider_crank.walls import ends_chatter
 
-from .test_slider_crank import CRANK, INPUTS, STATE, TURN, thesis_parameters, turn
+from .slider_cranks import CRANK, INPUTS, STATE, TURN, thesis_parameters, turn
 
 GAP = 0.015
 IMPULSE, FORCE_INTEGRAL = STATE.index("upper_impact_impulse"), STATE.index("upper_force_integral")
@@ -57,7 +57,7 @@ def chatter(p: Vector, restitution: float) -> tuple[Vector, Vector]:
     x, times, left = STATE.vector(), [], []
     for k in itertools.count():
         count = x[3] + x[4]
-        turn(x, p, 0.001 * k, 0.001)
+        turn(CRANK, x, p, 0.001 * k, 0.001)
         if x[3] + x[4] == count:
             continue
         # Of several impacts in a piece the last one is seen, which is enough.
@@ -100,7 +100,7 @@ def test_threshold_of_the_thesis_converges_to_the_limit(form: float, restitution
         p = thesis_parameters(0.25, GAP, restitution=restitution, form=form, sliding_threshold=threshold)
         x = STATE.vector()
         for k in range(3):
-            turn(x, p, k * TURN, TURN)
+            turn(CRANK, x, p, k * TURN, TURN)
         return x
 
     limit = revolved(0.0)

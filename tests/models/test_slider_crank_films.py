@@ -10,17 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.catalogue import CATALOGUE
-from models.core.integrator import OK
-from models.core.quantities import Vector
 from models.core.system import Instance, System
 from models.monolithic import equilibrium, solve
 from models.slider_crank import forms
 from models.slider_crank.equations import thesis_mechanism
 
-from .test_slider_crank import CRANK, FILMS, INPUTS, LAG, OUTPUTS, SCALE, STATE, thesis_parameters
-
-FORMS = (forms.AS_PUBLISHED, forms.CORRECTED, forms.NONLINEAR)
-FILM_INPUTS = [INPUTS.index(f"{side}_film_thickness") for side in ("upper", "lower")]
+from .slider_cranks import CRANK, FILMS, FORMS, LAG, STATE, advance, thesis_parameters, turn
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -49,32 +44,20 @@ def test_wall_answers_a_step_of_its_film_as_a_critically_damped_follower() -> No
     """h_f = h (1 - (1 + t/T) exp(-t/T)), to the integrator's tolerance on a film of mm."""
     p, h = thesis_parameters(0.1, 0.015), 1e-3
     for turns in (0.3, 1.0, 4.0, 20.0):
-        x, U = STATE.vector(), CRANK.input_polynomial()
-        U[0, FILM_INPUTS] = h, 2.0 * h
-        advance(x, U, p, 0.0, turns * LAG)
+        x = STATE.vector()
+        advance(CRANK, x, p, 0.0, turns * LAG, upper_film_thickness=h, lower_film_thickness=2.0 * h)
         follower = 1.0 - (1.0 + turns) * math.exp(-turns)
         assert x[FILMS[0::2]] == pytest.approx([h * follower, 2.0 * h * follower], abs=1e-12)
 
 
-def advance(x: Vector, U: Vector, p: Vector, t: float, h: float) -> Vector:
-    """The outputs after a step that must succeed."""
-    y, u = np.zeros(OUTPUTS.size), np.zeros(INPUTS.size)
-    assert CRANK.step(t, h, x, U, p, SCALE, np.zeros(CRANK.work_size), u, y) == OK
-    return y
-
-
-class Films:
-    """Films h = size (1 + sin(omega t + phase))/2 on both walls, as cubic polynomials."""
-
-    def __init__(self, size: float, omega: float) -> None:
-        self.size, self.omega = size, omega
-
-    def write(self, t: float, U: Vector) -> None:
-        for i, phase in zip(FILM_INPUTS, (0.0, 2.0), strict=True):
-            for k in range(4):
-                wave = self.omega**k * math.sin(self.omega * t + phase + 0.5 * k * math.pi)
-                U[k, i] = 0.5 * self.size * wave
-            U[0, i] += 0.5 * self.size
+def waving_films(t: float, size: float, omega: float) -> dict[str, tuple[float, ...]]:
+    """Cubic polynomials at t of films h = size (1 + sin(omega t + phase))/2 on both walls."""
+    films = {}
+    for wall, phase in (("upper", 0.0), ("lower", 2.0)):
+        waves = [omega**k * math.sin(omega * t + phase + 0.5 * k * math.pi) for k in range(4)]
+        waves[0] += 1.0
+        films[f"{wall}_film_thickness"] = tuple(0.5 * size * wave for wave in waves)
+    return films
 
 
 @settings(max_examples=80, deadline=None, derandomize=True)
@@ -92,22 +75,18 @@ def test_bounces_on_moving_walls_end_in_sliding_and_pass_no_wall(
 ) -> None:
     """Clearances down to 1e-6 rod lengths, nine tenths of them filled by films that go up and down at up to
     ten thousand radians per radian of crank: no step ends with the event limit, and walls only push."""
-    p, films = thesis_parameters(damping, gap, restitution=restitution, form=form), Films(share * gap, omega)
-    U = CRANK.input_polynomial()
-    films.write(0.0, U)
+    p = thesis_parameters(damping, gap, restitution=restitution, form=form)
     x = STATE.vector({"psi_rate": rate * math.sqrt(gap)})
-    x[FILMS[0::2]] = U[0, FILM_INPUTS]
+    x[FILMS[0::2]] = [film[0] for film in waving_films(0.0, share * gap, omega).values()]
     piece = min(1.0 / 60.0, 0.3 / omega)  # of a radian: a cubic is the sine to 1e-3 there
     for k in range(60):
         t = k * piece
-        U[0, :2], U[1, 0] = (t, 1.0), 1.0
-        films.write(t, U)
-        y = advance(x, U, p, t, piece)
-        offset = y[OUTPUTS.index("piston_offset")]
+        y = turn(CRANK, x, p, t, piece, **waving_films(t, share * gap, omega))
+        offset = y["piston_offset"]
         rounding = 1e-13 * gap
         assert -(gap - x[FILMS[2]]) - rounding <= offset <= gap - x[FILMS[0]] + rounding
         # At the instant of release the force is zero to rounding.
-        assert min(y[OUTPUTS.index("upper_wall_force")], y[OUTPUTS.index("lower_wall_force")]) >= -1e-11
+        assert min(y["upper_wall_force"], y["lower_wall_force"]) >= -1e-11
 
 
 def lubricated() -> System:

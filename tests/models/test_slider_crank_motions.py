@@ -1,4 +1,4 @@
-"""Farahanchi's (F) list of motions, `as_published`, and the Lyapunov exponents."""
+"""Lyapunov exponents and orbits of Farahanchi's (F) motions, and the component along them."""
 
 from __future__ import annotations
 
@@ -8,131 +8,41 @@ import numpy as np
 import pytest
 
 from models.core.quantities import Vector
-from models.slider_crank.motions.machine import Machine, Motion
+from models.slider_crank.motions.machine import FORMS, Machine, Motion
 
-from .test_slider_crank import CRANK, INPUTS, OUTPUTS, SCALE, STATE, TURN, thesis_parameters
+from .slider_cranks import CRANK, STATE, TURN, thesis_parameters, turn
 
-PSI, RATE = STATE.index("psi"), STATE.index("psi_rate")
-UPPER, LOWER = STATE.index("upper_impact_count"), STATE.index("lower_impact_count")
-# A motion is called periodic if the last cycles repeat to this (rad): transients of a periodic motion
-# have died out to rounding, a chaotic one comes back to 1e-3 at best.
-REPEATS = 1e-8
+COUNTS = [STATE.index(f"{wall}_impact_count") for wall in ("upper", "lower")]
 
 
-def cycles(p: Vector, count: int, psi_rate: float = 0.0) -> Vector:
-    """States at crank angle zero over `count` revolutions."""
-    x, states = STATE.vector({"psi_rate": psi_rate}), []
-    U = CRANK.input_polynomial()
-    U[0, INPUTS.index("crank_speed")] = 1.0
-    U[1, INPUTS.index("crank_angle")] = 1.0
-    work, u, y = np.zeros(CRANK.work_size), np.zeros(INPUTS.size), np.zeros(OUTPUTS.size)
+def cycles(p: Vector, count: int) -> Vector:
+    """The component's states at crank angle zero over `count` revolutions."""
+    x, states = STATE.vector(), []
     for _ in range(count):
         # Every revolution at time zero: the motion is periodic, and time keeps its resolution.
-        assert CRANK.step(0.0, TURN, x, U, p, SCALE, work, u, y) == 0
+        turn(CRANK, x, p, 0.0, TURN)
         states.append(x.copy())
     return np.array(states)
 
 
-def period(states: Vector, longest: int = 12) -> int:
-    """Number of revolutions after which the motion repeats; 0 if it does not."""
-    for count in range(1, longest + 1):
-        late, before = states[-50:, PSI : RATE + 1], states[-50 - count : -count, PSI : RATE + 1]
-        if np.abs(late - before).max() < REPEATS:
-            return count
-    return 0
-
-
-def chaotic_cycles(states: Vector, repeat: int) -> int:
-    """Revolutions before the motion begins to repeat (to 1e-6)."""
-    different = np.abs(states[repeat:, :2] - states[:-repeat, :2]).max(axis=1) > 1e-6
-    return int(np.nonzero(different)[0][-1]) + 1
-
-
-@pytest.mark.parametrize(("damping", "gap"), [(0.025, 0.015), (0.05, 0.015)])
-def test_periodic_motions(damping: float, gap: float) -> None:
-    """After some tens of revolutions; (0.025, 0.015) is F's transient chaos."""
-    states = cycles(thesis_parameters(damping, gap), 400)
-    assert period(states) > 0
-    assert states[:, LOWER][-1] > 0.0
-
-
-@pytest.mark.parametrize(("damping", "gap"), [(0.025, 0.02), (0.05, 0.01), (0.05, 0.02)])
-def test_chaotic_motions(damping: float, gap: float) -> None:
-    assert period(cycles(thesis_parameters(damping, gap), 400)) == 0
-
-
-@pytest.mark.long
+@pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize(
-    ("damping", "gap"), [(0.025, 0.02), (0.05, 0.01), (0.05, 0.02), (0.075, 0.015), (0.075, 0.02)]
+    ("damping", "count", "tolerance"), [(0.05, 4, 1e-10), (0.25, 60, 1e-12)], ids=["chaos", "slides"]
 )
-def test_chaos_lasts(damping: float, gap: float) -> None:
-    assert period(cycles(thesis_parameters(damping, gap), 6000)) == 0
+def test_component_moves_as_the_machine(form: str, damping: float, count: int, tolerance: float) -> None:
+    """Rounding of 1e-16 grows by e^(0.42 * 25) = 4e4 in four revolutions of chaos; a slide forgets it."""
+    gap = 0.01 if damping == 0.05 else 0.015
+    states = cycles(thesis_parameters(damping, gap, form=float(FORMS.index(form))), count)
+    expected = Motion(Machine(damping, gap, form=form)).strobe(count)
+    np.testing.assert_allclose(states[:, :3], expected, atol=tolerance)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(("damping", "gap"), [(0.025, 0.01), (0.025, 0.015), (0.075, 0.01)])
-def test_transient_chaos_ends(damping: float, gap: float) -> None:
-    """From some of ten starts within 6000 revolutions: the transient's length is a matter of chance."""
-    lengths = []
-    for start in range(10):
-        states = cycles(thesis_parameters(damping, gap), 6000, psi_rate=0.005 * start)
-        if repeat := period(states):
-            lengths.append(chaotic_cycles(states, repeat))
-    assert lengths
-    assert max(lengths) > 20
-
-
-@pytest.mark.parametrize("gap", [0.010, 0.015, 0.020])
-def test_strong_friction_keeps_off_the_lower_wall(gap: float) -> None:
-    """lambda = 0.25: periodic with one revolution, sliding on the upper wall, no lower-wall impact."""
-    states = cycles(thesis_parameters(0.25, gap), 60)
-    assert period(states) == 1
-    assert states[-1, LOWER] == 0.0
-    assert states[-1, STATE.index("upper_force_integral")] > 0.0
-
-
-def test_motions_between_chaos_and_sliding() -> None:
-    """rho = 0.015: chaos at lambda = 0.20, simple periodic motion at 0.235 (F: from 0.23)."""
-    assert period(cycles(thesis_parameters(0.20, 0.015), 300)) == 0
-    assert period(cycles(thesis_parameters(0.235, 0.015), 100)) == 1
-
-
-@pytest.mark.long
-def test_periodic_motion_from_0_23_is_the_threshold_s() -> None:
-    """F's 0.23 needs F's sliding threshold 0.005; converged, simple periodic motion begins at 0.234."""
-    coarse = thesis_parameters(0.23, 0.015, sliding_threshold=0.005)
-    assert period(cycles(coarse, 1000)) == 1
-    for threshold in (1e-4, 1e-6, 1e-8):
-        fine = {
-            damping: thesis_parameters(damping, 0.015, sliding_threshold=threshold)
-            for damping in (0.23, 0.234)
-        }
-        assert period(cycles(fine[0.23], 1000)) != 1
-        assert period(cycles(fine[0.234], 1000)) == 1
-
-
-def test_sliding_threshold_of_the_thesis_makes_a_spurious_orbit() -> None:
-    """(0.05, 0.02): 0.005 gives a periodic motion, anything below 1e-3 chaos."""
-    assert period(cycles(thesis_parameters(0.05, 0.02, sliding_threshold=0.005), 600)) > 0
-    for threshold in (1e-3, 1e-5):
-        assert period(cycles(thesis_parameters(0.05, 0.02, sliding_threshold=threshold), 300)) == 0
-
-
-def test_sliding_does_not_depend_on_a_small_threshold() -> None:
-    """lambda = 0.25: release is from the wall, and what chatter is left out leaves no trace."""
-    ends = [cycles(thesis_parameters(0.25, 0.015, sliding_threshold=v), 30)[-1, :2] for v in (1e-5, 1e-8)]
-    assert ends[0] == pytest.approx(ends[1], abs=1e-9)
-
-
-@pytest.mark.parametrize("corrected", [False, True])
-def test_permanent_sliding_above_its_threshold(corrected: bool) -> None:
+@pytest.mark.parametrize(("form", "threshold"), [("as_published", 0.2669), ("corrected", 0.1196)])
+def test_permanent_sliding_above_its_threshold(form: str, threshold: float) -> None:
     """As rho -> 0 the upper wall holds the slider for good above 0.2669, or 0.1196 corrected."""
-    threshold = 0.1196 if corrected else 0.2669
     for factor, holds in ((0.98, False), (1.02, True)):
-        p = thesis_parameters(factor * threshold, 1e-4, form=float(corrected))
-        states = cycles(p, 12)
-        impacts = states[-1, UPPER] - states[-3, UPPER]
-        assert (impacts == 0.0) == holds
+        motion = Motion(Machine(factor * threshold, 1e-4, form=form)).skip(10)
+        assert (len(motion.events(2).theta) == 0) == holds
 
 
 EXPONENTS = [(0.05, 0.01, 0.414), (0.025, 0.02, 0.387), (0.05, 0.015, -0.147), (0.075, 0.02, 0.333)]
@@ -167,17 +77,20 @@ def test_periodic_orbit_has_half_the_sum() -> None:
     assert found.largest == pytest.approx(0.5 * found.exact_sum, rel=0.01)
 
 
-def test_sliding_motion_has_no_exponents() -> None:
-    """At a release from rest at a fixed crank angle every deviation has ended."""
-    found = published(0.25, 0.015).exponents(20)
+@pytest.mark.parametrize(("form", "cycles_before"), [("as_published", 0), ("corrected", 10)])
+def test_sliding_motion_has_no_exponents(form: str, cycles_before: int) -> None:
+    """Every deviation ends at a release from rest at a fixed crank angle, and on a wall that holds for good
+    (corrected; F 2.6, region III)."""
+    found = Motion(Machine(0.25, 0.015, form=form)).skip(cycles_before).exponents(40)
     assert (found.largest, found.second) == (-math.inf, -math.inf)
+    assert (found.impacts_per_cycle == 0.0) == (form == "corrected")
 
 
 def test_impacts_per_revolution_of_the_periodic_orbit(record) -> None:
     """(0.05, 0.015): three on the upper wall and five on the lower."""
     states = cycles(thesis_parameters(0.05, 0.015), 400)
-    assert period(states) == 1
+    np.testing.assert_allclose(states[-50:, :2], states[-51:-1, :2], atol=1e-8)
     last = states[-1] - states[-2]
-    for wall, count, stated in (("upper", last[UPPER], 3), ("lower", last[LOWER], 5)):
+    for wall, count, stated in zip(("upper", "lower"), last[COUNTS], (3, 5), strict=True):
         quantity = f"impacts on the {wall} wall per revolution, λ = 0.05, ρ = 0.015"
         record("Slider-crank", quantity, count, stated, "independent integration", tolerance=0)

@@ -5,23 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
-from models.core.integrator import OK
 from models.core.quantities import Vector
 from models.slider_crank import forms
 from models.slider_crank.equations import coupling, inertia, thesis_mechanism
+from models.slider_crank.motions.machine import Machine
+from models.slider_crank.motions.regions import thresholds
 
-from .test_slider_crank import CRANK, INPUTS, OUTPUTS, SCALE, STATE, TURN, thesis_parameters, turn
+from .slider_cranks import CRANK, FORMS, INPUTS, STATE, advance, energies, thesis_parameters, turn
 
-FORMS = [forms.AS_PUBLISHED, forms.CORRECTED, forms.NONLINEAR]
 XI = 0.3030
-COUNT = OUTPUTS.index("impact_count")
 
 
 def sigma(theta: float, psi: float) -> float:
@@ -43,11 +40,8 @@ def test_free_flight_is_a_damped_pendulum(
     a, k = inertia(m), coupling(m)
     p = thesis_parameters(damping, 0.69, form=forms.NONLINEAR)
     x = STATE.vector({"psi": psi, "psi_rate": rate})
-    U = CRANK.input_polynomial()
-    U[0, :2], U[1, 0] = (theta, speed), speed
-    u, y = np.zeros(INPUTS.size), np.zeros(OUTPUTS.size)
-    assert CRANK.step(0.0, span, x, U, p, SCALE, np.zeros(CRANK.work_size), u, y) == OK
-    assert y[COUNT] == 0.0
+    y = advance(CRANK, x, p, 0.0, span, crank_angle=(theta, speed), crank_speed=speed)
+    assert y["impact_count"] == 0.0
     slope = XI * math.cos(theta) / math.sqrt(1.0 - (XI * math.sin(theta)) ** 2)
     pendulum = solve_ivp(
         lambda t, s: (s[1], -(damping * s[1] + k * speed**2 * math.sin(s[0])) / a),
@@ -60,20 +54,6 @@ def test_free_flight_is_a_damped_pendulum(
     found, exact = sigma(theta + speed * span, x[0]), pendulum.y[0, -1]
     quantity = "angle of the nonlinear flight (rad)"
     record("Slider-crank", quantity, found, exact, "damped pendulum by DOP853", tolerance=1e-9)
-
-
-def test_pendulum_keeps_its_energy_without_friction() -> None:
-    """a sigma'^2/2 - k cos sigma, from the component's acceleration: its rate of change is zero."""
-    m = thesis_mechanism(0.0, corrected=True)
-    random = np.random.default_rng(2)
-    for theta, psi, rate in random.uniform([0.0, -0.5, -1.0], [TURN, 0.5, 1.0], (50, 3)):
-        phi = math.asin(XI * math.sin(theta))
-        slope = XI * math.cos(theta) / math.cos(phi)
-        curvature = (XI**3 - XI) * math.sin(theta) / math.cos(phi) ** 3
-        change = forms.flight_acceleration(forms.NONLINEAR, theta, 1.0, 0.0, psi, rate, m)
-        restoring = coupling(m) * math.sin(sigma(theta, psi))
-        assert inertia(m) * (curvature - change) + restoring == pytest.approx(0.0, abs=1e-14)
-        assert 1.0 + slope - rate != 0.0
 
 
 def order(error_of: Callable[[float], float], coarse: float = 1e-3) -> float:
@@ -115,27 +95,16 @@ def test_linear_form_is_the_limit_of_small_clearance(name: str, theta: float, re
     assert error(0.001) < 0.001**expected
 
 
-def permanent_sliding(form: float, gap: float) -> float:
+def test_threshold_of_permanent_sliding_parts_with_the_square_of_the_clearance() -> None:
     """The friction from which the upper wall holds the slider through the whole revolution."""
-    angles = np.linspace(0.0, TURN, 1001)
 
-    def least(damping: float) -> float:
-        m = thesis_mechanism(damping, corrected=form != forms.AS_PUBLISHED)
-        walls = ((t, forms.wall_angle(form, t, gap, m)) for t in angles)
-        return min(forms.constraint_force(form, t, 1.0, 0.0, psi, m) for t, psi in walls)
+    def threshold(form: str, gap: float) -> float:
+        return thresholds(Machine(gap=gap, form=form)).upper
 
-    return float(brentq(least, 0.01, 0.5, xtol=1e-9))
-
-
-def test_permanent_sliding_begins_where_the_linear_form_says() -> None:
-    """0.1196 at vanishing clearance for both; then they part with its square."""
-    assert permanent_sliding(forms.NONLINEAR, 0.0) == pytest.approx(0.1196, abs=5e-5)
-
-    def error(gap: float) -> float:
-        return permanent_sliding(forms.NONLINEAR, gap) - permanent_sliding(forms.CORRECTED, gap)
-
-    assert order(error, 0.01) == pytest.approx(2.0, abs=0.1)
-    found = [permanent_sliding(form, 0.02) for form in FORMS]
+    assert order(lambda gap: threshold("nonlinear", gap) - threshold("corrected", gap), 0.01) == (
+        pytest.approx(2.0, abs=0.1)
+    )
+    found = [threshold(form, 0.02) for form in ("as_published", "corrected", "nonlinear")]
     assert found == pytest.approx([0.2660, 0.1069, 0.1071], abs=5e-5)
 
 
@@ -146,8 +115,8 @@ def test_bouncing_motion_converges_to_the_linear_one() -> None:
         ends = []
         for form in (forms.CORRECTED, forms.NONLINEAR):
             x = STATE.vector({"psi_rate": math.sqrt(gap)})
-            y = turn(x, thesis_parameters(0.1, gap, form=form), 0.9, 6.0 * math.sqrt(gap))
-            assert y[COUNT] >= 2.0
+            y = turn(CRANK, x, thesis_parameters(0.1, gap, form=form), 0.9, 6.0 * math.sqrt(gap))
+            assert y["impact_count"] >= 2.0
             ends.append(x[0])
         return abs(ends[1] - ends[0]) / gap
 
@@ -155,18 +124,20 @@ def test_bouncing_motion_converges_to_the_linear_one() -> None:
     assert relative_error(1e-4) < 1e-3
 
 
-def struck(form: float, side: float, restitution: float) -> tuple[Vector, Vector, Vector, float, float]:
+def struck(
+    form: float, side: float, restitution: float, threshold: float = 0.0
+) -> tuple[Vector, Vector, Vector, float, float]:
     """p, inputs, state just after an impact on a moving film, and psi' and energy just before."""
-    p = thesis_parameters(0.2, 0.02, form=form, restitution=restitution)
+    p = thesis_parameters(0.2, 0.02, form=form, restitution=restitution, sliding_threshold=threshold)
     films = {"upper_wall_film": 0.003, "lower_wall_film": 0.001}
     rates = {"upper_wall_film_rate": 0.02, "lower_wall_film_rate": -0.01}
     u = INPUTS.vector({"crank_angle": 1.1 + side, "crank_speed": 1.4})
     gap = side * (0.02 - (0.003 if side > 0.0 else 0.001))
     psi = forms.wall_angle(form, u[0], gap, thesis_mechanism(0.2, corrected=True))
-    x, e = STATE.vector({"psi": psi, "psi_rate": side * 0.3, **films, **rates}), np.zeros(3)
-    CRANK.flat_energy(0.0, x, u, p, e)
+    x = STATE.vector({"psi": psi, "psi_rate": side * 0.3, **films, **rates})
+    before = energies(CRANK, x, u, p)[0]
     CRANK.flat_transition(0 if side > 0.0 else 1, 0.0, x, u, p)
-    return p, u, x, side * 0.3, e[0]
+    return p, u, x, side * 0.3, before
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -189,19 +160,21 @@ def test_impact_reverses_the_pistons_velocity_relative_to_the_moving_wall(
 
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-@pytest.mark.parametrize("restitution", [0.6, 1.0])
+@pytest.mark.parametrize(("restitution", "threshold"), [(0.6, 0.0), (1.0, 0.0), (0.6, 1.0)])
 def test_energy_of_an_impact_is_work_of_crank_and_film_less_its_loss(
-    form: float, side: float, restitution: float
+    form: float, side: float, restitution: float, threshold: float
 ) -> None:
-    """Kinetic energy jumps by (crank impulse) theta' + (wall impulse) film' - loss; no loss if elastic."""
-    p, u, x, _, before = struck(form, side, restitution)
-    e = np.zeros(3)
-    CRANK.flat_energy(0.0, x, u, p, e)
+    """Kinetic energy jumps by (crank impulse) theta' + (wall impulse) film' - loss; no loss if elastic.
+
+    Also where sliding begins, by a threshold that each rebound is below.
+    """
+    p, u, x, _, before = struck(form, side, restitution, threshold)
+    after = energies(CRANK, x, u, p)[0]
     names = ("crank_impact_impulse", "upper_impact_impulse", "lower_impact_impulse", "impact_loss")
     on_crank, upper, lower, loss = (x[STATE.index(name)] for name in names)
     work = on_crank * u[1] + upper * 0.02 - lower * 0.01
     # psi is put inside by two roundings.
-    assert e[0] - before == pytest.approx(work - loss, abs=1e-14)
+    assert after - before == pytest.approx(work - loss, abs=1e-14)
     assert x[STATE.index("impact_work")] == pytest.approx(work, abs=1e-14)
     assert (loss == 0.0) == (restitution == 1.0)
 
@@ -224,30 +197,17 @@ def test_reflected_machine_moves_as_the_mirror_image(
     """
     p = thesis_parameters(damping, gap, restitution=restitution, form=form)
 
-    def motion(side: float) -> tuple[Vector, Vector]:
-        x, U = STATE.vector({"psi_rate": side * rate}), CRANK.input_polynomial()
-        U[0, :2], U[1, 0] = (side * start, side), side
-        U[0, 3:5] = 1e-300
-        u, y = np.zeros(INPUTS.size), np.zeros(OUTPUTS.size)
-        assert CRANK.step(0.0, 4.0, x, U, p, SCALE, np.zeros(CRANK.work_size), u, y) == OK
-        return x, y
+    def motion(side: float) -> tuple[Vector, dict[str, float]]:
+        x = STATE.vector({"psi_rate": side * rate})
+        films = {"upper_film_thickness": 1e-300, "lower_film_thickness": 1e-300}
+        crank = {"crank_angle": (side * start, side), "crank_speed": side}
+        return x, advance(CRANK, x, p, 0.0, 4.0, **crank, **films)
 
     (x, y), (mirrored, outputs) = motion(1.0), motion(-1.0)
     for name in ("psi", "psi_rate", "mode", "crank_impact_impulse"):
         assert mirrored[STATE.index(name)] == -x[STATE.index(name)]
-    assert outputs[OUTPUTS.index("crank_torque")] == -y[OUTPUTS.index("crank_torque")]
+    assert outputs["crank_torque"] == -y["crank_torque"]
     for upper in (name for name in STATE.names if name.startswith("upper")):
         lower = upper.replace("upper", "lower")
         assert mirrored[STATE.index(lower)] == x[STATE.index(upper)]
         assert mirrored[STATE.index(upper)] == x[STATE.index(lower)]
-
-
-def test_wide_clearance_is_carried() -> None:
-    """Far beyond small angles: the walls at 0.3 rod lengths are kept to rounding, and only push."""
-    p, x, impacts = thesis_parameters(0.1, 0.3, form=forms.NONLINEAR), STATE.vector(), 0.0
-    for part in range(60):
-        y = turn(x, p, 0.5 * part, 0.5)
-        assert abs(y[OUTPUTS.index("piston_offset")]) <= 0.3 * (1.0 + 1e-13)
-        assert min(y[OUTPUTS.index("upper_wall_force")], y[OUTPUTS.index("lower_wall_force")]) >= -1e-12
-        impacts = y[COUNT]
-    assert impacts > 5.0

@@ -60,11 +60,6 @@ def test_force_is_zero_at_every_boundary_angle(machine: Machine, side: float) ->
     forces = wall_forces(machine, side, theta)
     clear = np.abs(forces) > 1e-9
     np.testing.assert_array_equal(holds[clear], forces[clear] > 0.0)
-
-
-@given(machine=MACHINES, side=st.sampled_from([UPPER, LOWER]))
-@settings(derandomize=True, deadline=None, max_examples=60)
-def test_forces_change_sign_an_even_number_of_times(machine: Machine, side: float) -> None:
     assert sign_changes(machine, side) % 2 == 0
 
 
@@ -114,19 +109,15 @@ def test_sign_changes_at_little_friction(form: str, changes: int, side: float) -
 
 @given(theta=st.floats(0.0, TURN), gap=st.floats(0.0, 0.05), form=st.sampled_from(FORMS))
 @settings(derandomize=True, deadline=None)
-def test_reflected_crank_exchanges_the_walls_without_friction(theta: float, gap: float, form: str) -> None:
-    """lambda = 0: theta -> -theta turns the mechanism over, so that f_u(-theta) = f_l(theta)."""
-    machine = Machine(damping=0.0, gap=gap, form=form)
-    upper = wall_forces(machine, UPPER, np.array([-theta]))
-    assert upper == pytest.approx(wall_forces(machine, LOWER, np.array([theta])), abs=ROUNDING)
-
-
-@given(theta=st.floats(0.0, TURN), damping=st.floats(0.0, 0.5), form=st.sampled_from(FORMS))
-@settings(derandomize=True, deadline=None)
-def test_walls_forces_are_opposite_without_clearance(theta: float, damping: float, form: str) -> None:
-    machine = Machine(damping=damping, gap=0.0, form=form)
-    upper, lower = (wall_forces(machine, side, np.array([theta])) for side in (UPPER, LOWER))
-    assert upper == pytest.approx(-lower, abs=ROUNDING)
+def test_symmetries_of_the_wall_forces(theta: float, gap: float, form: str) -> None:
+    """lambda = 0: theta -> -theta turns the mechanism over, so that f_u(-theta) = f_l(theta). gap = 0: both
+    walls' forces are opposite. (F 2.6 says that half a turn reverses them: its own force has a part in
+    sin 2 theta.)"""
+    free, closed = Machine(damping=0.0, gap=gap, form=form), Machine(damping=10.0 * gap, gap=0.0, form=form)
+    for machine, image, sign in ((free, -theta, 1.0), (closed, theta, -1.0)):
+        upper = wall_forces(machine, UPPER, np.array([image]))
+        lower = wall_forces(machine, LOWER, np.array([theta]))
+        assert upper == pytest.approx(sign * lower, abs=ROUNDING)
 
 
 @given(machine=MACHINES, side=st.sampled_from([UPPER, LOWER]), theta=st.floats(0.0, TURN))

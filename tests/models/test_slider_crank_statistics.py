@@ -15,6 +15,7 @@ from models.slider_crank.motions.histories import BOUNCE, ONSET
 from models.slider_crank.motions.machine import FORMS, Events, Machine, Motion
 from models.slider_crank.motions.portrait import rates_after
 from models.slider_crank.motions.statistics import (
+    Distribution,
     approach_velocities,
     effective_bins,
     energies,
@@ -35,27 +36,28 @@ def motion_impacts(form: str = "as_published", damping: float = 0.05) -> tuple[M
     return machine, Motion(machine).skip(50).events(300).impacts
 
 
-@pytest.mark.parametrize("bins", [1, 7, 100])
-def test_profile_and_spectrum_sum_to_the_mean_velocity(bins: int) -> None:
-    """(3.6), (3.7): over all bins and both walls, the sum of psi' over N."""
-    _, impacts = motion_impacts()
+@pytest.mark.parametrize("kind", ["profile", "spectrum", "energy"])
+def test_bins_add_up_to_all_impacts(kind: str) -> None:
+    """(3.6), (3.7): a wall's bins, however fine, sum to psi' (or energy) of its impacts over N."""
+    machine, impacts = motion_impacts()
     n = impacts.theta.size
-    profile = impact_profile(impacts, impacts.rate, XI, bins, n)
-    spectrum = impact_spectrum(impacts, impacts.rate, bins, n)
-    for found in (profile, spectrum):
-        assert found.upper.sum() + found.lower.sum() == pytest.approx(impacts.rate.mean(), rel=1e-12)
-        assert found.upper.sum() == pytest.approx(impacts.rate[impacts.side > 0.0].sum() / n, rel=1e-12)
+    weights = energies(machine, impacts) if kind == "energy" else impacts.rate
 
+    def distribute(bins: int) -> Distribution:
+        if kind == "energy":
+            return energy_profile(machine, impacts, bins, n)
+        if kind == "profile":
+            return impact_profile(impacts, impacts.rate, XI, bins, n)
+        return impact_spectrum(impacts, impacts.rate, bins, n)
 
-def test_bins_within_bins_add_up() -> None:
-    _, impacts = motion_impacts()
-    for distribution in (
-        lambda bins: impact_profile(impacts, impacts.rate, XI, bins, 1.0),
-        lambda bins: impact_spectrum(impacts, impacts.rate, bins, 1.0),
-    ):
-        coarse, fine = distribution(20), distribution(100)
-        np.testing.assert_allclose(fine.upper.reshape(20, 5).sum(axis=1), coarse.upper, atol=1e-13)
-        np.testing.assert_allclose(fine.lower.reshape(20, 5).sum(axis=1), coarse.lower, atol=1e-13)
+    fine = distribute(100)
+    for bins in (1, 20):
+        found = distribute(bins)
+        for wall, side in (("upper", 1.0), ("lower", -1.0)):
+            sums = getattr(found, wall)
+            assert sums.sum() == pytest.approx(weights[impacts.side == side].sum() / n, rel=1e-12)
+            within = getattr(fine, wall).reshape(bins, -1).sum(axis=1)
+            np.testing.assert_allclose(within, sums, atol=1e-13)
 
 
 def test_profile_has_the_same_impacts_as_the_spectrum() -> None:
@@ -71,23 +73,13 @@ def test_profile_has_the_same_impacts_as_the_spectrum() -> None:
         assert impacts.rate[between].sum() == pytest.approx(folded[i], abs=1e-13)
 
 
-def test_walls_end_at_the_dead_centres() -> None:
-    """x = 1 + xi at theta = 0, 1 - xi at theta = pi."""
-    np.testing.assert_allclose(wall_position(np.array([0.0, math.pi]), XI), [1.0 + XI, 1.0 - XI], rtol=1e-15)
-
-
 def test_an_impact_at_a_dead_centre_is_counted() -> None:
-    """Rounding may put it beyond the wall's end."""
+    """x = 1 + xi at theta = 0, 1 - xi at theta = pi; rounding may put it beyond the wall's end."""
     ends = np.array([0.0, np.nextafter(2.0 * math.pi, 0.0), math.pi])
+    np.testing.assert_allclose(wall_position(ends, XI), [1.0 + XI, 1.0 + XI, 1.0 - XI], rtol=1e-15)
     one = np.ones(3)
     impacts = Events(one, ends, one, one, one, BOUNCE * one)
     assert impact_profile(impacts, one, XI, 10, 1.0).upper.sum() == 3.0
-
-
-def test_approach_is_towards_the_wall() -> None:
-    """Positive at the upper wall, negative at the lower one."""
-    _, impacts = motion_impacts()
-    assert np.all(approach_velocities(impacts) * impacts.side > 0.0)
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -118,16 +110,6 @@ def test_energy_of_the_last_impact_before_sliding_is_all_taken() -> None:
     bounced = energies(machine, impacts._replace(kind=np.full_like(impacts.kind, BOUNCE)))
     np.testing.assert_allclose(taken[onset], bounced[onset] / (1.0 - 0.9**2), rtol=1e-12)
     np.testing.assert_array_equal(taken[~onset], bounced[~onset])
-
-
-def test_energy_balances_over_a_periodic_motion() -> None:
-    """A bin count does not change the energy per cycle."""
-    machine, impacts = motion_impacts()
-    totals = [energy_profile(machine, impacts, bins, 300.0) for bins in (1, 10, 1000)]
-    for found in totals:
-        assert found.upper.sum() + found.lower.sum() == pytest.approx(
-            energies(machine, impacts).sum() / 300.0, rel=1e-12
-        )
 
 
 WEIGHTS = st.lists(st.floats(1e-6, 1e3), min_size=2, max_size=60)
