@@ -184,7 +184,7 @@ def find_slowest(runs: Runs, form: str) -> Values:
     least = {case: runs.events(case).impacts.approach.min() for case in list_cases(LOW_DAMPINGS, form)}
     without = [str(case) for case, value in least.items() if value > SLOW]
     return {
-        "slow": len(least) - len(without), "cases": len(least), "limit": SLOW, "without": without,
+        "slow": len(least) - len(without), "cases": len(least), "limit": SLOW,
         "low": min(least.values()), "high": max(least.values()),
         "others": f"; not {', '.join(without)}" if without else "",
     }  # fmt: skip

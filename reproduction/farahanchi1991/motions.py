@@ -179,7 +179,7 @@ def find_simple_periodic(runs: Runs, form: str) -> Values:
 
     exact, ruled = first(0.0), first(THRESHOLD)
     words = ["at every λ from 0.21 on" if v < 0.2105 else f"from λ = {v:.4f} on" for v in (exact, ruled)]
-    return {"exact": exact, "ruled": ruled, "exact_words": words[0], "ruled_words": words[1]}
+    return {"exact": exact, "exact_words": words[0], "ruled_words": words[1]}
 
 
 def count_releases(runs: Runs, form: str) -> Values:

@@ -8,13 +8,11 @@ from __future__ import annotations
 
 from ..publication import Publication
 from .cam import NODES
-from .cycle_table import format_speeds
-from .field_text import describe_field
 from .figures import FIGURES, NUMBERS
 from .numerical import TOLERANCE
 from .runs import STEP_DEG, Runs
 from .statements import CLAIMS
-from .summary import summarise
+from .text import describe_field, format_speeds, summarise
 
 INTRODUCTION = f"""\
 # Published film formulas, judged

@@ -1,4 +1,4 @@
-"""The films through the cam cycle of the valve train: transient and steady numerical solution, formulas."""
+"""Films through the cam cycle of the valve train: transient and steady numerical solutions, formulas."""
 
 from __future__ import annotations
 

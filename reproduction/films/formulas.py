@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from models.contact.ehl_contact import TABLE_3, ContactParameters
 from models.contact.films import FILMS
 from models.contact.films.groups import groups
+from models.contact.fluid import Lubricant
 from models.contact.hertz import compliance_of
 from models.contact.line.line_contact import LineContact
 
@@ -29,21 +30,24 @@ class Formula:
 
     def of(self, contact: LineContact) -> float:
         """The film (m)."""
-        fluid = contact.lubricant
-        return float(
-            FILMS[self.name](
-                contact.load, abs(contact.velocity), contact.radius, contact.length, contact.compliance,
-                fluid.viscosity, fluid.pressure_viscosity,
-            )
-        )  # fmt: skip
+        c = contact
+        return self.evaluate(c.load, c.velocity, c.radius, c.length, c.compliance, c.lubricant)
 
     def film_at(self, p: ContactParameters, load: float, velocity: float, radius: float) -> float:
         """The film (m) of a contact with these parameters, which may be at rest."""
-        return float(
-            FILMS[self.name](
-                load, abs(velocity), radius, p.length, compliance_of(p), p.viscosity, p.pressure_viscosity
-            )
-        )
+        return self.evaluate(load, velocity, radius, p.length, compliance_of(p), p)
+
+    def evaluate(
+        self,
+        load: float,
+        velocity: float,
+        radius: float,
+        length: float,
+        compliance: float,
+        fluid: Lubricant | ContactParameters,
+    ) -> float:
+        dimensions = (radius, length, compliance, fluid.viscosity, fluid.pressure_viscosity)
+        return float(FILMS[self.name](load, abs(velocity), *dimensions))
 
 
 def compute_asymptotes(M: float, L: float) -> dict[str, float]:

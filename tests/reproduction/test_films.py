@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,14 +11,12 @@ import pytest
 
 from models.contact.line.line_contact import moes_contact
 from reproduction import load_publication
-from reproduction.films.cycle_table import format_speeds
-from reproduction.films.field_text import find_dimples, locate_constriction
 from reproduction.films.formulas import FORMULAS, compute_asymptotes, find_regime
+from reproduction.films.numerical import list_heights
 from reproduction.films.runs import Runs
 from reproduction.films.samples import draw_sample, measure_error
-from reproduction.films.statements import CLAIMS, NEW, TABLE_3
-
-DOCS = Path(__file__).parents[2] / "docs"
+from reproduction.films.statements import CLAIMS
+from reproduction.films.text import find_dimples, locate_constriction
 
 
 @pytest.fixture(scope="module")
@@ -73,10 +72,6 @@ def test_new_laws_obey_similarity(film: str, blended: bool, runs: Runs) -> None:
 
 def test_laws_are_least_squares(runs: Runs) -> None:
     """Of ln H: any other constant or exponent has a larger sum of squares on the sample fitted to."""
-    from dataclasses import replace
-
-    from reproduction.films.numerical import list_heights
-
     for law in (runs.laws["central", False], runs.laws["central", True]):
         found = np.log(list_heights(runs.fit.steady, "H_central"))
 
@@ -167,17 +162,3 @@ def test_every_figure_is_drawn(runs: Runs, tmp_path: Path) -> None:
     source = load_publication("films")
     source.draw(runs, tmp_path)
     assert all((tmp_path / figure.file).stat().st_size > 0 for figure in source.figures)
-
-
-@pytest.mark.long
-def test_the_page_says_what_comes_out() -> None:
-    """One speed of the table, and the regressions with their errors, at the page's own resolution."""
-    page = (DOCS / load_publication("films").page_name).read_text("utf-8")
-    runs = Runs(speeds=(1000.0,))
-    own = [line.split("|")[-2].strip() for line in format_speeds(runs).splitlines()[2:]]
-    lines = page.splitlines()
-    table = [line for line in lines[lines.index("## By speed") :] if line.startswith("| ")]
-    column = table[0].split("|").index(" 1000 r/min ")
-    assert [line.split("|")[column].strip() for line in table[2 : 2 + len(own)]] == own
-    for claim in (*TABLE_3, *NEW):
-        assert claim.judge(runs).computed in page
