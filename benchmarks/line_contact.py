@@ -14,7 +14,7 @@ from models.contact.fluid import Lubricant
 from models.contact.hertz import deflection, elastic_compliance
 from models.contact.line.hierarchical import Jacobian, factorise, solve_below
 from models.contact.line.mixed import Bodies
-from models.contact.line.newton import line_load_of
+from models.contact.line.newton import integrate_pressure
 from models.contact.line.reynolds import Flow
 from models.contact.line.transient import (
     GAMMA,
@@ -74,7 +74,7 @@ class Turn:
         for _ in range(round((last - first) / self.degrees)):
             drives = [build_drives(angle + share * turned, approach) for share in (0.0, GAMMA, 1.0)]
             begun = time.thread_time()
-            load = line_load_of(self.p, self.w.weight, scale)
+            load = integrate_pressure(self.p, self.w.weight, scale)
             new_scale = grid_scale_after(
                 interval, scale, load, central(self.h), drives[0].flow.radius, self.bodies
             )

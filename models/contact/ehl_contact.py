@@ -21,7 +21,7 @@ from ..core.component import Component
 from ..core.quantities import Layout, Quantity, Vector
 from .films import FILMS, film_by_number
 from .films.groups import groups
-from .hertz import compliance_of, elastic_energy, load_and_deflection
+from .hertz import elastic_energy, load_and_deflection, pair_compliance
 from .mixed_lubrication import fill_surface_outputs
 from .records import (
     BONDS,
@@ -100,7 +100,7 @@ class Contact(NamedTuple):
 @kernel
 def contact(x: ContactState, u: ContactInputs, p: ContactParameters) -> Contact:
     """Deflection, load and film rate. The film sees the elastic load, which keeps the law explicit."""
-    compliance = compliance_of(p)
+    compliance = pair_compliance(p)
     film = 0.0 if p.film_model == FILM_IS_DRY else x.film_thickness
     elastic_load, delta = load_and_deflection(film, compliance, u, p)
     steady = film_by_number(

@@ -19,10 +19,10 @@ from ..core.component import Component
 from ..core.quantities import Layout, Quantity
 from .films import FILMS, moes_venner
 from .fluid import DENSITY_LAWS
-from .hertz import compliance_of, half_width, load_and_deflection
+from .hertz import half_width, load_and_deflection, pair_compliance
 from .line.energies import make_field_energy
 from .line.field import field_work_size, make_field_advance
-from .line.field_state import carried_share, clear, field_layout, fill_rates
+from .line.field_state import clear, field_layout, fill_rates, load_share
 from .line.implicit import implicit_field
 from .mixed_lubrication import fill_surface_outputs, film_ratio
 from .records import BONDS, ContactInputs, SharedOutputs, SharedParameters, feedthrough_of_load
@@ -81,14 +81,14 @@ def derivative(t: float, x: Any, u: ContactInputs, p: LineContactParameters, dx:
     if x.grid_scale > 0.0:
         fill_rates(x, dx)
     else:
-        compliance = compliance_of(p)
+        compliance = pair_compliance(p)
         hertz_load, _ = load_and_deflection(x.film_thickness, compliance, u, p)
         dx.film_thickness = film_rate(x, steady_film(hertz_load, compliance, u, p), u)
 
 
 @kernel
 def output(t: float, x: Any, u: ContactInputs, p: LineContactParameters, y: LineContactOutputs) -> None:
-    compliance, radius = compliance_of(p), u.radius_of_curvature
+    compliance, radius = pair_compliance(p), u.radius_of_curvature
     hertz_load, y.deflection = load_and_deflection(x.film_thickness, compliance, u, p)
     y.film_thickness = x.film_thickness
     y.steady_film_thickness = steady_film(hertz_load, compliance, u, p)
@@ -98,7 +98,7 @@ def output(t: float, x: Any, u: ContactInputs, p: LineContactParameters, y: Line
         y.minimum_film_thickness = x.film_thickness
         fill_surface_outputs(hertz_load, x.film_thickness, compliance, MOES_VENNER, u, p, y)
     else:
-        share = carried_share(u, p)
+        share = load_share(u, p)
         y.load = share * x.field_load
         y.minimum_film_thickness = x.least_film
         y.half_width = half_width(max(0.0, y.load), radius, p.length, compliance)

@@ -42,7 +42,7 @@ class Lubricant(NamedTuple):
 
 
 @kernel
-def lubricant_of(p: Any, density_law: float) -> Lubricant:
+def build_lubricant(p: Any, density_law: float) -> Lubricant:
     """The lubricant of a contact's parameters."""
     return Lubricant(
         p.viscosity, p.pressure_viscosity, p.viscosity_law, density_law, p.roelands_exponent,

@@ -23,7 +23,7 @@ def elastic_compliance(modulus_1: float, poisson_1: float, modulus_2: float, poi
 
 
 @kernel
-def compliance_of(p: Any) -> float:
+def pair_compliance(p: Any) -> float:
     """The same, in kernels, of a record of parameters with moduli and Poisson's ratios of both bodies."""
     return elastic_compliance(p.youngs_modulus_1, p.poissons_ratio_1, p.youngs_modulus_2, p.poissons_ratio_2)
 

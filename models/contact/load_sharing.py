@@ -60,7 +60,7 @@ def _excess(separation: float, load: float, area: float, ratio: float, whole: fl
 
 
 @kernel
-def shared(load: float, film: float, area: float, surfaces: Asperities, f: FilmFormula) -> Sharing:
+def share_load(load: float, film: float, area: float, surfaces: Asperities, f: FilmFormula) -> Sharing:
     """Sharing of the load W >= 0 on the area A > 0 (m2), of a film h_0 >= 0 that the whole load would leave.
 
     Without film the asperities carry all. Between smooth surfaces there are none, whatever the film.

@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 from ..compile.kernel import kernel
 from .asperities import Asperities
-from .fluid import DOWSON_HIGGINSON, lubricant_of
+from .fluid import DOWSON_HIGGINSON, build_lubricant
 from .friction import Traction, hertzian_friction
 from .hertz import half_width, maximum_pressure
-from .load_sharing import FilmFormula, shared
+from .load_sharing import FilmFormula, share_load
 
 
 class MixedLubrication(NamedTuple):
@@ -22,13 +22,13 @@ class MixedLubrication(NamedTuple):
 
 
 @kernel
-def surfaces_of(p: Any) -> Asperities:
+def build_surfaces(p: Any) -> Asperities:
     """The rough surfaces of a contact's parameters."""
     return Asperities(p.roughness, p.roughness_parameter, p.asperity_slope)
 
 
 @kernel
-def traction_of(p: Any) -> Traction:
+def build_traction(p: Any) -> Traction:
     """The laws of friction of a contact's parameters."""
     return Traction(
         p.limiting_shear_stress, p.limiting_shear_coefficient, p.boundary_friction_coefficient,
@@ -50,15 +50,15 @@ def mixed_lubrication(
 
     `film_model` numbers the formula in FILMS by which the film thickens as asperities take load.
     """
-    surfaces = surfaces_of(p)
+    surfaces = build_surfaces(p)
     formula = FilmFormula(
         film_model, u.entraining_velocity, u.radius_of_curvature, p.length, compliance, p.viscosity,
         p.pressure_viscosity,
     )  # fmt: skip
-    carried = shared(load, film, 2.0 * width * p.length, surfaces, formula)
-    fluid = lubricant_of(p, DOWSON_HIGGINSON)  # friction does not depend on the density
+    carried = share_load(load, film, 2.0 * width * p.length, surfaces, formula)
+    fluid = build_lubricant(p, DOWSON_HIGGINSON)  # friction does not depend on the density
     friction = hertzian_friction(
-        load, width, p.length, u.sliding_velocity, carried, fluid, surfaces, traction_of(p)
+        load, width, p.length, u.sliding_velocity, carried, fluid, surfaces, build_traction(p)
     )
     return MixedLubrication(carried.film, carried.asperity_load, friction.viscous, friction.boundary)
 

@@ -6,10 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from models.contact.ehl_contact import ContactParameters
-from models.contact.finite_line.contact import FiniteLine, Running
-from models.contact.finite_line.grid import Resolution
-from models.contact.finite_line.profiles import (
+from models.contact.analysis.finite_line.contact import FiniteLine, Running
+from models.contact.analysis.finite_line.grid import Resolution
+from models.contact.analysis.finite_line.profiles import (
     Chamfered,
     Crowned,
     Logarithmic,
@@ -17,6 +16,7 @@ from models.contact.finite_line.profiles import (
     Straight,
     johns_gohar,
 )
+from models.contact.ehl_contact import ContactParameters
 from models.contact.fluid import Lubricant
 from models.contact.hertz import ELASTIC_LIMIT, elastic_compliance
 from models.core.quantities import Layout

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import xarray
 
-from models.contact.finite_line.dry import dry
-from models.contact.finite_line.solution import Solution
-from models.contact.finite_line.steady import steady, vanishes
+from models.contact.analysis.finite_line.dry import dry
+from models.contact.analysis.finite_line.solution import Solution
+from models.contact.analysis.finite_line.steady import steady, vanishes
 from models.contact.hertz import maximum_pressure
 from models.core.quantities import Vector
 from models.core.system import ModelError

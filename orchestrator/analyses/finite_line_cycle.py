@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import xarray
 
-from models.contact.finite_line.contact import FiniteLine, Running
-from models.contact.finite_line.cycle import Passage, passage
+from models.contact.analysis.finite_line.contact import FiniteLine, Running
+from models.contact.analysis.finite_line.cycle import Passage, passage
+from models.contact.analysis.line.line_contact import LineContact
+from models.contact.analysis.line.steady import LineContactError, solve_steady
 from models.contact.hertz import maximum_pressure
-from models.contact.line.line_contact import LineContact
-from models.contact.line.steady import LineContactError, solve_steady
 from models.core.quantities import Vector
 from models.core.system import ModelError
 

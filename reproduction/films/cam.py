@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from models.contact.analysis.line.history import FilmHistory, film_history, formula_history
+from models.contact.analysis.line.line_contact import LineContact
 from models.contact.ehl_contact import TABLE_3, ContactParameters
-from models.contact.fluid import DOWSON_HIGGINSON, lubricant_of
-from models.contact.hertz import compliance_of, maximum_pressure
-from models.contact.line.history import FilmHistory, film_history, formula_history
-from models.contact.line.line_contact import LineContact
+from models.contact.fluid import DOWSON_HIGGINSON, build_lubricant
+from models.contact.hertz import maximum_pressure, pair_compliance
 from models.core.quantities import Vector
 
 from ..kushwaha2000.runs import NOSE_DEG
@@ -114,7 +114,7 @@ def list_contacts(train: ValveTrain, turn: Turn, at: Vector) -> list[LineContact
     """The contact at these angles, under the load of the adherence solution with spring surge; None where
     no oil is entrained."""
     p = train.parameters("contact")
-    compliance, fluid = compliance_of(p), lubricant_of(p, DOWSON_HIGGINSON)
+    compliance, fluid = pair_compliance(p), build_lubricant(p, DOWSON_HIGGINSON)
     found: list[LineContact | None] = []
     for angle in at:
         if np.min(np.abs(angle - np.array(train.reversals_deg))) <= AT_REST_DEG:
@@ -149,7 +149,7 @@ def solve_cycle(train: ValveTrain, speed_rpm: float, step_deg: float, nodes: int
         np.array([np.nan if contact is None else contact.L for contact in found]),
         np.array(
             [
-                maximum_pressure(turn.at(SEEN[0], a), turn.at(SEEN[2], a), p.length, compliance_of(p))
+                maximum_pressure(turn.at(SEEN[0], a), turn.at(SEEN[2], a), p.length, pair_compliance(p))
                 for a in at
             ]
         ),

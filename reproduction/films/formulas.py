@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from models.contact.analysis.line.line_contact import LineContact
 from models.contact.ehl_contact import TABLE_3, ContactParameters
 from models.contact.films import FILMS
 from models.contact.films.groups import groups
 from models.contact.fluid import Lubricant
-from models.contact.hertz import compliance_of
-from models.contact.line.line_contact import LineContact
+from models.contact.hertz import pair_compliance
 
 CENTRAL, MINIMUM = "central", "minimum"
 
@@ -35,7 +35,7 @@ class Formula:
 
     def film_at(self, p: ContactParameters, load: float, velocity: float, radius: float) -> float:
         """The film (m) of a contact with these parameters, which may be at rest."""
-        return self.evaluate(load, velocity, radius, p.length, compliance_of(p), p)
+        return self.evaluate(load, velocity, radius, p.length, pair_compliance(p), p)
 
     def evaluate(
         self,

@@ -9,8 +9,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from models.contact.line.line_contact import LineContact
-from models.contact.line.steady import LineContactError, SteadyFilm, solve_steady
+from models.contact.analysis.line.line_contact import LineContact
+from models.contact.analysis.line.steady import LineContactError, SteadyFilm, solve_steady
 from models.core.quantities import Vector
 
 # Relative error of the films: far below what formulas are off.

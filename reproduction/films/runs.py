@@ -7,7 +7,7 @@ from functools import cache, cached_property, partial
 
 import numpy as np
 
-from models.contact.line.history import FilmHistory, film_history
+from models.contact.analysis.line.history import FilmHistory, film_history
 from models.core.quantities import Vector
 
 from ..kushwaha2000.runs import Runs as ValveTrain

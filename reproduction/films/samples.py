@@ -10,11 +10,11 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import qmc
 
+from models.contact.analysis.line.line_contact import LineContact
+from models.contact.analysis.line.steady import SteadyFilm
 from models.contact.ehl_contact import TABLE_3
 from models.contact.fluid import Lubricant
 from models.contact.hertz import elastic_compliance
-from models.contact.line.line_contact import LineContact
-from models.contact.line.steady import SteadyFilm
 from models.core.quantities import Vector
 
 from .formulas import Formula

@@ -12,7 +12,7 @@ from scipy.special import wrightomega
 
 from models.contact.films import FILMS
 from models.contact.films.groups import groups
-from models.contact.hertz import compliance_of
+from models.contact.hertz import pair_compliance
 from models.core.quantities import Vector
 
 from ..statement import Values
@@ -34,7 +34,7 @@ FIRST_INCREASE = 1.05
 def _film(runs: Runs, name: str, load: float, speed: float, radius: float) -> float:
     p = runs.parameters("contact")
     return float(
-        FILMS[name](load, speed, radius, p.length, compliance_of(p), p.viscosity, p.pressure_viscosity)
+        FILMS[name](load, speed, radius, p.length, pair_compliance(p), p.viscosity, p.pressure_viscosity)
     )
 
 
@@ -88,7 +88,7 @@ def check_table_3(runs: Runs) -> Values:
     inside = {name: cycle[f"contact.{flag}_in_range"] for name, flag in TABLE_3_FLAGS.items()}
     u = np.abs(cycle["camshaft.entraining_velocity"])
     ratio = cycle.squeeze[u > 1e-9] / u[u > 1e-9]
-    modulus = math.pi / compliance_of(p)
+    modulus = math.pi / pair_compliance(p)
     return {
         "each": [f"{name} {100.0 * float(np.mean(flags[:-1])):.0f} %" for name, flags in inside.items()],
         "together": float(np.mean(np.prod(list(inside.values()), axis=0)[:-1])),

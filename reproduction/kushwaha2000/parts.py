@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import quad
 
-from models.contact.hertz import compliance_of, deflection, half_width, maximum_pressure
+from models.contact.hertz import deflection, half_width, maximum_pressure, pair_compliance
 from models.core.quantities import Vector
 from models.valve_train.camshaft import shaft_element
 from models.valve_train.valve_spring import lumping, spring_frequencies
@@ -104,7 +104,7 @@ def find_nose_contact(runs: Runs) -> tuple[float, float, float, float]:
     """Load, radius, contact length and compliance at the nose."""
     cycle, p = runs.kinematic(), runs.parameters("contact")
     load, radius = (cycle.at(name, NOSE_DEG) for name in ("contact.load", "camshaft.radius_of_curvature"))
-    return load, radius, float(p.length), compliance_of(p)
+    return load, radius, float(p.length), pair_compliance(p)
 
 
 @cache

@@ -22,7 +22,7 @@ from models.contact.friction import (
     viscous_friction,
 )
 from models.contact.hertz import elastic_compliance, half_width, maximum_pressure
-from models.contact.load_sharing import FilmFormula, formula_film, shared
+from models.contact.load_sharing import FilmFormula, formula_film, share_load
 
 from .systems import outputs_of
 
@@ -56,7 +56,7 @@ def area(load: float) -> float:
 
 def steady(load: float, name: str, velocity: float):
     f = formula(name, velocity)
-    return shared(load, formula_film(load, f), area(load), SURFACES, f)
+    return share_load(load, formula_film(load, f), area(load), SURFACES, f)
 
 
 @given(loads, speeds, wet)
@@ -77,25 +77,25 @@ def test_film_and_asperities_carry_the_load(load, velocity, name):
 @given(loads, st.floats(1e-7, 1e-5), wet)
 def test_at_rest_asperities_carry_all_and_under_thick_films_nothing(load, thick, name):
     f = formula(name, 0.0)
-    rest = shared(load, 0.0, area(load), SURFACES, f)
+    rest = share_load(load, 0.0, area(load), SURFACES, f)
     assert rest.asperity_load == load
     assert rest.film == 0.0
     # Formulas without a limit for a load of zero leave at most a share of 1e-4 at 1e-12 m/s.
-    assert shared(load, 1e-12, area(load), SURFACES, f).asperity_load == pytest.approx(load, rel=1e-3)
-    assert shared(load, 8.0 * SURFACES.roughness + thick, area(load), SURFACES, f).asperity_load == 0.0
+    assert share_load(load, 1e-12, area(load), SURFACES, f).asperity_load == pytest.approx(load, rel=1e-3)
+    assert share_load(load, 8.0 * SURFACES.roughness + thick, area(load), SURFACES, f).asperity_load == 0.0
 
 
 @given(loads, films, st.floats(1.001, 3.0), wet)
 def test_a_thicker_film_leaves_less_to_asperities(load, film, factor, name):
     f = formula(name, 1.0)
-    thin, thick = (shared(load, h, area(load), SURFACES, f) for h in (film, factor * film))
+    thin, thick = (share_load(load, h, area(load), SURFACES, f) for h in (film, factor * film))
     # Rounding of the search, 1e-10 in lambda where d ln p/d lambda is up to 9.
     assert thick.asperity_load <= thin.asperity_load * (1.0 + 1e-8)
     assert thick.film >= thin.film * (1.0 - 1e-8)
 
 
 def test_no_load_no_sharing():
-    found = shared(0.0, 1e-7, 0.0, SURFACES, formula("moes_venner", 1.0))
+    found = share_load(0.0, 1e-7, 0.0, SURFACES, formula("moes_venner", 1.0))
     assert (found.film, found.asperity_load) == (1e-7, 0.0)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from models.contact.line.line_contact import moes_contact
+from models.contact.analysis.line.line_contact import moes_contact
 from reproduction import load_publication
 from reproduction.films.formulas import FORMULAS, compute_asymptotes, find_regime
 from reproduction.films.numerical import list_heights

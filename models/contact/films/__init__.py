@@ -35,7 +35,7 @@ FILMS: dict[str, Any] = {
 
 def _choose(number: int, film: Any, others: Any) -> Any:
     @kernel
-    def chosen(
+    def selected_film(
         model: float, load: float, velocity: float, radius: float, length: float, compliance: float,
         viscosity: float, pressure_viscosity: float,
     ) -> float:  # fmt: skip
@@ -43,7 +43,7 @@ def _choose(number: int, film: Any, others: Any) -> Any:
             return film(load, velocity, radius, length, compliance, viscosity, pressure_viscosity)
         return others(model, load, velocity, radius, length, compliance, viscosity, pressure_viscosity)
 
-    return chosen
+    return selected_film
 
 
 @kernel

@@ -31,7 +31,7 @@ def restart(table: Any, ages: Any, values: Any) -> None:
 
 
 @kernel
-def follow(table: Any, ages: Any, values: Any, space: float) -> bool:
+def append_instant(table: Any, ages: Any, values: Any, space: float) -> bool:
     """Takes the `values` at `space` (s, positive) after the last instant into table and ages.
 
     table: (INSTANTS, quantities); ages (s): INSTANTS - 1, of the instants before the last, 0 where there
@@ -53,7 +53,7 @@ def follow(table: Any, ages: Any, values: Any, space: float) -> bool:
 
 
 @kernel
-def second_derivative_of(table: Any, ages: Any, i: int) -> float:
+def estimate_second_derivative(table: Any, ages: Any, i: int) -> float:
     """The second derivative of quantity i at the last instant."""
     total, product, slope = 0.0, 1.0, 0.0
     for j in range(ages.shape[0]):
@@ -65,10 +65,10 @@ def second_derivative_of(table: Any, ages: Any, i: int) -> float:
 
 
 @kernel
-def rate_of(table: Any, ages: Any, i: int, later: float = 0.0) -> float:
+def estimate_rate(table: Any, ages: Any, i: int, later: float = 0.0) -> float:
     """The rate of quantity i, so much `later` (s) than the last instant: less than to the next instant."""
     total, product = 0.0, 1.0
     for j in range(ages.shape[0]):
         total += table[j + 1, i] * product
         product *= ages[j]
-    return total + later * second_derivative_of(table, ages, i)
+    return total + later * estimate_second_derivative(table, ages, i)

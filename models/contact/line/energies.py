@@ -38,8 +38,8 @@ from ...compile.kernel import kernel
 from ...core.component import DISSIPATED_POWER, SOURCE_POWER, STORED
 from ...core.integrator import copy
 from ..asperities import below, pressure_under
-from ..fluid import Lubricant, density_ratio, enthalpy, lubricant_of
-from .field_state import begin, bodies_of
+from ..fluid import Lubricant, build_lubricant, density_ratio, enthalpy
+from .field_state import begin, build_bodies
 from .grid import node_positions
 from .hierarchical import BAND
 from .mixed import Bodies, mean_plane_gap
@@ -82,7 +82,7 @@ def oil_energy(p: float, h: float, fluid: Lubricant) -> float:
 
 
 @kernel
-def stored(x: Any, u: Any, p: Any, X: Any, fluid: Lubricant, bodies: Bodies) -> float:
+def stored_energy(x: Any, u: Any, p: Any, X: Any, fluid: Lubricant, bodies: Bodies) -> float:
     """Energy of bodies and oil (J).
 
     Where approach and radius of the inputs are not those of the state, they jumped: the film has no time to
@@ -160,12 +160,12 @@ def make_field_energy(nodes: int) -> Any:
 
     @kernel
     def solved_energy(film: SolvedFilm, x: Any, u: Any, p: Any, e: Any) -> None:
-        bodies, fluid = bodies_of(p), lubricant_of(p, p.density_law)
+        bodies, fluid = build_bodies(p), build_lubricant(p, p.density_law)
         r = np.empty((FIELDS + _VECTORS, nodes))
         bands = np.empty((2, BAND, nodes))
         lost, dragged = flow_powers(film, u, X, fluid, bodies, nodes_in(r), bands, r[FIELDS:])
         rubbed = (x.field_shear + x.field_boundary_friction) * u.sliding_velocity
-        e[STORED] = stored(film, u, p, X, fluid, bodies)
+        e[STORED] = stored_energy(film, u, p, X, fluid, bodies)
         e[DISSIPATED_POWER] = lost + rubbed
         e[SOURCE_POWER] = dragged + rubbed + shape_power(film, X, bodies)
         if p.load_is_given != 0.0:

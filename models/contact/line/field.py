@@ -13,8 +13,8 @@ from typing import Any
 from ...compile.kernel import kernel, record_of
 from ...core.component import Component
 from ...core.integrator import NOT_CONVERGED, OK, copy, taylor
-from ..fluid import lubricant_of
-from .field_state import FOLLOWED, begin_state, bodies_of, drives_of, next_scale, observe, remember
+from ..fluid import build_lubricant
+from .field_state import FOLLOWED, begin_state, build_bodies, next_scale, observe, read_drives, remember
 from .jump_step import jump_step
 from .transient import GAMMA, step
 from .workspace import workspace_in, workspace_size
@@ -61,7 +61,7 @@ def make_field_advance(component: Component) -> Any:
 
     @kernel
     def take_sample(
-        t: float, s: float, length: float, made: Any, rate: float, x: Any, U: Any, u: Any, p: Any, w: Any,
+        t: float, s: float, length: float, result: Any, rate: float, x: Any, U: Any, u: Any, p: Any, w: Any,
         middle: Any, work: Any,
     ) -> None:  # fmt: skip
         """Of the first stage of a micro-step that began with x, s after the start."""
@@ -69,13 +69,13 @@ def make_field_advance(component: Component) -> Any:
         taylor(U, at, u)
         copy(middle, x)
         state, given, parameters = record_of(middle, X), record_of(u, INPUTS), record_of(p, P)
-        state.grid_scale += GAMMA * (made.scale - state.grid_scale)
-        state.rigid_approach = made.middle_approach
+        state.grid_scale += GAMMA * (result.scale - state.grid_scale)
+        state.rigid_approach = result.middle_approach
         state.approach_rate = rate
         state.curvature_rate = -_slope(U, at, radius) / given.radius_of_curvature**2
         copy(state.pressure, w.p_middle)
         copy(state.film, w.h_middle)
-        observe(state, given, parameters, bodies_of(parameters), w)
+        observe(state, given, parameters, build_bodies(parameters), w)
         sample((1.0 - GAMMA) * length, t, at, middle, U, u, p, work)
 
     @kernel
@@ -90,7 +90,7 @@ def make_field_advance(component: Component) -> Any:
             return OK
         copy(start, x)
         state, given = record_of(x, X), record_of(u, INPUTS)
-        bodies, fluid = bodies_of(parameters), lubricant_of(parameters, parameters.density_law)
+        bodies, fluid = build_bodies(parameters), build_lubricant(parameters, parameters.density_law)
         taylor(U, 0.0, u)
         if state.grid_scale == 0.0:
             begin_state(state, given, parameters, w)
@@ -104,63 +104,63 @@ def make_field_advance(component: Component) -> Any:
             last = s + micro >= h
             length = h - s if last else min(micro, 0.5 * (h - s))
             taylor(U, s, u)
-            at_start = drives_of(given, parameters, state.rigid_approach)
+            at_start = read_drives(given, parameters, state.rigid_approach)
             taylor(U, s + 0.5 * length, u)
             new_scale = next_scale(state, given.radius_of_curvature, length, bodies)
             taylor(U, s + GAMMA * length, u)
             foretold = state.rigid_approach + GAMMA * length * state.approach_rate
-            at_middle = drives_of(given, parameters, foretold)
+            at_middle = read_drives(given, parameters, foretold)
             taylor(U, s + length, u)
-            at_end = drives_of(given, parameters, state.rigid_approach)
-            made = step(
+            at_end = read_drives(given, parameters, state.rigid_approach)
+            result = step(
                 pressure, film, slope, state.grid_scale, new_scale, length,
                 at_start, at_middle, at_end, parameters.field_tolerance, bodies, fluid, w,
             )  # fmt: skip
-            leapt = length <= JUMP_TIME and not made.error <= 1.0
-            if leapt:
-                made = jump_step(
+            jumped_over = length <= JUMP_TIME and not result.error <= 1.0
+            if jumped_over:
+                result = jump_step(
                     pressure, film, slope, state.grid_scale, new_scale, length,
                     at_end, parameters.field_tolerance, bodies, fluid, w,
                 )  # fmt: skip
             shortest = length <= min(SMALLEST_SHARE * h, SMALLEST_STEP)
-            jumped = leapt and (
-                STAYS * before < made.error < math.inf
-                or (shortest and made.error * parameters.field_tolerance <= JUMP_ERROR)
+            jumped = jumped_over and (
+                STAYS * before < result.error < math.inf
+                or (shortest and result.error * parameters.field_tolerance <= JUMP_ERROR)
             )
-            if made.error <= 1.0 or jumped:
+            if result.error <= 1.0 or jumped:
                 before = math.inf
-                if leapt:
-                    state.approach_rate = (made.approach - state.rigid_approach) / length
+                if jumped_over:
+                    state.approach_rate = (result.approach - state.rigid_approach) / length
                 else:
-                    rate = (made.middle_approach - state.rigid_approach) / (GAMMA * length)
+                    rate = (result.middle_approach - state.rigid_approach) / (GAMMA * length)
                     if sampled:
                         middle = rest[3 * nodes + solver : 3 * nodes + solver + n]
-                        take_sample(t, s, length, made, rate, x, U, u, p, w, middle, work)
+                        take_sample(t, s, length, result, rate, x, U, u, p, w, middle, work)
                         taylor(U, s + length, u)
-                    state.approach_rate = (made.approach - state.rigid_approach) / (GAMMA * length)
+                    state.approach_rate = (result.approach - state.rigid_approach) / (GAMMA * length)
                     state.approach_rate -= (1.0 - GAMMA) / GAMMA * rate
                 state.curvature_rate = -_slope(U, s + length, radius) / given.radius_of_curvature**2
-                state.grid_scale, state.rigid_approach = made.scale, made.approach
+                state.grid_scale, state.rigid_approach = result.scale, result.approach
                 copy(state.pressure, pressure)
                 copy(state.film, film)
                 observe(state, given, parameters, bodies, w)
                 if sampled:
-                    sample(length if leapt else GAMMA * length, t, s + length, x, U, u, p, work)
+                    sample(length if jumped_over else GAMMA * length, t, s + length, x, U, u, p, work)
                     taylor(U, s + length, u)
                 s = h if last else s + length
-                if leapt:
+                if jumped_over:
                     state.approach_rate = 0.0
-                remember(state, 0.0 if leapt else length, seen)
-                micro = length * min(3.0, _SAFETY * max(made.error, 1e-3) ** _POWER)
+                remember(state, 0.0 if jumped_over else length, seen)
+                micro = length * min(3.0, _SAFETY * max(result.error, 1e-3) ** _POWER)
                 continue
-            before = made.error
+            before = result.error
             copy(pressure, w.p_start)
             copy(film, w.h_start)
             copy(slope, w.slope_start)
             if shortest:
                 copy(x, start)
                 return NOT_CONVERGED
-            micro = length * (max(0.2, _SAFETY * made.error**_POWER) if made.error < 1e300 else 0.5)
+            micro = length * (max(0.2, _SAFETY * result.error**_POWER) if result.error < 1e300 else 0.5)
         copy(state.slope, slope)
         return OK
 

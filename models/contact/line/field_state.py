@@ -11,15 +11,15 @@ from typing import Annotated, Any, NamedTuple
 from ...compile.kernel import kernel
 from ...core.quantities import Layout, Quantity, per_element
 from ..asperities import dry_separation, pressure_scale
-from ..fluid import lubricant_of
+from ..fluid import build_lubricant
 from ..friction import profile_friction
-from ..hertz import compliance_of, deflection, find_load, maximum_pressure
-from ..mixed_lubrication import surfaces_of, traction_of
+from ..hertz import deflection, find_load, maximum_pressure, pair_compliance
+from ..mixed_lubrication import build_surfaces, build_traction
 from ..records import FilmThickness
-from .differences import INSTANTS, follow, rate_of, restart, second_derivative_of
+from .differences import INSTANTS, append_instant, estimate_rate, estimate_second_derivative, restart
 from .grid import check_nodes
 from .mixed import Bodies, fill_total, film_of, mean_plane_gap
-from .newton import line_load_of
+from .newton import integrate_pressure
 from .reynolds import Flow
 from .transient import Drives, central, grid_scale_after, highest, least, place_film, wanted_scale
 from .workspace import Workspace
@@ -85,14 +85,14 @@ def field_layout(nodes: int) -> Layout:
 
 
 @kernel
-def bodies_of(p: Any) -> Bodies:
+def build_bodies(p: Any) -> Bodies:
     """The elastic pair and its rough surfaces that the parameters describe."""
-    compliance = compliance_of(p)
-    return Bodies(compliance, p.length, p.roughness, pressure_scale(surfaces_of(p), compliance))
+    compliance = pair_compliance(p)
+    return Bodies(compliance, p.length, p.roughness, pressure_scale(build_surfaces(p), compliance))
 
 
 @kernel
-def drives_of(u: Any, p: Any, approach: float) -> Drives:
+def read_drives(u: Any, p: Any, approach: float) -> Drives:
     """What the inputs ask for; `approach` is the guess where the load is given.
 
     A load is at least film_load_floor: without any, the bodies would part at once, however far.
@@ -104,7 +104,7 @@ def drives_of(u: Any, p: Any, approach: float) -> Drives:
 
 
 @kernel
-def carried_share(u: Any, p: Any) -> float:
+def load_share(u: Any, p: Any) -> float:
     """The load over that which the film is solved for: less than 1 for a load below film_load_floor.
 
     Without load there is no film to solve for, as the bodies part at once; they keep that of the floor. Of
@@ -120,13 +120,13 @@ def observe(x: Any, u: Any, p: Any, bodies: Bodies, w: Workspace) -> None:
     """The numbers that outputs need, from pressure and film: load, films, and what rubs."""
     fill_total(x.pressure, x.film, bodies, w.mixed.total)
     x.curvature = 1.0 / u.radius_of_curvature
-    x.field_load = line_load_of(w.mixed.total, w.weight, x.grid_scale) * bodies.length
+    x.field_load = integrate_pressure(w.mixed.total, w.weight, x.grid_scale) * bodies.length
     x.film_thickness = central(x.film)
     x.least_film = least(x.film)
     x.highest_pressure = highest(w.mixed.total)
     found = profile_friction(
         w.X, x.pressure, x.film, x.grid_scale * bodies.length, u.sliding_velocity, bodies.compliance,
-        lubricant_of(p, p.density_law), surfaces_of(p), traction_of(p),
+        build_lubricant(p, p.density_law), build_surfaces(p), build_traction(p),
     )  # fmt: skip
     x.field_asperity_load = found.asperity_load
     x.field_shear = found.viscous
@@ -146,11 +146,11 @@ def remember(x: Any, time_step: float, values: Any) -> None:
     if time_step <= 0.0:
         restart(table, x.ages, values)
         x.waited = 0.0
-    elif follow(table, x.ages, values, x.waited + time_step):
+    elif append_instant(table, x.ages, values, x.waited + time_step):
         x.waited = 0.0
     else:
         x.waited += time_step
-    x.film_rate = rate_of(table, x.ages, _FILM, x.waited)
+    x.film_rate = estimate_rate(table, x.ages, _FILM, x.waited)
 
 
 @kernel
@@ -171,21 +171,21 @@ def clear(dx: Any) -> None:
 def fill_rates(x: Any, dx: Any) -> None:
     """Rates of what outputs show."""
     table = x.history.reshape((INSTANTS, FOLLOWED))
-    dx.field_load = rate_of(table, x.ages, _LOAD, x.waited)
+    dx.field_load = estimate_rate(table, x.ages, _LOAD, x.waited)
     dx.film_thickness = x.film_rate
-    dx.film_rate = second_derivative_of(table, x.ages, _FILM)
-    dx.least_film = rate_of(table, x.ages, _LEAST, x.waited)
-    dx.highest_pressure = rate_of(table, x.ages, _PRESSURE, x.waited)
-    dx.field_asperity_load = rate_of(table, x.ages, _ASPERITIES, x.waited)
-    dx.field_shear = rate_of(table, x.ages, _SHEAR, x.waited)
-    dx.field_boundary_friction = rate_of(table, x.ages, _BOUNDARY, x.waited)
+    dx.film_rate = estimate_second_derivative(table, x.ages, _FILM)
+    dx.least_film = estimate_rate(table, x.ages, _LEAST, x.waited)
+    dx.highest_pressure = estimate_rate(table, x.ages, _PRESSURE, x.waited)
+    dx.field_asperity_load = estimate_rate(table, x.ages, _ASPERITIES, x.waited)
+    dx.field_shear = estimate_rate(table, x.ages, _SHEAR, x.waited)
+    dx.field_boundary_friction = estimate_rate(table, x.ages, _BOUNDARY, x.waited)
 
 
 @kernel
 def next_scale(x: Any, radius: float, time_step: float, bodies: Bodies) -> float:
     """The grid's scale after a step in whose middle the contact has that radius (m)."""
     table = x.history.reshape((INSTANTS, FOLLOWED))
-    load = x.field_load + 0.5 * time_step * rate_of(table, x.ages, _LOAD, x.waited)
+    load = x.field_load + 0.5 * time_step * estimate_rate(table, x.ages, _LOAD, x.waited)
     film = x.film_thickness + 0.5 * time_step * x.film_rate
     return grid_scale_after(time_step, x.grid_scale, load / bodies.length, film, radius, bodies)
 
@@ -200,14 +200,14 @@ class Begun(NamedTuple):
 @kernel
 def begin(thickness: float, u: Any, p: Any, X: Any, pressure: Any, film: Any) -> Begun:
     """Fill pressure and film: Hertz's pressure over a film of that thickness (m)."""
-    bodies = bodies_of(p)
+    bodies = build_bodies(p)
     between, radius = mean_plane_gap(thickness, bodies.roughness), u.radius_of_curvature
     if p.load_is_given != 0.0:
         load = max(u.applied_load, p.film_load_floor)
         if bodies.roughness > 0.0:
             # No film presses rough surfaces closer than they come dry.
             highest_pressure = maximum_pressure(load, radius, bodies.length, bodies.compliance)
-            dry = dry_separation(highest_pressure, surfaces_of(p), bodies.compliance)
+            dry = dry_separation(highest_pressure, build_surfaces(p), bodies.compliance)
             between = max(between, dry * bodies.roughness)
         approach = deflection(load, radius, bodies.length, bodies.compliance) - between
         gap = between
@@ -225,4 +225,4 @@ def begin_state(x: Any, u: Any, p: Any, w: Workspace) -> None:
     """Begin the field of a state that has none."""
     begun = begin(x.film_thickness, u, p, w.X, x.pressure, x.film)
     x.grid_scale, x.rigid_approach = begun.grid_scale, begun.rigid_approach
-    observe(x, u, p, bodies_of(p), w)
+    observe(x, u, p, build_bodies(p), w)

@@ -30,7 +30,7 @@ MARGIN = 4
 
 
 @kernel
-def levels_of(n: int) -> int:
+def count_levels(n: int) -> int:
     """How often the range of n nodes is halved."""
     levels = 0
     while LEAF * 2 ** (levels + 1) <= n:
@@ -75,7 +75,7 @@ class Hierarchy(NamedTuple):
 
 def hierarchy_size(n: int) -> int:
     """Elements of scratch that `hierarchy_in` needs."""
-    levels = levels_of(n)
+    levels = count_levels(n)
     leaves = 2**levels
     size = n // leaves + 1
     per_pair = 3 * RANK**2 + 2
@@ -86,7 +86,7 @@ def hierarchy_size(n: int) -> int:
 @kernel
 def hierarchy_in(work: Any, n: int) -> Hierarchy:
     """Views on the first `hierarchy_size(n)` elements of work."""
-    levels = levels_of(n)
+    levels = count_levels(n)
     leaves = 2**levels
     size = n // leaves + 1
     extent = work[0:2]
@@ -111,7 +111,7 @@ def hierarchy_in(work: Any, n: int) -> Hierarchy:
 
 
 @kernel
-def bound(k: int, parts: int, h: Hierarchy) -> int:
+def part_begin(k: int, parts: int, h: Hierarchy) -> int:
     """Where part k of `parts` begins."""
     low, high = int(h.extent[0]), int(h.extent[1])
     return low + k * (high - low) // parts
@@ -229,10 +229,10 @@ def solve_below(h: Hierarchy, level: int, x: Any, columns: int) -> None:
     x is scaled as J's rows are.
     """
     n = x.shape[1]
-    levels = levels_of(n)
+    levels = count_levels(n)
     leaves = 2**levels
     for part in range(leaves):
-        low, high = bound(part, leaves, h), bound(part + 1, leaves, h)
+        low, high = part_begin(part, leaves, h), part_begin(part + 1, leaves, h)
         found = h.row[low:high]
         for j in range(columns):
             found[:] = 0.0
@@ -242,9 +242,9 @@ def solve_below(h: Hierarchy, level: int, x: Any, columns: int) -> None:
         parents = 2**above
         U, V = h.left[above], h.right[above]
         for parent in range(parents):
-            low = bound(parent, parents, h)
-            middle = bound(2 * parent + 1, 2 * parents, h)
-            high = bound(parent + 1, parents, h)
+            low = part_begin(parent, parents, h)
+            middle = part_begin(2 * parent + 1, 2 * parents, h)
+            high = part_begin(parent + 1, parents, h)
             pair = parents + parent - 1
             upper, lower = int(h.rank[pair, 0]), int(h.rank[pair, 1])
             to_upper, to_lower, inverse = h.capacity[pair, 0], h.capacity[pair, 1], h.capacity[pair, 2]
@@ -320,7 +320,7 @@ def factorise(J: Jacobian, fixed: Any, h: Hierarchy) -> None:
     Only the stretch from the first to the last node that is not fixed, and MARGIN more, is divided.
     """
     n = fixed.shape[0]
-    levels = levels_of(n)
+    levels = count_levels(n)
     leaves = 2**levels
     low, high = n, 0
     for i in range(n):
@@ -331,7 +331,7 @@ def factorise(J: Jacobian, fixed: Any, h: Hierarchy) -> None:
     high = min(high + MARGIN, n)
     h.extent[0], h.extent[1] = max(min(low, high) - MARGIN, 0), high
     for part in range(leaves):
-        low, high = bound(part, leaves, h), bound(part + 1, leaves, h)
+        low, high = part_begin(part, leaves, h), part_begin(part + 1, leaves, h)
         fill_leaf(low, high, J, fixed, h, h.leaf[part])
         invert(h.leaf[part], high - low, h.pivot)
     for level in range(levels - 1, -1, -1):
@@ -339,17 +339,17 @@ def factorise(J: Jacobian, fixed: Any, h: Hierarchy) -> None:
         U, V = h.left[level], h.right[level]
         columns = 0
         for parent in range(parents):
-            low = bound(parent, parents, h)
-            middle = bound(2 * parent + 1, 2 * parents, h)
-            high = bound(parent + 1, parents, h)
+            low = part_begin(parent, parents, h)
+            middle = part_begin(2 * parent + 1, 2 * parents, h)
+            high = part_begin(parent + 1, parents, h)
             rank = h.rank[parents + parent - 1]
             rank[0] = compress(low, middle, middle, high, J, h, U, V)
             rank[1] = compress(middle, high, low, middle, J, h, U, V)
             columns = max(columns, int(max(rank[0], rank[1])))
         for parent in range(parents):
-            low = bound(parent, parents, h)
-            middle = bound(2 * parent + 1, 2 * parents, h)
-            high = bound(parent + 1, parents, h)
+            low = part_begin(parent, parents, h)
+            middle = part_begin(2 * parent + 1, 2 * parents, h)
+            high = part_begin(parent + 1, parents, h)
             rank = h.rank[parents + parent - 1]
             for q in range(int(rank[0]), columns):
                 U[q, low:middle] = 0.0
@@ -357,9 +357,9 @@ def factorise(J: Jacobian, fixed: Any, h: Hierarchy) -> None:
                 U[q, middle:high] = 0.0
         solve_below(h, level + 1, U, columns)
         for parent in range(parents):
-            low = bound(parent, parents, h)
-            middle = bound(2 * parent + 1, 2 * parents, h)
-            high = bound(parent + 1, parents, h)
+            low = part_begin(parent, parents, h)
+            middle = part_begin(2 * parent + 1, 2 * parents, h)
+            high = part_begin(parent + 1, parents, h)
             pair = parents + parent - 1
             upper, lower = int(h.rank[pair, 0]), int(h.rank[pair, 1])
             couple(low, middle, high, U, V, upper, lower, h.capacity[pair], h.pivot)

@@ -12,10 +12,10 @@ from typing import Any
 from ...compile.kernel import kernel, record_of
 from ...core.implicit import ImplicitSteps
 from ...core.integrator import NOT_CONVERGED, OK, copy
-from ..fluid import lubricant_of
-from .field_state import begin_state, bodies_of, drives_of, observe
+from ..fluid import build_lubricant
+from .field_state import begin_state, build_bodies, observe, read_drives
 from .mixed import fill_total
-from .newton import Task, forget_factors, line_load_of, newton
+from .newton import FilmProblem, forget_factors, integrate_pressure, newton
 from .reynolds import properties
 from .transient import GRID_TIME, aimed_scale, central, masses
 from .workspace import workspace_in, workspace_size
@@ -42,7 +42,7 @@ def implicit_field(component: Any) -> ImplicitSteps:
     def carry(x: Any, u: Any, p: Any, work: Any, q: Any) -> None:
         state, constants = record_of(x, X), record_of(p, P)
         w = workspace_in(work, nodes)
-        properties(state.pressure, state.film, lubricant_of(constants, constants.density_law), w.nodes)
+        properties(state.pressure, state.film, build_lubricant(constants, constants.density_law), w.nodes)
         masses(state.grid_scale, w, q[:nodes])
         rest = q[nodes:]
         rest[_SCALE], rest[_FILM] = state.grid_scale, state.film_thickness
@@ -56,17 +56,17 @@ def implicit_field(component: Any) -> ImplicitSteps:
         pressure, film = work[solver : solver + nodes], work[solver + nodes : solver + 2 * nodes]
         copy(pressure, state.pressure)
         copy(film, state.film)
-        bodies, fluid = bodies_of(constants), lubricant_of(constants, constants.density_law)
+        bodies, fluid = build_bodies(constants), build_lubricant(constants, constants.density_law)
         before = base[nodes:]
-        drives = drives_of(given, constants, state.rigid_approach)
+        drives = read_drives(given, constants, state.rigid_approach)
         fill_total(pressure, film, bodies, w.mixed.total)
-        load = line_load_of(w.mixed.total, w.weight, state.grid_scale)
+        load = integrate_pressure(w.mixed.total, w.weight, state.grid_scale)
         wanted = aimed_scale(state.grid_scale, load, central(film), drives.flow.radius, bodies)
         share = interval / GRID_TIME
         scale = (before[_SCALE] + share * wanted) / (1.0 + share)
         rate = (scale - before[_SCALE]) / interval
-        task = Task(scale, rate, drives.flow, drives.line_load, interval)
-        found = newton(pressure, film, drives.approach, task, bodies, fluid, base[:nodes], w)
+        problem = FilmProblem(scale, rate, drives.flow, drives.line_load, interval)
+        found = newton(pressure, film, drives.approach, problem, bodies, fluid, base[:nodes], w)
         copy(state.pressure, pressure)
         copy(state.film, film)
         if found.error != 0.0:

@@ -16,8 +16,8 @@ from ...compile.kernel import kernel
 from ...core.integrator import copy
 from ..fluid import Lubricant
 from .mixed import Bodies
-from .newton import Task, forget_factors
-from .transient import Drives, Stepped, error_of, masses, solved
+from .newton import FilmProblem, forget_factors
+from .transient import Drives, FilmStep, error_of, masses, solve_robustly
 from .workspace import Workspace
 
 
@@ -25,7 +25,7 @@ from .workspace import Workspace
 def jump_step(
     p: Any, h: Any, slope: Any, scale: float, new_scale: float, time_step: float, end: Drives,
     tolerance: float, bodies: Bodies, fluid: Lubricant, w: Workspace,
-) -> Stepped:  # fmt: skip
+) -> FilmStep:  # fmt: skip
     """As `step`, which has been tried before from the same start. No pressure is foretold after it.
 
     The error is that of first order in what goes on steadily; it vanishes with the step, the jump has none.
@@ -34,14 +34,14 @@ def jump_step(
     copy(h, w.h_start)
     copy(w.mixed.total, w.mixed.total_start)
     forget_factors(w)
-    task = Task(new_scale, (new_scale - scale) / time_step, end.flow, end.line_load, time_step)
-    found = solved(p, h, end.approach, task, bodies, fluid, w.mass_start, w)
+    problem = FilmProblem(new_scale, (new_scale - scale) / time_step, end.flow, end.line_load, time_step)
+    found = solve_robustly(p, h, end.approach, problem, bodies, fluid, w.mass_start, w)
     if found.error != 0.0:
-        return Stepped(found.approach, new_scale, math.inf, found.approach)
+        return FilmStep(found.approach, new_scale, math.inf, found.approach)
     masses(new_scale, w, w.estimate)
     for i in range(p.shape[0]):
         slope[i] = 0.0
         at_start = -w.rate_start[i] * time_step
         w.estimate[i] = 0.5 * (w.estimate[i] - w.mass_start[i] - at_start) if w.p_start[i] > 0.0 else 0.0
     error = error_of(p, h, new_scale, time_step, end.line_load < 0.0, bodies, w)
-    return Stepped(found.approach, new_scale, error / tolerance, found.approach)
+    return FilmStep(found.approach, new_scale, error / tolerance, found.approach)

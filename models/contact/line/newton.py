@@ -4,7 +4,8 @@ Newton's method on the balance of `reynolds` with the complementarity p >= 0 by 
 pressure falls below zero cavitates, a cavitated node whose balance says that oil piles up gets pressure
 again. As that is seen only next to the pressurised film, more nodes join when it moves on (1, 2, 4, ...).
 Between rough surfaces the unknown is the total pressure (see `mixed`).
-Factors of the Jacobian serve until convergence is slow or many nodes have changed sides (see `woodbury`).
+The factors of the Jacobian are used until convergence is slow or many nodes have changed sides (see
+`woodbury`).
 """
 
 from __future__ import annotations
@@ -42,8 +43,8 @@ MOST_STRAIN = 1.0
 HIGH = 0.05
 
 
-class Task(NamedTuple):
-    """What is asked for: grid scale (m) and its rate (m/s), drive, load per length (N/m; negative: the
+class FilmProblem(NamedTuple):
+    """The step to solve: grid scale (m) and its rate (m/s), drive, load per length (N/m; negative: the
     approach is given) and the time step (s, may be inf)."""
 
     scale: float
@@ -53,7 +54,7 @@ class Task(NamedTuple):
     time_step: float
 
 
-class Found(NamedTuple):
+class FilmSolution(NamedTuple):
     """approach (m), error (0: converged), iterations."""
 
     approach: float
@@ -68,7 +69,7 @@ def deflection_factors(scale: float, bodies: Bodies) -> tuple[float, float]:
 
 
 @kernel
-def line_load_of(p: Any, weight: Any, scale: float) -> float:
+def integrate_pressure(p: Any, weight: Any, scale: float) -> float:
     """Load per length (N/m)."""
     total = 0.0
     for i in range(p.shape[0]):
@@ -83,7 +84,7 @@ def fill_film(
     """The bodies' gap h = -approach + x^2/(2R) + deflection by the (total) pressure p."""
     factor, offset = deflection_factors(scale, bodies)
     n = p.shape[0]
-    level = factor * offset * line_load_of(p, w.weight, 1.0)
+    level = factor * offset * integrate_pressure(p, w.weight, 1.0)
     first, last = 0, n
     while first < last and p[first] == 0.0:
         first += 1
@@ -206,12 +207,12 @@ def clip(p: Any, q: Any, highest: float, rough: bool, w: Workspace) -> bool:
 
 
 @kernel
-def is_balanced(task: Task, w: Workspace) -> bool:
+def is_balanced(problem: FilmProblem, w: Workspace) -> bool:
     """Whether w.residual is small at pressurised nodes, and where oil is missing at cavitated ones, against
     the mass, or against what flows through where the step is long."""
     for i in range(1, w.X.shape[0] - 1):
-        width = cell(w.X, i) * task.scale
-        allowed = BALANCE * w.nodes.mass[i] * (width / task.time_step + abs(task.drive.velocity))
+        width = cell(w.X, i) * problem.scale
+        allowed = BALANCE * w.nodes.mass[i] * (width / problem.time_step + abs(problem.drive.velocity))
         left = abs(w.residual[i]) if w.fixed[i] == 0.0 else -w.residual[i]
         if not left <= allowed:
             return False
@@ -220,18 +221,19 @@ def is_balanced(task: Task, w: Workspace) -> bool:
 
 @kernel
 def newton(
-    p: Any, h: Any, approach: float, task: Task, bodies: Bodies, fluid: Lubricant, old: Any, w: Workspace
-) -> Found:
+    p: Any, h: Any, approach: float, problem: FilmProblem, bodies: Bodies, fluid: Lubricant, old: Any,
+    w: Workspace,
+) -> FilmSolution:  # fmt: skip
     """p and h are the guess and the result; a result whose error is not 0 must not be used.
 
     Between rough surfaces w.mixed.total is the guess of the pressure, and p tells where it is the fluid's;
-    the result is in both. `old` is rho h times the volumes at the step's start (m^2). The factors in w serve
-    where they are of nearly the same nodes; `forget_factors` before the first call.
+    the result is in both. `old` is rho h times the volumes at the step's start (m^2). The factors in w are
+    used where they belong to nearly the same nodes; call `forget_factors` before the first call.
     """
     n = p.shape[0]
-    factor, offset = deflection_factors(task.scale, bodies)
+    factor, offset = deflection_factors(problem.scale, bodies)
     J = Jacobian(w.A, w.B, w.D, w.weight, factor, offset)
-    given = task.line_load < 0.0
+    given = problem.line_load < 0.0
     rough = bodies.roughness > 0.0
     # Of smooth bodies the total pressure is the fluid's, and the gap the film.
     q, gap = (w.mixed.total, w.mixed.gap) if rough else (p, h)
@@ -244,7 +246,7 @@ def newton(
         w.fixed[i] = 0.0 if 0 < i < n - 1 and p[i] > 0.0 else 1.0
         w.recent[i] = 0.0
         highest = max(highest, q[i])
-    fill_film(q, approach, task.drive.radius, task.scale, bodies, w, gap)
+    fill_film(q, approach, problem.drive.radius, problem.scale, bodies, w, gap)
     if rough:
         touch(bodies, w.mixed, h)
         fluid_pressure(p, w.fixed, w.mixed)
@@ -252,21 +254,21 @@ def newton(
             p[i] = max(p[i], 0.0)
     for iteration in range(MOST_ITERATIONS):
         if clip(p, q, highest, rough, w):
-            fill_film(q, approach, task.drive.radius, task.scale, bodies, w, gap)
+            fill_film(q, approach, problem.drive.radius, problem.scale, bodies, w, gap)
             if rough:
                 touch(bodies, w.mixed, h)
                 for i in range(n):
                     if p[i] > 0.0:
                         p[i] = max(q[i] - w.mixed.asperities[i], 0.0)
         if not smallest(h) > 0.0:
-            return Found(approach, math.inf, iteration)
+            return FilmSolution(approach, math.inf, iteration)
         properties(p, h, fluid, w.nodes)
         balance(
-            w.X, task.scale, task.scale_rate, p, h, w.nodes, task.drive, fluid, old, task.time_step,
-            w.residual, w.A, w.B,
+            w.X, problem.scale, problem.scale_rate, p, h, w.nodes, problem.drive, fluid, old,
+            problem.time_step, w.residual, w.A, w.B,
         )  # fmt: skip
         for i in range(n):
-            if abs(w.residual[i]) <= ROUNDING * old[i] / task.time_step:
+            if abs(w.residual[i]) <= ROUNDING * old[i] / problem.time_step:
                 w.residual[i] = 0.0
         changed, hasty = update_sides(w.change, w.fixed, w.residual, w.recent, reach)
         most = last // 2 if hasty else most + 1
@@ -277,18 +279,18 @@ def newton(
             fill_sides(p, w.fixed, highest, w.mixed)
             couple_asperities(w.A, w.B, w.mixed, w.right)
         if left <= 1.0 and changed == 0:
-            return Found(approach, 0.0 if is_balanced(task, w) else math.inf, iteration)
+            return FilmSolution(approach, 0.0 if is_balanced(problem, w) else math.inf, iteration)
         if slow or not correct_factors(sides, w.hierarchy, w.exchange):
             factorise_anew(J, sides, w.hierarchy, w.exchange)
         fill_right_side(w)
-        missing = task.line_load - line_load_of(q, w.weight, task.scale)
-        change = solve(w, J, task.scale, missing, given)
+        missing = problem.line_load - integrate_pressure(q, w.weight, problem.scale)
+        change = solve(w, J, problem.scale, missing, given)
         largest, highest = 0.0, PRESSURE_FLOOR
         for i in range(n):
             w.change[i] = w.solution[0, i]
             largest = max(largest, abs(w.change[i]))
             highest = max(highest, q[i] + w.change[i])
-        fill_film(w.change, change, math.inf, task.scale, bodies, w, w.film_change)
+        fill_film(w.change, change, math.inf, problem.scale, bodies, w, w.film_change)
         share = allowed_share(p, h, highest, bodies, w)
         approach += share * change
         for i in range(n):
@@ -299,7 +301,7 @@ def newton(
             fluid_pressure(p, w.fixed, w.mixed)
         before, error = error, largest / (TOLERANCE * highest)
         if not math.isfinite(error) or highest * bodies.compliance > MOST_STRAIN:
-            return Found(approach, math.inf, iteration)
+            return FilmSolution(approach, math.inf, iteration)
         slow = error > SLOW * before
         # What is left after a correction is that times the rate at which they shrink, but not by factors of
         # before nodes changed sides, whose corrections shrink first fast, then slowly.
@@ -308,7 +310,7 @@ def newton(
             left *= min(error / before, 1.0)
         if share < 1.0:
             left = math.inf
-    return Found(approach, math.inf, MOST_ITERATIONS)
+    return FilmSolution(approach, math.inf, MOST_ITERATIONS)
 
 
 @kernel

@@ -22,7 +22,15 @@ from ..fluid import Lubricant
 from ..hertz import deflection, find_load, half_width, maximum_pressure
 from .hierarchical import BAND, Jacobian
 from .mixed import BALANCED, FREE, Bodies, fill_total, film_of, mean_plane_gap
-from .newton import Found, Task, deflection_factors, forget_factors, line_load_of, newton, solve
+from .newton import (
+    FilmProblem,
+    FilmSolution,
+    deflection_factors,
+    forget_factors,
+    integrate_pressure,
+    newton,
+    solve,
+)
 from .reynolds import Flow, balance, cell, properties
 from .workspace import Workspace
 
@@ -48,7 +56,7 @@ class Drives(NamedTuple):
     line_load: float
 
 
-class Stepped(NamedTuple):
+class FilmStep(NamedTuple):
     """approach (m) and grid scale (m) after the step; error over the tolerance (nan or inf: failed). At
     GAMMA of the step the approach was `middle_approach`, pressure and film w.p_middle and w.h_middle."""
 
@@ -219,18 +227,19 @@ def error_of(
         film += factor * (w.D[j, i] + offset * w.weight[j]) * w.solution[0, j]
     floor = LOAD_FLOOR / bodies.length
     rough = bodies.roughness > 0.0
-    of_load = abs(load * scale) / (line_load_of(w.mixed.total if rough else p, w.weight, scale) + floor)
+    of_load = abs(load * scale) / (integrate_pressure(w.mixed.total if rough else p, w.weight, scale) + floor)
     of_film = abs(film - change) / h[i]
     return max(of_load, w.mixed.opening[i] * of_film if rough else of_film)
 
 
 @kernel
-def solved(
-    p: Any, h: Any, approach: float, task: Task, bodies: Bodies, fluid: Lubricant, old: Any, w: Workspace
-) -> Found:
+def solve_robustly(
+    p: Any, h: Any, approach: float, problem: FilmProblem, bodies: Bodies, fluid: Lubricant, old: Any,
+    w: Workspace,
+) -> FilmSolution:  # fmt: skip
     """Newton's method from the guess p; after a jump, where that fails, from the pressure at the step's
     start, then from Hertz's of the bodies with the film between them."""
-    found = newton(p, h, approach, task, bodies, fluid, old, w)
+    found = newton(p, h, approach, problem, bodies, fluid, old, w)
     for attempt in range(2):
         if found.error == 0.0:
             break
@@ -239,20 +248,20 @@ def solved(
             copy(p, w.p_start)
             copy(w.mixed.total, w.mixed.total_start)
         else:
-            gap, radius = mean_plane_gap(central(w.h_start), bodies.roughness), task.drive.radius
-            load = task.line_load * bodies.length
+            gap, radius = mean_plane_gap(central(w.h_start), bodies.roughness), problem.drive.radius
+            load = problem.line_load * bodies.length
             if load < 0.0:
                 load = find_load(approach + gap, radius, bodies.length, bodies.compliance)
             else:
                 approach = deflection(load, radius, bodies.length, bodies.compliance) - gap
-            place_film(load, gap, radius, bodies, w.X, task.scale, p, h)
+            place_film(load, gap, radius, bodies, w.X, problem.scale, p, h)
             fill_total(p, h, bodies, w.mixed.total)
-        found = newton(p, h, approach, task, bodies, fluid, old, w)
+        found = newton(p, h, approach, problem, bodies, fluid, old, w)
     return found
 
 
 @kernel
-def foretold_approach(start: float, middle: float) -> float:
+def predict_approach(start: float, middle: float) -> float:
     """A guess of the approach (m) at a step's end, from its start and its first stage."""
     return start + (middle - start) / GAMMA
 
@@ -261,8 +270,8 @@ def foretold_approach(start: float, middle: float) -> float:
 def step(
     p: Any, h: Any, slope: Any, scale: float, new_scale: float, time_step: float, start: Drives,
     middle: Drives, end: Drives, tolerance: float, bodies: Bodies, fluid: Lubricant, w: Workspace,
-) -> Stepped:  # fmt: skip
-    """p and h at the step's start become those at its end; `slope` (Pa/s) foretells the total pressure
+) -> FilmStep:  # fmt: skip
+    """p and h at the step's start become those at its end; `slope` (Pa/s) predicts the total pressure
     and is renewed.
 
     Unless the error is at most 1 they must not be used (the start is in w.p_start, w.h_start, w.slope_start).
@@ -287,10 +296,10 @@ def step(
         q[i] = foretold(q_start[i], slope[i], GAMMA * time_step)
         if q_start[i] == p[i]:
             p[i] = q[i]
-    task = Task(half_scale, rate, middle.flow, middle.line_load, GAMMA * time_step)
-    found = solved(p, h, middle.approach, task, bodies, fluid, w.mass_start, w)
+    problem = FilmProblem(half_scale, rate, middle.flow, middle.line_load, GAMMA * time_step)
+    found = solve_robustly(p, h, middle.approach, problem, bodies, fluid, w.mass_start, w)
     if found.error != 0.0:
-        return Stepped(found.approach, half_scale, math.inf, found.approach)
+        return FilmStep(found.approach, half_scale, math.inf, found.approach)
     masses(half_scale, w, w.mass_middle)
     copy(w.p_middle, p)
     copy(w.h_middle, h)
@@ -299,7 +308,7 @@ def step(
         w.base[i] = w.mass_start[i] + (1.0 - GAMMA) / GAMMA * (w.mass_middle[i] - w.mass_start[i])
         if w.base[i] < 0.0:
             # The film shrinks too much within the step: cavities would balance less than nothing.
-            return Stepped(found.approach, half_scale, math.inf, found.approach)
+            return FilmStep(found.approach, half_scale, math.inf, found.approach)
     # The second stage begins where the first leads to.
     for i in range(n):
         alone = p[i] == q[i]
@@ -307,12 +316,12 @@ def step(
         if alone:
             p[i] = q[i]
     given = end.line_load < 0.0
-    guess = end.approach if given else foretold_approach(start.approach, found.approach)
-    task = Task(new_scale, rate, end.flow, end.line_load, GAMMA * time_step)
-    found = solved(p, h, guess, task, bodies, fluid, w.base, w)
+    guess = end.approach if given else predict_approach(start.approach, found.approach)
+    problem = FilmProblem(new_scale, rate, end.flow, end.line_load, GAMMA * time_step)
+    found = solve_robustly(p, h, guess, problem, bodies, fluid, w.base, w)
     if found.error != 0.0:
-        return Stepped(found.approach, new_scale, math.inf, middle_approach)
+        return FilmStep(found.approach, new_scale, math.inf, middle_approach)
     for i in range(n):
         slope[i] = (q[i] - q_start[i]) / time_step
     error = estimate(p, h, new_scale, time_step, given, bodies, w)
-    return Stepped(found.approach, new_scale, error / tolerance, middle_approach)
+    return FilmStep(found.approach, new_scale, error / tolerance, middle_approach)

@@ -127,7 +127,7 @@ def fill_matrix(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange, x: Any) -> N
 
 @kernel
 def solve_corrected(J: Jacobian, fixed: Any, h: Hierarchy, e: Exchange, x: Any) -> None:
-    """x (at most SIDES, n): right sides, 0 at fixed nodes, become solutions. The factors must serve."""
+    """x (at most SIDES, n): right sides, 0 at fixed nodes, become solutions. The factors must be valid."""
     count = int(e.count[0])
     for side in range(x.shape[0]):
         for q in range(count):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import functools
 
-from models.contact.finite_line.contact import FiniteLine, Running
-from models.contact.finite_line.dry import dry
-from models.contact.finite_line.grid import Resolution
-from models.contact.finite_line.profiles import Straight
-from models.contact.finite_line.steady import steady
+from models.contact.analysis.finite_line.contact import FiniteLine, Running
+from models.contact.analysis.finite_line.dry import dry
+from models.contact.analysis.finite_line.grid import Resolution
+from models.contact.analysis.finite_line.profiles import Straight
+from models.contact.analysis.finite_line.steady import steady
 from models.contact.fluid import Lubricant
 from models.contact.hertz import elastic_compliance
 

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from models.contact.finite_line.contact import Running
-from models.contact.finite_line.cycle import passage
-from models.contact.finite_line.grid import Resolution
+from models.contact.analysis.finite_line.contact import Running
+from models.contact.analysis.finite_line.cycle import passage
+from models.contact.analysis.finite_line.grid import Resolution
 from models.core.quantities import Layout
 from models.core.system import ModelError
 from models.valve_train.camshaft import CamshaftParameters, static_slope

@@ -10,9 +10,9 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from models.contact.finite_line.contact import FiniteLine, Running
-from models.contact.finite_line.grid import Resolution
-from models.contact.finite_line.profiles import Chamfered, Crowned, Straight, johns_gohar, lundberg
+from models.contact.analysis.finite_line.contact import FiniteLine, Running
+from models.contact.analysis.finite_line.grid import Resolution
+from models.contact.analysis.finite_line.profiles import Chamfered, Crowned, Straight, johns_gohar, lundberg
 from models.contact.hertz import half_width, maximum_pressure
 
 from .cases import AT, COARSE, LENGTH, OIL, STEEL, STRAIGHT, dry_of

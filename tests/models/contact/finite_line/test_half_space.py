@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from models.contact.finite_line.grid import (
+from models.contact.analysis.finite_line.grid import (
     Edges,
     Grid,
     Resolution,
@@ -17,7 +17,7 @@ from models.contact.finite_line.grid import (
     even_nodes,
     graded_nodes,
 )
-from models.contact.finite_line.half_space import HalfSpace, _fill_near, corner
+from models.contact.analysis.finite_line.half_space import HalfSpace, _fill_near, corner
 
 GRID = Grid(even_nodes(-1.0, 1.2, 0.2), axial_faces(6.0, 1.0, (2.0,), Resolution(5, 0.3, 0.4, 6)))
 

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from models.contact.finite_line.grid import Grid
-from models.contact.finite_line.inlet import rise
-from models.contact.finite_line.linear import along_stencil
-from models.contact.finite_line.reynolds import Balance, logarithmic_mean
+from models.contact.analysis.finite_line.grid import Grid
+from models.contact.analysis.finite_line.inlet import rise
+from models.contact.analysis.finite_line.linear import along_stencil
+from models.contact.analysis.finite_line.reynolds import Balance, logarithmic_mean
 from models.contact.fluid import Lubricant
 
 FACES = np.array([-1.3, -0.7, 0.3, 0.7, 2.3])

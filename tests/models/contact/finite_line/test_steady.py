@@ -7,14 +7,14 @@ import dataclasses
 import numpy as np
 import pytest
 
-from models.contact.finite_line.contact import FiniteLine, Running
-from models.contact.finite_line.grid import Grid, Resolution
-from models.contact.finite_line.profiles import Chamfered, Crowned, Logarithmic, johns_gohar
-from models.contact.finite_line.reynolds import Balance
-from models.contact.finite_line.steady import steady, steady_at
+from models.contact.analysis.finite_line.contact import FiniteLine, Running
+from models.contact.analysis.finite_line.grid import Grid, Resolution
+from models.contact.analysis.finite_line.profiles import Chamfered, Crowned, Logarithmic, johns_gohar
+from models.contact.analysis.finite_line.reynolds import Balance
+from models.contact.analysis.finite_line.steady import steady, steady_at
+from models.contact.analysis.line.line_contact import LineContact
+from models.contact.analysis.line.steady import LineContactWarning, solve_steady
 from models.contact.fluid import Lubricant
-from models.contact.line.line_contact import LineContact
-from models.contact.line.steady import LineContactWarning, solve_steady
 from models.core.system import ModelError
 
 from .cases import AT, COARSE, LENGTH, OIL, STEEL, STRAIGHT, dry_of, film_of

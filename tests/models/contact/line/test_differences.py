@@ -9,7 +9,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from models.contact.line.differences import INSTANTS, follow, rate_of, restart, second_derivative_of
+from models.contact.line.differences import (
+    INSTANTS,
+    append_instant,
+    estimate_rate,
+    estimate_second_derivative,
+    restart,
+)
 from models.core.quantities import Vector
 
 
@@ -18,8 +24,8 @@ def followed(function: Callable[[float], float], instants: Vector) -> tuple[floa
     table, ages = np.ones((INSTANTS, 1)), np.ones(INSTANTS - 1)
     restart(table, ages, np.array([function(instants[0])]))
     for before, now in itertools.pairwise(instants):
-        follow(table, ages, np.array([function(now)]), now - before)
-    return rate_of(table, ages, 0), second_derivative_of(table, ages, 0)
+        append_instant(table, ages, np.array([function(now)]), now - before)
+    return estimate_rate(table, ages, 0), estimate_second_derivative(table, ages, 0)
 
 
 UNEVEN = np.array([0.0, 0.3, 0.4, 1.1, 1.35])
@@ -55,11 +61,11 @@ def test_a_jump_is_left_behind() -> None:
     """A history that is begun anew behind it has the rates of what came after."""
     table, ages = np.zeros((INSTANTS, 1)), np.zeros(INSTANTS - 1)
     for value in (0.0, 1.0, 2.0, 3.0):
-        follow(table, ages, np.array([value]), 0.1)
+        append_instant(table, ages, np.array([value]), 0.1)
     restart(table, ages, np.array([100.0]))
-    assert rate_of(table, ages, 0) == 0.0
-    follow(table, ages, np.array([99.5]), 0.1)
-    assert rate_of(table, ages, 0) == pytest.approx(-5.0, rel=1e-12)
+    assert estimate_rate(table, ages, 0) == 0.0
+    append_instant(table, ages, np.array([99.5]), 0.1)
+    assert estimate_rate(table, ages, 0) == pytest.approx(-5.0, rel=1e-12)
 
 
 def test_an_instant_that_follows_too_soon_is_passed_over() -> None:
@@ -68,8 +74,8 @@ def test_an_instant_that_follows_too_soon_is_passed_over() -> None:
     cubic = np.polynomial.Polynomial([0.1, 2.0, -1.0, 0.5])
     restart(table, ages, np.array([cubic(0.0)]))
     for k in range(1, 5):
-        assert follow(table, ages, np.array([cubic(0.1 * k)]), 0.1)
-    assert not follow(table, ages, np.array([cubic(0.4)]), 1e-14)
-    assert rate_of(table, ages, 0, 1e-14) == pytest.approx(cubic.deriv(1)(0.4), rel=1e-12)
-    assert follow(table, ages, np.array([cubic(0.5)]), 0.1)
-    assert rate_of(table, ages, 0) == pytest.approx(cubic.deriv(1)(0.5), rel=1e-12)
+        assert append_instant(table, ages, np.array([cubic(0.1 * k)]), 0.1)
+    assert not append_instant(table, ages, np.array([cubic(0.4)]), 1e-14)
+    assert estimate_rate(table, ages, 0, 1e-14) == pytest.approx(cubic.deriv(1)(0.4), rel=1e-12)
+    assert append_instant(table, ages, np.array([cubic(0.5)]), 0.1)
+    assert estimate_rate(table, ages, 0) == pytest.approx(cubic.deriv(1)(0.5), rel=1e-12)

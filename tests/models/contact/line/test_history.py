@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from models.contact.analysis.line.history import film_history, formula_history
+from models.contact.analysis.line.line_contact import LineContact
+from models.contact.analysis.line.steady import solve_steady
 from models.contact.films import FILMS
 from models.contact.fluid import Lubricant
 from models.contact.hertz import elastic_compliance
-from models.contact.line.history import film_history, formula_history
-from models.contact.line.line_contact import LineContact
-from models.contact.line.steady import solve_steady
 
 from .cam_cycle import motion
 

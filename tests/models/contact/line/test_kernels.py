@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from models.contact.analysis.line.fixed_grid import Mesh, workspace
 from models.contact.fluid import Lubricant
 from models.contact.hertz import deflection, half_width, maximum_pressure
-from models.contact.line.fixed_grid import Mesh, workspace
 from models.contact.line.grid import fill_kernel_matrix, place_nodes
 from models.contact.line.hierarchical import BAND, Jacobian
 from models.contact.line.mixed import Bodies

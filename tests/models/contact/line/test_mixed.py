@@ -10,6 +10,10 @@ import numpy as np
 import pytest
 from scipy.optimize import root
 
+from models.contact.analysis.line.fixed_grid import Mesh, cold_start, steady_on_grid, workspace
+from models.contact.analysis.line.history import film_history
+from models.contact.analysis.line.line_contact import LineContact
+from models.contact.analysis.line.steady import SteadyFilm, solve_steady
 from models.contact.asperities import (
     Asperities,
     asperity_pressure,
@@ -21,11 +25,8 @@ from models.contact.asperities import (
 from models.contact.films import FILMS
 from models.contact.fluid import Lubricant
 from models.contact.hertz import elastic_compliance, half_width
-from models.contact.line.fixed_grid import Mesh, cold_start, steady_on_grid, workspace
 from models.contact.line.grid import node_positions
 from models.contact.line.hierarchical import BAND
-from models.contact.line.history import film_history
-from models.contact.line.line_contact import LineContact
 from models.contact.line.mixed import (
     BALANCED,
     TOUCHING,
@@ -37,8 +38,7 @@ from models.contact.line.mixed import (
 )
 from models.contact.line.newton import deflection_factors
 from models.contact.line.reynolds import Flow, balance, properties
-from models.contact.line.steady import SteadyFilm, solve_steady
-from models.contact.load_sharing import FilmFormula, formula_film, shared
+from models.contact.load_sharing import FilmFormula, formula_film, share_load
 from models.core.integrator import OK
 from models.core.quantities import Vector
 
@@ -354,7 +354,7 @@ def test_sharing_by_a_formula_is_near_that_of_the_solved_film(velocity, rough):
         OIL.pressure_viscosity,
     )  # fmt: skip
     area = 2.0 * half_width(LOAD, RADIUS, LENGTH, STEEL) * LENGTH
-    model = shared(LOAD, formula_film(LOAD, moes), area, rough, moes)
+    model = share_load(LOAD, formula_film(LOAD, moes), area, rough, moes)
     film = steady(velocity, rough)
     more = (film.asperity_load - model.asperity_load) / LOAD
     assert (0.0 if rough == COARSE else -0.08) < more < (0.15 if rough == COARSE else 0.0)

@@ -11,11 +11,11 @@ import warnings
 import numpy as np
 import pytest
 
+from models.contact.analysis.line.line_contact import LineContact, moes_contact
+from models.contact.analysis.line.steady import LineContactError, LineContactWarning, solve_steady
 from models.contact.films.moes_venner import moes_film
 from models.contact.fluid import Lubricant, density_ratio, viscosity_at
 from models.contact.hertz import ELASTIC_LIMIT, elastic_compliance
-from models.contact.line.line_contact import LineContact, moes_contact
-from models.contact.line.steady import LineContactError, LineContactWarning, solve_steady
 
 STEEL = elastic_compliance(207e9, 0.3, 207e9, 0.3)
 CAM = LineContact(
@@ -264,7 +264,7 @@ def test_a_contact_that_all_but_rests_is_refused():
 
 def test_a_short_inlet_is_seen():
     """The load that oil from beyond the grid would carry bounds what four times the reach changes."""
-    from models.contact.line import steady
+    from models.contact.analysis.line import steady
 
     contact = moes_contact(1.0, 0.0)
     films = {}

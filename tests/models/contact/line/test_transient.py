@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from models.contact.analysis.line.history import film_history
 from models.contact.ehl_line_contact import ehl_line_contact
 from models.contact.line.grid import REACH
-from models.contact.line.history import film_history
 from models.core.integrator import NOT_CONVERGED, OK
 
 from .cam_cycle import cycle, least_films, motion

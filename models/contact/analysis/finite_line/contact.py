@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...core.quantities import Vector
-from ..fluid import Lubricant
-from .faults import finite, not_negative, positive, within
+from ....core.quantities import Vector
+from ...fluid import Lubricant
+from .faults import out_of_range, require_finite, require_not_negative, require_positive
 from .profiles import Profile, Straight
 
 # Larger slopes than this (rad) are no misalignment of a contact: sin and tan would have to be told apart.
@@ -25,15 +25,15 @@ class FiniteLine:
     profile: Profile = field(default_factory=Straight)
 
     def __post_init__(self) -> None:
-        positive("length", self.length, "m", "give the length of the contact")
-        positive("compliance", self.compliance, "1/Pa", "see hertz.elastic_compliance")
-        positive("viscosity", self.fluid.viscosity, "Pa s", "use `dry` for no lubricant")
-        not_negative(
+        require_positive("length", self.length, "m", "give the length of the contact")
+        require_positive("compliance", self.compliance, "1/Pa", "see hertz.elastic_compliance")
+        require_positive("viscosity", self.fluid.viscosity, "Pa s", "use `dry` for no lubricant")
+        require_not_negative(
             "pressure-viscosity coefficient", self.fluid.pressure_viscosity, "1/Pa", "0 is isoviscous"
         )
         if self.fluid.eyring_stress != 0.0:
             remedy = "shear thinning is in the line contact only"
-            raise within("Eyring stress", self.fluid.eyring_stress, "Pa", "0 (Newtonian)", remedy)
+            raise out_of_range("Eyring stress", self.fluid.eyring_stress, "Pa", "0 (Newtonian)", remedy)
 
 
 @dataclass(frozen=True)
@@ -47,13 +47,13 @@ class Running:
     misalignment: float = 0.0
 
     def __post_init__(self) -> None:
-        positive("load", self.load, "N", "an open contact has no film to solve for")
-        finite("load", self.load, "N", "give a load")
-        finite("entraining velocity", self.velocity, "m/s", "give a velocity")
-        positive("radius", self.radius, "m", "give the reduced radius of the contact")
+        require_positive("load", self.load, "N", "an open contact has no film to solve for")
+        require_finite("load", self.load, "N", "give a load")
+        require_finite("entraining velocity", self.velocity, "m/s", "give a velocity")
+        require_positive("radius", self.radius, "m", "give the reduced radius of the contact")
         if not abs(self.misalignment) <= _LARGEST_MISALIGNMENT:
             bound = f"between -{_LARGEST_MISALIGNMENT} and {_LARGEST_MISALIGNMENT} rad"
-            raise within("misalignment", self.misalignment, "rad", bound, "give a slope, not degrees")
+            raise out_of_range("misalignment", self.misalignment, "rad", bound, "give a slope, not degrees")
 
     def relief(self, contact: FiniteLine, y: Vector) -> Vector:
         """Distance (m) of the surfaces along the line x = 0, before load, less its smallest value."""

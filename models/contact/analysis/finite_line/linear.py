@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.quantities import Vector
+from ....core.quantities import Vector
 from .grid import Mask
 from .half_space import HalfSpace
 from .krylov import gmres

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..compile.kernel import kernel
+from ...compile.kernel import kernel
 
 
 @kernel

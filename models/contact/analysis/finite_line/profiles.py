@@ -14,9 +14,9 @@ from typing import Protocol
 
 import numpy as np
 
-from ...core.quantities import Vector
-from ..hertz import half_width
-from .faults import not_negative, positive, within
+from ....core.quantities import Vector
+from ...hertz import half_width
+from .faults import out_of_range, require_not_negative, require_positive
 
 # Johns and Gohar's number, of their formula for the drop at the end.
 _JOHNS_GOHAR = 0.3033
@@ -50,11 +50,13 @@ class Crowned:
     radius: float
 
     def __post_init__(self) -> None:
-        positive("crown radius", self.radius, "m", "use Straight for no crown")
+        require_positive("crown radius", self.radius, "m", "use Straight for no crown")
 
     def drop(self, y: Vector, length: float) -> Vector:
         if self.radius < 0.5 * length:
-            raise within("crown radius", self.radius, "m", f">= length/2 = {0.5 * length:g} m", "increase it")
+            raise out_of_range(
+                "crown radius", self.radius, "m", f">= length/2 = {0.5 * length:g} m", "increase it"
+            )
         return y**2 / (self.radius + np.sqrt(self.radius**2 - y**2))
 
     def kinks(self, length: float) -> tuple[float, ...]:
@@ -69,8 +71,8 @@ class Chamfered:
     slope: float
 
     def __post_init__(self) -> None:
-        positive("chamfer width", self.width, "m", "use Straight for no chamfer")
-        positive("chamfer slope", self.slope, "1", "use Straight for no chamfer")
+        require_positive("chamfer width", self.width, "m", "use Straight for no chamfer")
+        require_positive("chamfer slope", self.slope, "1", "use Straight for no chamfer")
 
     def drop(self, y: Vector, length: float) -> Vector:
         return self.slope * np.maximum(np.abs(y) - self.kinks(length)[0], 0.0)
@@ -78,7 +80,7 @@ class Chamfered:
     def kinks(self, length: float) -> tuple[float, ...]:
         if self.width >= 0.5 * length:
             bound = f"< length/2 = {0.5 * length:g} m"
-            raise within("chamfer width", self.width, "m", bound, "make the chamfer narrower")
+            raise out_of_range("chamfer width", self.width, "m", bound, "make the chamfer narrower")
         return (0.5 * length - self.width,)
 
 
@@ -94,11 +96,15 @@ class Logarithmic:
     straight_share: float = 0.0
 
     def __post_init__(self) -> None:
-        positive("amplitude of the logarithmic profile", self.amplitude, "m", "use Straight for none")
-        positive("end drop of the logarithmic profile", self.end_drop, "m", "use Straight for none")
-        not_negative("straight share", self.straight_share, "1", "use 0 for a profile over the whole length")
+        require_positive("amplitude of the logarithmic profile", self.amplitude, "m", "use Straight for none")
+        require_positive("end drop of the logarithmic profile", self.end_drop, "m", "use Straight for none")
+        require_not_negative(
+            "straight share", self.straight_share, "1", "use 0 for a profile over the whole length"
+        )
         if self.straight_share >= 1.0:
-            raise within("straight share", self.straight_share, "1", "< 1", "use Straight for no relief")
+            raise out_of_range(
+                "straight share", self.straight_share, "1", "< 1", "use Straight for no relief"
+            )
 
     def drop(self, y: Vector, length: float) -> Vector:
         straight = 0.5 * length * self.straight_share
@@ -111,7 +117,7 @@ class Logarithmic:
 
 def lundberg(load: float, length: float, compliance: float) -> Logarithmic:
     """Lundberg's profile for an even axial load at `load` (N); compliance in 1/Pa (see hertz)."""
-    positive("design load", load, "N", "give the load at which the axial load is to be even")
+    require_positive("design load", load, "N", "give the load at which the axial load is to be even")
     return Logarithmic(load * compliance / (math.pi * length))
 
 
@@ -121,5 +127,5 @@ def johns_gohar(load: float, radius: float, length: float, compliance: float) ->
     end = _JOHNS_GOHAR * half_width(load, radius, length, compliance) / (0.5 * length)
     if end >= 1.0:
         bound = f"such that 0.3033 b/a = {end:.3g} < 1"
-        raise within("design load", load, "N", bound, "the contact is wider than long: reduce the load")
+        raise out_of_range("design load", load, "N", bound, "the contact is wider than long: reduce the load")
     return Logarithmic(amplitude, -amplitude * math.log(end))

@@ -13,8 +13,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.quantities import Vector
-from .faults import positive, within
+from ....core.quantities import Vector
+from .faults import out_of_range, require_positive
 
 # Which nodes.
 Mask = NDArray[np.bool_]
@@ -41,12 +41,12 @@ class Resolution:
     nodes_per_inlet: float = 6.0
 
     def __post_init__(self) -> None:
-        positive("nodes_per_half_width", self.nodes_per_half_width, "1", "12 are needed, 20 are usual")
-        positive("end_cell", self.end_cell, "half widths", "0.1 is usual")
-        positive("growth", self.growth, "1", "0.2 is usual")
-        positive("nodes_per_inlet", self.nodes_per_inlet, "1", "6 give films to 0.5 %")
+        require_positive("nodes_per_half_width", self.nodes_per_half_width, "1", "12 are needed, 20 usual")
+        require_positive("end_cell", self.end_cell, "half widths", "0.1 is usual")
+        require_positive("growth", self.growth, "1", "0.2 is usual")
+        require_positive("nodes_per_inlet", self.nodes_per_inlet, "1", "6 give films to 0.5 %")
         if self.fewest_lines < 4:
-            raise within("fewest_lines", self.fewest_lines, "lines", ">= 4", "40 is usual")
+            raise out_of_range("fewest_lines", self.fewest_lines, "lines", ">= 4", "40 is usual")
 
     def refined(self, factor: float) -> Resolution:
         """Every spacing divided by `factor`."""
@@ -103,7 +103,7 @@ class Edges:
 def _refuse_more(cells: float) -> None:
     """ModelError before more cells in a row are allocated than can be counted."""
     if not cells <= _SAMPLES:
-        raise within("grid", cells, "cells in a row", f"at most {_SAMPLES}", COARSER)
+        raise out_of_range("grid", cells, "cells in a row", f"at most {_SAMPLES}", COARSER)
 
 
 def even_nodes(first: float, last: float, spacing: float) -> Vector:

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ...compile.kernel import kernel
-from ...core.quantities import Vector
+from ....compile.kernel import kernel
+from ....core.quantities import Vector
 
 # Intervals of Simpson's rule in 1/x; 1e-6 of the integral.
 _INTERVALS = 40

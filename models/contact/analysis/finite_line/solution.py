@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.quantities import Vector
+from ....core.quantities import Vector
 from .contact import FiniteLine, Running
 from .grid import Grid, Mask
 

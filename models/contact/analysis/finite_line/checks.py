@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..hertz import half_width
+from ...hertz import half_width
 from ..inlet import inlet_width
 from .inlet import share_before
 
@@ -56,7 +56,7 @@ def nodes_in_inlet(found: Solution) -> float:
     return math.sqrt(found.load / total)
 
 
-def warnings_of(found: Solution) -> tuple[str, ...]:
+def find_warnings(found: Solution) -> tuple[str, ...]:
     """Each with value, bound and remedy."""
     found_warnings = []
     nodes = 0.5 * np.count_nonzero(np.abs(found.grid.x) < found.half_width)

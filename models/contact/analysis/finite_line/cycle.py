@@ -13,8 +13,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ...core.quantities import Vector
-from ...core.system import ModelError
+from ....core.quantities import Vector
+from ....core.system import ModelError
 from .contact import FiniteLine, Running
 from .dry import dry
 from .grid import Mask, Resolution

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ...compile.kernel import kernel
-from ...core.quantities import Vector
+from ....compile.kernel import kernel
+from ....core.quantities import Vector
 
 
 @kernel

@@ -16,18 +16,18 @@ from numbers import Integral
 
 import numpy as np
 
-from ...core.quantities import Vector
-from ..asperities import pressure_scale
-from ..films.moes_venner import moes_film
+from ....core.quantities import Vector
+from ...asperities import pressure_scale
+from ...films.moes_venner import moes_film
+from ...line.grid import REACH
+from ...line.mixed import Bodies, fill_total
+from ...line.newton import integrate_pressure
+from ...line.reynolds import Flow
+from ...line.transient import central, least, wanted_scale
 from ..inlet import inlet_width
 from .faults import likely_cause, real
 from .fixed_grid import Fields, Mesh, cold_start, interpolate_film, steady_on_grid, workspace
-from .grid import REACH
 from .line_contact import LineContact
-from .mixed import Bodies, fill_total
-from .newton import line_load_of
-from .reynolds import Flow
-from .transient import central, least, wanted_scale
 
 # Nodes of the series; with the most, a matrix takes 46 megabytes.
 COARSEST, FINEST = 151, 2401
@@ -293,7 +293,7 @@ def _film(contact: LineContact, found: Sequence[Fields], error: float, starvatio
     total = np.empty(last.p.size)
     fill_total(last.p, last.h, _bodies(contact), total)
     weight = workspace(last.mesh).weight
-    carried = line_load_of(total, weight, last.scale) * contact.length
+    carried = integrate_pressure(total, weight, last.scale) * contact.length
     return SteadyFilm(
         contact=contact,
         x=last.X * last.scale,
@@ -303,7 +303,7 @@ def _film(contact: LineContact, found: Sequence[Fields], error: float, starvatio
         approach=last.approach,
         central_film=float(central(last.h)),
         minimum_film=float(least(last.h)),
-        asperity_load=float(line_load_of(total - last.p, weight, last.scale)) * contact.length,
+        asperity_load=float(integrate_pressure(total - last.p, weight, last.scale)) * contact.length,
         load_error=abs(carried / contact.load - 1.0),
         mesh_error=error,
         starvation=starvation,

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import Any
 
-from ..asperities import Asperities
-from ..films.groups import Groups, groups
-from ..fluid import DENSITY_LAWS, VISCOSITY_LAWS, Lubricant
-from ..hertz import ELASTIC_LIMIT, half_width, maximum_pressure
+from ...asperities import Asperities
+from ...films.groups import Groups, groups
+from ...fluid import DENSITY_LAWS, VISCOSITY_LAWS, Lubricant
+from ...hertz import ELASTIC_LIMIT, half_width, maximum_pressure
 from .faults import real
 
 # Bodies and lubricant of `moes_contact`. M and L leave them open: in Moes' groups, films depend on them only

@@ -15,16 +15,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
-from ...core.quantities import Vector
-from ...core.system import ModelError
-from ..films.moes_venner import film as moes_venner
-from ..hertz import deflection
+from ....core.quantities import Vector
+from ....core.system import ModelError
+from ...films.moes_venner import film as moes_venner
+from ...hertz import deflection
 from ..inlet import inlet_width
 from ..line.line_contact import LineContact
-from .checks import inlet_share, warnings_of
+from .checks import find_warnings, inlet_share
 from .contact import FiniteLine, Running
-from .dry import carried, solve_dry_pressure, touching
-from .faults import finite, within
+from .dry import find_dry_load, solve_dry_pressure, touching
+from .faults import out_of_range, require_finite
 from .grid import Edges, Grid, Resolution, axial_faces, graded_nodes
 from .half_space import refuse_more_memory
 from .inlet import before_grid
@@ -80,7 +80,7 @@ def steady(
     refuse_more_memory(problem.grid)  # before the coarser one is solved
     found = _attempt(problem, window, fine, start)
     if found is None:
-        raise _lost(problem)
+        raise _build_error(problem)
     return _finish(problem, found)
 
 
@@ -111,7 +111,7 @@ def steady_at(
 
     Loads are tried by the secant method, then the approach is given to Newton's itself.
     """
-    finite("approach", approach, "m", "give the approach of the bodies")
+    require_finite("approach", approach, "m", "give the approach of the bodies")
     fine = fine or Resolution()
     _needs_velocity(running)
     compliance, length = contact.compliance, contact.length
@@ -128,7 +128,7 @@ def steady_at(
     # K (9) holds up to b = 2 L; a load of 1e-9 N/m floats metres high.
     lowest, highest = math.log(1e-9 * length), math.log(length**3 / (running.radius * compliance))
     if beyond(lowest) > 0.0 or beyond(highest) < 0.0:
-        raise within(
+        raise out_of_range(
             "approach", approach, "m", "one that a contact of this length has", "see `hertz.deflection`"
         )
     log_load = float(brentq(beyond, lowest, highest, xtol=1e-3))
@@ -151,7 +151,7 @@ def steady_at(
     target = -approach / problem.film_unit
     state = _newton(problem, p, h0, target)
     if state is None:
-        raise _lost(problem)
+        raise _build_error(problem)
     problem = replace(problem, running=replace(running, load=_sum_load(problem, state)))
     return _finish(problem, state)
 
@@ -177,7 +177,7 @@ def vanishes(contact: FiniteLine, running: Running) -> bool:
 
 
 def _no_film(velocity: float, bound: str) -> ModelError:
-    return within("entraining velocity", velocity, "m/s", bound, "a steady film vanishes there: use `dry`")
+    return out_of_range("entraining velocity", velocity, "m/s", bound, "no steady film there: use `dry`")
 
 
 def _needs_velocity(running: Running) -> None:
@@ -208,7 +208,7 @@ def _window(contact: FiniteLine, running: Running) -> _Window:
     _needs_velocity(running)
     if vanishes(contact, running):
         raise _no_film(running.velocity, f"large enough for a film of {THINNEST:g} m")
-    found = carried(contact, running)
+    found = find_dry_load(contact, running)
     b = found.half_width
     film = formula_film(contact, running, running.load, found.length)
     mouth = math.sqrt(2.0 * running.radius * film)
@@ -325,7 +325,7 @@ def _let_flow_out(problem: Scaled) -> _State | None:
         step *= _EASY_GROWTH if found.steps <= _EASY_STEPS else _HARD_GROWTH
 
 
-def _lost(problem: Scaled) -> ModelError:
+def _build_error(problem: Scaled) -> ModelError:
     r = problem.running
     c = problem.contact
     M = LineContact(r.load, r.velocity, r.radius, c.length, c.compliance, c.fluid).M
@@ -340,4 +340,4 @@ def _lost(problem: Scaled) -> ModelError:
 def _finish(problem: Scaled, state: _State) -> Solution:
     found = problem.solution(state.p, state.h, state.h0, state.steps)
     less = (_LESS_ACCURATE,) if state.straight else ()
-    return replace(found, warnings=(*warnings_of(found), *less))
+    return replace(found, warnings=(*find_warnings(found), *less))

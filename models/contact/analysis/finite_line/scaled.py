@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...core.quantities import Vector
+from ....core.quantities import Vector
 from .contact import FiniteLine, Running
 from .grid import Grid, Mask
 from .half_space import HalfSpace

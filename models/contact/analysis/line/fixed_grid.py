@@ -14,15 +14,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...core.quantities import Vector
-from ..fluid import Lubricant
-from ..hertz import deflection
-from .grid import REACH, fill_kernel_matrix, place_nodes
-from .mixed import Bodies, fill_total
-from .newton import Task, fill_film, forget_factors, newton
-from .reynolds import Flow, properties
-from .transient import masses, place_film
-from .workspace import Workspace, workspace_in, workspace_size
+from ....core.quantities import Vector
+from ...fluid import Lubricant
+from ...hertz import deflection
+from ...line.grid import REACH, fill_kernel_matrix, place_nodes
+from ...line.mixed import Bodies, fill_total
+from ...line.newton import FilmProblem, fill_film, forget_factors, newton
+from ...line.reynolds import Flow, properties
+from ...line.transient import masses, place_film
+from ...line.workspace import Workspace, workspace_in, workspace_size
 
 # Steps in units of the time that oil needs through the grid's scale: the first, and the last, in which oil
 # is stored in the film at 1e-5 of the rate at which it flows through, times the film's relative change. By
@@ -133,7 +133,7 @@ def steady_on_grid(
         before = before.copy()
         forget_factors(w)
         found = newton(
-            trial_p, trial_h, guess, Task(scale, 0.0, flow, line_load, step), bodies, fluid, mass, w
+            trial_p, trial_h, guess, FilmProblem(scale, 0.0, flow, line_load, step), bodies, fluid, mass, w
         )
         iterations += found.iterations
         if found.error != 0.0:

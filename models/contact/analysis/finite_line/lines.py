@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from ...compile.kernel import kernel
-from ...core.quantities import Vector
-from ..elimination import invert
+from ....compile.kernel import kernel
+from ....core.quantities import Vector
+from ...elimination import invert
 from .grid import Mask
 from .reynolds import DOWNSTREAM, HERE, LEFT, RIGHT, UPSTREAM, UPSTREAM_2
 

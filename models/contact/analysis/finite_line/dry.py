@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.quantities import Vector
-from ..hertz import half_width
+from ....core.quantities import Vector
+from ...hertz import half_width
 from .contact import FiniteLine, Running
-from .faults import within
+from .faults import out_of_range
 from .grid import Grid, Mask, Resolution, axial_faces, even_nodes
 from .linear import newton_step
 from .reynolds import HERE, PLACES
@@ -45,7 +45,7 @@ def touching(problem: Scaled) -> tuple[Vector, float, int]:
         if np.array_equal(now, active):
             return np.maximum(p, 0.0), h0, rounds
         active = now
-    raise within(
+    raise out_of_range(
         "load", problem.running.load, "N", "one whose contact is found", "raise or lower nodes_per_half_width"
     )
 
@@ -79,7 +79,7 @@ class Carried:
     length: float
 
 
-def carried(contact: FiniteLine, running: Running) -> Carried:
+def find_dry_load(contact: FiniteLine, running: Running) -> Carried:
     """By the dry contact, to a cell of a rough grid."""
     b = half_width(running.load, running.radius, contact.length, contact.compliance)
     window = _FIRST_WINDOW
@@ -106,7 +106,7 @@ def carried(contact: FiniteLine, running: Running) -> Carried:
 def dry(contact: FiniteLine, running: Running, fine: Resolution | None = None) -> Solution:
     """The elastic contact alone; `running.velocity` has no part. ModelError where it is not found."""
     fine = fine or Resolution()
-    found = carried(contact, running)
+    found = find_dry_load(contact, running)
     b = found.half_width
     faces = axial_faces(
         contact.length / b, 1.0, tuple(k / b for k in contact.profile.kinks(contact.length)), fine

@@ -25,9 +25,9 @@ from typing import Any
 
 import numpy as np
 
-from ...compile.kernel import kernel
-from ...core.quantities import Vector
-from ..fluid import Lubricant, density_ratio, density_slope, log_viscosity
+from ....compile.kernel import kernel
+from ....core.quantities import Vector
+from ...fluid import Lubricant, density_ratio, density_slope, log_viscosity
 from .grid import Grid
 
 # Whose value a cell's balance depends on: the places of a stencil.

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ...core.component import Component
-from ...core.integrator import FAILURES, OK
-from ...core.quantities import Vector
-from ...core.system import ModelError
-from ..ehl_contact import ehl_contact
-from ..ehl_line_contact import ehl_line_contact
-from ..films import FILMS
-from .grid import node_positions
+from ....core.component import Component
+from ....core.integrator import FAILURES, OK
+from ....core.quantities import Vector
+from ....core.system import ModelError
+from ...ehl_contact import ehl_contact
+from ...ehl_line_contact import ehl_line_contact
+from ...films import FILMS
+from ...line.grid import node_positions
 
 
 @dataclass(frozen=True)

@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from ...compile.kernel import kernel
-from ...core.quantities import Vector
-from .faults import within
+from ....compile.kernel import kernel
+from ....core.quantities import Vector
+from .faults import out_of_range
 from .grid import COARSER, Grid
 
 # Lines at least so many spacings of the even mesh apart are far. A cubic errs by (3/128) (spacing^4) times
@@ -161,7 +161,7 @@ def refuse_more_memory(grid: Grid) -> None:
     size = 8.0 * ((len(_near_pairs(grid)) + 2 * lines) * nodes**2 + 5 * nodes * lines**2)
     if size > LARGEST_MEMORY:
         name = f"grid of {nodes} x {lines} cells"
-        raise within(name, size, "bytes", f"at most {LARGEST_MEMORY:g}", COARSER)
+        raise out_of_range(name, size, "bytes", f"at most {LARGEST_MEMORY:g}", COARSER)
 
 
 class HalfSpace:

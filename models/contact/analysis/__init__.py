@@ -1,0 +1,1 @@
+"""Films of line contacts, infinite and finite, that analyses compute; no component uses them."""
