@@ -29,7 +29,7 @@ def main() -> None:
         parser.error(f"no benchmark {unknown[0]!r}; known: {', '.join(NAMES)}")
     found = {}
     for name in named or NAMES:
-        for figure, value in importlib.import_module(f"benchmarks.{name}").rows():
+        for figure, value in importlib.import_module(f"benchmarks.{name}").measure():
             found[figure] = value
             print(f"| {figure} | {value} |", flush=True)
     if options.write:

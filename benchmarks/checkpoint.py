@@ -34,8 +34,8 @@ class Timed(Checkpoints):
         Timed.size = self._path.stat().st_size
 
 
-def rows() -> list[tuple[str, str]]:
-    """Figures for the report."""
+def measure() -> list[tuple[str, str]]:
+    """Figures and their values."""
     overrides = ["macro_step=1e-7", "output_step=1e-7", f"stop_time={LENGTH}", "reference.enabled=false"]
     loaded = load("valve-train", [*overrides, f"checkpoint_every={EVERY}"])
     Timed.seconds = []

@@ -27,8 +27,8 @@ def measure_rate(workers: int) -> float:
     return SIDE**2 / (time.perf_counter() - began)
 
 
-def rows() -> list[tuple[str, str]]:
-    """Figures for the report."""
+def measure() -> list[tuple[str, str]]:
+    """Figures and their values."""
     counts = sorted({1, cores()})
     found = measure_medians({str(n): lambda n=n: measure_rate(n) for n in counts}, ROUNDS)
     one = found["1"]

@@ -36,7 +36,7 @@ def step(theta: float, h: float, psi: float, rate: float, m: Mechanism) -> tuple
 
 
 @kernel
-def next_impact(theta: float, psi: float, rate: float, gap: float, m: Mechanism, end: float) -> Any:
+def find_next_impact(theta: float, psi: float, rate: float, gap: float, m: Mechanism, end: float) -> Any:
     """(theta, psi, rate) just before the next impact, or at `end`."""
     while theta < end:
         h = min(STEP, end - theta)
@@ -57,14 +57,14 @@ def next_impact(theta: float, psi: float, rate: float, gap: float, m: Mechanism,
 
 
 @kernel
-def run(m: Mechanism, gap: float, restitution: float, cycles: int) -> tuple[int, float]:
+def count_impacts(m: Mechanism, gap: float, restitution: float, cycles: int) -> tuple[int, float]:
     """Impacts over so many revolutions from psi = psi' = 0, and psi at the end."""
     psi = rate = 0.0
     impacts = 0
     for _ in range(cycles):
         theta = 0.0
         while True:
-            theta, psi, rate = next_impact(theta, psi, rate, gap, m, 2.0 * math.pi)
+            theta, psi, rate = find_next_impact(theta, psi, rate, gap, m, 2.0 * math.pi)
             if theta >= 2.0 * math.pi:
                 break
             wall = wall_angle(theta, math.copysign(gap, psi), m.xi)

@@ -128,7 +128,7 @@ def time_turn(nodes: int, roughness: float = 0.0) -> float:
     return turn.run(0.0, 360.0) / 3600 * 1e3
 
 
-def rows() -> Iterator[tuple[str, str]]:
+def measure() -> Iterator[tuple[str, str]]:
     """Figures and their values."""
     for nodes in NODES:
         spent, ratio = time_event(nodes, 225.0 if nodes < 1000 else 115.0)

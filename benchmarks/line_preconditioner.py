@@ -22,7 +22,7 @@ BANDS = 2
 TOLERANCE = 1e-6
 
 
-def jacobian(nodes: int, angle: float) -> np.ndarray:
+def assemble_jacobian(nodes: int, angle: float) -> np.ndarray:
     """A + B D of the step that ends at this cam angle, rows scaled by their largest element."""
     turn = Turn(nodes, 0.1)
     turn.run(95.0, angle)
@@ -30,13 +30,13 @@ def jacobian(nodes: int, angle: float) -> np.ndarray:
     scale = wanted_scale(at.line_load, float(turn.h[nodes // 2]), at.flow.radius, BODIES)
     factor, offset = deflection_factors(scale, BODIES)
     deflections = factor * (w.D.T + offset * w.weight)
-    whole = _matrix(w.A) + _matrix(w.B) @ deflections
+    whole = expand_bands(w.A) + expand_bands(w.B) @ deflections
     cavitated = w.fixed != 0.0
     whole[cavitated] = np.eye(nodes)[cavitated]
     return whole / np.abs(whole).max(axis=1, keepdims=True)
 
 
-def _matrix(bands: np.ndarray) -> np.ndarray:
+def expand_bands(bands: np.ndarray) -> np.ndarray:
     """From element k of row i for column i + k - 2."""
     nodes, reach = bands.shape[1], len(bands) // 2
     whole = np.zeros((nodes, nodes + 2 * reach))
@@ -45,8 +45,8 @@ def _matrix(bands: np.ndarray) -> np.ndarray:
     return whole[:, reach:-reach]
 
 
-def iterations(whole: np.ndarray) -> int:
-    """Of GMRES with the bands of the matrix as preconditioner."""
+def count_iterations(whole: np.ndarray) -> int:
+    """Iterations of GMRES with the bands of the matrix as preconditioner."""
     nodes = len(whole)
     bands = np.zeros((2 * BANDS + 1, nodes))
     for k in range(-BANDS, BANDS + 1):
@@ -63,10 +63,12 @@ def iterations(whole: np.ndarray) -> int:
     return len(count)
 
 
-def rows() -> Iterator[tuple[str, str]]:
+def measure() -> Iterator[tuple[str, str]]:
     """Figures and their values."""
     for nodes in NODES:
-        found = ", ".join(f"{iterations(jacobian(nodes, angle))} at {angle:g} degrees" for angle in ANGLES)
+        found = ", ".join(
+            f"{count_iterations(assemble_jacobian(nodes, angle))} at {angle:g} degrees" for angle in ANGLES
+        )
         yield (
             f"line contact, {nodes} nodes: GMRES iterations for a correction with {2 * BANDS + 1} bands as "
             "preconditioner",

@@ -12,11 +12,9 @@ from functools import partial
 from models.core.quantities import Vector
 from orchestrator.engine.step import Step
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.scenario.files import load
-from orchestrator.scenario.system import build_system, resolve_start
 
 from .loops import run_bare, run_master, run_script
-from .measure import measure_medians
+from .measure import load_system, measure_medians
 
 SCRIPT = "plain fmpy script, inputs held"
 
@@ -40,10 +38,9 @@ class Sparse:
         pass
 
 
-def rows() -> list[tuple[str, str]]:
-    """Figures for the report."""
-    scenario = load("valve-train")
-    system = resolve_start(scenario, build_system(scenario))
+def measure() -> list[tuple[str, str]]:
+    """Figures and their values."""
+    _, system = load_system("valve-train")
     quadratic = GaussSeidel("quadratic")
     candidates: dict[str, Callable[[], float]] = {
         SCRIPT: partial(run_script, system),

@@ -96,7 +96,7 @@ def build_content() -> dict[str, Any]:
         turning = {"drive_ratio": 0.5, "phase": f"{phase:g} deg"}
         camshaft = components[f"camshaft_{valve}"]
         camshaft["parameters"] = camshaft.get("parameters", {}) | turning
-        connections += [_renamed(line, valve, i) for line in base.connections]
+        connections += [rename_connection(line, valve, i) for line in base.connections]
     return {
         "description": "Valve trains of a 16-valve engine, firing 1-3-4-2, 49 instances",
         "stop_time": "60 ms",
@@ -111,7 +111,7 @@ def build_content() -> dict[str, Any]:
     }
 
 
-def _renamed(line: str, valve: str, number: int) -> str:
+def rename_connection(line: str, valve: str, number: int) -> str:
     """A connection of the one valve train for one of many."""
     parts = []
     for port in line.split(" -> "):
@@ -133,7 +133,7 @@ def build_valve_trains(count: int) -> System:
     for i in range(1, count + 1):
         instances |= {f"{n}_{i}": one.instances[n] for n in ("camshaft", "valve_spring", "contact")}
         for c in one.connections:
-            source, _, target = _renamed(f"{c.source} -> {c.target}", str(i), i).partition(" -> ")
+            source, _, target = rename_connection(f"{c.source} -> {c.target}", str(i), i).partition(" -> ")
             connections.append((source, target))
     return System(instances, connections)
 

@@ -7,7 +7,11 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 
 from models.core.quantities import Vector
+from models.core.system import System
 from orchestrator.engine.step import Step
+from orchestrator.scenario import Scenario
+from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system, resolve_start
 
 
 def measure_medians(candidates: Mapping[str, Callable[[], float]], rounds: int = 5) -> dict[str, float]:
@@ -21,18 +25,26 @@ def measure_medians(candidates: Mapping[str, Callable[[], float]], rounds: int =
     return {name: statistics.median(found) for name, found in figures.items()}
 
 
-class Clock:
-    """An observer that takes the processor time of the stepping, `elapsed` (s).
+def load_system(name: str) -> tuple[Scenario, System]:
+    """A shipped scenario, and its system at its start."""
+    scenario = load(name)
+    return scenario, resolve_start(scenario, build_system(scenario))
 
-    Other programs on the machine change it less than wall time.
+
+class Clock:
+    """An observer that takes the time of the stepping, `elapsed` (s): by default processor time, which other
+    programs on the machine change less than wall time.
     """
+
+    def __init__(self, timer: Callable[[], float] = time.process_time) -> None:
+        self._timer = timer
 
     def begin(self, names: Sequence[str]) -> None:
         pass
 
     def observe(self, time_: float, outputs: Callable[[], Vector], step: Step) -> None:
         if step.length == 0.0:
-            self._began = time.process_time()
+            self._began = self._timer()
 
     def end(self, complete: bool, message: str) -> None:
-        self.elapsed = time.process_time() - self._began
+        self.elapsed = self._timer() - self._began

@@ -28,14 +28,12 @@ ROLLBACKS = """
 import sys
 from pathlib import Path
 from fmus.build import build
-from orchestrator.run.plan import build_system, resolve_start
 from orchestrator.engine.coupling import Coupling
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import open_fmu
-from orchestrator.scenario.files import load
+from benchmarks.measure import load_system
 STEPS, STEP = int(sys.argv[1]), 1e-6
-scenario = load("quarter-car")
-system = resolve_start(scenario, build_system(scenario))
+_, system = load_system("quarter-car")
 participants = {
     n: open_fmu(n, build(i.component.name, structure=i.component.structure), i)
     for n, i in system.instances.items()
@@ -44,7 +42,7 @@ master = GaussSeidel("quadratic")
 coupling = Coupling(system, participants, master.degree)
 coupling.initialise(0.0, STEPS * STEP)
 
-def resident():
+def read_resident():
     return int(Path("/proc/self/status").read_text().split("VmRSS:")[1].split()[0])
 
 for n in range(STEPS):
@@ -58,12 +56,12 @@ for n in range(STEPS):
         master.step(coupling, time, STEP)
     coupling.accept(time + STEP)
     if n == STEPS // 10:
-        early = resident()
-print("resident", early, resident())
+        early = read_resident()
+print("resident", early, read_resident())
 """
 
 
-def rollbacks(steps: int = 1_000_000) -> tuple[float, float] | str:
+def measure_rollbacks(steps: int = 1_000_000) -> tuple[float, float] | str:
     """Memory in use (MB) at a tenth of the steps and at their end, or what went wrong."""
     command = [sys.executable, "-c", ROLLBACKS, str(steps)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -74,7 +72,7 @@ def rollbacks(steps: int = 1_000_000) -> tuple[float, float] | str:
     return early, late
 
 
-def recorded() -> str:
+def measure_recording() -> str:
     """Peak memory of a run with a million macro steps, or what went wrong."""
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run(
@@ -84,11 +82,11 @@ def recorded() -> str:
     return peak[0] if peak else done.stderr[-300:]
 
 
-def rows() -> list[tuple[str, str]]:
-    """Figures for the report (Linux)."""
-    found = rollbacks()
+def measure() -> list[tuple[str, str]]:
+    """Figures and their values (Linux)."""
+    found = measure_rollbacks()
     return [
-        ("memory: 10^6 macro steps of valve-train, every one recorded", recorded()),
+        ("memory: 10^6 macro steps of valve-train, every one recorded", measure_recording()),
         (
             "memory: 10^6 macro steps of quarter-car, a rollback every tenth; at 10 % and at 100 %",
             found if isinstance(found, str) else f"{found[0]:.1f} MB, {found[1]:.1f} MB",

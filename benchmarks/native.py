@@ -11,12 +11,10 @@ from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
 from models.core.system import System
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Master, Newton
-from orchestrator.scenario.files import load
-from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.stepping import FixedSteps, Stepper
 
 from .loops import STEP, STEPS, build_files, run_master
-from .measure import measure_medians
+from .measure import load_system, measure_medians
 
 PYTHON, NATIVE = "in Python", "native"
 
@@ -36,11 +34,11 @@ def list_files(system: System) -> dict[str, dict[str, Path]]:
 def measure_rate(
     system: System,
     paths: Mapping[str, Path],
-    master: Callable[[], Master],
+    master: Master,
     steps: Callable[[], Stepper] = lambda: FixedSteps(STEP),
 ) -> float:
     """Macro steps of our master per second of processor time."""
-    return 1.0 / run_master(system, master(), files=paths, steps=steps)
+    return 1.0 / run_master(system, master, files=paths, steps=steps)
 
 
 def run_ecos(system: System, paths: Mapping[str, Path]) -> float:
@@ -61,22 +59,25 @@ def run_ecos(system: System, paths: Mapping[str, Path]) -> float:
             return STEPS / (time.perf_counter() - began)
 
 
-def rows() -> Iterator[tuple[str, str]]:
+def measure() -> Iterator[tuple[str, str]]:
     """Figures and their values: rates, and how many times faster native ones are."""
-    scenario, controlled = load("valve-train"), load("valve-train-controlled")
-    system = resolve_start(scenario, build_system(scenario))
+    _, system = load_system("valve-train")
+    controlled, controlled_system = load_system("valve-train-controlled")
     found = list_files(system)
+    masters = {
+        "gauss_seidel, hold": GaussSeidel("hold"),
+        "gauss_seidel, quadratic": GaussSeidel("quadratic"),
+        "jacobi, quadratic": Jacobi("quadratic"),
+        "iterated, quadratic": Iterated("quadratic"),
+        "iterated, hermite": Iterated("hermite"),
+        "newton, quadratic": Newton("quadratic"),
+    }
     ways: dict[str, Callable[[Mapping[str, Path]], float]] = {
-        "gauss_seidel, hold": partial(measure_rate, system, master=lambda: GaussSeidel("hold")),
-        "gauss_seidel, quadratic": partial(measure_rate, system, master=lambda: GaussSeidel("quadratic")),
-        "jacobi, quadratic": partial(measure_rate, system, master=lambda: Jacobi("quadratic")),
-        "iterated, quadratic": partial(measure_rate, system, master=lambda: Iterated("quadratic")),
-        "iterated, hermite": partial(measure_rate, system, master=lambda: Iterated("hermite")),
-        "newton, quadratic": partial(measure_rate, system, master=lambda: Newton("quadratic")),
+        **{name: partial(measure_rate, system, master=master) for name, master in masters.items()},
         "step control of valve-train-controlled": partial(
             measure_rate,
-            resolve_start(controlled, build_system(controlled)),
-            master=controlled.build_master,
+            controlled_system,
+            master=controlled.build_master(),
             steps=controlled.build_steps,
         ),
     }

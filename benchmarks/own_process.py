@@ -6,11 +6,8 @@ A macro step of `two-masses`, Jacobi with held inputs. Wall time, for the proces
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
 
-from models.core.quantities import Vector
 from orchestrator.command_line.fmu import build_fmu
-from orchestrator.engine.step import Step
 from orchestrator.masters import Jacobi
 from orchestrator.run.participants import build_participants
 from orchestrator.run.plan import resolve_fmus
@@ -18,30 +15,16 @@ from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 
-from .measure import measure_medians
+from .measure import Clock, measure_medians
 
 STEPS = 2_000
 
 
-class WallClock:
-    """An observer that takes the wall time of the stepping, `elapsed` (s)."""
-
-    def begin(self, names: Sequence[str]) -> None:
-        pass
-
-    def observe(self, time_: float, outputs: Callable[[], Vector], step: Step) -> None:
-        if step.length == 0.0:
-            self._began = time.perf_counter()
-
-    def end(self, complete: bool, message: str) -> None:
-        self.elapsed = time.perf_counter() - self._began
-
-
 def measure_step(process: str) -> float:
-    """Of a macro step with both FMUs there."""
+    """Wall time of a macro step (s)."""
     parts = ("first", "second")
     scenario = load("two-masses", [f"components.{part}.process={process}" for part in parts])
-    step, clock = scenario.macro_step, WallClock()
+    step, clock = scenario.macro_step, Clock(time.perf_counter)
     units = build_participants(
         scenario,
         system := build_system(scenario),
@@ -56,8 +39,8 @@ def measure_step(process: str) -> float:
     return clock.elapsed / STEPS
 
 
-def rows() -> list[tuple[str, str]]:
-    """Figures for the report."""
+def measure() -> list[tuple[str, str]]:
+    """Figures and their values."""
     found = measure_medians(
         {process: lambda process=process: measure_step(process) for process in ("shared", "own")}
     )

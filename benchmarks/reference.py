@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from models.monolithic import solve
-from orchestrator.scenario.files import load
-from orchestrator.scenario.system import build_system, resolve_start
+
+from .measure import load_system
 
 
-def rows() -> list[tuple[str, str]]:
-    """Figures for the report."""
-    scenario = load("valve-train")
-    system = resolve_start(scenario, build_system(scenario))
+def measure() -> list[tuple[str, str]]:
+    """Figures and their values."""
+    _, system = load_system("valve-train")
     times = np.linspace(0.0, 0.06, 3001)
     solve(system, times[:3])  # compile
     reference = solve(system, times)

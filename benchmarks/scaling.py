@@ -75,8 +75,8 @@ def measure_growth(packaged: bool, rounds: int = ROUNDS) -> Growth:
     return Growth(times, float(line[0]), float(line[1]), float(np.abs(matrix @ line - 1.0).max()))
 
 
-def rows() -> list[tuple[str, str]]:
-    """Figures for the report."""
+def measure() -> list[tuple[str, str]]:
+    """Figures and their values."""
     found = []
     for kind, packaged in (("in process", False), ("FMUs", True)):
         grown = measure_growth(packaged)

@@ -25,7 +25,7 @@ MACHINE = Machine(0.05, 0.01, form="as_published")
 BASELINE_CYCLES, CORE_CYCLES, FLIGHTS = 2000, 40000, 200
 
 
-def cycles_per_second(run: Callable[[int], object], cycles: int) -> Callable[[], float]:
+def time_cycles(run: Callable[[int], object], cycles: int) -> Callable[[], float]:
     """A candidate for `measure_medians`."""
 
     def measured() -> float:
@@ -36,7 +36,7 @@ def cycles_per_second(run: Callable[[int], object], cycles: int) -> Callable[[],
     return measured
 
 
-def next_impact(theta: float, psi: float, rate: float) -> tuple[float, float]:
+def solve_next_impact(theta: float, psi: float, rate: float) -> tuple[float, float]:
     """Crank angle and psi' of the next impact, by an independent method."""
     m, gap = MACHINE.mechanism, MACHINE.gap
     solved = solve_ivp(
@@ -56,7 +56,7 @@ def next_impact(theta: float, psi: float, rate: float) -> tuple[float, float]:
     return at, float(solved.sol(at)[1])
 
 
-def errors_per_impact() -> dict[str, tuple[float, float]]:
+def compare_impacts() -> dict[str, tuple[float, float]]:
     """The largest errors of (crank angle, psi') at the next impact, by method."""
     m, gap = MACHINE.mechanism, MACHINE.gap
     events = Motion(MACHINE).events(40).impacts
@@ -67,26 +67,26 @@ def errors_per_impact() -> dict[str, tuple[float, float]]:
         theta = float(events.theta[i])
         psi = wall_angle(theta, float(events.side[i]) * gap, m.xi)
         rate = rebound(float(events.rate[i]), wall_rate(theta, 1.0, psi, m.xi), MACHINE.restitution)
-        true_theta, true_rate = next_impact(theta, psi, rate)
-        coarse = fixed_step.next_impact(theta, psi, rate, gap, m, 2.0 * math.pi)
+        true_theta, true_rate = solve_next_impact(theta, psi, rate)
+        coarse = fixed_step.find_next_impact(theta, psi, rate, gap, m, 2.0 * math.pi)
         exact = events.theta[i + 1], psi, events.rate[i + 1]
         for name, found in (("fixed step", coarse), ("core", exact)):
             errors[name].append((abs(found[0] - true_theta), abs(found[2] - true_rate)))
     return {name: tuple(np.array(values).max(axis=0)) for name, values in errors.items()}
 
 
-def rows() -> list[tuple[str, str]]:
-    """Figures for the report."""
+def measure() -> list[tuple[str, str]]:
+    """Figures and their values."""
     m, gap, e = MACHINE.mechanism, MACHINE.gap, MACHINE.restitution
     speeds = measure_medians(
         {
-            "fixed step": cycles_per_second(lambda n: fixed_step.run(m, gap, e, n), BASELINE_CYCLES),
-            "core": cycles_per_second(Motion(MACHINE).strobe, CORE_CYCLES),
+            "fixed step": time_cycles(lambda n: fixed_step.count_impacts(m, gap, e, n), BASELINE_CYCLES),
+            "core": time_cycles(Motion(MACHINE).strobe, CORE_CYCLES),
         }
     )
     figures = [(f"slider-crank: {name}, revolutions/s", f"{speed:.0f}") for name, speed in speeds.items()]
     figures.append(("slider-crank: core / fixed step", f"{speeds['core'] / speeds['fixed step']:.1f}"))
-    for name, (angle, rate) in errors_per_impact().items():
+    for name, (angle, rate) in compare_impacts().items():
         figures.append(
             (f"slider-crank: {name}, largest error per impact", f"{angle:.1e} rad; {rate:.1e} in psi'")
         )

@@ -24,8 +24,8 @@ def measure_start(code: str, *arguments: str, cache: str | None = None) -> float
     return time.perf_counter() - began
 
 
-def rows() -> list[tuple[str, str]]:
-    """Figures for the report."""
+def measure() -> list[tuple[str, str]]:
+    """Figures and their values."""
     found = [
         ("bare interpreter", measure_start("pass")),
         ("import of all component models", measure_start("import models.catalogue")),

@@ -16,11 +16,9 @@ import numpy as np
 
 from models.core.system import System
 from models.monolithic import solve
-from orchestrator.scenario.files import load
-from orchestrator.scenario.system import build_system, resolve_start
 
 from .loops import run_master
-from .measure import measure_medians
+from .measure import load_system, measure_medians
 from .native import NATIVE, PYTHON, list_files
 
 COMMAND = "import sys; from orchestrator.command_line import main; sys.exit(main())"
@@ -44,10 +42,9 @@ def solve_reference(system: System, times: np.ndarray) -> float:
     return time.process_time() - began
 
 
-def rows() -> list[tuple[str, str]]:
-    """Figures for the report."""
-    scenario = load("valve-train")
-    system = resolve_start(scenario, build_system(scenario))
+def measure() -> list[tuple[str, str]]:
+    """Figures and their values."""
+    scenario, system = load_system("valve-train")
     paths = list_files(system)
     steps = round(scenario.stop_time / scenario.macro_step)
     times = np.linspace(0.0, scenario.stop_time, round(scenario.stop_time / scenario.output_step) + 1)
