@@ -42,7 +42,7 @@ from .sample_flight import NODES, PANEL, WEIGHTS, FlightCall, make_sample_flight
 if TYPE_CHECKING:
     from ..core.component import Component
 
-# With so many cells r = 0.4 l is resolved (`flow.tabulated` doubles them; here the room is fixed).
+# With so many cells r = 0.4 l is resolved (`flow.tabulate_flow` doubles them; here the room is fixed).
 CELLS = FEWEST_CELLS
 # Radians by which a crank may depart from uniform turning within a step: the rounding of its angle.
 UNIFORM = 1e-13
@@ -130,9 +130,7 @@ def tabulate_for(form: float, m: Mechanism, gap: float, flow: Flow, key: Any, ro
 
 
 def make_integrate_forces(component: Component) -> Any:
-    """integrate_forces(start, end, w): integrate the wall forces of a sliding slider over time.
-
-    The result is added to the state.
+    """integrate_forces(start, end, w): add the time integrals of the wall forces to the state.
 
     A release is found PAST_ZERO after the force's zero; the small negative force until then is left out.
     """
@@ -224,10 +222,10 @@ def make_is_uniform(component: Component) -> Any:
             if x[i] != 0.0:
                 return False
         speed = U[0, speed_at]
-        astray = h * abs(U[1, angle_at] - speed)
-        astray += h * h * (0.5 * abs(U[2, angle_at]) + h * abs(U[3, angle_at]) / 6.0)
-        astray += h * h * (abs(U[1, speed_at]) + h * (abs(U[2, speed_at]) + h * abs(U[3, speed_at])))
-        if not speed > 0.0 or astray > UNIFORM:
+        departure = h * abs(U[1, angle_at] - speed)
+        departure += h * h * (0.5 * abs(U[2, angle_at]) + h * abs(U[3, angle_at]) / 6.0)
+        departure += h * h * (abs(U[1, speed_at]) + h * (abs(U[2, speed_at]) + h * abs(U[3, speed_at])))
+        if not speed > 0.0 or departure > UNIFORM:
             return False
         for i in range(U.shape[1]):
             if i not in (angle_at, speed_at):
@@ -239,14 +237,14 @@ def make_is_uniform(component: Component) -> Any:
     return is_uniform
 
 
-def make_enter(component: Component) -> Any:
-    """enter(x, U, p, gap, position): the position from the state and the inputs at the start."""
+def make_read_position(component: Component) -> Any:
+    """read_position(x, U, p, gap, position): set the position from state and inputs at the start."""
     P = component.parameters.dtype
     angle_at, speed_at = component.inputs.index("crank_angle"), component.inputs.index("crank_speed")
     psi_at, rate_at, mode_at = (component.state.index(name) for name in ("psi", "psi_rate", "mode"))
 
     @kernel
-    def enter(x: Any, U: Any, p: Any, gap: float, position: Any) -> None:
+    def read_position(x: Any, U: Any, p: Any, gap: float, position: Any) -> None:
         parameters = record_of(p, P)
         theta, speed, m = U[0, angle_at], U[0, speed_at], mechanism(parameters)
         place = (theta / (2.0 * math.pi) - math.floor(theta / (2.0 * math.pi))) * CELLS
@@ -261,13 +259,17 @@ def make_enter(component: Component) -> Any:
             position[Y] = min(max(offset(parameters.form, theta, psi, m), -gap), gap)
             position[RATE_OF_Y] = offset_slope(parameters.form, theta, psi, m) * off_wall / speed
 
-    return enter
+    return read_position
 
 
 def make_advance(component: Component) -> Any:
     """advance(t, h, x, U, p, scale, work) -> status, as `integrator.make_advance`."""
     hybrid = make_hybrid_advance(component)
-    fly, enter, is_uniform = make_fly(component), make_enter(component), make_is_uniform(component)
+    fly, read_position, is_uniform = (
+        make_fly(component),
+        make_read_position(component),
+        make_is_uniform(component),
+    )
     base, n, m = hybrid_work_size(component), component.state.size, component.inputs.size
     P, speed_at = component.parameters.dtype, component.inputs.index("crank_speed")
 
@@ -288,7 +290,7 @@ def make_advance(component: Component) -> Any:
         start, u, dx, xd = room[:n], room[n : n + m], room[n + m : 2 * n + m], room[2 * n + m : 3 * n + m]
         before = room[3 * n + m : 3 * n + m + POSITION_SIZE]
         w = FlightCall(t, borrow(x), borrow(U), borrow(p), flow, walls, scratch, u, dx, xd, room)
-        enter(x, U, p, gap, position)
+        read_position(x, U, p, gap, position)
         copy(start, x)
         status = fly(h, w, position, before)
         if status != OK:

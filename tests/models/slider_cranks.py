@@ -80,3 +80,22 @@ def energies(component: Component, x: Vector, u: Vector, p: Vector) -> Vector:
     e = np.zeros(3)
     component.flat_energy(0.0, x, u, p, e)
     return e
+
+
+def power_imbalance(component: Component, x: Vector, U: Vector, p: Vector) -> tuple[float, float]:
+    """d(stored)/dt - (torque * speed - dissipated + given), and the size of these powers.
+
+    The difference quotient has an error (speed d)^4 at up to 300 rad/s, and rounding / d.
+    """
+    dx, y = np.zeros(component.state.size), np.zeros(component.outputs.size)
+    component.flat_derivative(0.0, x, U[0], p, dx)
+    component.flat_output(0.0, x, U[0], p, y)
+    taken = y[component.outputs.index("crank_torque")] * U[0, component.inputs.index("crank_speed")]
+    _, lost, given = energies(component, x, U[0], p)
+
+    def stored(s: float) -> float:
+        return float(energies(component, x + s * dx, U[0] + s * U[1] + 0.5 * s**2 * U[2], p)[0])
+
+    d = 1e-3 / 300.0
+    change = (8.0 * (stored(d) - stored(-d)) - (stored(2.0 * d) - stored(-2.0 * d))) / (12.0 * d)
+    return change - (taken - lost + given), abs(taken) + abs(lost) + abs(given)

@@ -117,7 +117,7 @@ def test_sliding_ends_where_the_pressing_acceleration_falls_to_zero() -> None:
     assert (position[SIDE], position[Y], position[RATE_OF_Y]) == (0.0, 0.0, 0.0)
 
 
-def released_from_rest(machine: Machine, side: float, theta: float) -> tuple[float, float]:
+def release_from_rest(machine: Machine, side: float, theta: float) -> tuple[float, float]:
     """(sliding side just after, crank angle of the release or nan) of a slider put to rest on a wall."""
     flow, walls = machine.flow, machine.walls
     cells = flow.pressing.shape[0]
@@ -153,7 +153,7 @@ def test_slider_rests_where_the_constraint_force_presses(form: str, damping: flo
         holds = [force(side, theta) > 0.0 for side in (1.0, -1.0)]
         kinds.add(tuple(holds))
         for side, held in zip((1.0, -1.0), holds, strict=True):
-            slides, released = released_from_rest(machine, side, theta)
+            slides, released = release_from_rest(machine, side, theta)
             assert slides == (side if held else 0.0)
             if math.isfinite(released):
                 assert abs(force(side, released)) < 1e-11

@@ -75,7 +75,7 @@ def derive() -> SimpleNamespace:
     )
 
 
-def case(seed: int) -> tuple[me.Coordinates, me.Coordinates, float, me.Machine, list[float]]:
+def random_case(seed: int) -> tuple[me.Coordinates, me.Coordinates, float, me.Machine, list[float]]:
     random = np.random.default_rng(seed)
     q, v = random.uniform(-3.0, 3.0, 3), random.uniform(-5.0, 5.0, 3)
     m = random.uniform(0.1, 2.0, len(me.Machine._fields))
@@ -97,7 +97,7 @@ def matrix(s: me.Symmetric) -> np.ndarray:
 
 @pytest.mark.parametrize("seed", CASES)
 def test_equation_of_motion_energies_and_powers_are_lagranges(seed: int) -> None:
-    q, v, pressure, m, numbers = case(seed)
+    q, v, pressure, m, numbers = random_case(seed)
     d = derive()
     assert matrix(me.mass_matrix(q, m)) == pytest.approx(d.mass(*numbers), rel=ROUNDING, abs=ROUNDING)
     size = 100.0  # of the largest terms that may cancel
@@ -115,7 +115,7 @@ def test_equation_of_motion_energies_and_powers_are_lagranges(seed: int) -> None
 
 @pytest.mark.parametrize("seed", CASES)
 def test_places_rows_and_turning_of_a_piston_point(seed: int) -> None:
-    q, v, _, m, numbers = case(seed)
+    q, v, _, m, numbers = random_case(seed)
     at = (0.7, -0.3)
     place, rows, turning = derive().point(*numbers, *at)
     assert me.position_along(*at, q, m) == pytest.approx(place[0, 0], abs=ROUNDING)
@@ -128,7 +128,7 @@ def test_places_rows_and_turning_of_a_piston_point(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", CASES)
 def test_inverses_of_the_mass_matrix(seed: int) -> None:
-    q, _, _, m, _ = case(seed)
+    q, _, _, m, _ = random_case(seed)
     s = me.mass_matrix(q, m)
     worst = np.linalg.cond(matrix(s)) * ROUNDING
     assert matrix(me.free_inverse(s)) @ matrix(s) == pytest.approx(np.eye(3), abs=worst)

@@ -51,7 +51,7 @@ def test_elastic_bounces_do_not_end() -> None:
     assert not ends_chatter(1e-12, 10.0, 0.0, u, p)
 
 
-def chatter(p: Vector, restitution: float) -> tuple[Vector, Vector]:
+def follow_chatter(p: Vector, restitution: float) -> tuple[Vector, Vector]:
     """Times of the impacts from rest to the first sliding, and T = 2 v / ((1 - e) a) after each one."""
     form, m = p[0], mechanism(CRANK.parameters.view(p))
     x, times, left = STATE.vector(), [], []
@@ -82,7 +82,7 @@ def test_sliding_begins_at_the_limit_of_the_impact_times(form: float, restitutio
     The onset itself is known to what its own T leaves, which rounding sets here (some 1e-7 rad).
     """
     p = thesis_parameters(0.3, GAP, restitution=restitution, form=form)
-    times, left = chatter(p, restitution)
+    times, left = follow_chatter(p, restitution)
     late = (left < 0.1) & (left > 2e-3)
     misses = np.abs(times + left - times[-1])[late]
     assert late.sum() >= 3
@@ -96,16 +96,16 @@ def test_threshold_of_the_thesis_converges_to_the_limit(form: float, restitution
     """F's threshold epsilon changes impulse and loss of a revolution by less than epsilon^2, the motion after
     the release not at all (to the integrator's rounding; release is from the wall)."""
 
-    def revolved(threshold: float) -> Vector:
+    def run_three_turns(threshold: float) -> Vector:
         p = thesis_parameters(0.25, GAP, restitution=restitution, form=form, sliding_threshold=threshold)
         x = STATE.vector()
         for k in range(3):
             turn(CRANK, x, p, k * TURN, TURN)
         return x
 
-    limit = revolved(0.0)
+    limit = run_three_turns(0.0)
     for threshold in (1e-3, 1e-4, 1e-5):
-        found = revolved(threshold)
+        found = run_three_turns(threshold)
         impulse = found[IMPULSE] + found[FORCE_INTEGRAL] - limit[IMPULSE] - limit[FORCE_INTEGRAL]
         assert abs(impulse) < threshold**2
         assert abs(found[LOSS] - limit[LOSS]) < threshold**2

@@ -28,7 +28,7 @@ ROUNDING = 2e-14
 Values = tuple[float, ...]
 
 
-def in_time(expression: sp.Expr) -> sp.Expr:
+def time_derivative(expression: sp.Expr) -> sp.Expr:
     """d/dt along the motion."""
     along = zip((*COORDINATES, *RATES), (*RATES, *CHANGES), strict=True)
     return sum(sp.diff(expression, q) * v for q, v in along)
@@ -44,7 +44,7 @@ def kinetic_energy(turning: sp.Expr) -> sp.Expr:
     """Of rod and piston, the rod turning at that rate."""
 
     def square(place: tuple[sp.Expr, sp.Expr]) -> sp.Expr:
-        return sum(in_time(coordinate) ** 2 for coordinate in place)
+        return sum(time_derivative(coordinate) ** 2 for coordinate in place)
 
     return (ALPHA * square(ROD_MIDDLE) + square(PISTON) + BETA * turning**2) / 2
 
@@ -52,25 +52,25 @@ def kinetic_energy(turning: sp.Expr) -> sp.Expr:
 @functools.cache
 def left_side(energy: sp.Expr, i: int) -> sp.Expr:
     """d/dt dT/dq' - dT/dq and the crank pin's friction, dD/dq' of D = lambda (theta' + eta')^2/2."""
-    friction = DAMPING * (SPEED + in_time(ETA)) * sp.diff(SPEED + in_time(ETA), RATES[i])
-    return in_time(sp.diff(energy, RATES[i])) - sp.diff(energy, COORDINATES[i]) + friction
+    friction = DAMPING * (SPEED + time_derivative(ETA)) * sp.diff(SPEED + time_derivative(ETA), RATES[i])
+    return time_derivative(sp.diff(energy, RATES[i])) - sp.diff(energy, COORDINATES[i]) + friction
 
 
-TRUE_TURNING = in_time(PHI) - RATE
-PUBLISHED_TURNING = in_time(PHI) + RATE
+TRUE_TURNING = time_derivative(PHI) - RATE
+PUBLISHED_TURNING = time_derivative(PHI) + RATE
 ENERGY = kinetic_energy(TRUE_TURNING)
 LEFT = {turning: left_side(kinetic_energy(turning), 1) for turning in (TRUE_TURNING, PUBLISHED_TURNING)}
 
 
 @functools.cache
-def compiled(expression: sp.Expr) -> Callable[..., float]:
+def compile_expression(expression: sp.Expr) -> Callable[..., float]:
     function: Callable[..., float] = sp.lambdify(SYMBOLS, expression, "math", cse=True)
     return function
 
 
-def at(expression: sp.Expr, values: Values, m: Mechanism) -> float:
+def evaluate(expression: sp.Expr, values: Values, m: Mechanism) -> float:
     """At (theta, psi, theta', psi', theta'', psi'')."""
-    return float(compiled(expression)(*values, m.xi, m.alpha, m.beta, m.damping))
+    return float(compile_expression(expression)(*values, m.xi, m.alpha, m.beta, m.damping))
 
 
 def mechanisms(sign: float = 1.0) -> Iterator[tuple[np.random.Generator, Mechanism]]:
@@ -101,7 +101,7 @@ def test_linearised_equation_has_the_kernels_coefficients(turning: sp.Expr, sign
             (sp.diff(left.subs(resting), PSI), starting, eq.speed_up_stiffness(theta, m)),
             (-left, starting, eq.speed_up_forcing(theta, m)),
         ):
-            assert at(expression, where, m) == pytest.approx(kernel, abs=ROUNDING)
+            assert evaluate(expression, where, m) == pytest.approx(kernel, abs=ROUNDING)
 
 
 STATES = [(0.3, 1.0, 0.0), (2.1, 1.0, 0.0), (4.4, 0.7, -0.6), (5.9, -1.3, 0.8)]
@@ -115,7 +115,7 @@ def residuals(corrected: bool, turning: sp.Expr, size: float, state: Values) -> 
     change = eq.flight_acceleration(theta, speed, acceleration, psi, rate, m)
     torque = energetics.crank_torque(theta, speed, acceleration, psi, rate, change, 0.0, m)
     values = theta, psi, speed, rate, acceleration, change
-    left = [at(left_side(kinetic_energy(turning), i), values, m) for i in range(2)]
+    left = [evaluate(left_side(kinetic_energy(turning), i), values, m) for i in range(2)]
     return np.array(left) - np.array([torque, 0.0])
 
 
@@ -154,12 +154,12 @@ def test_nonlinear_motion_and_energy_are_the_exact_ones_at_any_speed() -> None:
     for random, m in mechanisms():
         values = theta, psi, speed, rate, acceleration, change = states(random)
         moment = nonlinear.free_moment(theta, speed, acceleration, psi, rate, m)
-        left = at(LEFT[TRUE_TURNING], values, m)
+        left = evaluate(LEFT[TRUE_TURNING], values, m)
         assert eq.inertia(m) * change - moment == pytest.approx(left, abs=10.0 * ROUNDING)
         slope = nonlinear.offset_slope(theta, psi, m.xi)
-        assert slope == pytest.approx(at(sp.diff(OFFSET, PSI), values, m), abs=ROUNDING)
+        assert slope == pytest.approx(evaluate(sp.diff(OFFSET, PSI), values, m), abs=ROUNDING)
         found = nonlinear.kinetic_energy(theta, speed, psi, rate, m)
-        assert found == pytest.approx(at(ENERGY, values, m), abs=10.0 * ROUNDING)
+        assert found == pytest.approx(evaluate(ENERGY, values, m), abs=10.0 * ROUNDING)
 
 
 def test_nonlinear_torque_is_the_exact_generalised_force() -> None:
@@ -171,7 +171,7 @@ def test_nonlinear_torque_is_the_exact_generalised_force() -> None:
         moment = nonlinear.free_moment(theta, speed, acceleration, psi, rate, m)
         change = (moment - force * nonlinear.offset_slope(theta, psi, m.xi)) / eq.inertia(m)
         values = theta, psi, speed, rate, acceleration, change
-        exact = at(crank, values, m) + force * at(sp.diff(OFFSET, THETA), values, m)
+        exact = evaluate(crank, values, m) + force * evaluate(sp.diff(OFFSET, THETA), values, m)
         torque = nonlinear.crank_torque(theta, speed, acceleration, psi, rate, change, force, m)
         assert torque == pytest.approx(exact, abs=20.0 * ROUNDING)
 
@@ -183,10 +183,10 @@ def test_nonlinear_impulse_on_the_crank_is_the_exact_one() -> None:
         before = states(random)
         jump = random.uniform(-1.0, 1.0)
         after = (*before[:3], before[3] + jump, *before[4:])
-        psi_jump = at(psi_momentum, after, m) - at(psi_momentum, before, m)
-        crank_jump = at(crank_momentum, after, m) - at(crank_momentum, before, m)
-        wall = psi_jump / at(sp.diff(OFFSET, PSI), before, m)
-        exact = crank_jump - wall * at(sp.diff(OFFSET, THETA), before, m)
+        psi_jump = evaluate(psi_momentum, after, m) - evaluate(psi_momentum, before, m)
+        crank_jump = evaluate(crank_momentum, after, m) - evaluate(crank_momentum, before, m)
+        wall = psi_jump / evaluate(sp.diff(OFFSET, PSI), before, m)
+        exact = crank_jump - wall * evaluate(sp.diff(OFFSET, THETA), before, m)
         assert nonlinear.crank_impulse(before[0], before[1], jump, m) == pytest.approx(
             exact, abs=10.0 * ROUNDING
         )
@@ -194,8 +194,8 @@ def test_nonlinear_impulse_on_the_crank_is_the_exact_one() -> None:
 
 def test_nonlinear_walls_are_lines_along_the_cylinder() -> None:
     """y at the wall's psi is the gap; y' = 0 and y'' = 0 with the wall's psi' and psi''."""
-    lateral = in_time(OFFSET)
-    lateral_acceleration = in_time(lateral)
+    lateral = time_derivative(OFFSET)
+    lateral_acceleration = time_derivative(lateral)
     slope = sp.diff(-sp.diff(OFFSET, THETA) * SPEED / sp.diff(OFFSET, PSI), PSI)
     for random, m in mechanisms():
         theta, _, speed, _, acceleration, _ = states(random)
@@ -204,10 +204,10 @@ def test_nonlinear_walls_are_lines_along_the_cylinder() -> None:
         rate = nonlinear.wall_rate(theta, speed, psi, m.xi)
         change = nonlinear.wall_acceleration(theta, speed, acceleration, psi, m.xi)
         values = theta, psi, speed, rate, acceleration, change
-        assert at(OFFSET, values, m) == pytest.approx(gap, abs=ROUNDING)
+        assert evaluate(OFFSET, values, m) == pytest.approx(gap, abs=ROUNDING)
         assert nonlinear.offset(theta, psi, m.xi) == pytest.approx(gap, rel=ROUNDING)
-        assert at(lateral, values, m) == pytest.approx(0.0, abs=ROUNDING)
+        assert evaluate(lateral, values, m) == pytest.approx(0.0, abs=ROUNDING)
         # Divided by cos eta, which comes down to 0.3 here, more than once.
-        assert at(lateral_acceleration, values, m) == pytest.approx(0.0, abs=100.0 * ROUNDING)
+        assert evaluate(lateral_acceleration, values, m) == pytest.approx(0.0, abs=100.0 * ROUNDING)
         found = nonlinear.wall_rate_slope(theta, speed, psi, m.xi)
-        assert found == pytest.approx(at(slope, values, m), rel=1e-12, abs=100.0 * ROUNDING)
+        assert found == pytest.approx(evaluate(slope, values, m), rel=1e-12, abs=100.0 * ROUNDING)

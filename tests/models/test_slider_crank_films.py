@@ -89,7 +89,7 @@ def test_bounces_on_moving_walls_end_in_sliding_and_pass_no_wall(
         assert min(y["upper_wall_force"], y["lower_wall_force"]) >= -1e-11
 
 
-def lubricated() -> System:
+def build_lubricated_engine() -> System:
     """The default engine at 2000 r/min with a clearance of 0.1 mm, whose walls' forces load two contacts."""
     wheel = Instance(CATALOGUE["flywheel"](), {"initial_speed": 209.4, "final_speed": 209.4})
     crank = Instance(
@@ -109,7 +109,7 @@ def lubricated() -> System:
 
 
 def test_equilibrium_puts_the_walls_on_their_films() -> None:
-    system = lubricated()
+    system = build_lubricated_engine()
     start = dict(zip(system.state.names, equilibrium(system), strict=True))
     for wall in ("upper", "lower"):
         assert start[f"crank.{wall}_wall_film"] == pytest.approx(start[f"{wall}.film_thickness"], rel=1e-9)
@@ -118,7 +118,7 @@ def test_equilibrium_puts_the_walls_on_their_films() -> None:
 
 def test_energy_closes_from_one_wall_to_the_other() -> None:
     """Sliding, release, flight, chatter to its end and sliding again, on films that move the walls."""
-    system = lubricated()
+    system = build_lubricated_engine()
     times = np.linspace(0.0, 0.013, 27)
     found = solve(system, times, x0=equilibrium(system), tolerance=1e-8)
     assert found["crank.sliding"][0] == 1.0

@@ -124,7 +124,7 @@ def test_bouncing_motion_converges_to_the_linear_one() -> None:
     assert relative_error(1e-4) < 1e-3
 
 
-def struck(
+def strike_wall(
     form: float, side: float, restitution: float, threshold: float = 0.0
 ) -> tuple[Vector, Vector, Vector, float, float]:
     """p, inputs, state just after an impact on a moving film, and psi' and energy just before."""
@@ -146,7 +146,7 @@ def test_impact_reverses_the_pistons_velocity_relative_to_the_moving_wall(
     side: float, restitution: float
 ) -> None:
     """F (2.16): y' - wall' -> -e (y' - wall'), with y = xi sin theta - sin eta exactly."""
-    _, u, x, before, _ = struck(forms.NONLINEAR, side, restitution)
+    _, u, x, before, _ = strike_wall(forms.NONLINEAR, side, restitution)
     theta, speed = u[0], u[1]
     wall = -side * (0.02 if side > 0.0 else -0.01)
 
@@ -168,7 +168,7 @@ def test_energy_of_an_impact_is_work_of_crank_and_film_less_its_loss(
 
     Also where sliding begins, by a threshold that each rebound is below.
     """
-    p, u, x, _, before = struck(form, side, restitution, threshold)
+    p, u, x, _, before = strike_wall(form, side, restitution, threshold)
     after = energies(CRANK, x, u, p)[0]
     names = ("crank_impact_impulse", "upper_impact_impulse", "lower_impact_impulse", "impact_loss")
     on_crank, upper, lower, loss = (x[STATE.index(name)] for name in names)

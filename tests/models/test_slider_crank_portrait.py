@@ -17,12 +17,12 @@ ROUNDING = 1e-13
 
 
 @cache
-def drawn(form: str, damping: float) -> tuple[Machine, Portrait]:
+def draw_portrait(form: str, damping: float) -> tuple[Machine, Portrait]:
     machine = Machine(damping, 0.015, form=form)
     return machine, portrait(Motion(machine).skip(10), CYCLES, POINTS)
 
 
-def doubled(found: Portrait) -> np.ndarray:
+def find_impacts(found: Portrait) -> np.ndarray:
     """Places of the second of both points of an impact."""
     return np.flatnonzero(np.diff(found.theta) == 0.0) + 1
 
@@ -33,12 +33,12 @@ CASES = pytest.mark.parametrize(("form", "damping"), [(form, d) for form in FORM
 @CASES
 def test_portrait_is_the_trace_with_impacts(form: str, damping: float) -> None:
     """Without the points of impacts it is `Motion.trace`, to the last bit, and ends where that ends."""
-    machine, found = drawn(form, damping)
+    machine, found = draw_portrait(form, damping)
     motion, twin = Motion(machine).skip(10), Motion(machine).skip(10)
     theta, states = motion.trace(CYCLES, POINTS)
     portrait(twin, CYCLES, POINTS)
     kept = np.ones(found.theta.size, dtype=bool)
-    for second in doubled(found):
+    for second in find_impacts(found):
         kept[second - 1 : second + 1] = False
     np.testing.assert_array_equal(found.theta[kept], theta)
     np.testing.assert_array_equal(found.psi[kept], states[:, 0])
@@ -48,7 +48,7 @@ def test_portrait_is_the_trace_with_impacts(form: str, damping: float) -> None:
 
 @CASES
 def test_points_are_in_order_and_between_the_walls(form: str, damping: float) -> None:
-    _, found = drawn(form, damping)
+    _, found = draw_portrait(form, damping)
     assert np.all(np.diff(found.theta) >= 0.0)
     assert np.all(found.psi <= found.upper + ROUNDING)
     assert np.all(found.psi >= found.lower - ROUNDING)
@@ -57,9 +57,9 @@ def test_points_are_in_order_and_between_the_walls(form: str, damping: float) ->
 @CASES
 def test_impacts_are_at_the_walls_and_reverse_the_relative_rate(form: str, damping: float) -> None:
     """F (2.16), (2.17): psi' - psi'_wall is multiplied by -e; where sliding begins it ends."""
-    machine, found = drawn(form, damping)
+    machine, found = draw_portrait(form, damping)
     index, m = float(FORMS.index(form)), machine.mechanism
-    impacts = doubled(found)
+    impacts = find_impacts(found)
     assert impacts.size > 5
     for i in impacts:
         wall = found.upper[i] if found.psi[i] > 0.0 else found.lower[i]

@@ -24,7 +24,7 @@ def thesis(damping: float, gap: float, threshold: float = 0.0) -> Machine:
     return Machine(damping=damping, gap=gap, form="as_published", sliding_threshold=threshold)
 
 
-def settled(machine: Machine, cycles: int):
+def find_transients(machine: Machine, cycles: int):
     """Transients from 24 random starts."""
     return measure_transients(machine, draw_starts(machine, 24, seed=1), cycles)
 
@@ -32,7 +32,7 @@ def settled(machine: Machine, cycles: int):
 @pytest.mark.parametrize(("damping", "gap", "period"), TRANSIENT[1:])
 def test_chaos_that_ends(damping: float, gap: float, period: int) -> None:
     # Mean escape 37 and 115 cycles: 5000 are passed by none.
-    found = settled(thesis(damping, gap), 5000)
+    found = find_transients(thesis(damping, gap), 5000)
     assert found.settled.all()
     assert period in found.periods
     assert found.lengths.max() > 60
@@ -41,7 +41,7 @@ def test_chaos_that_ends(damping: float, gap: float, period: int) -> None:
 @pytest.mark.long
 def test_chaos_that_ends_after_thousands_of_cycles() -> None:
     # Mean escape 2500 cycles: 1e5 are passed with probability e^-40.
-    found = settled(thesis(0.025, 0.01), 100_000)
+    found = find_transients(thesis(0.025, 0.01), 100_000)
     assert set(found.periods) == {1}
     fit = fit_escape_time(found)
     assert fit is not None
@@ -67,14 +67,14 @@ def test_periodic_without_impacts_on_the_lower_wall() -> None:
 
 @pytest.mark.parametrize("damping", [0.23, 0.24, 0.25])
 def test_motion_with_sliding_repeats_from_0_23_on(damping: float) -> None:
-    found = settled(thesis(damping, 0.015), 2000)
+    found = find_transients(thesis(damping, 0.015), 2000)
     assert found.settled.all()
     assert len(set(found.periods)) == 1
     assert classify(thesis(damping, 0.015), 2000).exponent == -math.inf
 
 
 def test_periodic_motion_of_the_thesis_has_transients_as_long_as_its_transient_chaos() -> None:
-    periodic, chaos = (fit_escape_time(settled(thesis(d, 0.015), 5000)) for d in (0.05, 0.025))
+    periodic, chaos = (fit_escape_time(find_transients(thesis(d, 0.015), 5000)) for d in (0.05, 0.025))
     assert periodic is not None
     assert chaos is not None
     assert periodic.mean + 3.0 * periodic.error > chaos.mean
@@ -83,7 +83,7 @@ def test_periodic_motion_of_the_thesis_has_transients_as_long_as_its_transient_c
 @pytest.mark.parametrize(("damping", "gap"), [(0.05, 0.02), (0.025, 0.02), (0.075, 0.02)])
 def test_the_threshold_of_the_thesis_ends_chaos_that_goes_on(damping: float, gap: float) -> None:
     # 24 starts, each of which slides, released from one of two states, within some 100 cycles.
-    found = settled(thesis(damping, gap, 0.005), 20_000)
+    found = find_transients(thesis(damping, gap, 0.005), 20_000)
     assert found.settled.all()
     assert classify(thesis(damping, gap, 0.005), 20_000).kind in (TRANSIENT_CHAOS, PERIODIC)
     assert classify(thesis(damping, gap), 5000).kind == CHAOTIC

@@ -1,1 +1,1 @@
-"""What motions are like: portraits, statistics, periods, chaos, maps over parameters."""
+"""Motions of the machine at constant speed, and analyses of them: statistics, periods, chaos, maps."""

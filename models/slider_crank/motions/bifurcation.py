@@ -9,7 +9,6 @@ import numpy as np
 
 from ...compile.parallel import each, no_progress
 from ...core.quantities import Vector
-from ..forms import wall_angle
 from .machine import Machine, Motion
 from .maps import vary
 
@@ -91,8 +90,7 @@ def continue_sweep(
 
 def between_walls(machine: Machine, state: Vector) -> tuple[float, float]:
     """(psi, psi') at crank angle zero, moved to the nearer wall if the gap has become too small for it."""
-    form, m = machine.form_code, machine.mechanism
-    least, most = (wall_angle(form, 0.0, side * machine.gap, m) for side in (-1.0, 1.0))
+    least, most = machine.start_range
     return min(max(float(state[0]), least), most), float(state[1])
 
 

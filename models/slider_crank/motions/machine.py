@@ -81,6 +81,12 @@ class Machine:
         sign = -1.0 if self.form == "as_published" else 1.0
         return Mechanism(self.xi, self.alpha, self.beta, sign * self.beta, self.damping)
 
+    @property
+    def start_range(self) -> tuple[float, float]:
+        """psi at the lower and at the upper wall at crank angle zero."""
+        lower, upper = (wall_angle(self.form_code, 0.0, y, self.mechanism) for y in (-self.gap, self.gap))
+        return lower, upper
+
     @cached_property
     def walls(self) -> Walls:
         """The walls in y."""
@@ -161,7 +167,7 @@ class Motion:
         self._scratch = np.zeros((SCRATCH_ROWS, TERMS))
         self._position = np.zeros(POSITION_SIZE)
         form, m = machine.form_code, machine.mechanism
-        least, most = (wall_angle(form, 0.0, side * machine.gap, m) for side in (-1.0, 1.0))
+        least, most = machine.start_range
         if not least <= psi <= most:
             raise ValueError(f"psi = {psi}: must be between the walls, {least:.6g} to {most:.6g} rad")
         if not abs(psi_rate) <= FASTEST:

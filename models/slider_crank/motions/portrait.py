@@ -37,26 +37,20 @@ def portrait(motion: Motion, cycles: int, points: int = 1000) -> Portrait:
     return Portrait(theta, psi, rate, side, upper, lower)
 
 
-def wall_angles(machine: Machine, side: float, theta: Vector) -> Vector:
-    """psi of the wall on that side, F (2.14), (2.15)."""
-    form, m = machine.form_code, machine.mechanism
-    return np.array([wall_angle(form, angle, side * machine.gap, m) for angle in theta])
+def wall_angles(machine: Machine, side: float | Vector, theta: Vector) -> Vector:
+    """psi of the wall on that side, or on each angle's side, F (2.14), (2.15)."""
+    form, m, offsets = machine.form_code, machine.mechanism, np.broadcast_to(side, theta.shape) * machine.gap
+    return np.array([wall_angle(form, angle, y, m) for angle, y in zip(theta, offsets, strict=True)])
 
 
 def rates_after(machine: Machine, impacts: Events) -> Vector:
     """psi' after each impact, F (2.16), (2.17); the wall's where sliding begins."""
     form, m = machine.form_code, machine.mechanism
-    rates = np.empty_like(impacts.rate)
-    for i, (theta, psi) in enumerate(zip(impacts.theta, _angles(machine, impacts), strict=True)):
+    rates, angles = np.empty_like(impacts.rate), wall_angles(machine, impacts.side, impacts.theta)
+    for i, (theta, psi) in enumerate(zip(impacts.theta, angles, strict=True)):
         restitution = 0.0 if impacts.kind[i] == h.ONSET else machine.restitution
         rates[i] = rebound(impacts.rate[i], wall_rate(form, theta, 1.0, psi, m), restitution)
     return rates
-
-
-def _angles(machine: Machine, impacts: Events) -> Vector:
-    form, m = machine.form_code, machine.mechanism
-    offsets = machine.gap * impacts.side
-    return np.array([wall_angle(form, angle, y, m) for angle, y in zip(impacts.theta, offsets, strict=True)])
 
 
 def _revolution(motion: Motion, points: int) -> tuple[Vector, Vector, Vector, Vector]:
@@ -69,7 +63,7 @@ def _revolution(motion: Motion, points: int) -> tuple[Vector, Vector, Vector, Ve
     twin = deepcopy(motion, {id(machine): machine})
     impacts = twin.events(1).impacts
     theta, states = motion.trace(1, points)
-    psi = _angles(machine, impacts)
+    psi = wall_angles(machine, impacts.side, impacts.theta)
     sliding = np.where(impacts.kind == h.ONSET, impacts.side, 0.0)
     at = impacts.theta + 2.0 * np.pi * first
     angles = np.concatenate([np.repeat(at, 2), theta])

@@ -182,7 +182,7 @@ def pressure(theta: float, p: CylinderGasParameters) -> float:
 
 
 @kernel
-def gauge(u: CylinderGasInputs, p: CylinderGasParameters) -> float:
+def gauge_pressure(u: CylinderGasInputs, p: CylinderGasParameters) -> float:
     return pressure(u.crank_angle, p) - p.crankcase_pressure
 
 
@@ -192,14 +192,14 @@ def derivative(
 ) -> None:
     r, sine = p.crank_radius, math.sin(u.crank_angle)
     slope = r * math.cos(u.crank_angle) / math.sqrt(p.rod_length**2 - (r * sine) ** 2)
-    dx.indicated_work = gauge(u, p) * p.bore_area * r * sine * (1.0 + slope) * u.crank_speed
+    dx.indicated_work = gauge_pressure(u, p) * p.bore_area * r * sine * (1.0 + slope) * u.crank_speed
 
 
 @kernel
 def output(
     t: float, x: CylinderGasState, u: CylinderGasInputs, p: CylinderGasParameters, y: CylinderGasOutputs
 ) -> None:
-    y.gas_pressure = gauge(u, p)
+    y.gas_pressure = gauge_pressure(u, p)
     y.indicated_work = x.indicated_work
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...compile.kernel import kernel
 from ...core.bonds import counts_energies
 from ...core.component import Component, PowerBond
-from ...core.quantities import Layout, Vector
+from ...core.quantities import Layout
 from .checks import REQUIREMENTS, START_REQUIREMENTS
 from .contact import CORNERS, Motion
 from .events import contact_events
@@ -15,20 +15,18 @@ from .mechanics import (
     add,
     applied_forces,
     free_inverse,
-    gas_power,
-    kinetic_energy,
     mass_matrix,
-    potential_energy,
     times,
     turning_forces,
 )
 from .motion import (
+    FORCED_OUTPUTS,
     accelerations,
     coordinates,
     differentiate,
     find_place,
-    friction_power,
     machine,
+    make_energy,
     observe,
     rates,
 )
@@ -93,18 +91,6 @@ def output(
     y.crank_speed = x.crank_speed
 
 
-@kernel
-def energy(
-    t: float, x: FreePistonCrankState, u: FreePistonCrankInputs, p: FreePistonParameters, e: Vector
-) -> None:
-    """Stored: kinetic and potential energy. Dissipated: friction, and at impacts `impact_loss`. Source: the
-    gas."""
-    m, s = machine(p), motion(x, u, p)
-    e[0] = kinetic_energy(s.q, s.v, m) + potential_energy(s.q, m)
-    e[1] = friction_power(x, s, p, m)
-    e[2] = gas_power(s.q, s.v, u.gas_pressure, m)
-
-
 @counts_energies
 def free_piston_crank() -> Component:
     """The slider-crank with a tilting piston on a crank of its own."""
@@ -119,17 +105,8 @@ def free_piston_crank() -> Component:
         outputs=Layout(FreePistonCrankOutputs, sizes),
         derivative=derivative,
         output=output,
-        energy=energy,
-        feedthrough={
-            "upper_front_force": forced,
-            "upper_rear_force": forced,
-            "lower_front_force": forced,
-            "lower_rear_force": forced,
-            "wall_friction_force": forced,
-            "pin_force_along": forced,
-            "pin_force_across": forced,
-            "friction_power": forced,
-        },
+        energy=make_energy(motion),
+        feedthrough=dict.fromkeys(FORCED_OUTPUTS, forced),
         bonds=(PowerBond("crank_drive", "crank_speed", +1),),
         events=contact_events(motion, apply_to_crank),
         requirements=REQUIREMENTS,

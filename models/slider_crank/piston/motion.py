@@ -10,6 +10,7 @@ import math
 from typing import Any, NamedTuple
 
 from ...compile.kernel import kernel
+from ...core.quantities import Vector
 from .contact import (
     CORNERS,
     Motion,
@@ -35,8 +36,23 @@ from .mechanics import (
     along_row,
     along_turning,
     dot,
+    gas_power,
     joint_loss,
+    kinetic_energy,
     position_along,
+    potential_energy,
+)
+
+# Outputs that depend on all inputs that set forces in motion.
+FORCED_OUTPUTS = (
+    "upper_front_force",
+    "upper_rear_force",
+    "lower_front_force",
+    "lower_rear_force",
+    "wall_friction_force",
+    "pin_force_along",
+    "pin_force_across",
+    "friction_power",
 )
 
 
@@ -200,6 +216,22 @@ def friction_power(x: Any, s: Motion, p: Any, m: Machine) -> float:
     """Power (W) that all friction takes between impacts."""
     touching = find_closed_corners(x)
     return joint_loss(s.v, m) + wall_loss(s, touching, wall_forces(touching, s, p, m), p, m)
+
+
+def make_energy(motion: Any) -> Any:
+    """The component's energy kernel; motion(x, u, p) -> Motion.
+
+    Stored: kinetic and potential energy. Dissipated: friction, and at impacts `impact_loss`. Source: the gas.
+    """
+
+    @kernel
+    def energy(t: float, x: Any, u: Any, p: Any, e: Vector) -> None:
+        m, s = machine(p), motion(x, u, p)
+        e[0] = kinetic_energy(s.q, s.v, m) + potential_energy(s.q, m)
+        e[1] = friction_power(x, s, p, m)
+        e[2] = gas_power(s.q, s.v, u.gas_pressure, m)
+
+    return energy
 
 
 @kernel

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...compile.kernel import kernel
 from ...core.bonds import counts_energies
 from ...core.component import Component, PowerBond
-from ...core.quantities import Layout, Vector
+from ...core.quantities import Layout
 from .checks import REQUIREMENTS, START_REQUIREMENTS
 from .contact import CORNERS, Motion
 from .events import contact_events
@@ -14,22 +14,20 @@ from .mechanics import (
     Machine,
     add,
     applied_forces,
-    gas_power,
-    kinetic_energy,
     mass_matrix,
-    potential_energy,
     prescribed_inverse,
     times,
     turning_forces,
 )
 from .motion import (
+    FORCED_OUTPUTS,
     accelerations,
     coordinates,
     differentiate,
     find_closed_corners,
     find_place,
-    friction_power,
     machine,
+    make_energy,
     observe,
     rates,
     wall_forces,
@@ -95,16 +93,6 @@ def output(
     y.crank_impact_impulse = x.crank_impact_impulse
 
 
-@kernel
-def energy(t: float, x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters, e: Vector) -> None:
-    """Stored: kinetic and potential energy. Dissipated: friction, and at impacts `impact_loss`. Source: the
-    gas."""
-    m, s = machine(p), motion(x, u, p)
-    e[0] = kinetic_energy(s.q, s.v, m) + potential_energy(s.q, m)
-    e[1] = friction_power(x, s, p, m)
-    e[2] = gas_power(s.q, s.v, u.gas_pressure, m)
-
-
 @counts_energies
 def piston_crank() -> Component:
     """The slider-crank with a tilting piston on a crank that is driven."""
@@ -120,19 +108,12 @@ def piston_crank() -> Component:
         outputs=Layout(PistonCrankOutputs, sizes),
         derivative=derivative,
         output=output,
-        energy=energy,
+        energy=make_energy(motion),
         feedthrough={
             "piston_position": ("crank_angle",),
             "piston_velocity": turning,
             "rod_angle": ("crank_angle",),
-            "upper_front_force": forced,
-            "upper_rear_force": forced,
-            "lower_front_force": forced,
-            "lower_rear_force": forced,
-            "wall_friction_force": forced,
-            "pin_force_along": forced,
-            "pin_force_across": forced,
-            "friction_power": forced,
+            **dict.fromkeys(FORCED_OUTPUTS, forced),
             "crank_torque": forced,
         },
         bonds=(PowerBond("crank_torque", "crank_speed", +1),),
