@@ -60,14 +60,14 @@ class Execution:
         among others, so it is evaluated again alone, and only then is it recorded as what kills them.
         """
         try:
-            yield from self._outcomes(indices)
+            yield from self._evaluate(indices)
         except (OSError, CancelledError):
             raise WorkerError(
                 f"the scheduler at {self._scheduler} is gone; what is finished is kept, the same command "
                 "continues"
             ) from None
 
-    def _outcomes(self, indices: Sequence[int]) -> Iterator[list[tuple[int, Outcome]]]:
+    def _evaluate(self, indices: Sequence[int]) -> Iterator[list[tuple[int, Outcome]]]:
         suspects: list[int] = []
         for batch in self._complete(indices, ahead=AHEAD):
             suspects += [index for index, outcome in batch if outcome is None]
@@ -79,29 +79,31 @@ class Execution:
     def _complete(self, indices: Sequence[int], ahead: int) -> Iterator[list[tuple[int, Outcome | None]]]:
         """Outcomes; None where workers died."""
         waiting = iter(indices)
-        places: dict[Future, int] = {}
+        numbers: dict[Future, int] = {}
         completed = as_completed()
         try:
-            self._give(islice(waiting, self._room(ahead)), places, completed)
+            self._submit(islice(waiting, self._count_slots(ahead)), numbers, completed)
             for batch in completed.batches():
-                yield [(places.pop(future), self._outcome(future)) for future in batch]
-                self._give(islice(waiting, max(0, self._room(ahead) - len(places))), places, completed)
+                yield [(numbers.pop(future), self._read_outcome(future)) for future in batch]
+                self._submit(
+                    islice(waiting, max(0, self._count_slots(ahead) - len(numbers))), numbers, completed
+                )
         finally:
             with suppress(OSError, CancelledError):
-                self._client.cancel(list(places))
+                self._client.cancel(list(numbers))
 
-    def _room(self, ahead: int) -> int:
+    def _count_slots(self, ahead: int) -> int:
         return max(1, ahead * sum(self._client.nthreads().values()))
 
-    def _give(self, indices: Iterator[int], places: dict[Future, int], completed: as_completed) -> None:
+    def _submit(self, indices: Iterator[int], numbers: dict[Future, int], completed: as_completed) -> None:
         for index in indices:
             values = self._points[index]
             call = pickle.dumps(Call(evaluate, (self._subject, values, self._versions)))
             future = self._client.submit(pickle.loads, call, pure=False)
-            places[future] = index
+            numbers[future] = index
             completed.add(future)
 
-    def _outcome(self, future: Future) -> Outcome | None:
+    def _read_outcome(self, future: Future) -> Outcome | None:
         if future.status == "cancelled":
             raise CancelledError
         error = future.exception()

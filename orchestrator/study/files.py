@@ -126,8 +126,8 @@ def parse_study(content: Mapping[str, Any]) -> Study:
 
 def resolve(study: Study, folder: Path, build: Builder) -> Plan:
     """The study with values in the parameters' units; MistakeError for a fault."""
-    subject = _subject(study, folder, build)
-    points = expand_points(study.points, subject.resolved)
+    subject = _build_subject(study, folder, build)
+    points = expand_points(study.points, subject.resolve)
     taken = {STATUS, MESSAGE, POINT, *points.coordinates}
     if clash := taken & set(subject.results):
         raise StudyError(f"{min(clash)}: is the name of a result; call the parameter something else")
@@ -138,7 +138,7 @@ def resolve(study: Study, folder: Path, build: Builder) -> Plan:
     return Plan(study, subject, points)
 
 
-def _subject(study: Study, folder: Path, build: Builder) -> Subject:
+def _build_subject(study: Study, folder: Path, build: Builder) -> Subject:
     if study.analysis is not None:
         fixed: dict[str, Value] = load_analysis(study.analysis).complete(study.fixed)
         return AnalysisSubject(study.analysis, fixed)

@@ -75,10 +75,10 @@ class Range(Table):
     high: Written
     spacing: Spacing = "linear"
 
-    def at(self, name: str, fractions: Vector, resolve: Resolve) -> list[float]:
+    def values_at(self, name: str, fractions: Vector, resolve: Resolve) -> list[float]:
         """The values at `fractions` of the way."""
         ends = [resolve(name, value) for value in (self.low, self.high)]
-        low, high = (self._number(name, end) for end in ends)
+        low, high = (self._to_number(name, end) for end in ends)
         if self.spacing == "linear":
             values = low + fractions * (high - low)
         elif low > 0.0 and high > 0.0:
@@ -92,7 +92,7 @@ class Range(Table):
         return [kind(value) for value in values]
 
     @staticmethod
-    def _number(name: str, value: Value) -> float:
+    def _to_number(name: str, value: Value) -> float:
         if isinstance(value, (bool, str)):
             raise MistakeError(f"{name}: a range needs numbers at its ends, not {value!r}; list the values")
         return float(value)
@@ -106,7 +106,7 @@ class Axis(Range):
     count: int = Field(ge=2, le=MOST_POINTS, strict=True)
 
     def values(self, name: str, resolve: Resolve) -> Sequence[Value]:
-        return self.at(name, np.linspace(0.0, 1.0, self.count), resolve)
+        return self.values_at(name, np.linspace(0.0, 1.0, self.count), resolve)
 
 
 class Listed(Table):
@@ -118,7 +118,7 @@ class Listed(Table):
         return self.items
 
 
-def _axis(content: Any) -> Axis | Listed:
+def _parse_axis(content: Any) -> Axis | Listed:
     if isinstance(content, list):
         return parse_table(Listed, {"values": content})
     if not isinstance(content, dict):
@@ -126,7 +126,7 @@ def _axis(content: Any) -> Axis | Listed:
     return parse_table(Axis, content)
 
 
-def _range(content: Any) -> Range:
+def _parse_range(content: Any) -> Range:
     return parse_table(Range, content)
 
 
@@ -138,7 +138,7 @@ class Grid(Table):
     """All combinations of the axes' values."""
 
     kind: Literal["grid"]
-    axes: dict[str, Annotated[Axis | Listed, BeforeValidator(_axis)]] = Field(min_length=1)
+    axes: dict[str, Annotated[Axis | Listed, BeforeValidator(_parse_axis)]] = Field(min_length=1)
 
     @property
     def parameters(self) -> list[str]:
@@ -159,7 +159,7 @@ class Sobol(Table):
     """Scrambled Sobol' points: they fill the ranges more evenly than random ones."""
 
     kind: Literal["sobol"]
-    ranges: dict[str, Annotated[Range, BeforeValidator(_range)]] = Field(min_length=1)
+    ranges: dict[str, Annotated[Range, BeforeValidator(_parse_range)]] = Field(min_length=1)
     count: int = Field(ge=1, le=MOST_POINTS, strict=True)
     seed: int = Field(ge=0, strict=True)
 
@@ -178,7 +178,7 @@ class Sobol(Table):
             )
         unit = qmc.Sobol(len(self.ranges), scramble=True, rng=self.seed).random_base2(exponent)
         values = {
-            name: resolve_values(name, along.at(name, unit[:, i], resolve), resolve)
+            name: resolve_values(name, along.values_at(name, unit[:, i], resolve), resolve)
             for i, (name, along) in enumerate(self.ranges.items())
         }
         return Points((POINT,), (self.count,), values)

@@ -76,7 +76,7 @@ def _list_warnings(plan: Plan) -> list[str]:
     found: dict[str, None] = {}
     for index in (0, len(plan.points) - 1):
         with suppress(MistakeError, ModelError):
-            found |= dict.fromkeys(plan.subject.notices(plan.points[index]))
+            found |= dict.fromkeys(plan.subject.list_warnings(plan.points[index]))
     return list(found)
 
 
@@ -94,16 +94,16 @@ def _publish(plan: Plan, out: Path) -> list[Path]:
     import xarray
 
     from ..plots.style import save_figure
-    from .figure import figure
+    from .figure import draw_figure
     from .table import write_table
 
     stem = out.name.removesuffix(".zarr")
     files = [out.with_name(f"{stem}.csv")]
-    names = plan.study.figure or plan.subject.drawn
+    names = plan.study.figure or plan.subject.default_figure
     with xarray.open_zarr(out) as found:
         write_table(found, files[0])
         if POINT not in plan.points.dimensions and len(plan.points.dimensions) <= 2 and names:
-            files.append(save_figure(lambda: figure(found, names), out.with_name(f"{stem}.png")))
+            files.append(save_figure(lambda: draw_figure(found, names), out.with_name(f"{stem}.png")))
     return files
 
 

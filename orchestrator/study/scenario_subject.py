@@ -78,12 +78,12 @@ class ScenarioSubject:
                 f"{quantity.description}: {statistic} over time",
                 display_unit=quantity.display_unit,
             )
-            for name, quantity in self._outputs().items()
+            for name, quantity in self._list_outputs().items()
             for statistic in STATISTICS
         }
         found |= {
             f"{name}.{key}": Result("1", f"{name}: {text}")
-            for name in self._compare()
+            for name in self._list_compared()
             for key, (text, _) in ERRORS.items()
         }
         found |= {
@@ -96,23 +96,23 @@ class ScenarioSubject:
         found["iterations"] = Result("1", "iterations of the master")
         return found
 
-    def _outputs(self) -> dict[str, Quantity]:
+    def _list_outputs(self) -> dict[str, Quantity]:
         return {
             f"{name}.{field.name}": field.quantity
             for name, table in self.scenario.components.items()
             for field in table.resolve().outputs.fields
         }
 
-    def _compare(self) -> list[str]:
+    def _list_compared(self) -> list[str]:
         if not self.scenario.reference.enabled:
             return []
         driving = {parse_ends(line)[0] for line in self.scenario.connections}
-        return [name for name in self._outputs() if name in driving or name in self.scenario.tolerance]
+        return [name for name in self._list_outputs() if name in driving or name in self.scenario.tolerance]
 
     def _paths(self, name: str) -> list[str]:
         return self.names.get(name, [name])
 
-    def _quantity(self, path: str) -> Quantity | None:
+    def _find_quantity(self, path: str) -> Quantity | None:
         """What a component's value is; None for other settings. ScenarioError if there is no such value."""
         keys = split_path(path)
         if keys[0] != "components" or len(keys) < 4 or keys[2] not in ("parameters", "start", "inputs"):
@@ -125,14 +125,14 @@ class ScenarioSubject:
         layout = layouts[keys[2]]
         return layout.field(keys[3]).quantity if keys[3] in layout else None
 
-    def resolved(self, name: str, value: Value) -> Value:
-        found = {self._resolved(path, value) for path in self._paths(name)}
+    def resolve(self, name: str, value: Value) -> Value:
+        found = {self._resolve_path(path, value) for path in self._paths(name)}
         if len(found) != 1:
             raise MistakeError(f"{name} = {value!r}: must mean the same in all of {self._paths(name)}")
         return found.pop()
 
-    def _resolved(self, path: str, value: Value) -> Value:
-        quantity = self._quantity(path)
+    def _resolve_path(self, path: str, value: Value) -> Value:
+        quantity = self._find_quantity(path)
         if quantity is None:
             return _find_value(self.at({path: value}), split_path(path))
         try:
@@ -140,22 +140,22 @@ class ScenarioSubject:
         except ValueError as error:
             raise MistakeError(f"{path} = {value!r} ({quantity.description}): {error}") from None
 
-    def described(self, name: str) -> Result:
+    def describe(self, name: str) -> Result:
         path = self._paths(name)[0]
-        quantity = self._quantity(path)
+        quantity = self._find_quantity(path)
         if quantity is not None:
             return Result(quantity.unit, quantity.description, display_unit=quantity.display_unit)
         return Result("s" if path in DURATIONS else "1", path)
 
     @property
-    def drawn(self) -> Sequence[str]:
+    def default_figure(self) -> Sequence[str]:
         """Extremes of what the scenario has a tolerance for."""
         found = [
             f"{name}.{extreme}" for name in self.scenario.tolerance for extreme in ("minimum", "maximum")
         ]
         return (found or list(self.results))[:MOST_DRAWN]
 
-    def notices(self, values: Mapping[str, Value]) -> list[str]:
+    def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
         return list_warnings(self.at(values))
 
     def content(self) -> str:
@@ -176,18 +176,18 @@ class ScenarioSubject:
         with tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
             summary = run(scenario, Path(folder), self.build, quiet, figures=False)
             if (Path(folder) / RESULT).exists():
-                found = _statistics(Path(folder))
+                found = _compute_statistics(Path(folder))
         for name, table in scenario.components.items():
             if table.component in CONTACTS:
-                found |= _contact(name, summary.contacts.get(name))
+                found |= _collect_contact(name, summary.contacts.get(name))
         found["macro_steps"] = summary.macro_steps
         found["iterations"] = summary.iterations
         if not summary.complete:
             raise IncompleteError(summary.message.removeprefix("incomplete: "), found)
-        return found | _errors(summary.errors)
+        return found | _collect_errors(summary.errors)
 
 
-def _contact(name: str, course: Course | None) -> dict[str, float]:
+def _collect_contact(name: str, course: Course | None) -> dict[str, float]:
     """What was accumulated at every macro step, in place of statistics of recorded rows."""
     if course is None:
         return {f"{name}.{key}": 0.0 for key in SEPARATION}
@@ -209,7 +209,7 @@ def _find_value(scenario: Scenario, keys: list[str]) -> Value:
     return content
 
 
-def _statistics(folder: Path) -> dict[str, float]:
+def _compute_statistics(folder: Path) -> dict[str, float]:
     with open_result(folder) as tree:
         coupled = tree["coupled"]
         return {
@@ -219,7 +219,7 @@ def _statistics(folder: Path) -> dict[str, float]:
         }
 
 
-def _errors(errors: Mapping[str, VariableError]) -> dict[str, float]:
+def _collect_errors(errors: Mapping[str, VariableError]) -> dict[str, float]:
     return {
         f"{name}.{key}": value_of(error)
         for name, error in errors.items()

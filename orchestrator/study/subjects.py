@@ -21,20 +21,20 @@ class Subject(Protocol):
     @property
     def results(self) -> Mapping[str, Result]: ...
 
-    def resolved(self, name: str, value: Value) -> Value:
+    def resolve(self, name: str, value: Value) -> Value:
         """`value` in the parameter's unit; MistakeError for an unknown name or a value out of range."""
         ...
 
-    def described(self, name: str) -> Result:
+    def describe(self, name: str) -> Result:
         """Unit and description of a parameter."""
         ...
 
     @property
-    def drawn(self) -> Sequence[str]:
+    def default_figure(self) -> Sequence[str]:
         """The results to draw where a study names none."""
         ...
 
-    def notices(self, values: Mapping[str, Value]) -> list[str]:
+    def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
         """Warnings about what is to be evaluated at a point."""
         ...
 
@@ -70,18 +70,18 @@ class AnalysisSubject:
     def _parameter(self, name: str) -> Parameter:
         return self.analysis.parameter(name)
 
-    def resolved(self, name: str, value: Value) -> Value:
+    def resolve(self, name: str, value: Value) -> Value:
         return self._parameter(name).check_value(name, value)
 
-    def described(self, name: str) -> Result:
+    def describe(self, name: str) -> Result:
         parameter = self._parameter(name)
         return Result(parameter.unit, parameter.description)
 
     @property
-    def drawn(self) -> Sequence[str]:
+    def default_figure(self) -> Sequence[str]:
         return [name for name, result in self.results.items() if not result.text][:MOST_DRAWN]
 
-    def notices(self, values: Mapping[str, Value]) -> list[str]:
+    def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
         return []
 
     def content(self) -> str:

@@ -13,7 +13,7 @@ from fmus.native.machine_code import this_platform
 from models.core.system import Instance
 from orchestrator.analyses.stability.behaviour import Behaviour, find_stability_limit
 from orchestrator.analyses.stability.linearisation import Directional, Equations, linearise_at
-from orchestrator.analyses.stability.trajectory import connected_inputs, continuous_outputs
+from orchestrator.analyses.stability.trajectory import list_connected_inputs, list_continuous_outputs
 from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import open_fmu, read_component
@@ -28,7 +28,9 @@ def both(system, name, where, row, path):
     """An FMU by its directional derivatives, and the component by its equations."""
     unit = open_fmu(name, path, system.instances[name])
     try:
-        assert unit.linearisable([*connected_inputs(name, system), *continuous_outputs(name, system)])
+        assert unit.linearisable(
+            [*list_connected_inputs(name, system), *list_continuous_outputs(name, system)]
+        )
         found = Directional(name, unit, system).about(where, row, sources(system, name))
     finally:
         unit.close()
@@ -40,7 +42,7 @@ def assert_alike(found, expected, system, name, tolerance):
     without modes, as the FMU has them, and the inputs that are driven."""
     component = system.instances[name].component
     smooth = [i for i, field in enumerate(component.state.fields) if not field.quantity.discrete]
-    driven = [component.inputs.index(variable) for variable in connected_inputs(name, system)]
+    driven = [component.inputs.index(variable) for variable in list_connected_inputs(name, system)]
     x, u, y = expected.scale[smooth], component.inputs.nominal[driven], component.outputs.nominal[:, None]
     np.testing.assert_array_equal(found.scale, x)
     pairs = [
@@ -67,7 +69,7 @@ def test_native_fmus_have_the_matrices_of_their_equations(system, fmi):
     for name, instance in system.instances.items():
         found, expected = both(system, name, where, 40, native(instance.component, fmi))
         assert_alike(found, expected, system, name, 1e-8)
-        fed_to = instance.component.inputs.index(connected_inputs(name, system)[0])
+        fed_to = instance.component.inputs.index(list_connected_inputs(name, system)[0])
         np.testing.assert_array_equal(found.followed[:, fed_to], 1.0)
 
 

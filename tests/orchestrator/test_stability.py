@@ -20,8 +20,12 @@ from orchestrator.analyses.stability.behaviour import (
     find_hardest_point,
     find_stability_limit,
 )
-from orchestrator.analyses.stability.extrapolation_error import compute_extrapolation_error, ends, shapes
-from orchestrator.analyses.stability.linear import ROWS, spectral_radius
+from orchestrator.analyses.stability.extrapolation_error import (
+    build_shapes,
+    compute_extrapolation_error,
+    evaluate_ends,
+)
+from orchestrator.analyses.stability.linear import ROWS, compute_spectral_radius
 from orchestrator.analyses.stability.linear_participants import LinearParticipant
 from orchestrator.analyses.stability.linearisation import Point, linearise, linearise_at
 from orchestrator.analyses.stability.macro_step import predict_errors, sample_course
@@ -293,7 +297,7 @@ def test_what_a_signal_misses_is_a_polynomial_known_in_closed_form(signal):
     that power less its extrapolation; one end value of a shape other than the first is zero."""
     degree, h = SIGNALS.index(signal), 0.1
     times, middles = h * np.arange(6), h * (np.arange(6) + 0.5)
-    coefficients = shapes(h, degree) / np.cumprod([1.0, *range(1, ROWS)])
+    coefficients = build_shapes(h, degree) / np.cumprod([1.0, *range(1, ROWS)])
 
     def amounts(power):
         values, rates = times**power, power * times ** max(0, power - 1)
@@ -309,7 +313,7 @@ def test_what_a_signal_misses_is_a_polynomial_known_in_closed_form(signal):
     past = times[-2 - degree : -1] if signal != "hermite" else np.repeat(times[-3:-1], 2)
     expected = np.prod([times[-2] + s - known for known in past], axis=0)
     np.testing.assert_allclose(missed(s), expected, atol=1e-14)
-    np.testing.assert_allclose(ends(h, degree)[0, 0], 1.0)
+    np.testing.assert_allclose(evaluate_ends(h, degree)[0, 0], 1.0)
 
 
 def test_the_loop_of_the_valve_train_is_contact_and_valve(valve_train, lift):
@@ -344,7 +348,7 @@ def test_growth_of_the_system_itself_is_not_blamed_on_its_coupling():
     )
     assert grows.growth > 5.0
     behaviour = Behaviour(grows, GaussSeidel("quadratic"))
-    assert spectral_radius(behaviour.macro_step(1e-2).matrix) == pytest.approx(
+    assert compute_spectral_radius(behaviour.macro_step(1e-2).matrix) == pytest.approx(
         np.exp(1e-2 * grows.growth), rel=1e-3
     )
     assert behaviour.evaluate(1e-2).stable

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from models.monolithic.difference import difference
 from models.monolithic.trajectory import course
 from orchestrator.analyses.stability.analyse import analyse_scenario
-from orchestrator.analyses.stability.figure import figure
+from orchestrator.analyses.stability.figure import draw_figure
 from orchestrator.analyses.stability.survey import round_down
 from orchestrator.command_line import app
 from orchestrator.engine.signals import DEGREES
@@ -86,7 +86,7 @@ def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_
 
 def test_the_figure_explains_its_colours_and_lines(masses, tmp_path):
     found = analyse_scenario(str(masses), ["macro_step=0.02"], out=tmp_path / "out")
-    (legend,) = figure(found).legends
+    (legend,) = draw_figure(found).legends
     said = [text.get_text() for text in legend.get_texts()]
     signals = {method.master.extrapolation for method in found.methods}
     assert {text.removeprefix("signals: ") for text in said if text.startswith("signals: ")} == signals

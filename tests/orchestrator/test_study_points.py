@@ -184,7 +184,7 @@ def test_values_mean_what_the_scenario_takes_them_for() -> None:
         "macro_step": 2e-6,
         "master.extrapolation": "hold",
     }
-    about = plan.subject.described("speed")
+    about = plan.subject.describe("speed")
     assert (about.unit, about.description) == ("rad/s", "prescribed speed before the ramp")
     assert not any(name.endswith(".error") for name in plan.subject.results)
 

@@ -9,7 +9,7 @@ import pytest
 import xarray
 
 from orchestrator.errors import MistakeError
-from orchestrator.study.figure import figure
+from orchestrator.study.figure import draw_figure
 from orchestrator.study.table import write_table
 from orchestrator.study.task import Outcome
 
@@ -65,7 +65,7 @@ def test_the_table_of_single_points_has_their_parameters(tmp_path: Path) -> None
 def drawn(store: Path) -> Any:
     """The figure's first panel."""
     with xarray.open_zarr(store) as found:
-        return figure(found.load(), ["sum"]).axes[0]
+        return draw_figure(found.load(), ["sum"]).axes[0]
 
 
 def test_one_axis_is_a_curve(tmp_path: Path) -> None:
@@ -104,7 +104,7 @@ def test_numbers_without_a_unit_are_doubted_in_studies_too(stop: float | str, do
     plan = planned(
         {"kind": "grid", "axes": {"speed": axis}}, analysis=None, scenario="valve-train", names=SPEED
     )
-    said = plan.subject.notices(plan.points[1])
+    said = plan.subject.list_warnings(plan.points[1])
     assert ["did you mean 1400 rpm?" in line for line in said] == [True] * doubted
 
 

@@ -21,7 +21,7 @@ from orchestrator.study.work_precision import methods, peers
 from orchestrator.study.work_precision.benchmark import benchmark
 from orchestrator.study.work_precision.methods import Method, measure_method
 from orchestrator.study.work_precision.problem import PROBLEMS, build_problem
-from orchestrator.study.work_precision.run import Row, compute_errors, fmu_files
+from orchestrator.study.work_precision.row import Row, build_fmus, compute_errors
 from orchestrator.study.work_precision.table import build_digest, find_cheapest, list_failures
 
 ROOT = Path(__file__).parents[2]
@@ -35,7 +35,7 @@ def quarter_car():
 
 @pytest.fixture(scope="module")
 def files(quarter_car):
-    return fmu_files(quarter_car, lambda name, structure, kind: build(name, structure=structure))
+    return build_fmus(quarter_car, lambda name, structure, kind: build(name, structure=structure))
 
 
 def test_errors_at_the_samples_ask_for_the_truth_beside_them_only(quarter_car):

@@ -19,7 +19,7 @@ from ...masters.gauss_seidel import sweep_in_turn
 from ...masters.interface import interface_of
 from ...masters.parts import find_parts, step_in_parts
 from ...masters.protocol import MasterStep
-from .linear import spectral_radius
+from .linear import compute_spectral_radius
 from .linear_participants import LinearCoupling
 from .linearisation import Point
 from .macro_step import MacroStep, build_macro_step, find_growing_output
@@ -167,7 +167,7 @@ class Behaviour:
         if self.master.implicit:
             converged = ConvergedMaster(self.master, coupling, step)
             stepping = converged
-            radii = [spectral_radius(matrix) for matrix in converged.sweeps.values()]
+            radii = [compute_spectral_radius(matrix) for matrix in converged.sweeps.values()]
             contraction = max(radii, default=0.0)
             if not self._converges(step):
                 return None, contraction
@@ -190,7 +190,9 @@ class Behaviour:
         operator, contraction = self._evaluate(step)
         if operator is None:
             return StepBehaviour(step, math.nan, contraction)
-        radius = spectral_radius(operator.matrix) * math.exp(-min(FASTER * self.point.growth * step, 700.0))
+        radius = compute_spectral_radius(operator.matrix) * math.exp(
+            -min(FASTER * self.point.growth * step, 700.0)
+        )
         return StepBehaviour(step, radius, contraction)
 
     def count_participant_steps(self, step: float, amounts: Vector) -> float:
@@ -229,14 +231,14 @@ def find_stability_limit(
         good = samples[-1].step
         if good >= longest:
             return math.inf
-        samples.append(behaviour.evaluate(min(good + _spacing(behaviour.point, good), longest)))
+        samples.append(behaviour.evaluate(min(good + _choose_spacing(behaviour.point, good), longest)))
     limit = _bisect(behaviour, good, samples[-1].step)
     while samples[-1].step * RATIO <= longest and not samples[-1].radius > SEEN:
         samples.append(behaviour.evaluate(samples[-1].step * RATIO))
     return limit
 
 
-def _spacing(point: Point, step: float) -> float:
+def _choose_spacing(point: Point, step: float) -> float:
     return SPACING * min(step, 1.0 / max(point.fastest(DECAYED / step), 1e-300))
 
 

@@ -25,7 +25,7 @@ def compute_extrapolation_error(
     ends at instant n, and zero without a full past. `middles` are values halfway, row n for the step that
     ends at instant n + 1.
     """
-    missed = np.zeros((len(values), len(shapes(step, degree)), values.shape[1]))
+    missed = np.zeros((len(values), len(build_shapes(step, degree)), values.shape[1]))
     if degree != HERMITE:
         missed[degree + 1 :, 0] = np.diff(values, degree + 1, axis=0)
         return missed
@@ -47,7 +47,7 @@ def compute_extrapolation_error(
 
 
 @cache
-def shapes(step: float, degree: int) -> Vector:
+def build_shapes(step: float, degree: int) -> Vector:
     """Taylor coefficients (shapes x ROWS), at the start of a step, of the error of a signal of `degree`.
 
     The shape vanishes at the signal's known values and is one at the end of the step. Hermite signals have
@@ -69,8 +69,8 @@ def shapes(step: float, degree: int) -> Vector:
     return coefficients
 
 
-def ends(step: float, degree: int) -> Vector:
+def evaluate_ends(step: float, degree: int) -> Vector:
     """Values and rates (2 x shapes) of the shapes at the end of the step."""
     powers = np.array([step**k / math.factorial(k) for k in range(ROWS)])
-    made = shapes(step, degree)
+    made = build_shapes(step, degree)
     return np.array([made @ powers, made[:, 1:] @ powers[:-1]])

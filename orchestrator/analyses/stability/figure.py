@@ -18,21 +18,21 @@ from .survey import AssessedMethod, Survey
 STABLE = "#dfeadf"
 
 
-def figure(found: Survey) -> Figure:
+def draw_figure(found: Survey) -> Figure:
     masters = list(
         dict.fromkeys(name_of(m.master) for m in sorted(found.methods, key=lambda m: m.master.implicit))
     )
-    made, axes = create_subplots(
+    figure, axes = create_subplots(
         2, len(masters), figsize=(1.2 + 2.7 * len(masters), 5.7), sharex=True, sharey="row", squeeze=False
     )
-    add_title(made, f"{found.scenario.name}: coupling against the macro step")
+    add_title(figure, f"{found.scenario.name}: coupling against the macro step")
     for column, name in enumerate(masters):
         radius, error = axes[:, column]
         radius.set_title(name)
         for method in found.methods:
             if name_of(method.master) == name:
-                _radius(radius, method)
-                _error(error, found, method)
+                _draw_radius(radius, method)
+                _draw_error(error, found, method)
         for panel in (radius, error):
             panel.set_xscale("log")
             panel.axvline(found.scenario.macro_step, color="black", lw=0.8, ls=":")
@@ -47,11 +47,11 @@ def figure(found: Survey) -> Figure:
     error.set_ylabel("Estimated error over tolerance")
     for panel in axes[1]:
         panel.axhline(1.0, color="black", lw=0.8)
-    made.legend(handles=_entries(found), loc="outside lower center", ncols=5)
-    return made
+    figure.legend(handles=_list_legend(found), loc="outside lower center", ncols=5)
+    return figure
 
 
-def _entries(found: Survey) -> list[Artist]:
+def _list_legend(found: Survey) -> list[Artist]:
     """What colours, lines and marks mean; only of signals that were surveyed."""
     used = {method.master.extrapolation for method in found.methods}
     step = format_time(found.scenario.macro_step)
@@ -65,7 +65,7 @@ def _entries(found: Survey) -> list[Artist]:
     ]
 
 
-def _radius(axes: Axes, method: AssessedMethod) -> None:
+def _draw_radius(axes: Axes, method: AssessedMethod) -> None:
     """Dashed beyond the limit, where only few steps were sampled."""
     signal = method.master.extrapolation
     colour = SIGNALS[signal]
@@ -79,7 +79,7 @@ def _radius(axes: Axes, method: AssessedMethod) -> None:
         axes.plot(*limit[0], "o", ms=4.5, color=colour)
 
 
-def _error(axes: Axes, found: Survey, method: AssessedMethod) -> None:
+def _draw_error(axes: Axes, found: Survey, method: AssessedMethod) -> None:
     allowed = found.scenario.tolerance
     points = [
         (step, max(e / allowed[n] for n, e in errors.items())) for step, errors in method.errors.items()

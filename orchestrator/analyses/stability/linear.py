@@ -62,7 +62,7 @@ class Linear:
         return self._steps[h]
 
 
-def circles(matrix: Vector) -> Iterator[Any]:
+def find_strong_parts(matrix: Vector) -> Iterator[Any]:
     """Indices of each strongly connected part; ordered by parts, the matrix is block triangular."""
     count, labels = connected_components(matrix != 0.0, directed=True, connection="strong")
     order = np.argsort(labels, kind="stable")
@@ -71,15 +71,15 @@ def circles(matrix: Vector) -> Iterator[Any]:
         yield order[first:last]
 
 
-def eigenvalues(matrix: Vector) -> Vector:
+def compute_eigenvalues(matrix: Vector) -> Vector:
     """All eigenvalues, part by part."""
     found = [
         np.linalg.eigvals(matrix[np.ix_(part, part)]) if len(part) > 1 else matrix[part, part]
-        for part in circles(matrix)
+        for part in find_strong_parts(matrix)
     ]
     return np.concatenate(found) if found else np.zeros(0)
 
 
-def spectral_radius(matrix: Vector) -> float:
+def compute_spectral_radius(matrix: Vector) -> float:
     """The largest absolute value of an eigenvalue."""
-    return float(np.max(np.abs(eigenvalues(matrix)), initial=0.0))
+    return float(np.max(np.abs(compute_eigenvalues(matrix)), initial=0.0))

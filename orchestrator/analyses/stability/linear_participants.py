@@ -23,7 +23,7 @@ from ...participants.capabilities import HIGHEST
 from ...participants.compiled import IN_PROCESS
 from ...participants.protocol import BoundVariables
 from ...participants.signal_degrees import find_highest_degrees
-from .extrapolation_error import HERMITE, ends, shapes
+from .extrapolation_error import HERMITE, build_shapes, evaluate_ends
 from .linear import ROWS, Linear
 
 
@@ -280,7 +280,10 @@ class LinearCoupling:
         e, given = self.coupling, amounts.shape[1]
         for number in np.flatnonzero(np.any(amounts, axis=1)):
             kind, source = divmod(int(number), self.sources)
-            missing, at_end = shapes(step, self.degrees[source]), ends(step, self.degrees[source])
+            missing, at_end = (
+                build_shapes(step, self.degrees[source]),
+                evaluate_ends(step, self.degrees[source]),
+            )
             port = e.wiring.sources[source * self.count]
             variable = port.variable.partition("#")[0]
             if kind >= len(missing):  # this signal's degree is lower than others'

@@ -23,9 +23,14 @@ from ...participants import FmuParticipant, Participant, in_process, open_fmu
 from ...scenario import Scenario, ScenarioError
 from ...scenario.system import Builder
 from .analysable import check_analysable
-from .linear import ROWS, Linear, eigenvalues
+from .linear import ROWS, Linear, compute_eigenvalues
 from .responses import Responses
-from .trajectory import NotLinearError, ParticipantLinearisation, connected_inputs, continuous_outputs
+from .trajectory import (
+    NotLinearError,
+    ParticipantLinearisation,
+    list_connected_inputs,
+    list_continuous_outputs,
+)
 
 # Half the span of a central difference, as a share of the nominal size (or of the value, if larger):
 # rounding, 1e-16 over it, and truncation, its square, are below 1e-9.
@@ -55,13 +60,15 @@ def linearise(instance: Instance, t: float, x: Vector, u: Vector, outputs: Colle
     wanted = np.array([True] * c.state.size + [name in outputs for name in c.outputs.names])
     smooth = [not item.quantity.discrete for item in (*c.state.fields, *c.outputs.fields)]
     rows = wanted & np.array(smooth)
-    by_state, kinks = _slopes(lambda v: np.where(rows, rates(v, u), 0.0), x, c.state)
-    by_input, more = _slopes(lambda v: np.where(rows, rates(x, v), 0.0), u, c.inputs)
+    by_state, kinks = _compute_slopes(lambda v: np.where(rows, rates(v, u), 0.0), x, c.state)
+    by_input, more = _compute_slopes(lambda v: np.where(rows, rates(x, v), 0.0), u, c.inputs)
     n = c.state.size
     return Linear(by_state[:n], by_input[:n], by_state[n:], by_input[n:], c.state.nominal, (*kinks, *more))
 
 
-def _slopes(function: Callable[[Vector], Vector], at: Vector, layout: Layout) -> tuple[Vector, list[str]]:
+def _compute_slopes(
+    function: Callable[[Vector], Vector], at: Vector, layout: Layout
+) -> tuple[Vector, list[str]]:
     """Derivatives by central differences, and the variables that have a kink at this point."""
     middle = function(at)
     slopes, kinks = np.zeros((middle.size, at.size)), []
@@ -161,13 +168,13 @@ class Point:
     @cached_property
     def growth(self) -> float:
         """The largest growth rate (1/s) of the monolithic system, at least zero."""
-        values = eigenvalues(self.matrix)
+        values = compute_eigenvalues(self.matrix)
         return max(0.0, float(np.max(values.real, initial=0.0)))
 
     @cached_property
     def _modes(self) -> Vector:
         """Eigenvalues (1/s) of each participant alone."""
-        return np.concatenate([eigenvalues(linear.A) for linear in self.linears.values()])
+        return np.concatenate([compute_eigenvalues(linear.A) for linear in self.linears.values()])
 
     def fastest(self, decay: float) -> float:
         """The fastest oscillation (rad/s) of a lone participant that decays no faster than `decay` (1/s)."""
@@ -178,7 +185,7 @@ class Point:
     def matrix(self) -> Vector:
         """dx/dt = matrix x of the monolithic system."""
         s = self.system
-        A, B, C, D = (_blocks([getattr(self.linears[n], part) for n in s.instances]) for part in "ABCD")
+        A, B, C, D = (_join_blocks([getattr(self.linears[n], part) for n in s.instances]) for part in "ABCD")
         connect = np.zeros((s.inputs.size, s.outputs.size))
         connect[s.target_index, s.source_index] = 1.0
         loop = np.eye(s.outputs.size) - D @ connect
@@ -191,7 +198,7 @@ class Point:
         return [f"{name}.{item}" for name, linear in self.linears.items() for item in linear.kinks]
 
 
-def _blocks(parts: Sequence[Vector]) -> Vector:
+def _join_blocks(parts: Sequence[Vector]) -> Vector:
     rows, columns = (sum(part.shape[axis] for part in parts) for axis in (0, 1))
     whole = np.zeros((rows, columns))
     i = j = 0
@@ -266,9 +273,9 @@ def open_linearisations(
             if ode and not (every or table.participant.endswith(".fmu")):
                 linearisations[name] = Equations(system, name)
                 continue
-            unit = _participant(scenario, system, name, build)
+            unit = _open_participant(scenario, system, name, build)
             stack.callback(unit.close)
-            exchanged = [*connected_inputs(name, system), *continuous_outputs(name, system)]
+            exchanged = [*list_connected_inputs(name, system), *list_continuous_outputs(name, system)]
             if not every and isinstance(unit, FmuParticipant) and unit.linearisable(exchanged):
                 linearisations[name] = Directional(name, unit, system)
                 continue
@@ -282,7 +289,7 @@ def open_linearisations(
         yield linearisations
 
 
-def _participant(scenario: Scenario, system: System, name: str, build: Builder | None) -> Participant:
+def _open_participant(scenario: Scenario, system: System, name: str, build: Builder | None) -> Participant:
     table, instance = scenario.components[name], system.instances[name]
     if table.participant.endswith(".fmu"):
         return open_fmu(name, Path(table.participant), instance)

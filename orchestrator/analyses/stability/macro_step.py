@@ -22,8 +22,8 @@ from models.monolithic.difference import difference
 from models.monolithic.trajectory import Course
 
 from ...masters import Master
-from .extrapolation_error import compute_extrapolation_error, ends, shapes
-from .linear import circles, spectral_radius
+from .extrapolation_error import build_shapes, compute_extrapolation_error, evaluate_ends
+from .linear import compute_spectral_radius, find_strong_parts
 from .linear_participants import LinearCoupling
 from .trajectory import compute_rates
 
@@ -56,7 +56,7 @@ def build_macro_step(coupling: LinearCoupling, master: Master, step: float) -> M
     Raises LinAlgError if the converged end values are not unique.
     """
     size, sources = coupling.size, coupling.sources
-    kinds = len(shapes(step, coupling.degree))
+    kinds = len(build_shapes(step, coupling.degree))
     columns, defect = np.empty((size, size)), np.empty((size, kinds * sources))
     for part, data in _unit_columns(size, coupling.count):
         coupling.set_state(data, step)
@@ -68,7 +68,7 @@ def build_macro_step(coupling: LinearCoupling, master: Master, step: float) -> M
     # The true solution deviates by `missed` at the end; the rest is error.
     rates = coupling.states + coupling.rows * sources
     for source, degree in enumerate(coupling.degrees):
-        for kind, (value, rate) in enumerate(ends(step, int(degree)).T):
+        for kind, (value, rate) in enumerate(evaluate_ends(step, int(degree)).T):
             defect[coupling.states + source, kind * sources + source] -= value
             if coupling.rated:
                 defect[rates + source, kind * sources + source] -= rate * step
@@ -158,7 +158,10 @@ def find_growing_output(step: MacroStep, sources: Sequence[Port]) -> Port:
     Participation is left times right eigenvector and does not depend on scaling (Perez-Arriaga 1982). Both
     vanish outside the strongly connected part that grows.
     """
-    grows = max(circles(step.matrix), key=lambda part: spectral_radius(step.matrix[np.ix_(part, part)]))
+    grows = max(
+        find_strong_parts(step.matrix),
+        key=lambda part: compute_spectral_radius(step.matrix[np.ix_(part, part)]),
+    )
     values, left, right = eig(step.matrix[np.ix_(grows, grows)], left=True, right=True)
     k = int(np.argmax(np.abs(values)))
     whole = np.zeros(len(step.matrix))

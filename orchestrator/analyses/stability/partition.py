@@ -33,7 +33,7 @@ class Partition:
         self.system = system
         self.names = list(system.instances)
         self._effects = {
-            name: np.logical_or.reduce([_effect(point.linears[name]) for point in points])
+            name: np.logical_or.reduce([_find_effects(point.linears[name]) for point in points])
             for name in self.names
         }
         n = len(system.connections)
@@ -95,7 +95,7 @@ class Partition:
         Loops of the same components are ordered alike (an engine has one for each valve).
         """
         kinds = [tuple(self.system.instances[n].component.name for n in group) for group in self.participants]
-        choices = [self._sequences(group) for group in self.participants]
+        choices = [self._list_sequences(group) for group in self.participants]
         numbers: dict[tuple[str, ...], range] = {}
         for kind, choice in zip(kinds, choices, strict=True):
             numbers[kind] = range(min(len(choice), len(numbers.get(kind, choice))))
@@ -106,7 +106,7 @@ class Partition:
             parts = (choice[number[kind]] for kind, choice in zip(kinds, choices, strict=True))
             yield tuple(itertools.chain.from_iterable(parts))
 
-    def _sequences(self, group: list[str]) -> list[tuple[str, ...]]:
+    def _list_sequences(self, group: list[str]) -> list[tuple[str, ...]]:
         if len(group) <= PERMUTED:
             return list(itertools.permutations(group))
         # Along direct feedthrough, against it, and as listed.
@@ -114,7 +114,7 @@ class Partition:
         return list(dict.fromkeys([along, along[::-1], tuple(group)]))
 
 
-def _effect(linear: Linear) -> Vector:
+def _find_effects(linear: Linear) -> Vector:
     """Which inputs (columns) act on which outputs, directly or through the states."""
     A, B, C, D = (np.asarray(part != 0.0) for part in (linear.A, linear.B, linear.C, linear.D))
     reached = B

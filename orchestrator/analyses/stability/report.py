@@ -36,13 +36,13 @@ def format_time(seconds: float) -> str:
 
 def build_table(found: Survey) -> Table:
     """Build a table with a row for each method, the cheapest first."""
-    made = Table(
+    table = Table(
         title=f"{found.scenario.name}: methods about its linearisation, cheapest first",
         title_justify="left",
         box=box.SIMPLE_HEAD,
         pad_edge=False,
     )
-    made.add_column("master, signal", no_wrap=True)
+    table.add_column("master, signal", no_wrap=True)
     at = format_time(found.scenario.macro_step)
     heads = (
         "stable\nup to",
@@ -52,14 +52,14 @@ def build_table(found: Survey) -> Table:
         "advised\nstep",
     )
     for head in (*heads, "participant\nsteps/s"):
-        made.add_column(head, justify="right", no_wrap=True)
-    made.add_column("")
+        table.add_column(head, justify="right", no_wrap=True)
+    table.add_column("")
     for method in found.methods:
         marks = [("advised", "bold green")] if method is found.best else []
         marks += [("scenario", "")] if method is found.own else []
         mark = Text(", ".join(text for text, _ in marks), marks[0][1] if marks else "")
-        made.add_row(*format_row(found, method), mark)
-    return made
+        table.add_row(*format_row(found, method), mark)
+    return table
 
 
 def format_row(found: Survey, method: AssessedMethod) -> list[str]:
@@ -209,25 +209,25 @@ def build_dataset(found: Survey) -> xarray.Dataset:
         (i, at, [e[v] for v in variables]) for i, m in enumerate(methods) for at, e in m.errors.items()
     ]
     data: dict[str, Any] = {
-        name: ("method", [value(m) for m in methods], _units(unit, text))
+        name: ("method", [value(m) for m in methods], _attrs(unit, text))
         for name, (unit, text, value) in columns.items()
     }
     data |= {
-        "sample_method": ("sample", number, _units("1", "number of the method")),
-        "sample_step": ("sample", step, _units("s", "macro step")),
+        "sample_method": ("sample", number, _attrs("1", "number of the method")),
+        "sample_step": ("sample", step, _attrs("s", "macro step")),
         "spectral_radius": (
-            "sample", radius, _units("1", "of the step over the system's own growth; NaN: no convergence")
+            "sample", radius, _attrs("1", "of the step over the system's own growth; NaN: no convergence")
         ),
-        "contraction": ("sample", contraction, _units("1", "of a plain iteration, NaN for explicit masters")),
-        "estimate_method": ("estimate", [e[0] for e in estimates], _units("1", "number of the method")),
-        "estimate_step": ("estimate", [e[1] for e in estimates], _units("s", "macro step")),
+        "contraction": ("sample", contraction, _attrs("1", "of a plain iteration, NaN for explicit masters")),
+        "estimate_method": ("estimate", [e[0] for e in estimates], _attrs("1", "number of the method")),
+        "estimate_step": ("estimate", [e[1] for e in estimates], _attrs("s", "macro step")),
         "estimated_error": (
             ("estimate", "variable"),
             np.array([e[2] for e in estimates]).reshape(len(estimates), len(variables)),
-            _units("1", "relative RMS error"),
+            _attrs("1", "relative RMS error"),
         ),
-        "tolerance": ("variable", list(found.scenario.tolerance.values()), _units("1", "allowed error")),
-        "point_time": ("point", [p.time for p in found.points], _units("s", "instants of linearisation")),
+        "tolerance": ("variable", list(found.scenario.tolerance.values()), _attrs("1", "allowed error")),
+        "point_time": ("point", [p.time for p in found.points], _attrs("s", "instants of linearisation")),
     }  # fmt: skip
     versions = ", ".join(f"{name} {metadata.version(name)}" for name in ("tribocosim", "numpy", "scipy"))
     return xarray.Dataset(
@@ -244,14 +244,14 @@ def build_dataset(found: Survey) -> xarray.Dataset:
     )
 
 
-def _units(unit: str, text: str) -> dict[str, str]:
+def _attrs(unit: str, text: str) -> dict[str, str]:
     return {"units": unit, "long_name": text} if unit else {"long_name": text}
 
 
 def write_survey(found: Survey, folder: Path) -> list[Path]:
     """The three files; `folder` exists."""
     from ...plots.style import save_figure
-    from .figure import figure
+    from .figure import draw_figure
 
     table = build_dataset(found)
     files = [folder / f"{NAME}.{ending}" for ending in ("nc", "csv", "png")]
@@ -261,5 +261,5 @@ def write_survey(found: Survey, folder: Path) -> list[Path]:
     units = {name: table[name].attrs.get("units", "") for name in frame.columns}
     frame.columns = [f"{name} [{units[name]}]" if units[name] else name for name in frame.columns]
     frame.to_csv(files[1])
-    save_figure(lambda: figure(found), files[2])
+    save_figure(lambda: draw_figure(found), files[2])
     return files

@@ -248,11 +248,11 @@ def realise(pulses: Vector, direct: Vector, spacing: float, given: Vector, noise
             continue
         own = Linear(A, B, observed, np.zeros((p, m)), np.ones(len(A)))
         again, effect, _ = own.step(spacing)
-        missed = _residual((again, effect[:, :m], observed), scaled)
+        missed = _compute_residual((again, effect[:, :m], observed), scaled)
         if best is None or missed < best.residual:
             linear = Linear(A, B * strength / given, observed * weight[:, None], direct, np.ones(len(A)))
             best = Realisation(linear, missed)
-        if missed <= NEARLY * max(FINE, _residual((phi, gamma, observed), scaled)):
+        if missed <= NEARLY * max(FINE, _compute_residual((phi, gamma, observed), scaled)):
             break
     assert best is not None
     return best
@@ -262,7 +262,7 @@ def _rank_candidates(scaled: Vector) -> list[DiscreteSystem]:
     """Rank realisations: first the smallest that is FINE or NEARLY as good as the best, then by residual."""
     found = []
     for candidate in _generate_candidates(scaled):
-        found.append((_residual(candidate, scaled), candidate))
+        found.append((_compute_residual(candidate, scaled), candidate))
         if found[-1][0] <= FINE:
             break
     enough = max(FINE, NEARLY * min(missed for missed, _ in found))
@@ -309,7 +309,7 @@ def to_continuous(phi: Vector, gamma: Vector, spacing: float) -> tuple[Vector, V
     return found[:n, :n], found[:n, n:]
 
 
-def _residual(system: DiscreteSystem, scaled: Vector) -> float:
+def _compute_residual(system: DiscreteSystem, scaled: Vector) -> float:
     """The residual; infinite if it is not finite."""
     phi, state, observed = system
     difference = np.empty_like(scaled)

@@ -188,7 +188,7 @@ class _Surveyor:
         excess = []
         for point in self.points:
             behaviour = Behaviour(point, kind(), self._couplings)
-            excess.append(self._excess(self._predict_errors(behaviour, FINER)))
+            excess.append(self._compute_excess(self._predict_errors(behaviour, FINER)))
         events = any(i.component.events for i in self.system.instances.values())
         return self.points[int(np.argsort(excess)[-1 if events else len(excess) // 2])]
 
@@ -269,15 +269,15 @@ class _Surveyor:
                 )
                 break
             found.errors[factor * interval] = errors = self._predict_errors(behaviour, factor)
-            if factor * interval >= self._longest or self._excess(errors) > 100.0:
+            if factor * interval >= self._longest or self._compute_excess(errors) > 100.0:
                 break
             factor *= 2
-        if interval < found.limit and self._excess(found.errors.get(step, {})) > 1.0:
+        if interval < found.limit and self._compute_excess(found.errors.get(step, {})) > 1.0:
             found.errors[interval] = self._predict_errors(behaviour, 1)
         found.errors = dict(sorted(found.errors.items()))
         lowest = int(min(behaviour.degrees))
         order = 4 if lowest == HERMITE else lowest + 1
-        excess = {at: self._excess(errors) for at, errors in found.errors.items()}
+        excess = {at: self._compute_excess(errors) for at, errors in found.errors.items()}
         found.accurate_step = find_step_at_error(excess, order, 1.0)
         safe = min(find_step_at_error(excess, order, 1.0 / WITHIN), found.limit / AWAY, self._longest)
         found.advised_step = round_down(safe)
@@ -295,7 +295,7 @@ class _Surveyor:
         if not math.isfinite(found.cost):
             found.advised_step = 0.0
 
-    def _excess(self, errors: Mapping[str, float]) -> float:
+    def _compute_excess(self, errors: Mapping[str, float]) -> float:
         """The largest error over its tolerance."""
         return max(
             (error / self.scenario.tolerance[name] for name, error in errors.items()), default=math.inf

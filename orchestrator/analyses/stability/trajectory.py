@@ -128,13 +128,13 @@ class NotLinearError(ModelError):
     """A participant that cannot be linearised at an instant."""
 
 
-def connected_inputs(name: str, system: System) -> list[str]:
+def list_connected_inputs(name: str, system: System) -> list[str]:
     """Inputs that connections drive."""
     targets = {c.target.variable for c in system.connections if c.target.instance == name}
     return [n for n in system.instances[name].component.inputs.names if n in targets]
 
 
-def continuous_outputs(name: str, system: System) -> list[str]:
+def list_continuous_outputs(name: str, system: System) -> list[str]:
     """Outputs that are not whole numbers."""
     outputs = system.instances[name].component.outputs
     return [f.name for f in outputs.fields if not f.quantity.discrete]
@@ -152,8 +152,8 @@ class ParticipantLinearisation(ABC):
         component = system.instances[name].component
         self.name, self._participant = name, participant
         self._layouts = component.inputs, component.outputs
-        self.input_names = connected_inputs(name, system)
-        self.output_names = continuous_outputs(name, system)
+        self.input_names = list_connected_inputs(name, system)
+        self.output_names = list_continuous_outputs(name, system)
         self._columns = [component.inputs.index(n) for n in self.input_names]
         self._rows = [component.outputs.index(n) for n in self.output_names]
         self._slots = system.inputs.of(name)

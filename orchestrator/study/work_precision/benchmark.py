@@ -13,7 +13,7 @@ from ...reporter import Reporter
 from ...scenario.system import Builder
 from . import methods, peers
 from .problem import CouplingProblem, build_problem
-from .run import Row, fmu_files
+from .row import Row, build_fmus
 from .table import build_dataset, build_digest, format_progress, list_failures, write_csv, write_files
 
 NAME = "coupling"
@@ -65,7 +65,7 @@ def benchmark(
 
 def measure(problem: CouplingProblem, build: Builder) -> Iterator[tuple[float, list[Row]]]:
     """The rows of one method or tool after the other, and the share of all runs that is done."""
-    files = fmu_files(problem, build)
+    files = build_fmus(problem, build)
     planned = [method.settings(problem) for method in methods.METHODS]
     total = sum(map(len, planned)) + len(problem.held_ladder) * len(peers.PEERS)
     done = 0

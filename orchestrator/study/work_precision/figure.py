@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from ...plots.style import REFERENCE, SIGNALS, add_title, create_subplots
 from .problem import CouplingProblem
-from .run import Row
+from .row import Row
 
 MASTERS = {"jacobi": ("o", ":"), "gauss_seidel": ("s", "--"), "iterated": ("^", "-")}
 OTHERS = (("x", "#20242a"), ("+", "#7b5ea7"), ("1", "#c77d0a"), ("2", "#5b4636"))
@@ -19,14 +19,14 @@ OTHERS = (("x", "#20242a"), ("+", "#7b5ea7"), ("1", "#c77d0a"), ("2", "#5b4636")
 HOPELESS = 30.0
 
 
-def figure(problem: CouplingProblem, rows: Sequence[Row]) -> Figure:
-    made, axes = create_subplots(1, 2, sharey=True, figsize=(9.4, 4.6))
-    add_title(made, f"{problem.name}: work and precision of co-simulation masters")
+def draw_figure(problem: CouplingProblem, rows: Sequence[Row]) -> Figure:
+    figure, axes = create_subplots(1, 2, sharey=True, figsize=(9.4, 4.6))
+    add_title(figure, f"{problem.name}: work and precision of co-simulation masters")
     for panel, quantity, label in zip(
         axes, ("calls", "wall_time_s"), ("doStep calls of all instances", "Wall time of the stepping (s)"),
         strict=True,
     ):  # fmt: skip
-        _lines(panel, rows, quantity)
+        _draw_lines(panel, rows, quantity)
         panel.set_xscale("log")
         panel.set_yscale("log")
         panel.set_xlabel(label)
@@ -36,13 +36,13 @@ def figure(problem: CouplingProblem, rows: Sequence[Row]) -> Figure:
         for panel in axes:
             panel.axhspan(1.0, HOPELESS, color="#f3f4f6", lw=0.0, zorder=0)
     if problem.uncertainty > 0.0:
-        _uncertainty(axes, problem.uncertainty)
+        _draw_uncertainty(axes, problem.uncertainty)
     handles, labels = axes[1].get_legend_handles_labels()
-    made.legend(handles, labels, loc="outside right upper", handlelength=2.6)
-    return made
+    figure.legend(handles, labels, loc="outside right upper", handlelength=2.6)
+    return figure
 
 
-def _uncertainty(panels: Sequence[Axes], uncertainty: float) -> None:
+def _draw_uncertainty(panels: Sequence[Axes], uncertainty: float) -> None:
     """Below this the reference says nothing."""
     panels[0].set_ylim(bottom=0.5 * uncertainty)
     for panel in panels:
@@ -53,7 +53,7 @@ def _uncertainty(panels: Sequence[Axes], uncertainty: float) -> None:
     )  # fmt: skip
 
 
-def _lines(axes: Axes, rows: Sequence[Row], quantity: str) -> None:
+def _draw_lines(axes: Axes, rows: Sequence[Row], quantity: str) -> None:
     peers = list(dict.fromkeys(row.tool for row in rows if row.tool == row.method))
     for method in dict.fromkeys(row.method for row in rows):
         shown = [row for row in rows if row.method == method and np.isfinite(row.error)]

@@ -19,7 +19,7 @@ from ...run.plan import FmuFile
 from ...run.simulation import Statistics, simulate
 from ...stepping import ControlledSteps, StepControl, Stepper
 from .problem import CouplingProblem
-from .run import Row, compute_errors
+from .row import Row, compute_errors
 
 TOOL = "tribocosim"
 # A run is repeated, up to REPEATS times in all, until the runs took this long together; the shortest counts.

@@ -67,7 +67,7 @@ class CouplingProblem:
 class Kind:
     """How a problem is made for samples' times, with their usual number and spacing (s)."""
 
-    make: Callable[[Vector], CouplingProblem]
+    build: Callable[[Vector], CouplingProblem]
     samples: int
     spacing: float
 
@@ -85,10 +85,10 @@ def build_problem(name: str, duration: float | None = None) -> CouplingProblem:
         )
     # The start is no sample: nothing has been coupled there yet.
     times: Vector = kind.spacing * np.arange(1.0, round(samples) + 1.0)
-    return kind.make(times)
+    return kind.build(times)
 
 
-def quarter_car(times: Vector) -> CouplingProblem:
+def build_quarter_car(times: Vector) -> CouplingProblem:
     """Schierz, Arnold and Clauss 2012: a step of the road, against the matrix exponential."""
     return CouplingProblem(
         name="quarter-car",
@@ -102,7 +102,7 @@ def quarter_car(times: Vector) -> CouplingProblem:
     )
 
 
-def two_masses(times: Vector) -> CouplingProblem:
+def build_two_masses(times: Vector) -> CouplingProblem:
     """The undamped pair with a force-displacement split, against the matrix exponential."""
     system = build_system(load("two-masses"))
     coupled = CoupledMassParameters(**system.instances["first"].parameters)
@@ -119,16 +119,16 @@ def two_masses(times: Vector) -> CouplingProblem:
     )
 
 
-def valve_train(times: Vector) -> CouplingProblem:
+def build_valve_train(times: Vector) -> CouplingProblem:
     """The lift at 1000 r/min from a cam angle of 104 degrees: away from the cam's jerk steps at 90 and 178.7
     degrees, where orders would scatter with the place of the jump in a step."""
     from models.monolithic import equilibrium, solve
 
-    system = _started(build_system(load("valve-train")), {"flywheel": {"angle": np.radians(80.0)}})
-    system = _at(system, equilibrium(system))
-    system = _at(system, solve(system, np.linspace(0.0, 4e-3, 11), tolerance=1e-12).state[-1])
+    system = _set_starts(build_system(load("valve-train")), {"flywheel": {"angle": np.radians(80.0)}})
+    system = _start_at(system, equilibrium(system))
+    system = _start_at(system, solve(system, np.linspace(0.0, 4e-3, 11), tolerance=1e-12).state[-1])
     outputs = ("contact.load", "contact.film_thickness")
-    truth, uncertainty = _monolithic(system, outputs, times)
+    truth, uncertainty = _solve_reference(system, outputs, times)
     return CouplingProblem(
         name="valve-train",
         description="the lift at 1000 r/min, against the monolithic reference",
@@ -142,15 +142,15 @@ def valve_train(times: Vector) -> CouplingProblem:
     )
 
 
-def _started(system: System, starts: Mapping[str, Mapping[str, float]]) -> System:
+def _set_starts(system: System, starts: Mapping[str, Mapping[str, float]]) -> System:
     return system.with_instances(
         {n: replace(i, start=starts[n]) if n in starts else i for n, i in system.instances.items()}
     )
 
 
-def _at(system: System, x: Vector) -> System:
+def _start_at(system: System, x: Vector) -> System:
     """The system with the states x as its start."""
-    return _started(
+    return _set_starts(
         system, {n: i.component.state.named(x[system.state.of(n)]) for n, i in system.instances.items()}
     )
 
@@ -160,7 +160,7 @@ def _at(system: System, x: Vector) -> System:
 FINER = 64
 
 
-def _monolithic(system: System, outputs: tuple[str, ...], times: Vector) -> tuple[Truth, float]:
+def _solve_reference(system: System, outputs: tuple[str, ...], times: Vector) -> tuple[Truth, float]:
     """The monolithic reference from 0 to times[-1], and its uncertainty."""
     from models.monolithic import solve
 
@@ -171,7 +171,7 @@ def _monolithic(system: System, outputs: tuple[str, ...], times: Vector) -> tupl
 
 
 PROBLEMS: dict[str, Kind] = {
-    "quarter-car": Kind(quarter_car, 250, 16e-3),
-    "two-masses": Kind(two_masses, 156, 64e-3),
-    "valve-train": Kind(valve_train, 125, 64e-6),
+    "quarter-car": Kind(build_quarter_car, 250, 16e-3),
+    "two-masses": Kind(build_two_masses, 156, 64e-3),
+    "valve-train": Kind(build_valve_train, 125, 64e-6),
 }

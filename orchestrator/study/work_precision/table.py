@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from .problem import CouplingProblem
-from .run import Row
+from .row import Row
 
 ERRORS = (1e-2, 1e-3, 1e-4, 1e-5)
 UNITS = {
@@ -32,16 +32,16 @@ def build_dataset(
     rows: Sequence[Row], outputs: Sequence[str], about: Mapping[str, str | float]
 ) -> xarray.Dataset:
     """All rows along the dimension `run`; the error of each output along `output`."""
-    made = xarray.Dataset(attrs={**about, "Conventions": "CF-1.10"})
+    table = xarray.Dataset(attrs={**about, "Conventions": "CF-1.10"})
     for field in fields(Row):
         if field.name == "errors":
             continue
         unit, meaning = UNITS.get(field.name, ("", ""))
         values = [getattr(row, field.name) for row in rows]
-        made[field.name] = ("run", np.array(values), {"units": unit, "long_name": meaning} if unit else {})
+        table[field.name] = ("run", np.array(values), {"units": unit, "long_name": meaning} if unit else {})
     errors = [[row.errors.get(name, np.nan) for name in outputs] for row in rows]
-    made["errors"] = (("run", "output"), errors, {"units": "1", "long_name": "relative RMS error"})
-    return made.assign_coords(output=list(outputs))
+    table["errors"] = (("run", "output"), errors, {"units": "1", "long_name": "relative RMS error"})
+    return table.assign_coords(output=list(outputs))
 
 
 def write_files(
@@ -53,12 +53,12 @@ def write_files(
 ) -> list[Path]:
     """NAME.nc, NAME.csv, NAME.png."""
     from ...plots.style import save_figure
-    from .figure import figure
+    from .figure import draw_figure
 
     files = [out / f"{name}.nc", out / f"{name}.csv"]
     table.to_netcdf(files[0], engine="h5netcdf")
     write_csv(table, files[1])
-    return [*files, save_figure(lambda: figure(problem, rows), out / f"{name}.png")]
+    return [*files, save_figure(lambda: draw_figure(problem, rows), out / f"{name}.png")]
 
 
 def write_csv(table: xarray.Dataset, path: Path) -> None:
@@ -96,13 +96,13 @@ def build_digest(rows: Sequence[Row]) -> Table:
         table.add_column(f"{error:.0e}", justify="right", no_wrap=True)
     table.add_column("least", justify="right", no_wrap=True)
     for method in dict.fromkeys(row.method for row in rows):
-        cells = [_cost(find_cheapest(rows, method, error)) for error in ERRORS]
+        cells = [_format_cost(find_cheapest(rows, method, error)) for error in ERRORS]
         least = min((row.error for row in rows if row.method == method and row.error >= 0.0), default=np.nan)
         table.add_row(Text(method), *cells, "" if np.isnan(least) else f"{least:.1e}")
     return table
 
 
-def _cost(row: Row | None) -> str:
+def _format_cost(row: Row | None) -> str:
     if row is None:
         return ""
     seconds = row.wall_time_s

@@ -21,7 +21,7 @@ from models.core.system import System
 
 from ....run.plan import FmuFile
 from ..problem import CouplingProblem
-from ..run import Row, compute_errors
+from ..row import Row, compute_errors
 
 PEERS = {
     "fmpy script": "fmpy_script",

@@ -69,7 +69,7 @@ def compute_errors(problem: CouplingProblem, times: Vector, values: Vector) -> d
     }
 
 
-def fmu_files(problem: CouplingProblem, build: Builder) -> dict[str, FmuFile]:
+def build_fmus(problem: CouplingProblem, build: Builder) -> dict[str, FmuFile]:
     """The FMU of every instance."""
     return {
         name: FmuFile(Path(build(i.component.name, i.component.structure, "fmu")), "")
