@@ -11,13 +11,13 @@ from models.core.system import suggestion
 from ..errors import MistakeError
 from .protocol import Analysis, Parameter, Result
 
-__all__ = ["Analysis", "Parameter", "Result", "load", "names"]
+__all__ = ["Analysis", "Parameter", "Result", "list_analyses", "load"]
 
 # Analyses of one table: module and object.
 SHARED = {"phase": ("_motion", "PHASE"), "trace": ("_motion", "TRACE")}
 
 
-def names() -> list[str]:
+def list_analyses() -> list[str]:
     """The analyses that come with the program."""
     files = (path.stem for path in Path(__file__).parent.glob("*.py"))
     return sorted([*SHARED, *(name for name in files if not name.startswith("_") and name != "protocol")])
@@ -27,10 +27,10 @@ def load(name: str) -> Analysis:
     """The analysis of that name, or the Analysis at `module:object`; MistakeError if there is none."""
     if ":" in name:
         return _load_own(name)
-    if name not in names():
+    if name not in list_analyses():
         from ..scenario.files import list_shipped
 
-        close = suggestion(name, names())
+        close = suggestion(name, list_analyses())
         if not close.startswith("did you mean") and "did you mean" in (
             other := suggestion(name, list_shipped())
         ):

@@ -19,7 +19,7 @@ from ..errors import MistakeError
 from ..reporter import Reporter
 from ..scenario.values import Value
 from ..store.output_folder import OutputFolderError
-from . import Analysis, load, names
+from . import Analysis, list_analyses, load
 
 if TYPE_CHECKING:
     import xarray
@@ -151,7 +151,9 @@ def build_parameters_table(name: str) -> Table:
 
 def build_analyses_table() -> Table:
     """All analyses."""
-    return _build_table(("analysis", "what it says"), ((name, load(name).description) for name in names()))
+    return _build_table(
+        ("analysis", "what it says"), ((name, load(name).description) for name in list_analyses())
+    )
 
 
 def _build_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:

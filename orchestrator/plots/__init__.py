@@ -1,4 +1,4 @@
-"""Figures of a run. To add one: a file with `applies(data)` and `figure(data)`, listed here.
+"""Figures of a run. To add one: a file with `applies(data)` and `draw(data)`, listed here.
 
 Each file draws one kind of figure from `FigureData` and saves nothing.
 """
@@ -34,10 +34,10 @@ def find_figures(result: ResultFile, title: str, scenario: Scenario) -> dict[str
     """What draws each figure that applies, by the figure's name."""
     data = FigureData.read(result, title, scenario)
     kinds = {name: importlib.import_module(f".{name}", __package__) for name in KINDS}
-    return {name: partial(kind.figure, data) for name, kind in kinds.items() if kind.applies(data)}
+    return {name: partial(kind.draw, data) for name, kind in kinds.items() if kind.applies(data)}
 
 
-def draw(figures: Mapping[str, Callable[[], Any]], folder: Path) -> list[Path]:
+def draw_all(figures: Mapping[str, Callable[[], Any]], folder: Path) -> list[Path]:
     """Draw what `find_figures` gives into `folder`, as PNG."""
     from .style import save_figure
 

@@ -104,7 +104,7 @@ class FigureData:
         """All "instance.variable" of that variable."""
         return [name for name in self.coupled if name.split(".", 1)[1] == variable]
 
-    def instances(self) -> list[str]:
+    def list_instances(self) -> list[str]:
         """All instances with outputs, in the scenario's order."""
         return list(dict.fromkeys(name.split(".")[0] for name in self.coupled))
 

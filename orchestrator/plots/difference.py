@@ -29,13 +29,13 @@ def choose_variables(data: FigureData) -> list[str]:
     """Variables with a tolerance, or else those that are exchanged, as far as they vary."""
     exchanged = list(dict.fromkeys(data.drivers.values()))
     varying = [
-        [name for name in wanted if name in data.reference and spread(data, name) > 0.0]
+        [name for name in wanted if name in data.reference and compute_spread(data, name) > 0.0]
         for wanted in (data.tolerance, exchanged)
     ]
     return next((names for names in varying if names), [])
 
 
-def spread(data: FigureData, name: str) -> float:
+def compute_spread(data: FigureData, name: str) -> float:
     """Root mean square of the reference about its mean; 0 where that is rounding."""
     reference, weights = data.reference[name], time_weights(data.reference_time)
     mean = np.average(reference, weights=weights)
@@ -43,37 +43,37 @@ def spread(data: FigureData, name: str) -> float:
     return found if found > CONSTANT * float(np.max(np.abs(reference))) else 0.0
 
 
-def figure(data: FigureData) -> Figure:
+def draw(data: FigureData) -> Figure:
     names = choose_variables(data)
     shown = names[:PANELS]
     columns = min(COLUMNS, len(shown))
     rows = math.ceil(len(shown) / columns)
     size = (6.8 if columns == 1 else 10.4, 1.2 + (3.0 if rows == 1 else 2.0 * rows))
-    made, axes = create_subplots(rows, columns, figsize=size, sharey=True, squeeze=False)
+    figure, axes = create_subplots(rows, columns, figsize=size, sharey=True, squeeze=False)
     what = f"error of {len(shown)} of {len(names)} variables" if len(names) > len(shown) else "error"
-    add_title(made, f"{data.title}: {what} against the monolithic reference")
+    add_title(figure, f"{data.title}: {what} against the monolithic reference")
     hidden = [
-        _panel(ax, data.of(name.split(".")[0]), name) for ax, name in zip(axes.flat, shown, strict=False)
+        _draw_panel(ax, data.of(name.split(".")[0]), name) for ax, name in zip(axes.flat, shown, strict=False)
     ]
     for ax in axes.flat[len(shown) :]:
         ax.set_visible(False)
-    made.supylabel("|coupled − reference| / RMS spread of the reference", fontsize=9.0)
+    figure.supylabel("|coupled − reference| / RMS spread of the reference", fontsize=9.0)
     if any(hidden):
-        made.supxlabel(f"Errors below {FLOOR:.0e} are not drawn.", fontsize=8.5, x=0.012, ha="left")
+        figure.supxlabel(f"Errors below {FLOOR:.0e} are not drawn.", fontsize=8.5, x=0.012, ha="left")
     handles = {
         label: handle
         for ax in axes.flat
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
     }
     if handles:
-        made.legend(handles.values(), handles.keys(), loc="outside upper right", ncols=2)
-    return made
+        figure.legend(handles.values(), handles.keys(), loc="outside upper right", ncols=2)
+    return figure
 
 
-def _panel(ax: Axes, data: FigureData, name: str) -> bool:
+def _draw_panel(ax: Axes, data: FigureData, name: str) -> bool:
     """One variable's error; whether some of it is too small to be drawn."""
-    relative = np.abs(data.error(name)) / spread(data, name)
-    first, top = envelope(np.where(relative > FLOOR, relative, np.nan))
+    relative = np.abs(data.error(name)) / compute_spread(data, name)
+    first, top = compute_envelope(np.where(relative > FLOOR, relative, np.nan))
     ax.semilogy(data.x(True)[first], top, color=COUPLED, lw=1.1)
     if name in data.tolerance:
         ax.axhline(data.tolerance[name], color=ACCENT, lw=1.0, ls=(0, (4, 2)), label="allowed as RMS")
@@ -82,7 +82,7 @@ def _panel(ax: Axes, data: FigureData, name: str) -> bool:
     return bool(np.isnan(top).any())
 
 
-def envelope(values: Vector, bins: int = 400) -> tuple[Any, Vector]:
+def compute_envelope(values: Vector, bins: int = 400) -> tuple[Any, Vector]:
     """The largest value of each bin, and its first place: dips at changes of sign would hide the line."""
     if len(values) <= 2 * bins:
         return np.arange(len(values)), values

@@ -17,10 +17,10 @@ SHOWN = 1e-6
 
 
 def applies(data: FigureData) -> bool:
-    return bool(bonds(data))
+    return bool(find_bonds(data))
 
 
-def bonds(data: FigureData) -> list[str]:
+def find_bonds(data: FigureData) -> list[str]:
     """The bonds of the ledger over which the coupling created energy."""
     prefix = "created "
     largest = {
@@ -32,11 +32,11 @@ def bonds(data: FigureData) -> list[str]:
     return [name for name, size in largest.items() if size > SHOWN * most]
 
 
-def figure(data: FigureData) -> Figure:
-    names = bonds(data)
+def draw(data: FigureData) -> Figure:
+    names = find_bonds(data)
     rows = len(names) + 1
-    made, axes = create_subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + 1.5 * rows))
-    add_title(made, f"{data.title}: energy created by the coupling")
+    figure, axes = create_subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + 1.5 * rows))
+    add_title(figure, f"{data.title}: energy created by the coupling")
     unit, factor = choose_time_unit(float(np.ptp(data.energy_time)))
     time = factor * data.energy_time
     for ax, name in zip(axes[:, 0], names, strict=False):
@@ -55,5 +55,5 @@ def figure(data: FigureData) -> Figure:
         ax.axhline(0.0, color=MUTED, lw=0.7)
         ax.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
         ax.set_ylabel("Energy (J)")
-    made.align_ylabels(axes)
-    return made
+    figure.align_ylabels(axes)
+    return figure

@@ -27,15 +27,15 @@ VARIABLES = {"load": "Load", "film_thickness": "Film thickness"}
 
 
 def applies(data: FigureData) -> bool:
-    return bool(data.reference) and bool(contacts(data))
+    return bool(data.reference) and bool(find_loaded_contacts(data))
 
 
-def instances(data: FigureData) -> set[str]:
+def list_instances(data: FigureData) -> set[str]:
     """All contacts, loaded or not."""
     return {name.split(".")[0] for name in data.all("film_thickness")}
 
 
-def contacts(data: FigureData) -> list[str]:
+def find_loaded_contacts(data: FigureData) -> list[str]:
     """Those that ever carry load, in either run."""
     names = [name.split(".")[0] for name in data.all("film_thickness")]
     return [
@@ -45,35 +45,35 @@ def contacts(data: FigureData) -> list[str]:
     ]
 
 
-def figure(data: FigureData) -> Figure:
-    loaded = contacts(data)
+def draw(data: FigureData) -> Figure:
+    loaded = find_loaded_contacts(data)
     names = loaded[:COLUMNS]
     if len(loaded) > COLUMNS:
         largest = sorted(loaded, key=lambda name: -float(np.nanmax(np.abs(data.error(f"{name}.load")))))
         names = [name for name in loaded if name in largest[:COLUMNS]]
     width = 6.8 if len(names) == 1 else 0.8 + 4.6 * len(names)
-    made, axes = create_subplots(
+    figure, axes = create_subplots(
         4, len(names), sharex="col", squeeze=False, figsize=(width, 7.0), height_ratios=(3, 2, 3, 2)
     )
     which = f" of {len(names)} of {len(loaded)} contacts, the largest" if len(loaded) > COLUMNS else ""
-    add_title(made, f"{data.title}: load and film, with their errors{which}")
+    add_title(figure, f"{data.title}: load and film, with their errors{which}")
     for column, name in zip(axes.T, names, strict=True):
         own = data.of(name).in_contact(name)
         for row, (variable, words) in enumerate(VARIABLES.items()):
             above = column[2 * row]
             plot_both(above, own, f"{name}.{variable}", words)
             above.set_ylim(bottom=min(0.0, above.get_ylim()[0]))
-            _error(column[2 * row + 1], own, f"{name}.{variable}")
+            _draw_error(column[2 * row + 1], own, f"{name}.{variable}")
         for ax in column:
             shade(ax, own, name)
         label_abscissa(column[-1], own)
         column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
-    made.align_ylabels(axes)
+    figure.align_ylabels(axes)
     add_legend_above(axes[0, -1], columns=3)
-    return made
+    return figure
 
 
-def _error(ax: Axes, data: FigureData, name: str) -> None:
+def _draw_error(ax: Axes, data: FigureData, name: str) -> None:
     factor, unit = data.shown(name)
     error = factor * data.error(name)
     finite = np.abs(error[np.isfinite(error)])

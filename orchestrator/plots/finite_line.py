@@ -32,10 +32,10 @@ def draw_finite_line(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     add_title(figure, f"Finite line at {angle:.4g}° of cam: {load:.0f} N, {velocity:.2f} m/s")
     for j, name in enumerate(names):
         title = f"{name}, {1e3 * slope:.2g} mrad" if j else str(name)
-        _map(figure, axes[0, j], data, j)
+        _draw_map(figure, axes[0, j], data, j)
         axes[0, j].set_title(f"Pressure (MPa), {values['profile']}, {title}", loc="left")
-        _along(axes[1, j], data, "peak_along", j, MPA)
-        _along(axes[2, j], data, "least_along", j, UM)
+        _draw_along(axes[1, j], data, "peak_along", j, MPA)
+        _draw_along(axes[2, j], data, "least_along", j, UM)
         axes[1, j].axhline(MPA * data["hertz_pressure"].item(), color="black", lw=0.8, ls=":", label="Hertz")
         axes[1, j].set_title("Largest pressure (MPa)", loc="left")
         axes[2, j].set_title("Smallest film (µm)", loc="left")
@@ -47,7 +47,7 @@ def draw_finite_line(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     return figure
 
 
-def _map(figure: Figure, axes: Axes, data: xarray.Dataset, alignment: int) -> None:
+def _draw_map(figure: Figure, axes: Axes, data: xarray.Dataset, alignment: int) -> None:
     x, y, p = data["x"].values, data["y"].values, MPA * data["pressure"].values[alignment]
     loaded = np.flatnonzero(p.max(axis=1) > 0.01 * p.max())
     shown = slice(loaded[0], loaded[-1] + 2)
@@ -61,7 +61,7 @@ def _map(figure: Figure, axes: Axes, data: xarray.Dataset, alignment: int) -> No
     figure.colorbar(mesh, ax=axes, pad=0.01, extend="max")
 
 
-def _along(axes: Axes, data: xarray.Dataset, name: str, alignment: int, scale: float) -> None:
+def _draw_along(axes: Axes, data: xarray.Dataset, name: str, alignment: int, scale: float) -> None:
     for i, kind in enumerate(data["kind"].values):
         line = scale * data[name].values[i, alignment]
         axes.plot(MM * data["y"].values, line, color=COLORS[str(kind)], label=str(kind))

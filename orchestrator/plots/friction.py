@@ -12,8 +12,8 @@ from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
 
 
 def draw_friction(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure:
-    made, axes = create_subplots(5, 1, figsize=(6.8, 8.6))
-    add_title(made, f"{title}, {cycle.contact}: friction and wear over a cam revolution")
+    figure, axes = create_subplots(5, 1, figsize=(6.8, 8.6))
+    add_title(figure, f"{title}, {cycle.contact}: friction and wear over a cam revolution")
     angle = np.degrees(cycle["cam_angle"] - TURN * np.floor(cycle["cam_angle"][0] / TURN + 1e-9))
     force, torque, ratio, cam, follower = axes
     force.plot(angle, cycle["friction_force"], color=COUPLED, label="friction")
@@ -48,5 +48,5 @@ def draw_friction(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure
     for ax in axes:
         ax.set_ylim(bottom=0.0)
     force.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
-    made.align_ylabels(axes)
-    return made
+    figure.align_ylabels(axes)
+    return figure

@@ -21,29 +21,29 @@ def applies(data: FigureData) -> bool:
     return data.find("piston_tilt") is not None
 
 
-def instances(data: FigureData) -> set[str]:
+def list_instances(data: FigureData) -> set[str]:
     """Pistons and the gas above them."""
     return {name.split(".")[0] for name in (*data.all("piston_tilt"), *data.all("gas_pressure"))}
 
 
-def figure(data: FigureData) -> Figure:
+def draw(data: FigureData) -> Figure:
     tilt = str(data.find("piston_tilt"))
     instance = tilt.split(".")[0]
     gas = data.find("gas_pressure")
-    made, axes = create_panels(5 if gas else 4, data, f"{data.title}: piston in its bore")
-    _corners(axes[0], data, instance, "gap", "Gap")
+    figure, axes = create_panels(5 if gas else 4, data, f"{data.title}: piston in its bore")
+    _draw_corners(axes[0], data, instance, "gap", "Gap")
     plot_both(axes[1], data, tilt, "Tilt")
     axes[1].axhline(0.0, color=MUTED, lw=0.7)
-    _corners(axes[2], data, instance, "force", "Wall force")
+    _draw_corners(axes[2], data, instance, "force", "Wall force")
     plot_both(axes[3], data, f"{instance}.impact_count", "Impacts")
     if gas:
         plot_both(axes[4], data, gas, "Gas pressure")
     axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2)
     add_legend_above(axes[1])
-    return made
+    return figure
 
 
-def _corners(axes: Axes, data: FigureData, instance: str, quantity: str, words: str) -> None:
+def _draw_corners(axes: Axes, data: FigureData, instance: str, quantity: str, words: str) -> None:
     for corner, colour, line in CORNERS:
         name = f"{instance}.{corner}_{quantity}"
         factor, _ = data.shown(name)

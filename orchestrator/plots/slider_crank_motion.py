@@ -17,22 +17,26 @@ def applies(data: FigureData) -> bool:
     return data.find("psi") is not None and data.find("piston_offset") is not None
 
 
-def instances(data: FigureData) -> set[str]:
+def list_instances(data: FigureData) -> set[str]:
     """The slider-crank."""
     return {name.split(".")[0] for name in data.all("psi")} if applies(data) else set()
 
 
-def figure(data: FigureData) -> Figure:
+def draw(data: FigureData) -> Figure:
     instance = str(data.find("psi")).split(".")[0]
     data = data.of(instance)
     struck = bool(np.any(data.coupled.get(f"{instance}.impact_count", 0.0)))
-    wanted = {_offset: True, _forces: bool(find_loaded_walls(data, instance)), _impacts: struck}
+    wanted = {
+        _draw_offset: True,
+        _draw_forces: bool(find_loaded_walls(data, instance)),
+        _draw_impacts: struck,
+    }
     rows = [row for row, there in wanted.items() if there]
-    made, axes = create_panels(len(rows), data, f"{data.title}: motion between the walls", height=1.9)
+    figure, axes = create_panels(len(rows), data, f"{data.title}: motion between the walls", height=1.9)
     for ax, row in zip(axes, rows, strict=True):
         row(ax, data, instance)
     add_legend_above(axes[0], columns=3)
-    return made
+    return figure
 
 
 def find_loaded_walls(data: FigureData, instance: str) -> dict[str, str]:
@@ -41,7 +45,7 @@ def find_loaded_walls(data: FigureData, instance: str) -> dict[str, str]:
     return {side: name for side, name in forces.items() if np.any(data.coupled.get(name, 0.0))}
 
 
-def _offset(ax: Axes, data: FigureData, instance: str) -> None:
+def _draw_offset(ax: Axes, data: FigureData, instance: str) -> None:
     name = f"{instance}.piston_offset"
     plot_both(ax, data, name, "Piston offset")
     ax.axhline(0.0, color=MUTED, lw=0.7)
@@ -50,7 +54,7 @@ def _offset(ax: Axes, data: FigureData, instance: str) -> None:
         ax.axhline(side * clearance, color="0.25", lw=0.9, ls=(0, (5, 3)), label=words)
 
 
-def _forces(ax: Axes, data: FigureData, instance: str) -> None:
+def _draw_forces(ax: Axes, data: FigureData, instance: str) -> None:
     for side, name in find_loaded_walls(data, instance).items():
         if name in data.reference:
             ax.plot(data.x(True), data.reference[name], color=REFERENCE, alpha=0.5, lw=3.0)
@@ -60,7 +64,7 @@ def _forces(ax: Axes, data: FigureData, instance: str) -> None:
     ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
 
 
-def _impacts(ax: Axes, data: FigureData, instance: str) -> None:
+def _draw_impacts(ax: Axes, data: FigureData, instance: str) -> None:
     plot_both(ax, data, f"{instance}.impact_count", "Impacts")
     ax.yaxis.set_major_locator(MaxNLocator("auto", integer=True, steps=[1, 2, 5, 10]))
     ax.set_ylim(bottom=0.0)

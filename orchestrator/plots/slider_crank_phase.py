@@ -16,13 +16,13 @@ def applies(data: FigureData) -> bool:
     return data.find("psi") is not None and data.find("psi_rate") is not None
 
 
-def figure(data: FigureData) -> Figure:
+def draw(data: FigureData) -> Figure:
     psi = str(data.find("psi"))
     instance = psi.split(".")[0]
     x, y = 1e3 * data.coupled[psi], data.coupled[f"{instance}.psi_rate"]
-    hit = struck(data.coupled.get(f"{instance}.impact_count", np.zeros_like(x)))
-    made, ax = create_subplots(figsize=(5.6, 4.4))
-    add_title(made, f"{data.title}: phase portrait")
+    hit = find_impacts(data.coupled.get(f"{instance}.impact_count", np.zeros_like(x)))
+    figure, ax = create_subplots(figsize=(5.6, 4.4))
+    add_title(figure, f"{data.title}: phase portrait")
     points = np.column_stack((x, y))
     ax.add_collection(
         LineCollection(
@@ -37,9 +37,9 @@ def figure(data: FigureData) -> Figure:
         ax.plot([], [], color=COUPLED, lw=0.8, label="motion")
         ax.plot([], [], color=MUTED, lw=0.8, label="impacts")
         ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
-    return made
+    return figure
 
 
-def struck(count: Vector) -> np.ndarray:
+def find_impacts(count: Vector) -> np.ndarray:
     """Whether there was an impact between each record and the next, from the number of impacts so far."""
     return np.diff(count) > 0.0

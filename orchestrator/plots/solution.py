@@ -22,20 +22,20 @@ CONSTANT = 1e-9
 
 
 def applies(data: FigureData) -> bool:
-    return bool(panels(data))
+    return bool(choose_panels(data))
 
 
-def panels(data: FigureData) -> dict[str, list[str]]:
+def choose_panels(data: FigureData) -> dict[str, list[str]]:
     """Outputs to draw, by variable: those with a tolerance and those that drive inputs.
 
     Where no figure draws anything else, all outputs if there are none of these.
     """
     drawn = set(
         chain.from_iterable(
-            kind.instances(data) for kind in (valve_train, film_and_load, slider_crank_motion, piston)
+            kind.list_instances(data) for kind in (valve_train, film_and_load, slider_crank_motion, piston)
         )
     )
-    free = [name for name in data.coupled if name.split(".")[0] not in drawn and _moves(data, name)]
+    free = [name for name in data.coupled if name.split(".")[0] not in drawn and _varies(data, name)]
     judged = {*data.tolerance, *data.drivers.values()}
     found: dict[str, list[str]] = {}
     for name in [name for name in free if name in judged] or ([] if drawn else free):
@@ -43,7 +43,7 @@ def panels(data: FigureData) -> dict[str, list[str]]:
     return found
 
 
-def _moves(data: FigureData, name: str) -> bool:
+def _varies(data: FigureData, name: str) -> bool:
     """It varies, and is no angle that others are drawn against."""
     values = data.coupled[name]
     size = float(np.nanmax(np.abs(values), initial=0.0))
@@ -52,25 +52,25 @@ def _moves(data: FigureData, name: str) -> bool:
     return float(np.nanmax(values) - np.nanmin(values)) > CONSTANT * size
 
 
-def figure(data: FigureData) -> Figure:
-    found = panels(data)
+def draw(data: FigureData) -> Figure:
+    found = choose_panels(data)
     shown = list(found)[:PANELS]
     data = data.of(found[shown[0]][0].split(".")[0])
-    made, axes = create_subplots(
+    figure, axes = create_subplots(
         len(shown), 1, sharex=True, squeeze=False, figsize=(6.8, 1.3 + 1.8 * len(shown))
     )
     which = f", {len(shown)} of {len(found)} variables" if len(found) > len(shown) else ""
-    add_title(made, f"{data.title}: solution{which}")
+    add_title(figure, f"{data.title}: solution{which}")
     for ax, variable in zip(axes[:, 0], shown, strict=True):
-        _panel(ax, data, found[variable], variable)
+        _draw_panel(ax, data, found[variable], variable)
     label_abscissa(axes[-1, 0], data)
-    made.align_ylabels(axes)
+    figure.align_ylabels(axes)
     if data.reference:
-        made.supxlabel("Wide pale lines: the monolithic reference.", fontsize=8.5, x=0.012, ha="left")
-    return made
+        figure.supxlabel("Wide pale lines: the monolithic reference.", fontsize=8.5, x=0.012, ha="left")
+    return figure
 
 
-def _panel(ax: Axes, data: FigureData, names: list[str], variable: str) -> None:
+def _draw_panel(ax: Axes, data: FigureData, names: list[str], variable: str) -> None:
     for name, colour in zip(names[:LINES], COLOURS, strict=False):
         factor, _ = data.shown(name)
         if name in data.reference:

@@ -36,20 +36,20 @@ HEADROOM, ROOM = 0.05, 1.7
 
 
 def applies(data: FigureData) -> bool:
-    return bool(contacts(data))
+    return bool(find_solved_contacts(data))
 
 
-def contacts(data: FigureData) -> list[str]:
+def find_solved_contacts(data: FigureData) -> list[str]:
     """Those whose film is solved for."""
     names = [name.split(".")[0] for name in data.all("film_ratio")]
     return [name for name in names if f"{name}.field_tolerance" in data.parameters]
 
 
-def figure(data: FigureData) -> Figure:
-    names = contacts(data)
+def draw(data: FigureData) -> Figure:
+    names = find_solved_contacts(data)
     width = 6.8 if len(names) == 1 else 0.8 + 4.6 * len(names)
-    made, axes = create_subplots(len(ROWS), len(names), sharex="col", squeeze=False, figsize=(width, 7.6))
-    add_title(made, f"{data.title}: the solved film")
+    figure, axes = create_subplots(len(ROWS), len(names), sharex="col", squeeze=False, figsize=(width, 7.6))
+    add_title(figure, f"{data.title}: the solved film")
     for column, name in zip(axes.T, names, strict=True):
         own = data.of(name)
         for ax, (variable, words) in zip(column, ROWS, strict=True):
@@ -57,18 +57,18 @@ def figure(data: FigureData) -> Figure:
             shade(ax, own, name)
         low, high = column[0].get_ylim()
         column[0].set_ylim(min(0.0, low), high + HEADROOM * (high - low))
-        _films(column[1], own, name)
+        _draw_films(column[1], own, name)
         column[2].set_ylim(bottom=0.0)
-        _logarithmic(column[3])
-        _levels(column[3])
+        _set_logarithmic(column[3])
+        _draw_levels(column[3])
         label_abscissa(column[-1], own)
         column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
-    made.align_ylabels(axes)
+    figure.align_ylabels(axes)
     add_legend_above(axes[0, -1])
-    return made
+    return figure
 
 
-def _films(ax: Axes, data: FigureData, name: str) -> None:
+def _draw_films(ax: Axes, data: FigureData, name: str) -> None:
     """The central film beside the minimum, and where the minimum is least."""
     central, least = f"{name}.film_thickness", f"{name}.minimum_film_thickness"
     factor, _ = data.shown(central)
@@ -76,7 +76,7 @@ def _films(ax: Axes, data: FigureData, name: str) -> None:
     k = int(np.nanargmin(data.coupled[least]))
     film = factor * data.coupled[least][k]
     ax.plot([data.x()[k]], [film], "o", ms=4.0, color=COUPLED, label=f"least {film:.3g} µm")
-    _logarithmic(ax)
+    _set_logarithmic(ax)
     handles, words = ax.get_legend_handles_labels()
     chosen = {text: handle for handle, text in zip(handles, words, strict=True)}
     chosen["minimum"] = chosen.pop("coupled")
@@ -87,7 +87,7 @@ def _films(ax: Axes, data: FigureData, name: str) -> None:
     )  # fmt: skip
 
 
-def _levels(ax: Axes) -> None:
+def _draw_levels(ax: Axes) -> None:
     """Marked, with room for their words beside them."""
     for level, words in ((EQUAL, "film = roughness"), (FULL, f"full film above {FULL:g}")):
         ax.axhline(level, color=ACCENT, lw=0.8, ls=(0, (4, 2)))
@@ -97,7 +97,7 @@ def _levels(ax: Axes) -> None:
     ax.set_ylim(min(low, EQUAL / ROOM), max(high, FULL * ROOM))
 
 
-def _logarithmic(ax: Axes) -> None:
+def _set_logarithmic(ax: Axes) -> None:
     """With numbers at 1, 2 and 5."""
     ax.set_yscale("log")
     ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))

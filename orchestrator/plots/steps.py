@@ -62,7 +62,7 @@ def applies(data: FigureData) -> bool:
     return not (even and alike and not steps.rejected.any())
 
 
-def figure(data: FigureData) -> Figure:
+def draw(data: FigureData) -> Figure:
     return draw_steps(data.steps, data.title)
 
 
@@ -71,21 +71,21 @@ def draw_steps(steps: Steps, title: str) -> Figure:
     judged = bool(np.any(steps.error > 0.0))
     iterated = bool(steps.iterations.max() > 1)
     heights = [2.6] + [1.5] * judged + [1.7] * iterated
-    made, axes = create_subplots(
+    figure, axes = create_subplots(
         len(heights), 2, squeeze=False, sharey="row",
         figsize=(7.6, 1.5 + sum(heights)), gridspec_kw={"width_ratios": [4, 1], "height_ratios": heights},
     )  # fmt: skip
-    add_title(made, f"{title}: macro steps")
+    add_title(figure, f"{title}: macro steps")
     kinds, entries = _assign_colours(steps)
     rows: Any = iter(axes)
     ax, side = next(rows)
-    _lengths(ax, side, steps, kinds)
+    _draw_lengths(ax, side, steps, kinds)
     if judged:
         ax, side = next(rows)
-        _errors(ax, side, steps, kinds)
+        _draw_errors(ax, side, steps, kinds)
     if iterated:
         ax, side = next(rows)
-        _counts(ax, side, steps, kinds)
+        _draw_counts(ax, side, steps, kinds)
     for ax in axes[:, 0]:
         ax.set_xlim(steps.start[0], steps.end[-1])
     for ax in axes[:-1, 0]:
@@ -94,9 +94,9 @@ def draw_steps(steps: Steps, title: str) -> Figure:
     axes[-1, 0].set_xlabel(f"Time ({SYMBOLS.get(unit, unit)})")
     axes[-1, 0].xaxis.set_major_formatter(FuncFormatter(lambda time, _: f"{factor * time:.10g}"))
     axes[-1, 1].set_xlabel("Share of steps (%)")
-    made.align_ylabels(axes[:, 0])
-    made.legend(handles=entries, loc="outside lower left", ncols=3, handlelength=1.4)
-    return made
+    figure.align_ylabels(axes[:, 0])
+    figure.legend(handles=entries, loc="outside lower left", ncols=3, handlelength=1.4)
+    return figure
 
 
 def _assign_colours(steps: Steps) -> tuple[Kinds, list[Line2D]]:
@@ -124,7 +124,7 @@ def _assign_colours(steps: Steps) -> tuple[Kinds, list[Line2D]]:
     return [kind[1:] for kind in kinds], entries
 
 
-def _bars(ax: Axes, steps: Steps, values: Vector, kinds: Kinds) -> None:
+def _draw_bars(ax: Axes, steps: Steps, values: Vector, kinds: Kinds) -> None:
     """Each step as a bar from its start to its end, or as a dot where that is too short to be drawn."""
     width = 2.4 if len(steps) < 1000 else 1.6
     visible = steps.length > VISIBLE * (steps.end[-1] - steps.start[0])
@@ -139,8 +139,8 @@ def _bars(ax: Axes, steps: Steps, values: Vector, kinds: Kinds) -> None:
         ax.plot(steps.end[dots], values[dots], "o", color=colour, ms=width, mew=0.0, rasterized=True)
 
 
-def _lengths(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
-    _bars(ax, steps, steps.length, kinds)
+def _draw_lengths(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
+    _draw_bars(ax, steps, steps.length, kinds)
     low, high = float(steps.length.min()), float(steps.length.max())
     if high > EVEN * low:
         # Limits first: those of a scale that fits itself to one value alone would be a single number.
@@ -153,7 +153,7 @@ def _lengths(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
     # Bins of a tenth at least, the first about the shortest: lengths that are equal to rounding are one bar.
     ratio = max(1.1, (high / low) ** (1.0 / 30.0))
     count = 2 + math.ceil(math.log(high / low) / math.log(ratio))
-    _sums(sums, steps.length, low * ratio ** (np.arange(count) - 0.5), kinds)
+    _draw_sums(sums, steps.length, low * ratio ** (np.arange(count) - 0.5), kinds)
 
 
 def _draw_rejected(ax: Axes, steps: Steps) -> None:
@@ -175,34 +175,34 @@ def _draw_rejected(ax: Axes, steps: Steps) -> None:
     )  # fmt: skip
 
 
-def _errors(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
+def _draw_errors(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
     shown = np.maximum(steps.error.astype(float), SMALLEST)
-    _bars(ax, steps, shown, kinds)
+    _draw_bars(ax, steps, shown, kinds)
     ax.axhline(1.0, color="#444444", lw=0.8)
     top = max(3.0, 2.0 * float(shown.max()))
     low = max(SMALLEST, 0.3 * float(np.quantile(shown, 0.005)))
     ax.set_ylim(low, top)
     ax.set_yscale("log")
     ax.set_ylabel("Error / allowed")
-    _sums(sums, np.clip(shown, low, top), np.geomspace(low, top, 31), kinds)
+    _draw_sums(sums, np.clip(shown, low, top), np.geomspace(low, top, 31), kinds)
 
 
-def _counts(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
-    _bars(ax, steps, steps.iterations.astype(float), kinds)
+def _draw_counts(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
+    _draw_bars(ax, steps, steps.iterations.astype(float), kinds)
     if len(steps) > 10 * SHADES:
         edges = np.linspace(steps.start[0], steps.end[-1], SHADES + 1)
-        made, _ = np.histogram(steps.end, edges)
+        total_steps, _ = np.histogram(steps.end, edges)
         total, _ = np.histogram(steps.end, edges, weights=steps.iterations)
-        mean = np.divide(total, made, out=np.full(SHADES, np.nan), where=made > 0)
+        mean = np.divide(total, total_steps, out=np.full(SHADES, np.nan), where=total_steps > 0)
         ax.stairs(mean, edges, color="black", lw=1.0, baseline=None)
     most = int(steps.iterations.max())
     ax.set_ylim(0.0, most + 0.8)
     ax.set_ylabel("Iterations")
     ax.yaxis.set_major_locator(MaxNLocator(integer=True))
-    _sums(sums, steps.iterations, np.arange(0.5, most + 1.0), kinds)
+    _draw_sums(sums, steps.iterations, np.arange(0.5, most + 1.0), kinds)
 
 
-def _sums(ax: Axes, values: Vector, edges: Any, kinds: Kinds) -> None:
+def _draw_sums(ax: Axes, values: Vector, edges: Any, kinds: Kinds) -> None:
     """Histogram, stacked in the colours."""
     parts = [values[chosen] for _, chosen in kinds]
     share = [np.full(len(part), 100.0 / len(values)) for part in parts]

@@ -34,45 +34,45 @@ CONTACT = (
 
 
 def applies(data: FigureData) -> bool:
-    return bool(contacts(data))
+    return bool(find_cam_contacts(data))
 
 
-def contacts(data: FigureData) -> list[str]:
+def find_cam_contacts(data: FigureData) -> list[str]:
     """Contacts that a cam entrains, the most loaded first."""
     found = [
         contact
-        for contact in data.instances()
-        if f"{contact}.load" in data.coupled and f"{cam_of(data, contact)}.cam_angle" in data.coupled
+        for contact in data.list_instances()
+        if f"{contact}.load" in data.coupled and f"{find_cam(data, contact)}.cam_angle" in data.coupled
     ]
     return sorted(found, key=lambda contact: -float(np.max(data.coupled[f"{contact}.load"])))
 
 
-def cam_of(data: FigureData, contact: str) -> str:
+def find_cam(data: FigureData, contact: str) -> str:
     return data.driver(f"{contact}.entraining_velocity")
 
 
-def instances(data: FigureData) -> set[str]:
+def list_instances(data: FigureData) -> set[str]:
     """All that these figures draw."""
     return {
         part
-        for contact in contacts(data)
-        for part in (contact, cam_of(data, contact), data.driver(f"{contact}.retreat"))
+        for contact in find_cam_contacts(data)
+        for part in (contact, find_cam(data, contact), data.driver(f"{contact}.retreat"))
     }
 
 
-def figure(data: FigureData) -> Figure:
-    contact, *others = contacts(data)
-    cam, follower = cam_of(data, contact), data.driver(f"{contact}.retreat")
+def draw(data: FigureData) -> Figure:
+    contact, *others = find_cam_contacts(data)
+    cam, follower = find_cam(data, contact), data.driver(f"{contact}.retreat")
     own = data.of(cam).in_contact(contact)
     title = f"{data.title}: valve train of {contact}"
     if others:
         title += f", the most loaded of {len(others) + 1} (valves.png has all)"
-    made, axes = create_subplots(5, 2, figsize=(11.0, 8.8), sharex=True)
-    add_title(made, title)
+    figure, axes = create_subplots(5, 2, figsize=(11.0, 8.8), sharex=True)
+    add_title(figure, title)
     lift, second, *rest = axes[:, 0]
-    _lift(lift, own, contact)
+    _draw_lift(lift, own, contact)
     if own.lost(contact).any() and f"{contact}.retreat" in own.drivers:
-        _gap(second, own, contact)
+        _draw_gap(second, own, contact)
     else:
         _draw_panel(second, own, f"{follower}.velocity", "Velocity")
     below = (
@@ -89,12 +89,12 @@ def figure(data: FigureData) -> Figure:
         shade(ax, own, contact)
     for ax in axes[-1]:
         label_abscissa(ax, own)
-    made.align_ylabels(axes)
+    figure.align_ylabels(axes)
     lift.set_title(follower, loc="left")
     axes[0, 1].set_title(f"{contact} with {cam}", loc="left")
     handles, labels = lift.get_legend_handles_labels()
-    made.legend(handles, labels, loc="outside lower center", ncols=len(labels))
-    return made
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    return figure
 
 
 def _draw_panel(ax: Axes, data: FigureData, name: str, words: str) -> None:
@@ -110,7 +110,7 @@ def _draw_panel(ax: Axes, data: FigureData, name: str, words: str) -> None:
         ax.set_ylim(bottom=0.0)
 
 
-def _lift(ax: Axes, data: FigureData, contact: str) -> None:
+def _draw_lift(ax: Axes, data: FigureData, contact: str) -> None:
     """Follower on cam."""
     cam, follower = data.drivers.get(f"{contact}.approach", ""), data.drivers.get(f"{contact}.retreat", "")
     _draw_panel(ax, data, follower, "Lift")
@@ -121,7 +121,7 @@ def _lift(ax: Axes, data: FigureData, contact: str) -> None:
         )
 
 
-def _gap(ax: Axes, data: FigureData, contact: str) -> None:
+def _draw_gap(ax: Axes, data: FigureData, contact: str) -> None:
     """From cam surface to follower, while they are apart."""
     cam, follower = data.drivers[f"{contact}.approach"], data.drivers[f"{contact}.retreat"]
 

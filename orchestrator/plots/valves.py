@@ -10,22 +10,22 @@ from matplotlib.figure import Figure
 
 from .data import FigureData
 from .style import COUPLED, MUTED, REFERENCE, add_title, create_subplots, label_abscissa, shade
-from .valve_train import cam_of, contacts
+from .valve_train import find_cam, find_cam_contacts
 
 COLUMNS = 4
 
 
 def applies(data: FigureData) -> bool:
-    return len(contacts(data)) > 1
+    return len(find_cam_contacts(data)) > 1
 
 
-def figure(data: FigureData) -> Figure:
-    trains = contacts(data)
-    names = [name for name in data.instances() if name in trains]
-    driven = data.drivers.get(f"{cam_of(data, names[0])}.drive_angle", "")
+def draw(data: FigureData) -> Figure:
+    trains = find_cam_contacts(data)
+    names = [name for name in data.list_instances() if name in trains]
+    driven = data.drivers.get(f"{find_cam(data, names[0])}.drive_angle", "")
     data = replace(data, angle=driven) if driven in data.coupled else data
     rows = math.ceil(len(names) / COLUMNS)
-    made, axes = create_subplots(
+    figure, axes = create_subplots(
         rows,
         min(COLUMNS, len(names)),
         figsize=(12.0, 1.1 + 1.9 * rows),
@@ -33,7 +33,9 @@ def figure(data: FigureData) -> Figure:
         sharey=True,
         squeeze=False,
     )
-    add_title(made, f"{data.title}: contact loads of {len(names)} valve trains, shaded where contact is lost")
+    add_title(
+        figure, f"{data.title}: contact loads of {len(names)} valve trains, shaded where contact is lost"
+    )
     x, top = data.x(), 1.05 * max(float(np.max(data.coupled[f"{name}.load"])) for name in names)
     for ax, name in zip(axes.flat, names, strict=False):
         lift = data.coupled.get(data.drivers.get(f"{name}.retreat", ""), np.zeros_like(x))
@@ -57,5 +59,5 @@ def figure(data: FigureData) -> Figure:
     for ax in axes[-1]:
         label_abscissa(ax, data)
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    made.legend(handles, labels, loc="outside upper right", ncols=len(labels))
-    return made
+    figure.legend(handles, labels, loc="outside upper right", ncols=len(labels))
+    return figure

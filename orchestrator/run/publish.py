@@ -77,7 +77,7 @@ def finish_result(plan: Plan, ending: Ending, result: ResultFile, reporter: Repo
     title = name if ending.complete else f"{name} (incomplete)"
     figures = plots.find_figures(result, title, plan.scenario)
     with reporter.stage("figures") if figures else nullcontext():
-        plots.draw(figures, result.path.with_name(FIGURES))
+        plots.draw_all(figures, result.path.with_name(FIGURES))
     if not figures:
         reporter.line("no figures: none is known for these components")
 

@@ -13,7 +13,7 @@ import xarray
 from typer.testing import CliRunner
 
 from models.slider_crank.motions.machine import FORMS
-from orchestrator.analyses import load, names
+from orchestrator.analyses import list_analyses, load
 from orchestrator.analyses._evaluate import analyse, parse_setting
 from orchestrator.command_line import app
 from orchestrator.errors import MistakeError
@@ -23,7 +23,7 @@ SHORT = {"cycles": 40, "transient": 20, "points": 50, "x_count": 3, "y_count": 2
 
 
 # The analyses of the slider-crank; others have tests of their own.
-SLIDER_CRANK = [name for name in names() if "form" in load(name).parameters]
+SLIDER_CRANK = [name for name in list_analyses() if "form" in load(name).parameters]
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -133,7 +133,7 @@ def test_a_result_is_not_overwritten_unasked(tmp_path: Path) -> None:
 def test_lists_analyses_and_parameters() -> None:
     """Each analysis with its description, each parameter with its default."""
     listed = CliRunner().invoke(app, ["analyse"]).stdout
-    assert all(name in listed for name in names())
+    assert all(name in listed for name in list_analyses())
     shown = CliRunner().invoke(app, ["analyse", "trace", "--parameters"]).stdout
     assert all(name in shown for name in load("trace").parameters)
 
@@ -163,8 +163,8 @@ COMMANDS = [shlex.split(line) for line in PAGE.split("```sh\n")[1].split("```")[
 
 def test_the_page_lists_all_analyses() -> None:
     listed = PAGE.split("```sh")[0]
-    assert all(f"`{name}`" in listed for name in names())
-    assert {command[2] for command in COMMANDS} == set(names())
+    assert all(f"`{name}`" in listed for name in list_analyses())
+    assert {command[2] for command in COMMANDS} == set(list_analyses())
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[2])

@@ -79,8 +79,8 @@ def test_each_component_is_drawn_against_its_own_shaft(engine: FigureData) -> No
 
 
 def test_contacts_that_carry_no_load_are_left_out(engine: FigureData) -> None:
-    assert film_and_load.contacts(engine) == ["contact", "upper_wall"]
-    figure = film_and_load.figure(engine)
+    assert film_and_load.find_loaded_contacts(engine) == ["contact", "upper_wall"]
+    figure = film_and_load.draw(engine)
     assert [ax.get_xlabel() for ax in figure.axes if ax.get_xlabel()] == ["Cam angle (°)", "Crank angle (°)"]
 
 
@@ -100,8 +100,8 @@ def test_only_solved_films_are_drawn_and_lost_contact_is_shaded(engine: FigureDa
         quantities=quantities,
         parameters=engine.parameters | {"contact.field_tolerance": 1e-4},
     )
-    assert solved_film.contacts(data) == ["contact"]
-    figure = solved_film.figure(data)
+    assert solved_film.find_solved_contacts(data) == ["contact"]
+    figure = solved_film.draw(data)
     shaded = [len(ax.collections) for ax in figure.axes]
     assert shaded == [1, 1, 1, 1]
     (least,) = [line for line in figure.axes[1].lines if line.get_marker() == "o"]
@@ -122,14 +122,14 @@ def test_less_than_a_turn_has_angles_on_its_axis(engine: FigureData) -> None:
         coupled={name: values[few] for name, values in engine.coupled.items()},
         reference={name: values[few] for name, values in engine.reference.items()},
     )
-    figure = film_and_load.figure(short)
+    figure = film_and_load.draw(short)
     figure.draw_without_rendering()
     low, high = figure.axes[-1].get_xlim()
     assert sum(low <= tick <= high for tick in figure.axes[-1].get_xticks()) >= 4
 
 
 def test_walls_are_dashed_at_the_clearance_and_empty_panels_left_out(engine: FigureData) -> None:
-    figure = slider_crank_motion.figure(engine)
+    figure = slider_crank_motion.draw(engine)
     assert [ax.get_ylabel() for ax in figure.axes] == ["Piston offset (m)", "Impacts"]
     walls = [line.get_ydata()[0] for line in figure.axes[0].lines if line.get_linestyle() == "--"]
     assert sorted(walls) == [-1e-4, 1e-4]
@@ -137,7 +137,7 @@ def test_walls_are_dashed_at_the_clearance_and_empty_panels_left_out(engine: Fig
 
 def test_the_phase_portrait_is_cut_at_impacts(engine: FigureData) -> None:
     """Two records with an impact since the one before: three pieces, which together have every point."""
-    figure = slider_crank_phase.figure(engine)
+    figure = slider_crank_phase.draw(engine)
     pieces = [line.get_xydata() for line in figure.axes[0].lines if len(line.get_xydata())]
     assert len(pieces) == 3
     np.testing.assert_array_equal(np.concatenate(pieces)[:, 1], engine.coupled["slider_crank.psi_rate"])
@@ -148,13 +148,13 @@ def test_the_phase_portrait_is_cut_at_impacts(engine: FigureData) -> None:
 @pytest.mark.parametrize("kind", [film_and_load, slider_crank_motion, slider_crank_phase])
 def test_figures_are_saved(kind, engine: FigureData, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     assert kind.applies(engine)
-    assert save_figure(lambda: kind.figure(engine), tmp_path / "figure.png").stat().st_size > 10_000
+    assert save_figure(lambda: kind.draw(engine), tmp_path / "figure.png").stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("records", [10, 800, 801, 5934])
 def test_the_envelope_of_errors_leaves_no_record_out(records: int) -> None:
     """A record that is larger than all before it is the largest of its bin, the last record too."""
-    first, top = difference.envelope(np.arange(1.0, records + 1.0))
+    first, top = difference.compute_envelope(np.arange(1.0, records + 1.0))
     assert (first[0], top[-1]) == (0, records)
     np.testing.assert_array_equal(top, np.append(first[1:], records))
 
@@ -208,7 +208,7 @@ def bouncing() -> FigureData:
 
 
 def test_a_bouncing_valve_shows_its_gap_and_no_film(bouncing: FigureData) -> None:
-    figure = valve_train.figure(bouncing)
+    figure = valve_train.draw(bouncing)
     lines = {ax.get_ylabel().split(" (")[0]: ax.lines[0].get_ydata() for ax in figure.axes}
     assert {"Lift", "Acceleration", "Spring force", "Highest pressure", "Friction"} < set(lines)
     apart = bouncing.lost("contact")
@@ -223,13 +223,13 @@ def test_a_bouncing_valve_shows_its_gap_and_no_film(bouncing: FigureData) -> Non
 def test_a_valve_that_stays_on_its_cam_shows_its_velocity_instead_of_the_gap(bouncing: FigureData) -> None:
     loaded = bouncing.coupled | {"contact.load": np.full_like(bouncing.time, 400.0)}
     kept = replace(bouncing, coupled=loaded, reference=loaded)
-    labels = [ax.get_ylabel().split(" (")[0] for ax in valve_train.figure(kept).axes]
+    labels = [ax.get_ylabel().split(" (")[0] for ax in valve_train.draw(kept).axes]
     assert "Gap" not in labels
     assert "Velocity" in labels
 
 
 def test_films_without_contact_are_not_drawn_with_the_load(bouncing: FigureData) -> None:
-    figure = film_and_load.figure(bouncing)
+    figure = film_and_load.draw(bouncing)
     film = figure.axes[2].lines[-1].get_ydata()
     np.testing.assert_array_equal(np.isnan(film), bouncing.lost("contact"))
 
@@ -255,18 +255,18 @@ def test_many_valves_are_all_drawn_and_named(bouncing: FigureData) -> None:
         quantities=bouncing.quantities | dict.fromkeys(others, METRE),
         drivers={**twin, **bouncing.drivers},
     )
-    assert valve_train.contacts(both) == ["contact", "contact_b"]
-    assert "valve train of contact, the most loaded of 2" in valve_train.figure(both).get_suptitle()
+    assert valve_train.find_cam_contacts(both) == ["contact", "contact_b"]
+    assert "valve train of contact, the most loaded of 2" in valve_train.draw(both).get_suptitle()
     assert valves.applies(both)
     assert not valves.applies(bouncing)
-    panels = [ax for ax in valves.figure(both).axes if ax.get_visible()]
+    panels = [ax for ax in valves.draw(both).axes if ax.get_visible()]
     assert [ax.get_title(loc="left") for ax in panels] == ["contact", "contact_b"]
     assert panels[0].get_xlabel() == "Crank angle (°)"
 
 
 def test_each_judged_variable_has_its_error_and_its_tolerance_in_a_panel(bouncing: FigureData) -> None:
     off = bouncing.coupled | {"contact.load": bouncing.coupled["contact.load"] + 0.2}
-    figure = difference.figure(replace(bouncing, coupled=off))
+    figure = difference.draw(replace(bouncing, coupled=off))
     assert [ax.get_title(loc="left") for ax in figure.axes] == ["contact.load", "contact.film_thickness"]
     error, allowed = figure.axes[0].lines
     spread = np.std(bouncing.reference["contact.load"])  # records at equal distances
@@ -283,15 +283,15 @@ def test_what_no_other_figure_draws_is_drawn_by_variable(bouncing: FigureData) -
         quantities=dict.fromkeys(coupled, METRE), drivers={"chassis.wheel_velocity": "wheel.velocity"},
         tolerance={"chassis.position": 1e-3, "wheel.position": 1e-3},
     )  # fmt: skip
-    assert solution.panels(data) == {
+    assert solution.choose_panels(data) == {
         "position": ["chassis.position", "wheel.position"],
         "velocity": ["wheel.velocity"],
     }
     alone = replace(data, drivers={}, tolerance={})
     bare = replace(alone, quantities=dict.fromkeys(coupled, Quantity("", "of an FMU that states no unit")))
-    assert [ax.get_ylabel() for ax in solution.figure(bare).axes] == ["position", "velocity", "tyre_force"]
-    assert set(solution.panels(alone)) == {"position", "velocity", "tyre_force"}
-    assert [ax.get_ylabel() for ax in solution.figure(data).axes] == ["position (m)", "velocity (m)"]
+    assert [ax.get_ylabel() for ax in solution.draw(bare).axes] == ["position", "velocity", "tyre_force"]
+    assert set(solution.choose_panels(alone)) == {"position", "velocity", "tyre_force"}
+    assert [ax.get_ylabel() for ax in solution.draw(data).axes] == ["position (m)", "velocity (m)"]
     assert not solution.applies(bouncing)  # at a constant speed
 
 

@@ -214,7 +214,7 @@ def test_every_shipped_study_and_analysis_is_whole() -> None:
     assert list_shipped()
     for name in list_shipped():
         assert len(load(name, _no_fmu).points) > 1
-    for name in analyses.names():
+    for name in analyses.list_analyses():
         analysis = analyses.load(name)
         assert analysis.name == name
         assert analysis.complete({}) == {key: value.default for key, value in analysis.parameters.items()}
