@@ -34,3 +34,14 @@ def grown(system, units, master, step, steps):
         seen.append(np.abs(coupling.state.values / coupling.wiring.nominal).max())
     tenth = max(10, steps // 10)
     return max(seen[-tenth:]) / max(seen[:tenth])
+
+
+def assert_growth_changes_at(limit, behaviour, system, open_participants):
+    """Runs decay 4 % below the limit and grow 4 % above it, over steps enough for a factor of exp(10)."""
+    for share in (0.96, 1.04):
+        rate = np.log(behaviour.evaluate(share * limit).radius)
+        units = open_participants()
+        factor = grown(system, units, behaviour.master, share * limit, int(10.0 / abs(rate)))
+        for unit in units.values():
+            unit.close()
+        assert (factor > 1.0) == (share > 1.0)

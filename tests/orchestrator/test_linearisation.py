@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from models.core.system import Instance, System
-from models.monolithic.trajectory import course
-from models.oscillators.quarter_car import quarter_car_chassis, quarter_car_wheel
 from orchestrator.analyses.stability.behaviour import Behaviour, find_stability_limit
 from orchestrator.analyses.stability.linear import Linear
 from orchestrator.analyses.stability.linearisation import Equations, linearise_at, linearise_points
@@ -19,34 +14,19 @@ from orchestrator.analyses.stability.trajectory import NotLinearError
 from orchestrator.command_line import app
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants import in_process, open_fmu
-from orchestrator.scenario.files import load
-from orchestrator.scenario.system import build_system, resolve_start
 
-from .coupled import grown
+from .coupled import assert_growth_changes_at
+from .linearised import (
+    SPACING,
+    along,
+    load_flexible,
+    masses_with_fmu,
+    output_names,
+    quarter_car,
+    write_masses,
+)
 from .small_fmus import small_fmu
 from .two_masses import two_masses
-
-SPACING = 5e-3
-
-
-def quarter_car():
-    return System(
-        {"wheel": Instance(quarter_car_wheel()), "chassis": Instance(quarter_car_chassis())},
-        [
-            ("wheel.position", "chassis.wheel_position"),
-            ("wheel.velocity", "chassis.wheel_velocity"),
-            ("chassis.position", "wheel.chassis_position"),
-            ("chassis.velocity", "wheel.chassis_velocity"),
-        ],
-    )
-
-
-def sources(system, name):
-    return {c.source.variable for c in system.connections if c.source.instance == name}
-
-
-def along(system, stop, spacing):
-    return course(system, 0.5 * spacing * np.arange(2 * round(stop / spacing) + 1), 1e-10)
 
 
 def both(system, name, where, row, spacing, participant=None):
@@ -55,8 +35,8 @@ def both(system, name, where, row, spacing, participant=None):
     try:
         measured = Responses(name, unit, system, spacing)
         return (
-            measured.about(where, row, sources(system, name)),
-            Equations(system, name).about(where, row, sources(system, name)),
+            measured.about(where, row, output_names(system, name)),
+            Equations(system, name).about(where, row, output_names(system, name)),
             measured,
         )
     finally:
@@ -107,18 +87,11 @@ def test_responses_of_a_linear_participant_have_the_poles_of_its_equations(syste
     assert measured.residual < 1e-8
 
 
-@pytest.fixture(scope="module")
-def flexible():
-    scenario = load("valve-train-flexible", ["stop_time=0.012"])
-    system = resolve_start(scenario, build_system(scenario))
-    return system, along(system, 0.01, 5e-6)
-
-
 @pytest.mark.parametrize("name", ["camshaft", "valve_spring"])
-def test_responses_of_the_valve_train_have_the_poles_of_its_equations(flexible, name):
+def test_responses_of_the_valve_train_have_the_poles_of_its_equations(name):
     """The flexible camshaft and the spring with its coils, six states each: what their integrators leave
     (1e-13 of nominal) is 1e-7 of the answers to pulses of 5 us; 60 samples are 1/50 of the slowest period."""
-    system, where = flexible
+    system, where = load_flexible()
     found, expected, measured = both(system, name, where, 3000, 5e-6)
     poles, truth = (np.sort_complex(np.linalg.eigvals(linear.A)) for linear in (found, expected))
     np.testing.assert_allclose(poles, truth, atol=1e-4 * np.abs(truth).max())
@@ -152,9 +125,9 @@ class HeldInputs:
         return self._unit.connect(bound._replace(inputs=bound.inputs[:1]))
 
 
-def foreign(system, tmp_path_factory):
+def open_third_party(system, tmp_path_factory):
     """The second mass by an FMU that knows nothing of this project and holds its force."""
-    path = small_fmu("sound", tmp_path_factory.mktemp("foreign"), restorable=True)
+    path = small_fmu("sound", tmp_path_factory.mktemp("fmu"), restorable=True)
     return open_fmu("second", path, system.instances["second"])
 
 
@@ -162,15 +135,10 @@ def foreign(system, tmp_path_factory):
 def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_responses(
     master, tmp_path_factory
 ):
-    """Observed 4 % to both sides, over steps enough for a factor of exp(10). The FMU holds its input, which
-    its responses tell: the limit of the component in its place is another."""
-    system = two_masses(coupling_stiffness=400.0)
-    parameters = {"mass": 1.0, "stiffness": 10.0, "damping": 0.5}
-    instances = dict(system.instances)
-    instances["second"] = replace(instances["second"], parameters=parameters)
-    system = system.with_instances(instances)
+    """The FMU holds its input, as its responses show: the component in its place has another limit."""
+    system = masses_with_fmu()
     where = along(system, 0.2, SPACING)
-    unit = foreign(system, tmp_path_factory)
+    unit = open_third_party(system, tmp_path_factory)
     made = {
         "first": Equations(system, "first"),
         "second": (measured := Responses("second", unit, system, SPACING)),
@@ -181,15 +149,12 @@ def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_resp
     limit = find_stability_limit(behaviour, 1e-4, 0.5, [])
     component = find_stability_limit(Behaviour(linearise_at(system, where, 20, []), master), 1e-4, 0.5, [])
     assert not 0.9 < limit / component < 1.1
-    for share in (0.96, 1.04):
-        rate = np.log(behaviour.evaluate(share * limit).radius)
-        units = {
-            "first": in_process("first", system.instances["first"]),
-            "second": foreign(system, tmp_path_factory),
-        }
-        factor = grown(system, units, master, share * limit, int(10.0 / abs(rate)))
-        units["second"].close()
-        assert (factor > 1.0) == (share > 1.0)
+
+    def open_participants():
+        first = in_process("first", system.instances["first"])
+        return {"first": first, "second": open_third_party(system, tmp_path_factory)}
+
+    assert_growth_changes_at(limit, behaviour, system, open_participants)
 
 
 class Noisy(HeldInputs):
@@ -242,38 +207,12 @@ def test_continuous_time_of_a_double_integrator_is_one():
     np.testing.assert_allclose(B, [[0.0], [1.0]], atol=1e-12)
 
 
-SCENARIO = """
-stop_time = "1 s"
-macro_step = "5 ms"
-start = "given"
-connections = [
-    "first.force -> second.force",
-    "second.position -> first.other_position",
-    "second.velocity -> first.other_velocity",
-]
-
-[tolerance]
-"first.force" = 1e-2
-
-[components.first]
-component = "coupled_mass"
-participant = "in-process"
-start = {{ position = 1.0 }}
-
-[components.second]
-component = "sprung_mass"
-participant = "{path}"
-"""
-
-
-def command(tmp_path, path):
-    scenario = tmp_path / "masses.toml"
-    scenario.write_text(SCENARIO.format(path=path.as_posix()), "utf-8")
-    return CliRunner().invoke(app, ["analyse", str(scenario), "--out", str(tmp_path / "out")])
+def analyse(tmp_path, path):
+    return CliRunner().invoke(app, ["analyse", write_masses(tmp_path, path), "--out", str(tmp_path / "out")])
 
 
 def test_the_command_tells_how_each_participant_was_linearised(tmp_path):
-    shown = command(tmp_path, small_fmu("sound", tmp_path, restorable=True))
+    shown = analyse(tmp_path, small_fmu("sound", tmp_path, restorable=True))
     assert shown.exit_code == 0, shown.output
     output = " ".join(shown.output.split())
     assert "By their equations: first" in output
@@ -282,7 +221,7 @@ def test_the_command_tells_how_each_participant_was_linearised(tmp_path):
 
 
 def test_an_fmu_that_cannot_save_its_state_is_named_with_a_remedy(tmp_path):
-    shown = command(tmp_path, small_fmu("sound", tmp_path))
+    shown = analyse(tmp_path, small_fmu("sound", tmp_path))
     assert shown.exit_code == 2
     output = " ".join(shown.output.split())
     assert "components.second.participant" in output

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from orchestrator.plots.motion.angles import format_angle, shift_to_first_turn
 from orchestrator.plots.motion.phase import draw_phase
 from orchestrator.plots.motion.poincare import draw_poincare, magnify
-from orchestrator.plots.motion.titles import describe_machine
 from orchestrator.plots.style import create_subplots
 
 
@@ -21,11 +20,6 @@ from orchestrator.plots.style import create_subplots
 )
 def test_angles_are_written_in_pi(halves: int, text: str) -> None:
     assert format_angle(0.5 * math.pi * halves) == text
-
-
-def test_titles_say_what_is_not_usual() -> None:
-    values = {"damping": 0.05, "gap": 0.01, "form": "as_published", "xi": 0.303, "beta": 0.158}
-    assert describe_machine(values) == "λ = 0.05, ρ = 0.01, β = 0.158, as published"
 
 
 @given(turns=st.integers(0, 10**6), phase=st.floats(0.0, 6.2))

@@ -22,34 +22,12 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 
 from .coupled import recorded
-
-SCENARIO = """
-stop_time = "2 s"
-macro_step = "10 ms"
-start = "given"
-connections = [
-    "first.force -> second.force",
-    "second.position -> first.other_position",
-    "second.velocity -> first.other_velocity",
-]
-
-[tolerance]
-"first.force" = 1e-3
-
-[components.first]
-component = "coupled_mass"
-start = { position = 1.0 }
-
-[components.second]
-component = "sprung_mass"
-"""
+from .linearised import write_masses
 
 
 @pytest.fixture
 def masses(tmp_path):
-    path = tmp_path / "masses.toml"
-    path.write_text(SCENARIO, "utf-8")
-    return path
+    return write_masses(tmp_path)
 
 
 def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_the_tolerance(
@@ -57,7 +35,7 @@ def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_
 ):
     """What is written reads back. Observed: a run as advised is within the scenario's tolerance."""
     out = tmp_path / "out"
-    arguments = ["analyse", str(masses), "--out", str(out), "--at", "0.5 s", "--set", "macro_step=0.02"]
+    arguments = ["analyse", masses, "--out", str(out), "--at", "0.5 s", "--set", "macro_step=0.02"]
     shown = CliRunner().invoke(app, arguments)
     assert shown.exit_code == 0, shown.output
     assert "Advised: macro_step" in shown.output
@@ -85,7 +63,7 @@ def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_
 
 
 def test_the_figure_explains_its_colours_and_lines(masses, tmp_path):
-    found = analyse_scenario(str(masses), ["macro_step=0.02"], out=tmp_path / "out")
+    found = analyse_scenario(masses, ["macro_step=0.02"], out=tmp_path / "out")
     (legend,) = draw_figure(found).legends
     said = [text.get_text() for text in legend.get_texts()]
     signals = {method.master.extrapolation for method in found.methods}

@@ -15,31 +15,24 @@ from orchestrator.store.result_file import open_result
 from orchestrator.study.source import compute_fingerprint
 from orchestrator.study.task import evaluate
 
-from .test_study_points import planned
+from .commands import IN_PROCESS
+from .studies import plan_scenario, refuse_build
 
-IN_PROCESS = {
-    f"components.{name}.participant": "in-process"
-    for name in ("flywheel", "camshaft", "valve_spring", "contact")
-}
+SETTINGS = [text.removeprefix("--set=") for text in IN_PROCESS]
 LIFT = "components.camshaft.parameters.lift"
 
 
 def plan(rows: list[dict[str, Any]]) -> Any:
-    return planned(
-        {"kind": "list", "rows": rows},
-        analysis=None,
-        scenario="valve-train",
-        fixed={"stop_time": "2 ms"} | IN_PROCESS,
-    )
+    fixed = {"stop_time": "2 ms"} | dict(text.split("=") for text in SETTINGS)
+    return plan_scenario({"kind": "list", "rows": rows}, fixed=fixed)
 
 
 def test_results_are_those_of_the_run(tmp_path: Path) -> None:
     of = plan([{LIFT: "9 mm", "macro_step": "10 us"}])
     found = of.subject.evaluate(of.points[0])
     assert set(found) == set(of.subject.results)
-    settings = [f"{path}={value}" for path, value in IN_PROCESS.items()]
-    scenario = load("valve-train", [*settings, "stop_time=2 ms", f"{LIFT}=9 mm", "macro_step=10 us"])
-    summary = run(scenario, tmp_path, _no_fmu, Reporter(Console(quiet=True)), figures=False)
+    scenario = load("valve-train", [*SETTINGS, "stop_time=2 ms", f"{LIFT}=9 mm", "macro_step=10 us"])
+    summary = run(scenario, tmp_path, refuse_build, Reporter(Console(quiet=True)), figures=False)
     assert found["macro_steps"] == summary.macro_steps == 200
     assert found["iterations"] == summary.iterations
     for name, error in summary.errors.items():
@@ -75,7 +68,3 @@ def test_workers_of_another_version_do_not_evaluate() -> None:
     found = evaluate(of.subject, of.points[0], {"tribocosim": "0" * 16})
     assert isinstance(found, str)
     assert found.startswith("computes with tribocosim ")
-
-
-def _no_fmu(name: str, structure: Any) -> Path:
-    raise AssertionError("everything is in process")

@@ -2,11 +2,9 @@
 
 import contextlib
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,38 +17,23 @@ from orchestrator.errors import MistakeError
 from orchestrator.reporter import Reporter
 from orchestrator.study import run as study
 from orchestrator.study import store as module
-from orchestrator.study.files import Plan
-from orchestrator.study.source import compute_fingerprint
 from orchestrator.study.store import DONE, FAILED, PENDING, Store, open_store
-from orchestrator.study.task import Outcome, evaluate
 
-from .test_study_points import PLAIN, planned
+from .studies import (
+    PICKY,
+    PLAIN,
+    VERSIONS,
+    compute_outcome,
+    fill_store,
+    open_small_chunks,
+    plan_study,
+    read_files,
+)
 
-PICKY = "tests.orchestrator.studied:PICKY"
-VERSIONS = {"tribocosim": "1234", "numba": "0.60"}
 GRID = {"kind": "grid", "axes": {"x": [-2.0, 0.0, 2.0], "y": [1.0, 2.0], "mode": ["plain", "square"]}}
 
 
-def plan() -> Plan:
-    return planned(GRID, analysis=PICKY)
-
-
-def files(store: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(store)): path.read_bytes() for path in store.rglob("*") if path.is_file()}
-
-
-def outcome(of: Plan, index: int) -> Outcome:
-    found = evaluate(of.subject, of.points[index], compute_fingerprint(of.subject))
-    assert isinstance(found, Outcome)
-    return found
-
-
-@contextlib.contextmanager
-def begun(path: Path, of: Plan | None = None, **options: Any) -> Iterator[Store]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "CHUNK", 4)
-        with open_store(path, of or plan(), VERSIONS, options.get("overwrite", False)) as store:
-            yield store
+PLAN = plan_study(GRID, PICKY)
 
 
 class _Interrupted(Store):
@@ -68,14 +51,15 @@ class _Interrupted(Store):
 
 
 def test_what_is_said_to_be_kept_at_ctrl_c_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    of, path = plan(), tmp_path / "store.zarr"
-    came = SimpleNamespace(outcomes=lambda pending: iter([[(0, outcome(of, 0)), (5, outcome(of, 5))]]))
+    path = tmp_path / "store.zarr"
+    batch = [(index, compute_outcome(PLAN, index)) for index in (0, 5)]
+    execution = SimpleNamespace(outcomes=lambda pending: iter([batch]))
     workers = SimpleNamespace(nthreads=lambda: {"one": 1})
     monkeypatch.setattr(study, "connect", lambda *where: contextlib.nullcontext(workers))
-    monkeypatch.setattr(study, "Execution", lambda *arguments: came)
+    monkeypatch.setattr(study, "Execution", lambda *arguments: execution)
     monkeypatch.setattr(module, "Store", _Interrupted)
     with pytest.raises(KeyboardInterrupt, match="2 points are kept"):
-        study.run(of, path, study.Where(), Reporter(Console(quiet=True)))
+        study.run(PLAN, path, study.Where(), Reporter(Console(quiet=True)))
     assert np.flatnonzero(Store(path).status != PENDING).tolist() == [0, 5]
 
 
@@ -87,20 +71,15 @@ class Killed(BaseException):
 @settings(derandomize=True, deadline=None, max_examples=25)
 def test_order_and_kills_leave_no_trace(order: list[int], kills: list[int]) -> None:
     """A kill comes after any number of files that a start has written."""
-    of = plan()
     with TemporaryDirectory() as name:
-        straight, disturbed = Path(name) / "straight.zarr", Path(name) / "disturbed.zarr"
-        with begun(straight) as store:
-            for index in range(12):
-                store.record(index, outcome(of, index))
-            store.flush()
+        straight, disturbed = fill_store(Path(name) / "straight.zarr", PLAN), Path(name) / "disturbed.zarr"
         for kill in [*kills, None]:
             with contextlib.suppress(Killed):
-                _start(disturbed, of, order, kill)
-        assert files(disturbed) == files(straight)
+                evaluate_until(disturbed, order, kill)
+        assert read_files(disturbed) == read_files(straight)
 
 
-def _start(path: Path, of: Plan, order: list[int], kill: int | None) -> None:
+def evaluate_until(path: Path, order: list[int], kill: int | None) -> None:
     """Evaluate what is pending, written point by point, until `kill` files are written."""
     written = 0
 
@@ -112,11 +91,11 @@ def _start(path: Path, of: Plan, order: list[int], kill: int | None) -> None:
         original(self, name, chunk)
 
     original = module.Store._write
-    with pytest.MonkeyPatch.context() as patch, begun(path) as store:
+    with pytest.MonkeyPatch.context() as patch, open_small_chunks(path, PLAN) as store:
         patch.setattr(module.Store, "_write", write)
         for index in order:
             if store.status[index] == PENDING:
-                store.record(index, outcome(of, index))
+                store.record(index, compute_outcome(PLAN, index))
                 store.flush()
 
 
@@ -124,7 +103,7 @@ def _start(path: Path, of: Plan, order: list[int], kill: int | None) -> None:
 def test_what_says_done_has_its_results(kill: int, tmp_path: Path) -> None:
     """Whatever file of the first two points a kill comes before."""
     with contextlib.suppress(Killed):
-        _start(tmp_path / "store.zarr", plan(), [4, 0], kill)
+        evaluate_until(tmp_path / "store.zarr", [4, 0], kill)
     with xarray.open_zarr(tmp_path / "store.zarr") as found:
         done, failed = found["status"].values == DONE, found["status"].values == FAILED
         assert (int(done.sum()), int(failed.sum())) == (kill >= 4, kill >= 8)
@@ -133,22 +112,19 @@ def test_what_says_done_has_its_results(kill: int, tmp_path: Path) -> None:
 
 
 def test_failed_points_are_pending_again_on_request(tmp_path: Path) -> None:
-    of = plan()
-    with begun(tmp_path / "store.zarr") as store:
-        for index in range(12):
-            store.record(index, outcome(of, index))
-        store.flush()
+    path = fill_store(tmp_path / "store.zarr", PLAN)
+    with open_small_chunks(path, PLAN) as store:
         failed = np.flatnonzero(store.status == FAILED).tolist()
-        assert [of.points[i]["x"] for i in failed] == [-2.0] * 4
+        assert [PLAN.points[i]["x"] for i in failed] == [-2.0] * 4
         assert store.pending() == []
         store.retry_failed()
         assert store.pending() == failed
-    with begun(tmp_path / "store.zarr") as store:
+    with open_small_chunks(path, PLAN) as store:
         assert store.pending() == failed
 
 
 def test_xarray_reads_units_texts_and_flags(tmp_path: Path) -> None:
-    with begun(tmp_path / "store.zarr"):
+    with open_small_chunks(tmp_path / "store.zarr", PLAN):
         pass
     with xarray.open_zarr(tmp_path / "store.zarr") as found:
         assert found["mode"].values.tolist() == ["plain", "square"]
@@ -161,12 +137,8 @@ def test_xarray_reads_units_texts_and_flags(tmp_path: Path) -> None:
 
 def test_sobol_points_are_coordinates_along_one_dimension(tmp_path: Path) -> None:
     ranges = {"x": {"low": -2.0, "high": 2.0}, "y": {"low": 0.0, "high": 1.0}}
-    of = planned({"kind": "sobol", "ranges": ranges, "count": 32, "seed": 5})
-    with begun(tmp_path / "store.zarr", of) as store:
-        for index in range(32):
-            store.record(index, outcome(of, index))
-        store.flush()
-    with xarray.open_zarr(tmp_path / "store.zarr") as found:
+    plan = plan_study({"kind": "sobol", "ranges": ranges, "count": 32, "seed": 5})
+    with xarray.open_zarr(fill_store(tmp_path / "store.zarr", plan)) as found:
         assert set(found.coords) == {"x", "y"}
         assert found["x"].dims == ("point",)
         assert np.array_equal(found["sum"], found["x"] + found["y"])
@@ -175,55 +147,44 @@ def test_sobol_points_are_coordinates_along_one_dimension(tmp_path: Path) -> Non
 
 
 OTHERS = {
-    "other points": planned(GRID | {"axes": GRID["axes"] | {"y": [1.0, 3.0]}}, analysis=PICKY),
-    "another study": planned(GRID, analysis=PLAIN),
-    "fewer": planned({"kind": "grid", "axes": {"x": [-2.0, 0.0, 2.0]}}, analysis=PICKY),
+    "other points": plan_study(GRID | {"axes": GRID["axes"] | {"y": [1.0, 3.0]}}, PICKY),
+    "another study": plan_study(GRID, PLAIN),
+    "fewer": plan_study({"kind": "grid", "axes": {"x": [-2.0, 0.0, 2.0]}}, PICKY),
 }
 
 
 @pytest.mark.parametrize("other", OTHERS)
 def test_another_studys_store_is_refused_or_replaced(other: str, tmp_path: Path) -> None:
-    path = tmp_path / "store.zarr"
-    with begun(path):
-        before = files(path)
-    with (
-        pytest.raises(MistakeError, match=r"store.zarr: holds .* --out, .* --overwrite"),
-        begun(path, OTHERS[other]),
-    ):
+    path, plan = tmp_path / "store.zarr", OTHERS[other]
+    with open_small_chunks(path, PLAN):
+        before = read_files(path)
+    with pytest.raises(MistakeError, match="--overwrite"), open_small_chunks(path, plan):
         pass
-    assert files(path) == before
-    with begun(path, OTHERS[other], overwrite=True) as store:
-        assert len(store.pending()) == len(OTHERS[other].points)
+    assert read_files(path) == before
+    with open_small_chunks(path, plan, overwrite=True) as store:
+        assert len(store.pending()) == len(plan.points)
 
 
-def test_a_store_begun_by_another_version_is_refused(tmp_path: Path) -> None:
-    with begun(tmp_path / "store.zarr"):
+def test_a_store_of_another_version_or_in_use_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "store.zarr"
+    with open_small_chunks(path, PLAN), pytest.raises(MistakeError), open_small_chunks(path, PLAN):
         pass
     other = VERSIONS | {"numba": "0.61"}
-    with (
-        pytest.raises(MistakeError, match=r"another version \(numba 0.61 instead of 0.60\)"),
-        open_store(tmp_path / "store.zarr", plan(), other, False),
-    ):
+    with pytest.raises(MistakeError, match=r"numba 0.61"), open_store(path, PLAN, other, False):
         pass
 
 
 def test_a_folder_that_is_no_store_is_never_replaced(tmp_path: Path) -> None:
-    kept = tmp_path / "folder" / "kept"
-    kept.parent.mkdir()
-    kept.touch()
-    with pytest.raises(MistakeError, match="is not the store of a study"), begun(kept.parent, overwrite=True):
+    file = tmp_path / "folder" / "file"
+    file.parent.mkdir()
+    file.touch()
+    with pytest.raises(MistakeError), open_small_chunks(file.parent, PLAN, overwrite=True):
         pass
-    assert kept.exists()
-
-
-def test_a_store_in_use_is_refused(tmp_path: Path) -> None:
-    store, said = tmp_path / "store.zarr", "another process is working on it"
-    with begun(store), pytest.raises(MistakeError, match=said), begun(store):
-        pass
+    assert file.exists()
 
 
 def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    store, said = tmp_path / "file" / "store.zarr", r"cannot be written .* choose another --out"
-    with pytest.raises(MistakeError, match=said), begun(store):
+    store = tmp_path / "file" / "store.zarr"
+    with pytest.raises(MistakeError, match="--out"), open_small_chunks(store, PLAN):
         pass

@@ -18,15 +18,18 @@ def test_a_short_run_is_not_announced(tmp_path: Path) -> None:
     assert announce(load("valve-train"), 57, tmp_path) == ""
 
 
-def test_a_stop_time_without_its_unit_is_announced_with_its_steps(tmp_path: Path) -> None:
-    line = announce(load("valve-train", ["stop_time=120"]), 57, tmp_path)
-    assert "24,000,000 macro steps" in line
-    assert '"120 ms"' in line
-
-
-def test_records_that_do_not_fit_on_the_disk_are_announced_with_the_remedy(tmp_path: Path) -> None:
-    line = announce(load("valve-train", ["stop_time=1e5", "macro_step=1 us"]), 57, tmp_path)
-    assert "output_step" in line
+@pytest.mark.parametrize(
+    ("settings", "keys"),
+    [
+        (["stop_time=120"], ["24,000,000 macro steps", '"120 ms"']),
+        (["stop_time=1e5", "macro_step=1 us"], ["output_step"]),
+    ],
+)
+def test_a_long_run_is_announced_with_its_steps_or_its_records_and_a_remedy(
+    settings: list[str], keys: list[str], tmp_path: Path
+) -> None:
+    line = announce(load("valve-train", settings), 57, tmp_path)
+    assert all(key in line for key in keys)
 
 
 def test_the_files_of_a_run_are_within_what_is_announced(tmp_path: Path) -> None:

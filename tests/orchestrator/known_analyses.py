@@ -30,9 +30,9 @@ def _picky(values: Mapping[str, Any]) -> dict[str, float | str]:
 
 
 def _slow(values: Mapping[str, Any]) -> dict[str, float | str]:
-    """Late; from x = 6 on not before the file $STUDIED_WAITS_FOR is there."""
+    """Late; from x = 6 on not before the file $STUDY_WAITS_FOR is there."""
     time.sleep(0.1)
-    while values["x"] >= 6.0 and not Path(os.environ.get("STUDIED_WAITS_FOR", "/")).exists():
+    while values["x"] >= 6.0 and not Path(os.environ.get("STUDY_WAITS_FOR", "/")).exists():
         time.sleep(0.02)
     return _traced(values)
 
