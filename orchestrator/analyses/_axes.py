@@ -1,4 +1,4 @@
-"""Parameters that a map or a bifurcation diagram is drawn over, for analyses."""
+"""Axes of maps and bifurcation diagrams as parameters of analyses."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .protocol import Parameter
 
 
 def axis_parameters(letter: str, name: str, first: float, last: float, count: int) -> dict[str, Parameter]:
-    """Which parameter is varied along an axis, from where to where, at how many places."""
+    """Parameters of an axis: what varies along it, first and last value, count."""
     return {
         letter: Parameter(name, "1", f"parameter along {letter}", choices=VARIABLES),
         f"{letter}_from": Parameter(first, "1", f"its first value along {letter}"),
@@ -36,14 +36,14 @@ def read_axis(values: Mapping[str, Any], letter: str) -> tuple[str, Vector]:
 
 
 def read_coordinate(values: Mapping[str, Any], letter: str) -> xarray.Variable:
-    """The values along an axis with their meaning."""
+    """The values along an axis, with unit and description."""
     name, found = read_axis(values, letter)
     return column(letter, found, MACHINE[name].unit, MACHINE[name].description)
 
 
 @contextmanager
 def report_mistakes() -> Iterator[None]:
-    """What a machine refuses is the user's mistake, and so is a device that is not there."""
+    """Report values that a machine refuses, and a missing device, as mistakes of the user."""
     try:
         yield
     except (ValueError, NoDeviceError) as error:

@@ -1,4 +1,4 @@
-"""One analysis: its results on the screen, its table and its figure in a folder."""
+"""Runs one analysis: prints its results and writes its table and figure."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def find_results(folder: Path, name: str, overwrite: bool) -> list[Path]:
 
 @contextmanager
 def create_folder(folder: Path) -> Iterator[None]:
-    """A folder that can be written, made where it is missing, and taken away again, empty, after an error."""
+    """Create the folder if it is missing; after an error, remove it if it is new and empty."""
     missing = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""Impacts of a motion, and what the analyses of them have in common."""
+"""Impacts of a motion, for the analyses of impacts."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ._machine import MACHINE, START, duration_parameters, simulate_motion
 from ._table import column
 from .protocol import Parameter, Result
 
-# Cycles between looks at how many impacts there are.
+# Cycles after which impacts are counted again.
 BATCH = 100
 PSI_RATE, APPROACH = "psi_rate", "approach"
 IMPACT, CYCLE = "impact", "cycle"

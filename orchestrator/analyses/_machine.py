@@ -1,4 +1,4 @@
-"""Parameters of the slider-crank with clearance, for all of its analyses."""
+"""Parameters that all analyses of the slider-crank with clearance share."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MACHINE = {
     ),
 }
 
-# What the constraint forces depend on.
+# Parameters of the constraint forces.
 MECHANISM = {key: MACHINE[key] for key in MACHINE if key not in ("restitution", "sliding_threshold")}
 
 START = {
@@ -35,7 +35,7 @@ START = {
 
 
 def duration_parameters(cycles: int, transient: int) -> dict[str, Parameter]:
-    """How long a motion is looked at, with these defaults."""
+    """Parameters of the duration of a motion, with these defaults."""
     return {
         "cycles": Parameter(cycles, "1", "crank cycles", minimum=1.0, integer=True),
         "transient": Parameter(transient, "1", "crank cycles left out before", minimum=0.0, integer=True),
@@ -43,8 +43,7 @@ def duration_parameters(cycles: int, transient: int) -> dict[str, Parameter]:
 
 
 def build_machine(values: Mapping[str, Any]) -> Machine:
-    """The machine, with defaults for parameters that an analysis lacks; MistakeError where they do not fit
-    together."""
+    """The machine, with defaults for parameters that an analysis lacks; MistakeError if none is possible."""
     try:
         names = (field.name for field in fields(Machine) if field.name in values)
         return Machine(**{name: values[name] for name in names})

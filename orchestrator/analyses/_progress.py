@@ -1,4 +1,4 @@
-"""How far a long analysis has come, on a terminal."""
+"""Progress of a long analysis on a terminal."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 
 @contextmanager
-def show_progress(words: str) -> Iterator[Callable[[int, int], None]]:
-    """A function of points done and points in all; it shows a bar where standard error is a terminal."""
+def show_progress(label: str) -> Iterator[Callable[[int, int], None]]:
+    """Yield a function of points done and total; it shows a bar if standard error is a terminal."""
     console = Console(stderr=True)
-    columns = (TextColumn(words), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (TextColumn(label), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(words, total=None)
+        task = bar.add_task(label, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)

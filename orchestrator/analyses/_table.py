@@ -1,4 +1,4 @@
-"""Tables with units, and what an analysis derives from its table."""
+"""Tables with units, and `evaluate` and `draw` of an analysis from its table."""
 
 from __future__ import annotations
 

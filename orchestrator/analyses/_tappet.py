@@ -1,4 +1,4 @@
-"""The cam's contact of the set `kushwaha2000` as a finite line, by the parameters that its analyses share."""
+"""The cam contact of the set `kushwaha2000` as a finite line, and the parameters that its analyses share."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ PARAMETERS = {
 }
 
 
-# Of a Solution and a Passage that have no film.
+# Warning about an instant without a film.
 DRY = "entrainment all but ends: no film, taken as dry; the pressure of a sharp end there is the grid's"
 
 
@@ -63,7 +63,7 @@ def read_resolution(values: Mapping[str, Any]) -> Resolution:
 
 
 def describe_yielding(pressure: float) -> str:
-    """What is to be said of a pressure (Pa) beyond what hardened bearing steel bears, "" within it."""
+    """A warning about a pressure (Pa) above the elastic limit of hardened bearing steel; "" below it."""
     if pressure <= ELASTIC_LIMIT:
         return ""
     return (
@@ -95,6 +95,6 @@ def _profile(name: str, values: Mapping[str, Any], design: Running) -> Profile:
     if name == "crowned":
         return Crowned(values["crown_radius"])
     if name == "logarithmic":
-        made = johns_gohar(design.load, design.radius, CONTACT.length, COMPLIANCE)
-        return made if values["dub_off"] <= 0.0 else Logarithmic(made.amplitude, values["dub_off"])
+        profile = johns_gohar(design.load, design.radius, CONTACT.length, COMPLIANCE)
+        return profile if values["dub_off"] <= 0.0 else Logarithmic(profile.amplitude, values["dub_off"])
     return Straight()

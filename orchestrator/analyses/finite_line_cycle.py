@@ -31,7 +31,7 @@ from ._tappet import (
 from .protocol import Analysis, Parameter, Result
 
 ALIGNMENTS = ("aligned", "misaligned")
-# What a passage holds that is shown, with its unit and meaning.
+# Results of a passage in the table, with unit and meaning.
 SHOWN = {
     "largest_pressure": ("Pa", "largest pressure"),
     "end_pressure": ("Pa", "largest pressure within a tenth of the length from the ends"),
@@ -87,7 +87,7 @@ def _line(contact: FiniteLine, at: Running) -> tuple[float, float]:
 
 
 def _messages(found: Passage, pressure: Vector) -> Iterator[str]:
-    """What is not to be trusted; `pressure`: where there is a film."""
+    """Warnings about the result; `pressure`: where there is a film."""
     degrees = np.degrees(found.angle)
     if np.any(found.dry):
         angles = ", ".join(f"{angle:.4g}" for angle in degrees[found.dry])
@@ -101,7 +101,7 @@ def _messages(found: Passage, pressure: Vector) -> Iterator[str]:
 def _numbers(
     values: Mapping[str, Any], at: list[Running], found: Passage, line: Vector
 ) -> dict[str, float | str]:
-    """Of the chosen profile on its shaft. Dry instants are left out: peaks at sharp ends are the grid's."""
+    """Results of the chosen profile, without dry instants, whose peaks at sharp ends depend on the grid."""
     pressure = np.where(found.dry, np.nan, found.largest_pressure)
     ratio = pressure / line[:, 0]
     highest, farthest = int(np.nanargmax(pressure)), int(np.nanargmax(ratio))

@@ -1,4 +1,4 @@
-"""What an analysis is: scalar results as a pure function of named parameters, with what lies behind them."""
+"""Analyses: scalar results, a table and a figure as pure functions of named parameters."""
 
 from __future__ import annotations
 
@@ -87,11 +87,11 @@ class Result:
 class Analysis:
     """A function of all `parameters` that returns all `results`; equal parameters give equal bits.
 
-    What `evaluate` raises is recorded as the message of that point of a study. Any function can be studied:
+    A study records an error that `evaluate` raises as the message of the point. Any function can be studied:
     `module:object` names one outside this package.
 
-    `table` returns what lies behind the results and, as variables without dimension, the results; `draw`
-    makes a figure of a table and the parameters.
+    `table` returns the data behind the results and, as variables without dimension, the results. `draw`
+    returns a figure of a table and the parameters.
     """
 
     name: str

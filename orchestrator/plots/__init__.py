@@ -31,7 +31,7 @@ KINDS = (
 
 
 def find_figures(result: ResultFile, title: str, scenario: Scenario) -> dict[str, Callable[[], Any]]:
-    """What draws each figure that applies, by the figure's name."""
+    """The functions that draw the figures that apply, by name."""
     data = FigureData.read(result, title, scenario)
     kinds = {name: importlib.import_module(f".{name}", __package__) for name in KINDS}
     return {name: partial(kind.draw, data) for name, kind in kinds.items() if kind.applies(data)}

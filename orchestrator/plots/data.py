@@ -1,4 +1,4 @@
-"""What figures draw: coupled run and reference at their records, in display units."""
+"""Data of figures: coupled run and reference at their records."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from ..scenario.system import list_parameters
 from ..scenario.units import choose_time_unit, to_unit
 from ..store.result_file import ResultFile
 
-# More points than these cannot be told apart in a figure, but would take memory.
+# More points than these cannot be distinguished in a figure.
 POINTS = 20_000
 
 # Variables that a figure is drawn against, and their names.
 ANGLES = {"cam_angle": "Cam angle (°)", "angle": "Crank angle (°)", "crank_angle": "Crank angle (°)"}
 
-# Films of a contact, which mean something only under load.
+# Films of a contact, valid only under load.
 FILMS = ("film_thickness", "minimum_film_thickness", "film_ratio")
 
-# An angle that departs from its mean rise by less than this share of what it turns is drawn against.
+# Figures use an angle as abscissa if it deviates from a uniform rise by less than this share.
 UNEVEN = 0.02
 
 # Units as they are set in a figure.
@@ -118,7 +118,7 @@ class FigureData:
         return np.asarray(values[f"{contact}.load"] <= 0.0)
 
     def in_contact(self, contact: str) -> FigureData:
-        """The same, without the contact's films where it carries no load."""
+        """The data with NaN for the contact's films where it carries no load."""
 
         def under_load(values: Mapping[str, Vector], reference: bool) -> dict[str, Vector]:
             films = [name for film in FILMS if (name := f"{contact}.{film}") in values]
@@ -153,7 +153,7 @@ class FigureData:
         return words if unit in ("", "1") else f"{words} ({unit})"
 
     def of(self, instance: str) -> FigureData:
-        """The same, drawn against the angle of the shaft that drives `instance`: the nearest one upstream."""
+        """The data with the angle of the shaft that drives `instance`, the nearest one upstream."""
         waiting, seen = [instance], {instance}
         while waiting:
             at = waiting.pop(0)
@@ -168,7 +168,7 @@ class FigureData:
         return self
 
     def abscissa(self) -> tuple[str, str]:
-        """What to draw against: the cam or crank angle at a nearly constant speed, else the time ("")."""
+        """Variable and label of the abscissa: an angle at a nearly constant speed, else time ("")."""
         angles = [self.angle] if self.angle else [name for name in map(self.find, ANGLES) if name]
         for name in angles:
             words = ANGLES[name.split(".", 1)[1]]

@@ -15,7 +15,7 @@ from models.monolithic.difference import CONSTANT, time_weights
 from .data import FigureData
 from .style import ACCENT, COUPLED, add_title, create_subplots, label_abscissa
 
-# Rounding errors, relative to the spread; what is below is not shown.
+# Errors below this share of the spread are rounding and not shown.
 FLOOR = 1e-15
 # Panels at most, and beside one another.
 PANELS, COLUMNS = 8, 2
@@ -36,7 +36,7 @@ def choose_variables(data: FigureData) -> list[str]:
 
 
 def compute_spread(data: FigureData, name: str) -> float:
-    """Root mean square of the reference about its mean; 0 where that is rounding."""
+    """RMS of the reference about its mean; 0 if that is rounding."""
     reference, weights = data.reference[name], time_weights(data.reference_time)
     mean = np.average(reference, weights=weights)
     found = float(np.sqrt(np.average(np.square(reference - mean), weights=weights)))
@@ -71,7 +71,7 @@ def draw(data: FigureData) -> Figure:
 
 
 def _draw_panel(ax: Axes, data: FigureData, name: str) -> bool:
-    """One variable's error; whether some of it is too small to be drawn."""
+    """Draw one variable's error; return whether some of it is below FLOOR."""
     relative = np.abs(data.error(name)) / compute_spread(data, name)
     first, top = compute_envelope(np.where(relative > FLOOR, relative, np.nan))
     ax.semilogy(data.x(True)[first], top, color=COUPLED, lw=1.1)
@@ -83,7 +83,7 @@ def _draw_panel(ax: Axes, data: FigureData, name: str) -> bool:
 
 
 def compute_envelope(values: Vector, bins: int = 400) -> tuple[Any, Vector]:
-    """The largest value of each bin, and its first place: dips at changes of sign would hide the line."""
+    """First index and largest value of each bin; dips at changes of sign would hide the line."""
     if len(values) <= 2 * bins:
         return np.arange(len(values)), values
     first = np.arange(bins) * len(values) // bins

@@ -36,7 +36,7 @@ def list_instances(data: FigureData) -> set[str]:
 
 
 def find_loaded_contacts(data: FigureData) -> list[str]:
-    """Those that ever carry load, in either run."""
+    """Contacts that carry load at some time in either run."""
     names = [name.split(".")[0] for name in data.all("film_thickness")]
     return [
         name

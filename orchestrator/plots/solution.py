@@ -17,7 +17,7 @@ PANELS, LINES = 8, 4
 COLOURS = (COUPLED, "#e08e0b", ACCENT, "#7b4fa3")
 # Times of events that are not known, and the like, are no motion.
 ENDLESS = 1e29
-# Of its size: a variable that varies by less is constant.
+# A variable that varies by less than this share of its size is constant.
 CONSTANT = 1e-9
 
 
@@ -44,7 +44,7 @@ def choose_panels(data: FigureData) -> dict[str, list[str]]:
 
 
 def _varies(data: FigureData, name: str) -> bool:
-    """It varies, and is no angle that others are drawn against."""
+    """Whether it varies and is not an abscissa."""
     values = data.coupled[name]
     size = float(np.nanmax(np.abs(values), initial=0.0))
     if name.split(".", 1)[1] in ANGLES or size > ENDLESS:

@@ -40,7 +40,7 @@ def applies(data: FigureData) -> bool:
 
 
 def find_solved_contacts(data: FigureData) -> list[str]:
-    """Those whose film is solved for."""
+    """Contacts whose film is solved for."""
     names = [name.split(".")[0] for name in data.all("film_ratio")]
     return [name for name in names if f"{name}.field_tolerance" in data.parameters]
 
@@ -69,7 +69,7 @@ def draw(data: FigureData) -> Figure:
 
 
 def _draw_films(ax: Axes, data: FigureData, name: str) -> None:
-    """The central film beside the minimum, and where the minimum is least."""
+    """Draw central and minimum film, and the least minimum."""
     central, least = f"{name}.film_thickness", f"{name}.minimum_film_thickness"
     factor, _ = data.shown(central)
     ax.plot(data.x(), factor * data.coupled[central], color=MUTED, lw=1.0, label="central")
@@ -88,7 +88,7 @@ def _draw_films(ax: Axes, data: FigureData, name: str) -> None:
 
 
 def _draw_levels(ax: Axes) -> None:
-    """Marked, with room for their words beside them."""
+    """Mark the film ratios of full and mixed films."""
     for level, words in ((EQUAL, "film = roughness"), (FULL, f"full film above {FULL:g}")):
         ax.axhline(level, color=ACCENT, lw=0.8, ls=(0, (4, 2)))
         ax.text(0.995, level, words, transform=ax.get_yaxis_transform(), ha="right",
@@ -98,7 +98,7 @@ def _draw_levels(ax: Axes) -> None:
 
 
 def _set_logarithmic(ax: Axes) -> None:
-    """With numbers at 1, 2 and 5."""
+    """Use a logarithmic scale with labels at 1, 2 and 5."""
     ax.set_yscale("log")
     ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     ax.yaxis.set_major_formatter(FormatStrFormatter("%g"))

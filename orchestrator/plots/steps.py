@@ -23,7 +23,7 @@ from .style import ACCENT, MUTED, REFERENCE, add_title, create_subplots
 
 # Steps drawn of each kind at most: more cannot be told apart.
 DRAWN = 20_000
-# Of the whole time: shorter steps are drawn as dots.
+# Steps below this share of the time are drawn as dots.
 VISIBLE = 2e-3
 # Steps with rejected attempts that are marked one by one; more are shaded, in so many spans.
 MARKS, SHADES = 300, 300
@@ -53,7 +53,7 @@ Kinds = list[tuple[str, Any]]
 
 
 def applies(data: FigureData) -> bool:
-    """There is something to see: not all steps were alike."""
+    """Whether the steps differ."""
     steps = data.steps
     if len(steps) < 2:
         return False
@@ -67,7 +67,7 @@ def draw(data: FigureData) -> Figure:
 
 
 def draw_steps(steps: Steps, title: str) -> Figure:
-    """The figure of these steps; panels that would be empty are left out."""
+    """Draw these steps, without empty panels."""
     judged = bool(np.any(steps.error > 0.0))
     iterated = bool(steps.iterations.max() > 1)
     heights = [2.6] + [1.5] * judged + [1.7] * iterated
@@ -100,7 +100,7 @@ def draw_steps(steps: Steps, title: str) -> Figure:
 
 
 def _assign_colours(steps: Steps) -> tuple[Kinds, list[Line2D]]:
-    """Which steps are of each colour, most frequent first, and the legend."""
+    """The steps of each colour, most frequent first, and the legend."""
     limited = steps.reason == REASONS.index("error")
     sources, counts = np.unique(steps.source[limited], return_counts=True)
     sources = sources[np.argsort(-counts)]
@@ -125,7 +125,7 @@ def _assign_colours(steps: Steps) -> tuple[Kinds, list[Line2D]]:
 
 
 def _draw_bars(ax: Axes, steps: Steps, values: Vector, kinds: Kinds) -> None:
-    """Each step as a bar from its start to its end, or as a dot where that is too short to be drawn."""
+    """Draw each step as a bar from start to end, a very short one as a dot."""
     width = 2.4 if len(steps) < 1000 else 1.6
     visible = steps.length > VISIBLE * (steps.end[-1] - steps.start[0])
     for colour, chosen in kinds:
@@ -157,7 +157,7 @@ def _draw_lengths(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
 
 
 def _draw_rejected(ax: Axes, steps: Steps) -> None:
-    """A line on top: a mark for each step with rejected attempts, or a shade for their share if many."""
+    """Mark each step with rejected attempts above the panel, or shade their share if many."""
     at = np.flatnonzero(steps.rejected)
     if len(at) <= MARKS:
         ax.plot(
@@ -203,7 +203,7 @@ def _draw_counts(ax: Axes, sums: Axes, steps: Steps, kinds: Kinds) -> None:
 
 
 def _draw_sums(ax: Axes, values: Vector, edges: Any, kinds: Kinds) -> None:
-    """Histogram, stacked in the colours."""
+    """Draw a histogram stacked by colour."""
     parts = [values[chosen] for _, chosen in kinds]
     share = [np.full(len(part), 100.0 / len(values)) for part in parts]
     colours = [colour for colour, _ in kinds]

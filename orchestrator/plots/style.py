@@ -53,18 +53,18 @@ def save_figure(make: Callable[[], Figure], path: Path, dpi: float | None = None
 def create_subplots(
     rows: int = 1, columns: int = 1, figsize: tuple[float, float] | None = None, **create_panels: Any
 ) -> tuple[Figure, Any]:
-    """A figure and its panels, as pyplot's, which no window or notebook gets to know."""
+    """A figure and its panels, without pyplot, so that no window or notebook shows it."""
     figure = Figure(figsize=figsize, layout="constrained")
     return figure, figure.subplots(rows, columns, **create_panels)
 
 
 def add_title(figure: Figure, title: str) -> None:
-    """The title of a figure stands on the left."""
+    """Add a title on the left."""
     figure.suptitle(title, x=0.012, ha="left", fontsize=11, fontweight="bold")
 
 
 def create_panels(rows: int, data: FigureData, title: str, height: float = 1.75) -> tuple[Figure, Any]:
-    """Panels one below the other over the same abscissa."""
+    """Create panels over a common abscissa."""
     figure, axes = create_subplots(rows, 1, sharex=True, squeeze=False, figsize=(6.8, 0.9 + height * rows))
     axes = axes[:, 0]
     add_title(figure, title)
@@ -74,7 +74,7 @@ def create_panels(rows: int, data: FigureData, title: str, height: float = 1.75)
 
 
 def label_abscissa(axes: Axes, data: FigureData) -> None:
-    """Label, limits and ticks of the abscissa."""
+    """Set label, limits and ticks of the abscissa."""
     variable, label = data.abscissa()
     x = data.x()
     axes.set_xlabel(label)
@@ -88,7 +88,7 @@ def label_abscissa(axes: Axes, data: FigureData) -> None:
 
 
 def plot_both(axes: Axes, data: FigureData, name: str, words: str, scale: float = 1.0) -> None:
-    """Coupled run over the reference; the reference is wider, so that both are seen where they agree."""
+    """Draw the coupled run over a wider reference, so that both are seen where they agree."""
     factor, _ = data.shown(name)
     if name in data.reference:
         axes.plot(
@@ -100,7 +100,7 @@ def plot_both(axes: Axes, data: FigureData, name: str, words: str, scale: float 
 
 
 def shade(axes: Axes, data: FigureData, contact: str) -> None:
-    """Grey where the contact carries no load."""
+    """Shade where the contact carries no load."""
     lost = data.lost(contact)
     if lost.any():
         axes.fill_between(
@@ -110,7 +110,7 @@ def shade(axes: Axes, data: FigureData, contact: str) -> None:
 
 
 def add_legend_above(axes: Axes, columns: int = 2) -> None:
-    """The legend over the first panel's right end, where no data is."""
+    """Add a legend above the first panel, on the right."""
     axes.legend(
         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, borderaxespad=0.2, handlelength=1.8
     )

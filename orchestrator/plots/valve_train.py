@@ -52,7 +52,7 @@ def find_cam(data: FigureData, contact: str) -> str:
 
 
 def list_instances(data: FigureData) -> set[str]:
-    """All that these figures draw."""
+    """The instances that this figure draws."""
     return {
         part
         for contact in find_cam_contacts(data)
@@ -98,7 +98,7 @@ def draw(data: FigureData) -> Figure:
 
 
 def _draw_panel(ax: Axes, data: FigureData, name: str, words: str) -> None:
-    """The variable, or an empty panel of its name where a component has none."""
+    """Draw the variable; leave the panel empty if the component has none."""
     if name not in data.coupled:
         ax.set_visible(False)
         return
@@ -111,7 +111,7 @@ def _draw_panel(ax: Axes, data: FigureData, name: str, words: str) -> None:
 
 
 def _draw_lift(ax: Axes, data: FigureData, contact: str) -> None:
-    """Follower on cam."""
+    """Draw the follower's lift over the cam surface."""
     cam, follower = data.drivers.get(f"{contact}.approach", ""), data.drivers.get(f"{contact}.retreat", "")
     _draw_panel(ax, data, follower, "Lift")
     if follower and cam:
@@ -122,7 +122,7 @@ def _draw_lift(ax: Axes, data: FigureData, contact: str) -> None:
 
 
 def _draw_gap(ax: Axes, data: FigureData, contact: str) -> None:
-    """From cam surface to follower, while they are apart."""
+    """Draw the gap between cam surface and follower."""
     cam, follower = data.drivers[f"{contact}.approach"], data.drivers[f"{contact}.retreat"]
 
     def gap(values: dict[str, Vector], reference: bool) -> Vector:

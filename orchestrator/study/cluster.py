@@ -1,4 +1,4 @@
-"""Where points are evaluated: processes of this machine, or the workers of a scheduler that runs already."""
+"""Workers for the points of a study: local processes, or those of a running scheduler."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from models.compile.cache_folder import private_folder
 
 from ..errors import MistakeError
 
-# Deaths of workers that a point may have been on. It is then judged alone, so that few are enough.
+# Workers that may die on a point before it is evaluated alone.
 DEATHS = 1
 
 
 @contextmanager
 def connect(scheduler: str | None, workers: int | None, timeout: float) -> Iterator[Client]:
-    """A client of the scheduler at the address, or of as many processes as there are cores."""
-    # What goes wrong is in the store or in our messages; dask's come from threads that outlive the study.
+    """Open a client of `scheduler`, or of `workers` local processes (default: one for each core)."""
+    # The store and our messages report all failures; dask's threads log on after the study.
     for name in ("distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     with (
@@ -40,8 +40,8 @@ def connect(scheduler: str | None, workers: int | None, timeout: float) -> Itera
 def _start_cluster(workers: int) -> Iterator[Client]:
     settings = {
         "distributed.scheduler.allowed-failures": DEATHS,
-        "distributed.worker.memory.pause": False,  # points hold no data: a full memory ends the worker
-        "distributed.scheduler.http.routes": [],  # nothing is shown to other users of this machine
+        "distributed.worker.memory.pause": False,  # points hold no data: pausing frees no memory
+        "distributed.scheduler.http.routes": [],  # no web pages for other users of this machine
         "distributed.worker.http.routes": [],
     }
     with _create_scratch() as scratch, dask.config.set({**settings, "temporary-directory": scratch}):
@@ -49,8 +49,8 @@ def _start_cluster(workers: int) -> Iterator[Client]:
             cluster = LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
-                security=Security.temporary(),  # others, who can reach the port, cannot run code through it
-                dashboard_address="127.0.0.1:0",  # any free port: none can be taken
+                security=Security.temporary(),  # other users cannot run code through the port
+                dashboard_address="127.0.0.1:0",  # any free port
                 silence_logs=logging.CRITICAL,
             )
         with cluster, Client(cluster) as client:
@@ -59,24 +59,26 @@ def _start_cluster(workers: int) -> Iterator[Client]:
 
 @contextmanager
 def _create_scratch() -> Iterator[str]:
-    """Where workers have their files: in the cache folder, so that the next start clears up after a kill."""
+    """The folder of the workers' files: in the cache, where the next start removes those of a killed one."""
     try:
         folder = private_folder("studies")
     except OSError:
-        with tempfile.TemporaryDirectory(prefix="tribocosim-study-") as made:
-            yield made
+        with tempfile.TemporaryDirectory(prefix="tribocosim-study-") as temporary:
+            yield temporary
     else:
         yield str(folder)
 
 
 @contextmanager
 def _block_interrupts() -> Iterator[None]:
-    """Threads and processes that start inside never see Ctrl-C, which a terminal sends to all of them:
-    workers end when they are told to. One that comes meanwhile arrives afterwards."""
+    """Threads and processes started inside ignore Ctrl-C, which a terminal sends to the whole group.
+
+    A Ctrl-C that comes inside is delivered afterwards.
+    """
     if not hasattr(signal, "pthread_sigmask"):  # Windows has no such mask
         yield
         return
-    resource_tracker.ensure_running()  # which lifts the mask at its own start, before the first worker's
+    resource_tracker.ensure_running()  # its start lifts the mask, so it comes first
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -1,4 +1,4 @@
-"""Points to workers and outcomes back, as they come."""
+"""Sends points to workers and receives their outcomes."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from .points import Points
 from .subjects import Subject
 from .task import Outcome, evaluate
 
-# Points given out for each thread: none waits while outcomes are written, and a scheduler holds few.
+# Points submitted for each thread: enough that none waits while outcomes are written.
 AHEAD = 4
 
 DIED = "the worker's process died at this point, more than once (out of memory, or a crash in compiled code)"
 
 
 class WorkerError(RunError):
-    """A worker that cannot take part, or a scheduler that is gone."""
+    """A worker lacks our source or libraries, or the scheduler has ended."""
 
 
 @dataclass(frozen=True)
 class Call:
-    """Unpickles as what `function` returns.
+    """Unpickles to the result of `function`.
 
-    A worker that lacks our packages would end if it were sent one of our functions; unpickling is a task that
-    any worker can begin, and what is missing comes back as its error.
+    A worker without our packages would end on receiving one of our functions. Any worker can unpickle, and
+    returns a missing package as an error.
     """
 
     function: Callable[..., Any]
@@ -54,10 +54,10 @@ class Execution:
         self._versions = versions
 
     def outcomes(self, indices: Sequence[int]) -> Iterator[list[tuple[int, Outcome]]]:
-        """The outcomes of these points in the order in which they come, all that are there at a time.
+        """The outcomes of these points, in batches, in the order in which they arrive.
 
-        A point on a worker that dies goes to another. One that was on several that died may have been
-        among others, so it is evaluated again alone, and only then is it recorded as what kills them.
+        If a worker dies, its points go to another one. A point that was on more than DEATHS dead workers is
+        evaluated again alone; if it kills that worker too, it fails with the message DIED.
         """
         try:
             yield from self._evaluate(indices)
@@ -77,7 +77,7 @@ class Execution:
                 yield [(index, outcome or Outcome({}, DIED)) for index, outcome in batch]
 
     def _complete(self, indices: Sequence[int], ahead: int) -> Iterator[list[tuple[int, Outcome | None]]]:
-        """Outcomes; None where workers died."""
+        """Outcomes; None for points whose workers died."""
         waiting = iter(indices)
         numbers: dict[Future, int] = {}
         completed = as_completed()

@@ -48,7 +48,7 @@ def draw_figure(found: xarray.Dataset, names: Sequence[str]) -> Figure:
 def _draw_curves(
     axes: Axes, values: xarray.DataArray, x: xarray.DataArray, other: xarray.DataArray | None
 ) -> None:
-    """One for each value of the other axis; a failed point is a gap."""
+    """Draw a curve for each value of the other axis; a failed point is a gap."""
     factor, _ = _choose_unit(values)
     rows = np.atleast_2d(factor * values.values)
     labels = [""] if other is None else [_format_value(value) for value in _convert_values(other)]
@@ -84,12 +84,12 @@ def _convert_values(axis: xarray.DataArray) -> Any:
 
 
 def _find_places(axis: xarray.DataArray) -> Vector:
-    """Where the axis's values stand: at their size, or one after the other."""
+    """Coordinates of the axis's values: numbers at their value, names at 0, 1, 2..."""
     return np.asarray(_convert_values(axis) if _is_numeric(axis) else np.arange(axis.size), dtype=np.float64)
 
 
 def _set_scale(set_scale: Any, axis: xarray.DataArray) -> None:
-    """Logarithmic where the axis is spaced so."""
+    """Use a logarithmic scale for an axis with equal ratios."""
     places = _find_places(axis)
     if axis.size > 2 and places.min() > 0.0 and _is_numeric(axis):
         steps, ratios = np.diff(places), np.diff(np.log(places))
@@ -98,7 +98,7 @@ def _set_scale(set_scale: Any, axis: xarray.DataArray) -> None:
 
 
 def _choose_unit(values: xarray.DataArray) -> tuple[float, str]:
-    """Factor to the unit in which the values are shown, and that unit."""
+    """Factor to the display unit, and that unit."""
     unit, shown = values.attrs.get("units", "1"), values.attrs.get("display_units", "")
     factor = 1.0 / to_unit(f"1 {shown}", unit) if shown else 1.0
     return factor, SYMBOLS.get(shown or unit, (shown or unit).replace(".", " "))
@@ -112,7 +112,7 @@ def _format_label(values: xarray.DataArray, name: str = "") -> str:
 
 
 def _format_name(values: xarray.DataArray) -> str:
-    """Of a result, in two lines where it is long: contact.load, maximum."""
+    """A result's name in two lines: variable, statistic."""
     variable, dot, statistic = str(values.name).rpartition(".")
     return f"{variable}\n{statistic}" if dot else statistic
 

@@ -1,4 +1,4 @@
-"""Study files: found, read and resolved."""
+"""Finds, reads and resolves study files."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from .points import POINT, Grid, Points, Rows, Sobol, Table, expand_points, list
 from .subjects import AnalysisSubject, Subject, load_analysis
 
 SHIPPED = Path(__file__).parent / "shipped"
-# Variables of every store.
+# Variables that every store has besides the results.
 STATUS, MESSAGE = "status", "message"
 
 
 class StudyError(MistakeError):
-    """A study that cannot be made; a line for each fault."""
+    """Faults of a study, a line for each."""
 
 
 class Study(Table):
@@ -64,7 +64,7 @@ class Plan:
     points: Points
 
     def attributes(self) -> dict[str, str]:
-        """What a store says of itself."""
+        """The attributes of the store."""
         return {
             "title": self.study.description or self.study.name,
             "study": json.dumps(self.study.model_dump(exclude_none=True, by_alias=True)),
@@ -95,7 +95,7 @@ def find_file(name: str) -> Path:
 
 
 def load(name: str, build: Builder) -> Plan:
-    """The study of that name or path, resolved; StudyError with the file's name for each fault."""
+    """Read and resolve the study of that name or path; StudyError with the file's name for each fault."""
     path = find_file(name)
     try:
         content = tomllib.loads(path.read_text("utf-8"))
@@ -116,7 +116,7 @@ def load(name: str, build: Builder) -> Plan:
 
 
 def parse_study(content: Mapping[str, Any]) -> Study:
-    """A Study of a file's content; StudyError with a line for each fault."""
+    """Check a file's content; StudyError with a line for each fault."""
     try:
         return Study.model_validate(content)
     except ValidationError as error:
@@ -125,7 +125,7 @@ def parse_study(content: Mapping[str, Any]) -> Study:
 
 
 def resolve(study: Study, folder: Path, build: Builder) -> Plan:
-    """The study with values in the parameters' units; MistakeError for a fault."""
+    """Expand the points, with values in the parameters' units; MistakeError for a fault."""
     subject = _build_subject(study, folder, build)
     points = expand_points(study.points, subject.resolve)
     taken = {STATUS, MESSAGE, POINT, *points.coordinates}

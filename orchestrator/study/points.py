@@ -17,11 +17,11 @@ from ..errors import MistakeError
 from ..scenario import Written, list_messages
 from ..scenario.values import Faults, Value, WithUnit
 
-# Values of all points are held in memory, several numbers a point.
+# Memory holds several numbers for each point.
 MOST_POINTS = 10_000_000
 POINT = "point"
 
-# What a parameter's value means in the unit of the parameter; MistakeError if it means nothing.
+# Converts a parameter's value to the parameter's unit; MistakeError if it cannot.
 Resolve = Callable[[str, Value], Value]
 Spacing = Literal["linear", "logarithmic"]
 T = TypeVar("T", bound=BaseModel)
@@ -29,8 +29,11 @@ T = TypeVar("T", bound=BaseModel)
 
 @dataclass(frozen=True)
 class Points:
-    """Points in order. A grid has a dimension for each parameter (the last varies fastest), others have the
-    one dimension `point`; `coordinates` has each parameter's values along its dimension."""
+    """Points in order.
+
+    A grid has a dimension for each parameter; the last varies fastest. Other kinds have the one dimension
+    `point`. `coordinates` are each parameter's values along its dimension.
+    """
 
     dimensions: tuple[str, ...]
     shape: tuple[int, ...]
@@ -49,12 +52,12 @@ class Points:
 
 
 def list_keys(kind: type[BaseModel]) -> list[str]:
-    """The keys of a table, as they are written."""
+    """The keys of a table as a file has them."""
     return [field.alias or name for name, field in kind.model_fields.items()]
 
 
 def parse_table(kind: type[T], content: Any) -> T:
-    """`content` as a `kind`; Faults with a line for each fault."""
+    """Check `content`; Faults with a line for each fault."""
     if not isinstance(content, dict):
         raise ValueError("must be a table")
     try:
@@ -69,7 +72,7 @@ class Table(BaseModel):
 
 
 class Range(Table):
-    """From `low` to `high`, either end with a unit or without."""
+    """From `low` to `high`, with or without units."""
 
     low: Written
     high: Written
@@ -85,7 +88,7 @@ class Range(Table):
             values = low * (high / low) ** fractions
         else:
             raise MistakeError(f"{name}: from {low:g} to {high:g}: logarithmic spacing needs values > 0")
-        # Rounding must not leave the range, nor its end.
+        # Rounding must not leave the range nor miss its end.
         values = np.clip(values, min(low, high), max(low, high))
         values[fractions == 1.0] = high
         kind = WithUnit if all(isinstance(end, WithUnit) for end in ends) else float
@@ -110,7 +113,7 @@ class Axis(Range):
 
 
 class Listed(Table):
-    """Values one by one."""
+    """Listed values."""
 
     items: list[Written] = Field(min_length=1, alias="values")
 
@@ -185,7 +188,7 @@ class Sobol(Table):
 
 
 class Rows(Table):
-    """Points one by one; all rows set the same parameters."""
+    """Points listed in rows; all rows set the same parameters."""
 
     kind: Literal["list"]
     rows: list[dict[str, Written]] = Field(min_length=1)
@@ -219,7 +222,7 @@ def parse_points(content: Any) -> Grid | Sobol | Rows:
 
 
 def expand_points(kind: Grid | Sobol | Rows, resolve: Resolve) -> Points:
-    """The points; MistakeError if there are too many or a value means nothing."""
+    """Expand to points; MistakeError for too many points or an invalid value."""
     points = kind.points(resolve)
     if len(points) > MOST_POINTS:
         raise MistakeError(f"points: {len(points):.3g} of them; at most {MOST_POINTS:g} go into one study")

@@ -1,4 +1,4 @@
-"""How far a study has come: a bar on a terminal, elsewhere a line for each tenth."""
+"""Progress of a study: a bar on a terminal, elsewhere a line for each tenth."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ..reporter import Reporter
 
 
 class StudyProgress:
-    """Shows done, failed and left. `done` and `failed` count points of earlier starts as well."""
+    """Shows the points done, failed and left, those of earlier starts included."""
 
     def __init__(self, reporter: Reporter, name: str, total: int) -> None:
         self._reporter = reporter

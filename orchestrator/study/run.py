@@ -1,4 +1,4 @@
-"""One start of a study: what is pending is evaluated and stored."""
+"""Evaluates and stores the pending points of a study."""
 
 from __future__ import annotations
 
@@ -40,10 +40,10 @@ def run(
     overwrite: bool = False,
     retry_failed: bool = False,
 ) -> int:
-    """Evaluate what is pending in the store at `out`; the exit status of the command.
+    """Evaluate the pending points of the store at `out`; return the command's exit status.
 
-    KeyboardInterrupt says how to continue.
-    MistakeError before anything is written; RunError if the workers cannot go on: what is finished is kept.
+    Raises MistakeError before anything is written, RunError if the workers cannot go on, and
+    KeyboardInterrupt with how to continue. The last two keep all finished points.
     """
     for line in _list_warnings(plan):
         reporter.line(line)
@@ -62,7 +62,7 @@ def run(
             with StudyProgress(reporter, plan.study.name, len(plan.points)) as progress:
                 _evaluate(execution, store, progress)
         except KeyboardInterrupt:
-            store.flush()  # of a batch that it broke into
+            store.flush()  # a batch may have been interrupted
             left = store.count(PENDING)
             raise KeyboardInterrupt(
                 f"interrupted; {len(plan.points) - left} points are kept in {out}, {left} are left: "
@@ -72,7 +72,7 @@ def run(
 
 
 def _list_warnings(plan: Plan) -> list[str]:
-    """Warnings about the first and the last point; one that cannot be evaluated fails with its message."""
+    """Warnings about the first and the last point; a point with a mistake fails later, with its message."""
     found: dict[str, None] = {}
     for index in (0, len(plan.points) - 1):
         with suppress(MistakeError, ModelError):

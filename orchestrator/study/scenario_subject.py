@@ -1,4 +1,4 @@
-"""A scenario as what is studied: each point is a run, its results are what the run came to."""
+"""A scenario as the subject of a study: each point is a run."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ SEPARATION: dict[str, tuple[str, str, Callable[[Course], float]]] = {
 
 @dataclass(frozen=True)
 class ScenarioSubject:
-    """The tables of a scenario, short names for its settings, and what builds FMUs where they are needed."""
+    """The tables of a scenario, short names for its settings, and the builder of its FMUs."""
 
     tables: Mapping[str, Any]
     names: Mapping[str, list[str]]
@@ -113,7 +113,7 @@ class ScenarioSubject:
         return self.names.get(name, [name])
 
     def _find_quantity(self, path: str) -> Quantity | None:
-        """What a component's value is; None for other settings. ScenarioError if there is no such value."""
+        """The quantity of a component's value; None for other settings."""
         keys = split_path(path)
         if keys[0] != "components" or len(keys) < 4 or keys[2] not in ("parameters", "start", "inputs"):
             return None
@@ -149,7 +149,7 @@ class ScenarioSubject:
 
     @property
     def default_figure(self) -> Sequence[str]:
-        """Extremes of what the scenario has a tolerance for."""
+        """Extremes of the variables with a tolerance."""
         found = [
             f"{name}.{extreme}" for name in self.scenario.tolerance for extreme in ("minimum", "maximum")
         ]
@@ -170,7 +170,7 @@ class ScenarioSubject:
     def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
         """IncompleteError, with what was recorded, if the run does not come to its end."""
         quiet = Reporter(Console(quiet=True))
-        # A point that is lost is computed again.
+        # A lost point is computed again, without a checkpoint.
         scenario = self.at(values).model_copy(update={"checkpoint_every": 0.0})
         found: dict[str, float] = {}
         with tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
@@ -188,7 +188,7 @@ class ScenarioSubject:
 
 
 def _collect_contact(name: str, course: Course | None) -> dict[str, float]:
-    """What was accumulated at every macro step, in place of statistics of recorded rows."""
+    """Results over all macro steps; recorded rows may be fewer."""
     if course is None:
         return {f"{name}.{key}": 0.0 for key in SEPARATION}
     return {

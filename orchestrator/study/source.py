@@ -1,4 +1,4 @@
-"""What computes: the source and the libraries that results depend on, equal on all workers of a study."""
+"""Versions of source and libraries, which must be equal on all workers of a study."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def _list_libraries() -> dict[str, str]:
 
 
 def compute_fingerprint(subject: Subject) -> dict[str, str]:
-    """What must be equal for equal results, by name. MistakeError if the subject cannot be found here."""
+    """Versions by name that give equal results if equal. MistakeError if the subject's module is missing."""
     found = {"tribocosim": hash_source(), "python": platform.python_version(), "machine": platform.machine()}
     found |= _list_libraries()
     if isinstance(subject, AnalysisSubject) and ":" in subject.name:
@@ -47,6 +47,6 @@ def compute_fingerprint(subject: Subject) -> dict[str, str]:
 
 
 def describe_difference(expected: dict[str, str], seen: dict[str, str]) -> str:
-    """The entries that differ, in words; "" if none."""
+    """A phrase that lists the entries that differ; "" if none."""
     names = [name for name in expected if seen.get(name) != expected[name]]
     return ", ".join(f"{name} {seen.get(name, 'missing')} instead of {expected[name]}" for name in names)

@@ -1,8 +1,8 @@
 """The zarr store of a study: a coordinate for each parameter, a variable for each result, status, message.
 
-Only the process that runs the study writes it. Files are replaced whole, those of a point's results before
-the one that says that it is done, and nothing depends on when or in which order points came: killed at any
-moment and continued, a study ends with the same store.
+Only the process that runs the study writes it. Files are replaced whole, the results of a point before its
+status. Nothing depends on the time or order of points. So a study that is killed at any moment and continued
+ends with the same store.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ from .task import Outcome
 PENDING, DONE, FAILED = 0, 1, 2
 FLAGS = {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"}
 FORMAT = "tribocosim study 1"
-# Points of a chunk, which is written whole: few enough to be quick, enough for few files.
+# Points of a chunk, which is written whole: small chunks are fast, large ones need few files.
 CHUNK = 4096
 
 
 class Store:
-    """An open store; all arrays are held in memory and written by chunks."""
+    """An open store, with all arrays in memory."""
 
     def __init__(self, path: Path) -> None:
         group = zarr.open_group(path, mode="r+")
@@ -70,7 +70,7 @@ class Store:
         self.flush()
 
     def record(self, index: int, outcome: Outcome) -> None:
-        """Keep a point's outcome; `flush` writes it."""
+        """Set a point's outcome in memory; `flush` writes it."""
         for name in self._results:
             if name in outcome.values:
                 self._set(index, name, outcome.values[name])
@@ -85,7 +85,7 @@ class Store:
         self._changed.add(tuple(int(i) // n for i, n in zip(place, chunks, strict=True)))
 
     def flush(self) -> None:
-        """Write what is new, the status last; RunError if the disk does not take it."""
+        """Write the changed chunks, status last; RunError if the disk refuses."""
         try:
             for name in self._written:
                 for chunk in sorted(self._changed):
@@ -105,7 +105,7 @@ class Store:
 
 @contextmanager
 def open_store(path: Path, plan: Plan, versions: Mapping[str, str], overwrite: bool) -> Iterator[Store]:
-    """The store at `path`, made if it isn't there; StudyError if it is another study's, or in use."""
+    """Open or create the store at `path`; StudyError if another study or process owns it."""
     with _lock(path):
         try:
             _prepare(path, plan, versions, overwrite)
@@ -132,7 +132,7 @@ def _report_unwritable(path: Path, error: OSError) -> StudyError:
 
 @contextmanager
 def _lock(path: Path) -> Iterator[None]:
-    """Two processes that write one store would undo each other's points. Ends with the process."""
+    """Keep other processes from writing the store. The lock ends with the process."""
     file = path.with_name(f".{path.name}.lock")
     lock = locket.lock_file(str(file), timeout=0)
     try:
@@ -150,7 +150,7 @@ def _lock(path: Path) -> Iterator[None]:
 
 
 def _read_attributes(path: Path) -> dict[str, Any]:
-    """What a store says of itself; StudyError if it is not a study's."""
+    """The attributes of a store; StudyError if it is not a study's."""
     try:
         found = dict(zarr.open_group(path, mode="r").attrs)
     except (OSError, ValueError, KeyError):
@@ -161,7 +161,7 @@ def _read_attributes(path: Path) -> dict[str, Any]:
 
 
 def _compare(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
-    """StudyError unless the store is of this study, begun by the same source."""
+    """StudyError unless the store has this study, points and versions."""
     found = _read_attributes(path)
     remedy = "choose another --out, or replace it with --overwrite"
     group: Any = zarr.open_group(path, mode="r")
@@ -177,7 +177,7 @@ def _compare(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
 
 
 def _create_store(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
-    """A store with all points pending; it appears whole."""
+    """Create a store with all points pending; it appears at once, complete."""
     unfinished = path.with_name(f".{path.name}.new")
     shutil.rmtree(unfinished, ignore_errors=True)
     points, results = plan.points, plan.subject.results
@@ -204,7 +204,7 @@ def _create_store(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
         group, STATUS, points.dimensions, states, {"long_name": "state of the point"} | FLAGS, chunks
     )
     with warnings.catch_warnings():
-        # zarr says that not every reader of format 3 looks at them; those that do open the store faster.
+        # Not every reader of format 3 uses consolidated metadata; those that do open the store faster.
         warnings.filterwarnings("ignore", "Consolidated metadata", zarr.errors.ZarrUserWarning)
         zarr.consolidate_metadata(unfinished)
     os.replace(unfinished, path)
@@ -239,7 +239,7 @@ def _create_array(
 
 
 def choose_chunks(shape: Sequence[int]) -> tuple[int, ...]:
-    """Whole trailing dimensions, as far as CHUNK points go."""
+    """Chunks of at most CHUNK points, with whole trailing dimensions."""
     left, sizes = CHUNK, []
     for size in reversed(shape):
         sizes.append(max(1, min(size, left)))
@@ -248,7 +248,7 @@ def choose_chunks(shape: Sequence[int]) -> tuple[int, ...]:
 
 
 def _to_array(values: Sequence[Any]) -> NDArray[Any]:
-    """A parameter's values: truth values, whole numbers, numbers or texts."""
+    """A parameter's values as booleans, integers, floats or strings."""
     for kind in (bool, int):
         if all(type(value) is kind for value in values):
             return np.array(values)

@@ -1,4 +1,4 @@
-"""What is studied: an analysis or a scenario, with all values fixed but those of the points."""
+"""Subjects of a study: an analysis or a scenario, with all other values fixed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MOST_DRAWN = 4
 
 
 class Subject(Protocol):
-    """Goes to the workers as it is: plain data, and names of functions."""
+    """Plain data and names of functions, so that it can be sent to workers."""
 
     @property
     def results(self) -> Mapping[str, Result]: ...
@@ -31,15 +31,15 @@ class Subject(Protocol):
 
     @property
     def default_figure(self) -> Sequence[str]:
-        """The results to draw where a study names none."""
+        """The results to draw if a study names none."""
         ...
 
     def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
-        """Warnings about what is to be evaluated at a point."""
+        """Warnings about a point before its evaluation."""
         ...
 
     def content(self) -> str:
-        """All that results depend on besides the points and the source."""
+        """Text that determines the results together with points and source."""
         ...
 
     def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:

@@ -1,4 +1,4 @@
-"""One point, as a worker evaluates it."""
+"""Evaluation of one point on a worker."""
 
 from __future__ import annotations
 
@@ -22,8 +22,10 @@ class Outcome:
 
 
 def evaluate(subject: Subject, values: Mapping[str, Value], versions: dict[str, str]) -> Outcome | str:
-    """The outcome of a point, or why this worker cannot take part: what computes must be what the study was
-    begun with."""
+    """The outcome of a point, or why this worker cannot take part.
+
+    Source and libraries here must be those with which the study began (`versions`).
+    """
     try:
         found = describe_difference(versions, compute_fingerprint(subject))
     except MistakeError as error:
@@ -39,7 +41,7 @@ def evaluate(subject: Subject, values: Mapping[str, Value], versions: dict[str, 
 
 
 def _select_values(subject: Subject, results: Mapping[str, float | str]) -> dict[str, float | str]:
-    """Of the results that there are."""
+    """The declared results that were computed."""
     return {
         name: str(results[name]) if result.text else float(results[name])
         for name, result in subject.results.items()
@@ -48,7 +50,7 @@ def _select_values(subject: Subject, results: Mapping[str, float | str]) -> dict
 
 
 def format_message(error: BaseException) -> str:
-    """One of our errors speaks for itself, another needs its type."""
+    """The message of an error; of one that is not ours with its type."""
     if isinstance(error, (MistakeError, ModelError, RunError)):
         return str(error)
     return f"{type(error).__name__}: {error}"

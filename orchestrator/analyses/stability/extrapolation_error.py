@@ -56,13 +56,13 @@ def build_shapes(step: float, degree: int) -> Vector:
     """
     s = Polynomial([0.0, 1.0 / step])
     if degree == HERMITE:
-        made = [3.0 * s**2 - 2.0 * s**3, s**3 - s**2, 16.0 * s**2 * (1.0 - s) ** 2]
+        polynomials = [3.0 * s**2 - 2.0 * s**3, s**3 - s**2, 16.0 * s**2 * (1.0 - s) ** 2]
     else:
-        made = [Polynomial([1.0])]
+        polynomials = [Polynomial([1.0])]
         for k in range(degree + 1):
-            made[0] = made[0] * (s + float(k)) / (k + 1.0)
-    coefficients = np.zeros((len(made), ROWS))
-    for row, shape in zip(coefficients, made, strict=True):
+            polynomials[0] = polynomials[0] * (s + float(k)) / (k + 1.0)
+    coefficients = np.zeros((len(polynomials), ROWS))
+    for row, shape in zip(coefficients, polynomials, strict=True):
         row[: len(shape.coef)] = shape.coef
     coefficients *= [math.factorial(k) for k in range(ROWS)]
     coefficients.flags.writeable = False
@@ -72,5 +72,5 @@ def build_shapes(step: float, degree: int) -> Vector:
 def evaluate_ends(step: float, degree: int) -> Vector:
     """Values and rates (2 x shapes) of the shapes at the end of the step."""
     powers = np.array([step**k / math.factorial(k) for k in range(ROWS)])
-    made = build_shapes(step, degree)
-    return np.array([made @ powers, made[:, 1:] @ powers[:-1]])
+    coefficients = build_shapes(step, degree)
+    return np.array([coefficients @ powers, coefficients[:, 1:] @ powers[:-1]])

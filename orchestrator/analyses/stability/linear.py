@@ -52,13 +52,13 @@ class Linear:
                 whole[:n, n : n + m] = h * self.B[:, moving]
                 # The states of the chain are U[k] h^k, so that it needs no powers of h.
                 whole[n:-m, n + m :] = np.eye((ROWS - 1) * m)
-            made = expm(whole) if np.any(whole) else np.eye(len(whole))
+            exponential = expm(whole) if np.any(whole) else np.eye(len(whole))
             gamma = np.zeros((n, ROWS, inputs))
-            gamma[:, :, moving] = made[:n, n:].reshape(n, ROWS, m) * (h ** np.arange(ROWS))[:, None]
+            gamma[:, :, moving] = exponential[:n, n:].reshape(n, ROWS, m) * (h ** np.arange(ROWS))[:, None]
             chain = [[h**k / math.factorial(k) for k in range(ROWS)]]
             chain.append([0.0, *chain[0][:-1]])
             ends = np.kron(np.array(chain), np.eye(inputs))
-            self._steps[h] = made[:n, :n].copy(), gamma.reshape(n, ROWS * inputs), ends
+            self._steps[h] = exponential[:n, :n].copy(), gamma.reshape(n, ROWS * inputs), ends
         return self._steps[h]
 
 

@@ -182,8 +182,10 @@ class _Surveyor:
         self.typical = self._find_typical_point()
 
     def _find_typical_point(self) -> Point:
-        """The point about which errors are carried along the course: of median errors, or, course events
-        change what a participant is, of the largest."""
+        """The point about which errors are predicted: that of median errors.
+
+        If events can change a participant, it is that of the largest errors.
+        """
         kind = MASTERS["gauss_seidel"]
         excess = []
         for point in self.points:

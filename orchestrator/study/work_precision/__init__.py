@@ -1,2 +1,4 @@
-"""Work and precision: what every master, and other tools' masters, reach for how many doStep calls and how
-much time, on one problem with the same FMU files. `benchmark.benchmark` runs it."""
+"""Work and precision of masters: error over doStep calls and time, ours and other tools', with the same FMUs.
+
+`benchmark.benchmark` runs it.
+"""

@@ -78,7 +78,7 @@ def measure(problem: CouplingProblem, build: Builder) -> Iterator[tuple[float, l
 
 
 def describe_conditions(problem: CouplingProblem) -> dict[str, str | float]:
-    """What the numbers depend on."""
+    """Versions, machine and problem, on which the results depend."""
     packages = ("tribocosim", "numpy", "numba", "fmpy", "pythonfmu", *peers.PACKAGES)
     found = {d.metadata["Name"] for d in metadata.distributions()}
     versions = ", ".join(f"{name} {metadata.version(name)}" for name in packages if name in found)

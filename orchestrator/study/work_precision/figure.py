@@ -43,7 +43,7 @@ def draw_figure(problem: CouplingProblem, rows: Sequence[Row]) -> Figure:
 
 
 def _draw_uncertainty(panels: Sequence[Axes], uncertainty: float) -> None:
-    """Below this the reference says nothing."""
+    """Draw the error below which the reference is not known."""
     panels[0].set_ylim(bottom=0.5 * uncertainty)
     for panel in panels:
         panel.axhline(uncertainty, color=REFERENCE, lw=0.8, ls=(0, (1, 2)))

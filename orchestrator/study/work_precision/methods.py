@@ -48,7 +48,7 @@ class Method:
         return problem.held_ladder if self.extrapolation == "hold" else problem.ladder
 
     def steps(self, problem: CouplingProblem, setting: float) -> Stepper | float:
-        """How to choose macro steps; a tolerance is relative, and absolute in nominals."""
+        """The step, or the step control with that relative tolerance, and absolute in nominal sizes."""
         if not self.estimator:
             return setting
         control = StepControl(self.estimator, relative=setting, absolute=setting)
@@ -68,7 +68,7 @@ METHODS = FIXED + CONTROLLED
 
 @dataclass
 class Trace:
-    """An observer that keeps some outputs at the ends of all steps; the start is none."""
+    """An observer that records some outputs at the end of every step."""
 
     names: Sequence[str]
     times: list[float] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""The problems on which masters are measured. To add one: a function that makes it, listed below.
+"""The problems on which masters are measured. To add one, write a function that builds it and list it below.
 
 Macro steps are the samples' spacing over powers of two, so that every fixed step ends at every sample.
 """
@@ -25,7 +25,7 @@ Truth = Callable[[Vector], Vector]
 
 @dataclass(frozen=True)
 class CouplingProblem:
-    """A system on its way from t = 0, and the outputs that are compared at the samples' `times` (s).
+    """A system that starts at t = 0, and the outputs to compare at the samples' `times` (s).
 
     `truth(times)` gives the outputs (n, outputs) as they are at any times up to the last sample;
     `uncertainty` is its relative RMS (0: rounding). The macro steps are `spacing` / 2^k for the `halvings`
@@ -59,13 +59,13 @@ class CouplingProblem:
 
     @property
     def held_ladder(self) -> tuple[float, ...]:
-        """The same for masters that hold inputs."""
+        """The macro steps (s) of masters that hold inputs."""
         return tuple(self.spacing / 2**k for k in self.held_halvings)
 
 
 @dataclass(frozen=True)
 class Kind:
-    """How a problem is made for samples' times, with their usual number and spacing (s)."""
+    """Builds a problem; by default it has `samples` samples, `spacing` (s) apart."""
 
     build: Callable[[Vector], CouplingProblem]
     samples: int
@@ -83,7 +83,7 @@ def build_problem(name: str, duration: float | None = None) -> CouplingProblem:
             f"--duration {duration:g}: must be a multiple of {kind.spacing:g} s, the time between the "
             f"samples of {name}"
         )
-    # The start is no sample: nothing has been coupled there yet.
+    # The start is no sample, because nothing has been coupled yet.
     times: Vector = kind.spacing * np.arange(1.0, round(samples) + 1.0)
     return kind.build(times)
 

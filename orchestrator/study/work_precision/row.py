@@ -1,4 +1,4 @@
-"""What is asked of a master, and what comes back: the same for ours and for other tools'."""
+"""The result of one run of a master, ours or another tool's."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ...run.plan import FmuFile
 from ...scenario.system import Builder
 from .problem import CouplingProblem
 
-# Times that are this much of themselves apart are the same.
+# Relative difference up to which times are the same.
 ROUNDING = 1e-9
 
 
@@ -46,14 +46,13 @@ class Row:
 def compute_errors(problem: CouplingProblem, times: Vector, values: Vector) -> dict[str, Any]:
     """The row's errors for the outputs (n, outputs) at `times`, which end with the problem's duration.
 
-    Taken at the run's own times and, where these are others than the samples', interpolated linearly to
-    them, so that all runs are weighted alike.
+    Errors at other times than the samples' are interpolated to these, so that all runs have equal weights.
     """
     truth = problem.truth(problem.times)
     if len(times) == len(problem.times) and np.allclose(times, problem.times, rtol=ROUNDING, atol=0.0):
         error = values - truth
     else:
-        # An exact solution costs a matrix exponential for each time: only those next to samples.
+        # Each time costs a matrix exponential, so only times next to samples are used.
         after = np.minimum(np.searchsorted(times, problem.times * (1.0 - ROUNDING)), len(times) - 1)
         near = np.unique([np.maximum(after - 1, 0), after])
         own = values[near] - problem.truth(times[near])

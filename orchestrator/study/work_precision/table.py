@@ -1,4 +1,4 @@
-"""The rows as a table for the eye and as files."""
+"""The rows as a printed table and as files."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def write_csv(table: xarray.Dataset, path: Path) -> None:
 
 
 def format_progress(rows: Sequence[Row]) -> str:
-    """A method that has been measured, in a line."""
+    """A line about a measured method."""
     reached = [row.error for row in rows if row.error >= 0.0]
     if not reached:
         return f"{rows[0].method}: no result"
@@ -84,7 +84,7 @@ def find_cheapest(rows: Sequence[Row], method: str, error: float) -> Row | None:
 
 
 def build_digest(rows: Sequence[Row]) -> Table:
-    """What each method needs for an error: doStep calls and wall time of its cheapest run that has it."""
+    """doStep calls and wall time that each method needs for an error, by its cheapest run that reaches it."""
     table = Table(
         title="doStep calls (wall time) of the cheapest run with a relative RMS error of at most",
         title_justify="left",
