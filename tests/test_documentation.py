@@ -122,5 +122,5 @@ def test_the_example_of_a_figure_draws_the_tyre_force() -> None:
     )
     assert names["applies"](data)
     assert not names["applies"](replace(data, coupled={}))
-    (axes,) = names["figure"](data).axes
+    (axes,) = names["draw"](data).axes
     assert np.array_equal(axes.lines[0].get_ydata(), force)
