@@ -13,7 +13,6 @@ pulls where a real contact would open.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -38,25 +37,21 @@ def solve_adherence(
     system: System,
     times: Vector,
     tolerance: float = 1e-10,
-    x0: Vector | None = None,
-    t0: float | None = None,
     massless_spring: bool = False,
-    progress: Callable[[float], None] | None = None,
 ) -> Reference:
-    """Solve a valve train, given in its compliant form, with the follower held to the cam.
+    """Solve a valve train, given in its compliant form, with the follower held to the cam, from t = 0 on.
 
     `system` has one camshaft, valve_spring and ehl_contact; outputs have the same names as in the compliant
     solution ("contact.load" is the multiplier W, the film follows from it). The follower's own states are
-    those of the cam's surface. `x0` defaults to the compliant system's equilibrium. `massless_spring`
-    leaves out the coils' inertia: W = m3 s'' + f_p + k0 s. Two methods, events and `energy` (without the
-    contact, and without a massless spring, which have none here) as in `solve`.
+    those of the cam's surface. The start is the compliant system's equilibrium. `massless_spring` leaves out
+    the coils' inertia: W = m3 s'' + f_p + k0 s. Two methods, events and `energy` as in `solve`; neither the
+    contact nor a massless spring has energy here.
     """
     begun = time.perf_counter()
-    times = check_times(times, t0)
-    start = float(times[0]) if t0 is None else float(t0)
-    x = equilibrium(system, start) if x0 is None else np.asarray(x0, dtype=np.float64)
+    times = check_times(times, 0.0)
     problem = AdherenceProblem(system, massless_spring)
-    runs, events, names = solve_twice(problem, problem.start(x), start, times, tolerance, progress)
+    start = problem.start(equilibrium(system, 0.0))
+    runs, events, names = solve_twice(problem, start, 0.0, times, tolerance)
     inputs, outputs, stored = observe(problem, times, runs[0])
     others = observe(problem, times, runs[1])[1]
     n = problem.size
@@ -81,10 +76,10 @@ class AdherenceProblem:
     guard_count = 0
 
     def __init__(self, system: System, massless_spring: bool = False) -> None:
-        camshaft = _only(system, "camshaft")
-        valve = _only(system, "valve_spring")
-        contact = _only(system, "ehl_contact")
-        self.system = s = _with_given_load(system, contact)
+        camshaft = _find_only(system, "camshaft")
+        valve = _find_only(system, "valve_spring")
+        contact = _find_only(system, "ehl_contact")
+        self.system = s = _give_load(system, contact)
         check_ode(s)
         self.massless = massless_spring
         self.evaluation = Evaluation(s)
@@ -159,7 +154,7 @@ class AdherenceProblem:
         self.energies.powers(t, x, self.evaluation.u, self.evaluation.y, rate[self.size :])
         return rate
 
-    def _relative_acceleration(self, load: float, t: float, x: Vector) -> float:
+    def _find_relative_acceleration(self, load: float, t: float, x: Vector) -> float:
         """Acceleration of the cam's surface less that of the follower under `load`."""
         e = self.evaluation
         e.u[self._load] = load
@@ -173,9 +168,9 @@ class AdherenceProblem:
     def _solve_load(self, t: float, x: Vector) -> None:
         """Leave the evaluation at the load for which the relative acceleration vanishes."""
         low, high = 0.0, TRIAL_LOAD
-        g_low = self._relative_acceleration(low, t, x)
+        g_low = self._find_relative_acceleration(low, t, x)
         for _ in range(SECANT_STEPS):
-            g_high = self._relative_acceleration(high, t, x)
+            g_high = self._find_relative_acceleration(high, t, x)
             if g_high == g_low:
                 return
             load = high - g_high * (high - low) / (g_high - g_low)
@@ -186,7 +181,7 @@ class AdherenceProblem:
         raise ModelError(f"adherence: no contact load found at t = {t:g} s")
 
 
-def _only(system: System, component: str) -> str:
+def _find_only(system: System, component: str) -> str:
     """The name of the system's one instance of a component."""
     found = [name for name, instance in system.instances.items() if instance.component.name == component]
     if len(found) != 1:
@@ -197,7 +192,7 @@ def _only(system: System, component: str) -> str:
     return found[0]
 
 
-def _with_given_load(system: System, contact: str) -> System:
+def _give_load(system: System, contact: str) -> System:
     """The same system with its contact in adherence form."""
     instances = dict(system.instances)
     given = instances[contact]

@@ -65,7 +65,7 @@ def compute_rates(runs: Runs) -> Values:
     }  # fmt: skip
 
 
-def _largest_fault(rotation: float, rod_term: str = "(2.10)", first_sign: float = 1.0) -> float:
+def _find_largest_fault(rotation: float, rod_term: str = "(2.10)", first_sign: float = 1.0) -> float:
     """Largest difference of a printed left side and Lagrange's equation."""
     return max(
         abs(
@@ -77,7 +77,7 @@ def _largest_fault(rotation: float, rod_term: str = "(2.10)", first_sign: float 
     )
 
 
-def _linear_fault(psi: float) -> float:
+def _find_linear_fault(psi: float) -> float:
     """Largest difference of (2.13) and (2.10)."""
     return max(
         abs(
@@ -89,7 +89,7 @@ def _linear_fault(psi: float) -> float:
     )  # fmt: skip
 
 
-def _speed_fault(speed: float) -> float:
+def _find_speed_fault(speed: float) -> float:
     """Largest difference of moments over Omega^2 at this speed and in tau, with c2 proportional to Omega."""
     in_seconds, psi, rate = M._replace(damping=M.damping * speed), 0.01, 0.03
     return max(
@@ -104,23 +104,23 @@ def _speed_fault(speed: float) -> float:
 @cache
 def compare_equations(runs: Runs) -> Values:
     """How far printed equations are from Lagrange's of F's energy, and of that with the rod's right rate."""
-    small, large = _linear_fault(0.01), _linear_fault(0.02)
+    small, large = _find_linear_fault(0.01), _find_linear_fault(0.02)
     return {
-        "of_2_8": _largest_fault(1.0, first_sign=-1.0),
-        "own": _largest_fault(1.0), "rod": _largest_fault(-1.0),
-        "own_2_27": _largest_fault(1.0, "(2.27)"), "rod_2_27": _largest_fault(-1.0, "(2.27)"),
+        "of_2_8": _find_largest_fault(1.0, first_sign=-1.0),
+        "own": _find_largest_fault(1.0), "rod": _find_largest_fault(-1.0),
+        "own_2_27": _find_largest_fault(1.0, "(2.27)"), "rod_2_27": _find_largest_fault(-1.0, "(2.27)"),
         "small": small, "large": large, "growth": large / small,
-        "speed": max(_speed_fault(10.0), _speed_fault(300.0)),
+        "speed": max(_find_speed_fault(10.0), _find_speed_fault(300.0)),
     }  # fmt: skip
 
 
 def check_walls(runs: Runs) -> Values:
     """Exact walls beside the linear ones; the rule of impacts; the lever of the wall's force."""
 
-    def off(gap: float) -> float:
+    def measure_offset(gap: float) -> float:
         return max(abs(nonlinear.wall_angle(t, gap, M.xi) - wall_angle(t, gap, M.xi)) for t in TURN) / gap
 
-    def fault(t: float) -> float:
+    def measure_fault(t: float) -> float:
         psi, e, before = wall_angle(t, 0.02, M.xi), 0.9, 0.05
         drift = M.xi**2 * math.sin(t) * math.cos(t) / (1.0 - (M.xi * math.sin(t)) ** 2) * psi
         after, wall = (1.0 + e) * drift - e * before, forms.wall_rate(forms.AS_PUBLISHED, t, 1.0, psi, M)
@@ -129,8 +129,8 @@ def check_walls(runs: Runs) -> Values:
     phi, psi, h = 0.2, 0.013, 1e-5
     sums = [nonlinear.wall_angle(t, 0.02, M.xi) + nonlinear.wall_angle(t, -0.02, M.xi) for t in TURN]
     return {
-        "off": [off(gap) for gap in GAPS], "sum": max(abs(value) for value in sums),
-        "fault": max(fault(t) for t in TURN),
+        "off": [measure_offset(gap) for gap in GAPS], "sum": max(abs(value) for value in sums),
+        "fault": max(measure_fault(t) for t in TURN),
         "lever": (math.sin(phi - psi + h) - math.sin(phi - psi - h)) / (2.0 * h),
         "cosine": math.cos(phi - psi),
     }  # fmt: skip

@@ -69,7 +69,7 @@ class Load(NamedTuple):
 
 
 def measure_load(runs: Runs, case: Case) -> Load:
-    """Of F's record."""
+    """The load of the walls in F's record."""
     impacts = runs.events(case).impacts
     largest = impacts.approach.max(initial=0.0)
     energy = float(energies(case.machine, impacts).sum()) / CYCLES

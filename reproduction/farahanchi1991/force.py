@@ -84,7 +84,7 @@ def find_limits(form: str, gap: float = 0.0) -> tuple[float, float]:
     return found.upper, found.lower
 
 
-def _intervals(pairs: Sequence[tuple[float, float]]) -> str:
+def _format_intervals(pairs: Sequence[tuple[float, float]]) -> str:
     return ", ".join(f"{a:.3f}-{b:.3f}" for a, b in pairs) or "nowhere"
 
 
@@ -114,7 +114,8 @@ def find_changes_of_sign(runs: Runs, form: str) -> Values:
     ends = [*zip(up, (math.pi, TURN), strict=False), *zip(low, (math.pi, TURN), strict=False)]
     return {
         "upper_changes": len(up), "lower_changes": len(low),
-        "upper": _intervals(find_pressed(machine, UPPER)), "lower": _intervals(find_pressed(machine, LOWER)),
+        "upper": _format_intervals(find_pressed(machine, UPPER)),
+        "lower": _format_intervals(find_pressed(machine, LOWER)),
         "off": max(abs(a - b) for a, b in ends) if len(up) == len(low) == 2 else math.inf,
     }  # fmt: skip
 
@@ -142,23 +143,23 @@ def find_holding_intervals(runs: Runs, form: str) -> Values:
     low, upper_changes = find_pressed(machine, LOWER), len(find_changes(machine, UPPER))
     begin, end = low[0] if low else (math.inf, math.inf)
     return {
-        "upper": _intervals(find_pressed(machine, UPPER)) if upper_changes else "the whole turn",
-        "lower": _intervals(low), "upper_changes": upper_changes, "begin": begin, "end": end,
-        "mixed": _mixed_interval(),
+        "upper": _format_intervals(find_pressed(machine, UPPER)) if upper_changes else "the whole turn",
+        "lower": _format_intervals(low), "upper_changes": upper_changes, "begin": begin, "end": end,
+        "mixed": _find_mixed_interval(),
     }  # fmt: skip
 
 
-def _mixed_interval() -> tuple[float, float]:
+def _find_mixed_interval() -> tuple[float, float]:
     """Where the lower wall's force of (2.29), not linearized, at the linear walls is positive."""
     m = thesis_mechanism(0.267)
 
-    def pushing(theta: float) -> float:
+    def compute_moment(theta: float) -> float:
         psi = wall_angle(theta, -0.02, m.xi)
         rate = wall_rate(theta, 1.0, psi, m.xi)
         bend = wall_acceleration(theta, 1.0, 0.0, psi, m.xi)
         return evaluate_printed(theta, psi, bend, m) - m.damping * joint_rate(theta, 1.0, rate, m)
 
-    return float(brentq(pushing, 4.85, 5.05)), float(brentq(pushing, 5.05, 5.25))
+    return float(brentq(compute_moment, 4.85, 5.05)), float(brentq(compute_moment, 5.05, 5.25))
 
 
 def measure_crossings(runs: Runs, form: str) -> Values:
@@ -182,7 +183,7 @@ def find_crossings(runs: Runs, form: str) -> Values:
     machine = Machine(0.1, 0.01, form=form)
     pairs = list(zip(find_changes(machine, UPPER), find_changes(machine, LOWER), strict=True))
     return {
-        "pairs": _intervals([(min(pair), max(pair)) for pair in pairs]),
+        "pairs": _format_intervals([(min(pair), max(pair)) for pair in pairs]),
         "kinds": ["either" if can_hold(machine, UPPER, 0.5 * sum(pair)) else "neither" for pair in pairs],
     }
 

@@ -13,7 +13,7 @@ from models.slider_crank.motions.classification import CHAOTIC
 from models.slider_crank.motions.machine import Events
 from models.slider_crank.motions.statistics import impact_profile, uniformity, wall_position
 
-from ..statement import Values
+from ..statement import Values, is_rising
 from .runs import (
     CYCLES,
     GAPS,
@@ -27,10 +27,10 @@ from .runs import (
     observe,
 )
 
-# Of a wall.
+# Parts of a wall.
 BINS = 50
 SLIDING, EXAMPLE = Case(0.25, 0.015), Case(0.05, 0.01)
-# Very small beside the mean of about 0.04.
+# A very small velocity: a tenth of the mean.
 SLOW = 0.004
 
 
@@ -94,11 +94,11 @@ def compare_records(runs: Runs, form: str) -> Values:
     """How far profiles of 3000 and 12000 cycles are from that of a long record."""
     events = runs.motion(Case(0.025, 0.02, form=form)).events(64 * CYCLES)
 
-    def upper(cycles: int) -> Vector:
+    def compute_upper(cycles: int) -> Vector:
         return compute_profile(events.where(events.cycle < TRANSIENT + cycles), UPPER, cycles)
 
-    long = upper(64 * CYCLES)
-    return {"errors": [np.abs(upper(n * CYCLES) - long).sum() / long.sum() for n in (1, 4)]}
+    long = compute_upper(64 * CYCLES)
+    return {"errors": [np.abs(compute_upper(n * CYCLES) - long).sum() / long.sum() for n in (1, 4)]}
 
 
 def split_directions(runs: Runs, form: str) -> Values:
@@ -130,40 +130,42 @@ def measure_background(runs: Runs, form: str) -> Values:
     return {"length": length, "shares": [np.mean(events.cycle < length) for events in records]}
 
 
-def _rows(values: dict[float, list[float]], form: str) -> str:
+def _format_rows(values: dict[float, list[float]], form: str) -> str:
     return "; ".join(f"λ = {d:g}: {', '.join(format(v, form) for v in row)}" for d, row in values.items())
 
 
-def _by_gap(runs: Runs, dampings: tuple[float, ...], form: str) -> dict[float, list[Case]]:
+def _list_by_gap(dampings: tuple[float, ...], form: str) -> dict[float, list[Case]]:
     return {damping: [Case(damping, gap, form=form) for gap in GAPS] for damping in dampings}
 
 
 def compare_gaps(runs: Runs, form: str) -> Values:
     """Mean velocities, and radians of crank between impacts, at small friction."""
-    rows = {d: [runs.events(c).impacts for c in row] for d, row in _by_gap(runs, LOW_DAMPINGS, form).items()}
+    rows = {d: [runs.events(c).impacts for c in row] for d, row in _list_by_gap(LOW_DAMPINGS, form).items()}
     speeds = {d: [average_approach(events) for events in row] for d, row in rows.items()}
     flights = {d: [2.0 * np.pi * CYCLES / len(e.theta) for e in row] for d, row in rows.items()}
     return {
-        "speeds": _rows(speeds, ".4f"), "flights": _rows(flights, ".2f"),
-        "faster": all(np.all(np.diff(row) > 0.0) for row in speeds.values()),
+        "speeds": _format_rows(speeds, ".4f"), "flights": _format_rows(flights, ".2f"),
+        "faster": all(is_rising(row) for row in speeds.values()),
         "longer": all(row[-1] > row[0] for row in flights.values()),
     }  # fmt: skip
 
 
-def _fastest(runs: Runs, case: Case) -> float:
-    return float(runs.events(case).impacts.approach.max(initial=0.0))
-
-
 def find_fastest(runs: Runs, form: str) -> Values:
     """Largest velocities at large friction."""
-    rows = {d: [_fastest(runs, c) for c in row] for d, row in _by_gap(runs, HIGH_DAMPINGS, form).items()}
-    return {"each": _rows(rows, ".3f"), "rising": all(np.all(np.diff(row) > 0.0) for row in rows.values())}
+    rows = {
+        damping: [float(runs.events(case).impacts.approach.max(initial=0.0)) for case in row]
+        for damping, row in _list_by_gap(HIGH_DAMPINGS, form).items()
+    }
+    return {
+        "each": _format_rows(rows, ".3f"),
+        "rising": all(is_rising(row) for row in rows.values()),
+    }
 
 
 def compare_walls(runs: Runs, form: str, dampings: tuple[float, ...]) -> Values:
     """Velocities on the walls by lambda, means over rho: of an impact, and in all of a cycle."""
     up, low, ratios, wrong = [], [], [], []
-    for row in _by_gap(runs, dampings, form).values():
+    for row in _list_by_gap(dampings, form).values():
         parts = [[select_wall(runs.events(case), side) for case in row] for side in (UPPER, LOWER)]
         means = [[average_approach(part) for part in wall] for wall in parts]
         wrong += [str(case) for case, a, b in zip(row, *means, strict=True) if a <= b]
@@ -217,7 +219,7 @@ def count_lower(runs: Runs, form: str) -> Values:
 def follow_lower(runs: Runs, form: str) -> Values:
     """Where the lower wall is hit (5 and 95 % of the places) and how hard, all gaps together."""
     rows = {}
-    for damping, row in _by_gap(runs, (*LOW_DAMPINGS, 0.15, 0.20), form).items():
+    for damping, row in _list_by_gap((*LOW_DAMPINGS, 0.15, 0.20), form).items():
         parts = [select_wall(runs.events(case), LOWER) for case in row]
         if x := np.concatenate([wall_position(part.theta, THESIS_XI) for part in parts]).tolist():
             speed = np.concatenate([part.approach for part in parts])

@@ -38,11 +38,11 @@ def evaluate_lagrange(
 ) -> float:
     """d/dtau (dT/dpsi') - dT/dpsi at psi'' = `bend`."""
 
-    def later(s: float) -> float:
+    def shift_momentum(s: float) -> float:
         return compute_momentum(theta + s, psi + s * rate, rate + s * bend, rotation, m)
 
     slope = compute_energy(theta, psi + TINY * 1j, rate, rotation, m).imag / TINY
-    return (later(STEP) - later(-STEP)) / (2.0 * STEP) - slope
+    return (shift_momentum(STEP) - shift_momentum(-STEP)) / (2.0 * STEP) - slope
 
 
 def evaluate_printed(
@@ -66,8 +66,8 @@ def evaluate_printed(
 def compute_rod_rate(theta: float, psi: float, rate: float, m: Mechanism) -> float:
     """Rate of the angle under which the wrist pin is seen from the crank pin, by F's displacements (2.2)."""
 
-    def angle(s: float) -> float:
+    def find_angle(s: float) -> float:
         phi = math.asin(m.xi * math.sin(theta + s)) - (psi + s * rate)
         return math.atan2(math.sin(phi), math.cos(phi))
 
-    return (angle(STEP) - angle(-STEP)) / (2.0 * STEP)
+    return (find_angle(STEP) - find_angle(-STEP)) / (2.0 * STEP)

@@ -34,7 +34,7 @@ RESTITUTIONS = (0.9, 0.7, 0.5)
 SLIGHT = 0.02
 
 
-def _kinds(runs: Runs, dampings: tuple[float, ...], form: str, restitution: float = 0.9) -> list[str]:
+def _list_kinds(runs: Runs, dampings: tuple[float, ...], form: str, restitution: float = 0.9) -> list[str]:
     return [observe(runs, case).kind for case in list_cases(dampings, form, restitution)]
 
 
@@ -49,7 +49,7 @@ def describe_motion(runs: Runs, form: str, case: Case) -> Values:
 
 def count_kinds(runs: Runs, form: str) -> Values:
     """How many of the cases are of each kind, at small and at large friction."""
-    low, high = (Counter(_kinds(runs, dampings, form)) for dampings in (LOW_DAMPINGS, HIGH_DAMPINGS))
+    low, high = (Counter(_list_kinds(runs, dampings, form)) for dampings in (LOW_DAMPINGS, HIGH_DAMPINGS))
     kinds = (CHAOTIC, TRANSIENT_CHAOS, PERIODIC)
     return {
         "each": [f"{low[kind] + high[kind]} {kind}" for kind in kinds],
@@ -67,8 +67,8 @@ def count_kinds(runs: Runs, form: str) -> Values:
 
 def count_chaotic(runs: Runs, form: str) -> Values:
     """How many of 9 cases are chaotic at small friction, at large friction, and with e = 0.5; by lambda."""
-    counts = [_kinds(runs, (damping,), form).count(CHAOTIC) for damping in MATRIX]
-    soft = _kinds(runs, LOW_DAMPINGS, form, 0.5).count(CHAOTIC)
+    counts = [_list_kinds(runs, (damping,), form).count(CHAOTIC) for damping in MATRIX]
+    soft = _list_kinds(runs, LOW_DAMPINGS, form, 0.5).count(CHAOTIC)
     return {"fast": sum(counts[:3]), "slow": sum(counts[3:]), "soft": soft, "counts": counts}
 
 
@@ -88,7 +88,7 @@ def correlate_sliding(runs: Runs, form: str) -> Values:
     return {"value": np.corrcoef(shares, [len(runs.events(c).impacts.theta) / CYCLES for c in cases])[0, 1]}
 
 
-def _listed(cases: list[str]) -> str:
+def _format_list(cases: list[str]) -> str:
     return f": {'; '.join(cases)}" if cases else ""
 
 
@@ -97,8 +97,8 @@ def list_unexpected_sliding(runs: Runs, form: str) -> Values:
     cases = list_cases(LOW_DAMPINGS, form)
     recorded = [str(case) for case in cases if np.any(runs.events(case).kind == ONSET)]
     other = [str(c) for c in cases if str(c) not in recorded and observe(runs, c).sliding]
-    return {"count": len(recorded), "cases": len(cases), "recorded": _listed(recorded),
-            "other": (other and f"; from other starts{_listed(other)}") or ""}  # fmt: skip
+    return {"count": len(recorded), "cases": len(cases), "recorded": _format_list(recorded),
+            "other": (other and f"; from other starts{_format_list(other)}") or ""}  # fmt: skip
 
 
 def list_sliding(runs: Runs, form: str) -> Values:
@@ -106,7 +106,7 @@ def list_sliding(runs: Runs, form: str) -> Values:
     cases = list_cases(HIGH_DAMPINGS, form)
     sliding = [str(case) for case in cases if runs.sliding_share(case) > 0.0]
     ruled = [str(c) for c in list_cases(HIGH_DAMPINGS) if runs.sliding_share(c.by_thesis_rule) > 0.0]
-    return {"count": len(sliding), "cases": len(cases), "listed": _listed(sliding),
+    return {"count": len(sliding), "cases": len(cases), "listed": _format_list(sliding),
             "ruled": len(ruled), "ruled_cases": "; ".join(ruled)}  # fmt: skip
 
 
@@ -146,7 +146,7 @@ def vary_gap(runs: Runs, form: str) -> Values:
 def describe_matrix(runs: Runs, form: str) -> Values:
     """The motions of the cases of large friction."""
     seen = {case: observe(runs, case) for case in list_cases(HIGH_DAMPINGS, form)}
-    counts = [_kinds(runs, (damping,), form).count(PERIODIC) for damping in HIGH_DAMPINGS]
+    counts = [_list_kinds(runs, (damping,), form).count(PERIODIC) for damping in HIGH_DAMPINGS]
     return {"each": "; ".join(f"{case} {one.words}" for case, one in seen.items()), "periodic": counts}
 
 
@@ -168,16 +168,18 @@ def count_slides(runs: Runs, form: str) -> Values:
 def find_simple_periodic(runs: Runs, form: str) -> Values:
     """lambda from which the motion has period 1 at rho = 0.015, exactly and with F's threshold."""
 
-    def first(threshold: float) -> float:
-        def excess(damping: float) -> float:
+    def find_first(threshold: float) -> float:
+        def evaluate_period(damping: float) -> float:
             machine = Machine(damping, 0.015, 0.9, form, sliding_threshold=threshold)
             return 0.5 - (classify(machine, 2000).period == 1)
 
         grid = np.arange(0.250, 0.2095, -0.001)
-        last = next((d for d in grid if excess(float(d)) > 0.0), None)
-        return float(grid[-1]) if last is None else float(brentq(excess, last, last + 0.001, xtol=1e-5))
+        last = next((d for d in grid if evaluate_period(float(d)) > 0.0), None)
+        return (
+            float(grid[-1]) if last is None else float(brentq(evaluate_period, last, last + 0.001, xtol=1e-5))
+        )
 
-    exact, ruled = first(0.0), first(THRESHOLD)
+    exact, ruled = find_first(0.0), find_first(THRESHOLD)
     words = ["at every λ from 0.21 on" if v < 0.2105 else f"from λ = {v:.4f} on" for v in (exact, ruled)]
     return {"exact": exact, "exact_words": words[0], "ruled_words": words[1]}
 
@@ -201,7 +203,7 @@ def compare_restitutions(runs: Runs, form: str) -> Values:
         "shares": [
             np.mean([runs.sliding_share(c) for c in list_cases(MATRIX, form, e)]) for e in RESTITUTIONS
         ],
-        "irregular": [_kinds(runs, MATRIX, form, e).count(CHAOTIC) for e in RESTITUTIONS],
+        "irregular": [_list_kinds(runs, MATRIX, form, e).count(CHAOTIC) for e in RESTITUTIONS],
         "alone": [runs.sliding_share(Case(0.05, 0.02, e, form)) for e in RESTITUTIONS],
     }
 
@@ -209,7 +211,7 @@ def compare_restitutions(runs: Runs, form: str) -> Values:
 def measure_sliding(runs: Runs, form: str, restitution: float) -> Values:
     """Of all pairs (lambda, rho) with this restitution."""
     shares = [runs.sliding_share(case) for case in list_cases(MATRIX, form, restitution)]
-    kinds = _kinds(runs, MATRIX, form, restitution)
+    kinds = _list_kinds(runs, MATRIX, form, restitution)
     return {
         "cases": len(shares), "sliding": sum(share > 0.0 for share in shares),
         "least": min(shares), "least_percent": 100 * min(shares), "most": max(shares),

@@ -115,19 +115,19 @@ class Panels:
         for form in FORMS:
             words = self.draw(axes[form], runs, picture.show(form))
             if words is not None:
-                caption(axes[form], LABELS[form] + words)
+                write_caption(axes[form], LABELS[form] + words)
         if self.legend:
             # One panel may have sliding and the other none.
             add_legend(figure, max(axes.values(), key=lambda ax: len(ax.get_legend_handles_labels()[1])))
         return figure
 
 
-def caption(axes: Axes, text: str) -> None:
+def write_caption(axes: Axes, text: str) -> None:
     """A panel's name above its left end."""
     axes.set_title(text, loc="left", fontsize=9, color=INK)
 
 
-def note(axes: Axes, text: str, x: float = 0.985, y: float = 0.96) -> None:
+def write_note(axes: Axes, text: str, x: float = 0.985, y: float = 0.96) -> None:
     """A remark within a panel."""
     side = "right" if x > 0.5 else "left"
     box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.5}
@@ -196,7 +196,7 @@ def draw_map(axes: Axes, runs: Runs, case: Case) -> str:
         axes.legend(loc="upper right", handletextpad=0.1)
     axes.set_xlabel("crank angle θ (rad)")
     if not len(upper.theta):
-        note(axes, "no impacts: at rest on the upper wall", 0.03)
+        write_note(axes, "no impacts: at rest on the upper wall", 0.03)
     return f": {describe(runs, case)}"
 
 
@@ -209,7 +209,8 @@ def draw_impacts(axes: Axes, runs: Runs, case: Case) -> str:
     if case.form == PUBLISHED:
         axes.set_xlabel("")
     count = len(impacts.theta) / CYCLES
-    note(axes, f"{count:.2f} impacts a cycle" if count else "no impacts: at rest on the upper wall", 0.015)
+    words = f"{count:.2f} impacts a cycle" if count else "no impacts: at rest on the upper wall"
+    write_note(axes, words, 0.015)
     return f": {describe(runs, case)}"
 
 
@@ -236,7 +237,7 @@ def plot_blow_up(runs: Runs, picture: Picture) -> Figure:
             ax.xaxis.set_major_locator(MultipleLocator(0.1))
             ax.xaxis.set_major_formatter(ScalarFormatter(useOffset=False))
             wall = "either" if wall_forces(machine, UPPER, np.array([middle]))[0] > 0.0 else "neither"
-            caption(ax, f"{LABELS[form]}: {wall} wall, {min(a, b):.3f}-{max(a, b):.3f}")
+            write_caption(ax, f"{LABELS[form]}: {wall} wall, {min(a, b):.3f}-{max(a, b):.3f}")
     add_legend(figure, ax)
     return figure
 
@@ -252,7 +253,7 @@ def plot_profile_of_two(runs: Runs, picture: Picture) -> Figure:
         for name, shown in (("caption", case), ("text", replace(case, damping=TEXT_DAMPING))):
             ax = axes[f"{form} {name}"]
             words = draw_impacts(ax, runs, shown)
-            caption(ax, f"{LABELS[form]}, λ = {shown.damping:g} (F's {name}){words}")
+            write_caption(ax, f"{LABELS[form]}, λ = {shown.damping:g} (F's {name}){words}")
             if name == "text":
                 ax.set_ylabel("")
     add_legend(figure, ax)
@@ -268,8 +269,8 @@ def plot_magnification(runs: Runs, picture: Picture, level: int) -> Figure:
     figure, axes = picture.frame(3.3, [["whole", "part"]], form=LABELS[PUBLISHED])
     draw_poincare(axes["whole"], theta, rate, whole, marks=[window])
     draw_poincare(axes["part"], theta, rate, window)
-    caption(axes["whole"], f"× {BY ** (level - 1):g}")
-    caption(axes["part"], f"× {BY**level:g}")
+    write_caption(axes["whole"], f"× {BY ** (level - 1):g}")
+    write_caption(axes["part"], f"× {BY**level:g}")
     axes["part"].set_ylabel("")
     return figure
 
@@ -285,7 +286,7 @@ def plot_walls(runs: Runs, picture: Picture) -> Figure:
     ax.set_xlim(0.0, TURN)
     ax.set_xlabel("crank angle θ (rad)")
     ax.set_ylabel("ψ (mrad)")
-    note(ax, "ρ = 0.01: flight between ±ρ/Λ", y=0.6)
+    write_note(ax, "ρ = 0.01: flight between ±ρ/Λ", y=0.6)
     return figure
 
 

@@ -24,25 +24,25 @@ from .numerical import list_heights, solve_films_beside
 Flags = NDArray[np.bool_]
 # The cam's event; before and after it lies the base circle, whose film is that at its ends.
 EVENT_DEG = (90.0, 270.0)
-# The transient film begins so early: in 15 degrees at 500 r/min or more the oil crosses the contact five
-# times and more.
+# Where the transient solution begins: in the 15 degrees to the event, at 500 r/min or more, oil crosses the
+# contact at least five times and the start is forgotten.
 BEGIN_DEG = 75.0
-# As near to a reversal no oil is entrained.
+# Nearer to a reversal than this, no oil is entrained.
 AT_REST_DEG = 1e-3
 NODES = 301
-# What a contact sees.
+# Outputs of the valve train that determine a contact.
 SEEN = ("contact.load", "camshaft.entraining_velocity", "camshaft.radius_of_curvature")
 STEADY, SQUEEZED = "steady", "squeezed"
 
 
 @dataclass(frozen=True)
-class Judged:
+class JudgedFilm:
     """A film (m) over the angles of a cycle that is judged by the transient one; nan where there is none.
 
     `film`: CENTRAL or MINIMUM. `valid`: where its conditions hold.
     """
 
-    words: str
+    label: str
     film: str
     values: Vector
     valid: Flags
@@ -67,7 +67,7 @@ class CamCycle:
     hertz_pressure: Vector
     steady: Mapping[str, Vector]
     transient: Mapping[str, Vector]
-    judged: Mapping[str, Judged]
+    judged: Mapping[str, JudgedFilm]
     history_deg: Vector
     history: FilmHistory
 
@@ -91,7 +91,7 @@ class CamCycle:
 
     @property
     def in_event(self) -> slice:
-        """Of `history`, the cam's event."""
+        """The cam's event in `history`."""
         return slice(int(np.searchsorted(self.history_deg, EVENT_DEG[0])), None)
 
     @property
@@ -126,7 +126,7 @@ def list_contacts(train: ValveTrain, turn: Turn, at: Vector) -> list[LineContact
 
 
 def select_trajectory(turn: Turn) -> tuple[Vector, Vector, Vector, Vector]:
-    """Times and what the contact sees at them, from BEGIN_DEG to the end of the event."""
+    """Times, loads, velocities and radii of the contact, from BEGIN_DEG to the end of the event."""
     inside = (turn.angle_deg >= BEGIN_DEG) & (turn.angle_deg <= EVENT_DEG[1])
     load, velocity, radius = (turn[name][inside] for name in SEEN)
     return turn.time[inside], load, velocity, radius
@@ -170,28 +170,28 @@ def _judge_films(
     at: Vector,
     found: Sequence[LineContact | None],
     steady: Mapping[str, Vector],
-) -> dict[str, Judged]:
+) -> dict[str, JudgedFilm]:
     """All films but the transient one."""
     judged = {
-        f"{STEADY} {film}": Judged("steady numerical", film, values, np.isfinite(values))
+        f"{STEADY} {film}": JudgedFilm("steady numerical", film, values, np.isfinite(values))
         for film, values in steady.items()
     }
     for formula in FORMULAS:
         seen = [[turn.at(name, angle) for name in SEEN] for angle in at]
         values = np.array([formula.film_at(p, *one) for one in seen])
         valid = np.array([contact is not None and formula.valid(contact) for contact in found])
-        judged[formula.name] = Judged(formula.words, formula.film, values, valid)
+        judged[formula.name] = JudgedFilm(formula.label, formula.film, values, valid)
         if formula.valid is is_in_table_3:
             times, load, velocity, radius = select_trajectory(turn)
             relaxed = formula_history(formula.name, times, load, velocity, radius)
             film = np.interp(np.interp(at, turn.angle_deg, turn.time), times[1:], relaxed)
-            judged[f"{formula.name} {SQUEEZED}"] = Judged(
-                f"{formula.words} squeezed", formula.film, film, valid & _in_squeeze(film, values, p)
+            judged[f"{formula.name} {SQUEEZED}"] = JudgedFilm(
+                f"{formula.label} squeezed", formula.film, film, valid & _is_in_squeeze_range(film, values, p)
             )
     return judged
 
 
-def _in_squeeze(film: Vector, steady: Vector, p: ContactParameters) -> Flags:
+def _is_in_squeeze_range(film: Vector, steady: Vector, p: ContactParameters) -> Flags:
     """Whether w_s is in Table 3: (10) solved for it, w_s = -ln(h/h_ss)/C."""
     low, high = TABLE_3["squeeze"]
     with np.errstate(divide="ignore"):

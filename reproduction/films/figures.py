@@ -111,7 +111,7 @@ def _draw_ratios(ax: Axes, c: CamCycle, film: str) -> None:
         width = 2.2 if steady else 1.2
         inside = np.where(judged.valid, ratio, np.nan)
         ax.plot(c.angle_deg, ratio, color=colour, lw=0.8, ls=(0, (1, 1.5)))
-        ax.plot(c.angle_deg, inside, color=colour, lw=width, ls=style, label=judged.words)
+        ax.plot(c.angle_deg, inside, color=colour, lw=width, ls=style, label=judged.label)
         if not steady and not squeezed:
             _draw_bar(ax, c.angle_deg, ~judged.valid, colour, bars)
             bars += 1
@@ -221,7 +221,7 @@ def plot_table_3(runs: Runs) -> Figure:
 
 
 def _draw_points(ax: Axes, x: Vector, y: Vector, formula: Formula) -> None:
-    ax.plot(x, y, ".", ms=3.2, color=COLOURS[formula.name], label=formula.words)
+    ax.plot(x, y, ".", ms=3.2, color=COLOURS[formula.name], label=formula.label)
 
 
 def plot_power_laws(runs: Runs) -> Figure:

@@ -21,7 +21,7 @@ class Formula:
     """`valid` says whether a contact is among those that the formula was made for, `conditions` which."""
 
     name: str
-    words: str
+    label: str
     source: str
     text: str
     film: str
@@ -86,7 +86,7 @@ def is_in_table_3(contact: LineContact) -> bool:
     return all(TABLE_3[name][0] <= value <= TABLE_3[name][1] for name, value in values.items())
 
 
-def _anywhere(contact: LineContact) -> bool:
+def holds_anywhere(contact: LineContact) -> bool:
     return True
 
 
@@ -119,6 +119,6 @@ FORMULAS = (
     ),
     Formula(
         "moes_venner", "Moes", "Moes 1992, Venner 1991", "H(M, L) between four asymptotes",
-        MINIMUM, "any entrainment", _anywhere,
+        MINIMUM, "any entrainment", holds_anywhere,
     ),
 )  # fmt: skip

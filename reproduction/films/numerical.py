@@ -27,10 +27,10 @@ def solve_films(contacts: Sequence[LineContact | None]) -> list[SteadyFilm | Non
 def solve_films_beside(
     contacts: Sequence[LineContact | None], work: Callable[[], Result]
 ) -> tuple[list[SteadyFilm | None], Result]:
-    """As `films`, and what `work` returns, which this thread does meanwhile."""
+    """As `solve_films`, and the result of `work`, which this thread does meanwhile."""
     # Compiled in this thread, the only one that Ctrl-C reaches.
     solve_film(next((contact for contact in contacts if contact is not None), None))
-    # The kernels let go of the interpreter.
+    # The kernels release the interpreter's lock.
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         solving = [pool.submit(solve_film, contact) for contact in contacts]
         try:

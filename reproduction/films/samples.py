@@ -25,10 +25,10 @@ COMPLIANCE = elastic_compliance(207e9, 0.3, 207e9, 0.3)
 RADIUS, LENGTH, VISCOSITY = 0.02, 0.012, 0.036
 # Martin's film of rigid bodies, H = 2.448/M.
 MARTIN = 2.448
-# From where the search for the joined law begins: Moes' elastic-piezoviscous film (its logarithm and the
+# Where the search for the joined law starts: Moes' elastic-piezoviscous film (its logarithm and the
 # exponents of M and L), joined by squares.
 START = (0.0, -0.125, 0.75, 2.0)
-# Of the squeeze term of (10).
+# Constant of the squeeze term of (10).
 SQUEEZE = 96.775
 
 
@@ -151,14 +151,14 @@ def fit_law(film: str, s: Sample, blended: bool) -> PowerLaw:
     blend = 0.0
     if blended:
 
-        def miss(v: Vector) -> Vector:
+        def measure_miss(v: Vector) -> Vector:
             return np.log(_join(np.exp(columns @ v[:3]), M, v[3]) / H)
 
-        *values, blend = least_squares(miss, START).x
+        *values, blend = least_squares(measure_miss, START).x
     constant, load, material = values
     # From U_S = 2 U, M = W U_S^-1/2 and L = G U_S^1/4 to U, G, W.
     speed = 0.5 + 0.25 * material - 0.5 * load
-    squeeze = _squeeze_constant(s, film) * 2.0**-0.25
+    squeeze = _fit_squeeze_constant(s, film) * 2.0**-0.25
     return PowerLaw(film, math.exp(constant) * 2.0**speed, speed, material, load, squeeze, float(blend))
 
 
@@ -166,7 +166,7 @@ def _join(H: Vector, M: Vector, blend: float) -> Vector:
     return np.asarray((H**blend + (MARTIN / M) ** blend) ** (1.0 / blend))
 
 
-def _squeeze_constant(s: Sample, film: str) -> float:
+def _fit_squeeze_constant(s: Sample, film: str) -> float:
     """k in h/h_steady = exp(-k w_s U_S^-1/4); the group of w_s that similarity asks for."""
     ratio = list_heights(s.squeezed, f"H_{film}") / list_heights(s.steady, f"H_{film}")
     x = -s.squeeze * s.speed_group**-0.25

@@ -14,9 +14,9 @@ from .formulas import CENTRAL, FORMULAS, MINIMUM, Formula, is_in_table_3
 from .runs import Runs
 from .samples import measure_error
 
-# A film that is right to this is right for any use; viscosity is hardly ever known better.
+# A film with this relative error is right for any use: viscosity is hardly known better.
 RIGHT = 0.10
-# A fifth of the least that separates the formulas that are right.
+# A fifth of RIGHT: an error that does not decide which formula is right.
 NOT_SEEN = 0.02
 
 
@@ -68,7 +68,7 @@ def judge_squeezed(runs: Runs, formula: Formula) -> Values:
 
 @cache
 def compare_steady(runs: Runs) -> Values:
-    """Whether the film is the one that load, speed and radius would keep up."""
+    """Whether the film is the steady one of each instant's load, speed and radius."""
     shares = {c.speed_rpm: measure_near_share(c.ratio(f"{STEADY} {CENTRAL}")) for c in runs.cycles}
     kept = np.concatenate([c.transient[MINIMUM][c.reversals] for c in runs.cycles])
     return {

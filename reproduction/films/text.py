@@ -85,7 +85,7 @@ def _measure_conditions(runs: Runs) -> SimpleNamespace:
         if formula.film == MINIMUM:
             v = judge_in_cycle(runs, formula)
             low, high = min(v["inside_low"], v.get("outside_low", np.inf)), v.get("outside_high", 0.0)
-            minimum.append(f"{formula.words} {low:.2f}-{max(v['inside_high'], high):.2f}")
+            minimum.append(f"{formula.label} {low:.2f}-{max(v['inside_high'], high):.2f}")
     return SimpleNamespace(
         outside=np.mean(np.concatenate(outside)),
         on_flanks=np.mean(np.concatenate(flanks)[np.concatenate(outside)]),
@@ -109,7 +109,7 @@ def format_speeds(runs: Runs) -> str:
         rows.append([words, film, *(cell(c) for c in runs.cycles)])
     for name, judged in runs.cycles[0].judged.items():
         rows.append(
-            [f"{judged.words} / transient", judged.film, *(format_ratio(c, name) for c in runs.cycles)]
+            [f"{judged.label} / transient", judged.film, *(format_ratio(c, name) for c in runs.cycles)]
         )
     return format_table(["", "Film", *speeds], *rows)
 

@@ -25,7 +25,7 @@ FILM_WORDS = {AS_PRINTED: "load exponent +0.059, as printed", NEGATIVE: "load ex
 STATED_FILMS = {"stated minimum 0.04 µm": 0.04e-6, "stated maximum 1.3 µm": 1.3e-6}
 
 
-def _panels(rows: int, title: str, heights: Sequence[float] = ()) -> tuple[Figure, Any]:
+def _create_panels(rows: int, title: str, heights: Sequence[float] = ()) -> tuple[Figure, Any]:
     ratios = heights or [1.0] * rows
     size = (6.8, 0.85 + (2.5 if rows == 1 else 1.85 * sum(ratios)))
     figure, axes = create_subplots(
@@ -57,11 +57,11 @@ def _add_legend(axes: Axes, columns: int) -> None:
     )
 
 
-def _by_exponent(
+def _plot_by_exponent(
     runs: Runs, title: str, label: str, columns: int, plot: Callable[[Axes, str], None]
 ) -> tuple[Figure, Any]:
     """A panel for each sign of the load's exponent."""
-    figure, axes = _panels(2, title)
+    figure, axes = _create_panels(2, title)
     for ax, (exponent, words) in zip(axes, FILM_WORDS.items(), strict=True):
         plot(ax, exponent)
         ax.set_ylabel(label)
@@ -74,7 +74,7 @@ def _by_exponent(
 
 def plot_lift(runs: Runs) -> Figure:
     """Fig 2."""
-    figure, axes = _panels(3, "Fig. 2  Cam lift, follower velocity and acceleration (1000 r/min)")
+    figure, axes = _create_panels(3, "Fig. 2  Cam lift, follower velocity and acceleration (1000 r/min)")
     angle = np.linspace(0.0, 360.0, 1801)
     profile = np.array([runs.lift(a) for a in angle])
     omega = KINEMATIC_SPEED * math.pi / 30.0
@@ -94,7 +94,7 @@ def plot_lift(runs: Runs) -> Figure:
 
 def plot_entraining_velocity(runs: Runs) -> Figure:
     """Fig 3."""
-    figure, (ax,) = _panels(1, "Fig. 3  Entraining velocity")
+    figure, (ax,) = _create_panels(1, "Fig. 3  Entraining velocity")
     angle = np.linspace(0.0, 360.0, 1801)
     for speed, colour in SPEED_COLOURS.items():
         u = [runs.entraining(a, speed) for a in angle]
@@ -117,7 +117,7 @@ def plot_film(runs: Runs) -> Figure:
         ax.set_ylim(0.0, 1.22 * MICRO * cycle.film.max())
 
     title = "Fig. 4  Film thickness, kinematic (1000 r/min)"
-    figure, axes = _by_exponent(runs, title, "Film thickness [µm]", 3, plot)
+    figure, axes = _plot_by_exponent(runs, title, "Film thickness [µm]", 3, plot)
     for words, level in STATED_FILMS.items():
         axes[0].axhline(MICRO * level, color=ACCENT, lw=0.9, ls=(0, (5, 3)), zorder=0.6)
         place = {"ha": "right", "va": "bottom", "fontsize": 7.5, "color": ACCENT}
@@ -134,12 +134,12 @@ def plot_squeeze_velocity(runs: Runs) -> Figure:
         _mark_zero(ax)
 
     title = "Fig. 5  Squeeze velocity, kinematic (1000 r/min, + separates)"
-    return _by_exponent(runs, title, "Squeeze velocity [mm/s]", 1, plot)[0]
+    return _plot_by_exponent(runs, title, "Squeeze velocity [mm/s]", 1, plot)[0]
 
 
 def plot_contact_load(runs: Runs) -> Figure:
     """Fig 6."""
-    figure, (ax,) = _panels(1, "Fig. 6  Contact load with spring surge (r/min)")
+    figure, (ax,) = _create_panels(1, "Fig. 6  Contact load with spring surge (r/min)")
     for speed, colour in SPEED_COLOURS.items():
         cycle = runs.surge(speed)
         ax.plot(cycle.angle_deg, cycle.load, color=colour, label=f"{speed:.0f}")
@@ -162,12 +162,12 @@ def plot_films(runs: Runs) -> Figure:
         ax.set_ylim(0.0, 1.22 * ax.get_ylim()[1])
 
     title = "Fig. 7  Film thickness with spring surge"
-    return _by_exponent(runs, title, "Film thickness [µm]", len(SPEEDS) + 1, plot)[0]
+    return _plot_by_exponent(runs, title, "Film thickness [µm]", len(SPEEDS) + 1, plot)[0]
 
 
 def plot_flexible_load(runs: Runs) -> Figure:
     """Fig 8."""
-    figure, axes = _panels(2, "Fig. 8  Contact load at 600 r/min, flexible camshaft", (1.0, 1.25))
+    figure, axes = _create_panels(2, "Fig. 8  Contact load at 600 r/min, flexible camshaft", (1.0, 1.25))
     rigid = runs.surge(600.0)
     axes[0].plot(rigid.angle_deg, rigid.load, color=MUTED, lw=3.0, alpha=0.6, label="rigid")
     for length, colour in ((100.0, COUPLED), (200.0, REFERENCE)):

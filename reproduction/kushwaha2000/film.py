@@ -17,7 +17,7 @@ DEGREES_PER_SECOND = 6.0  # per r/min
 FLANK_DEG = 113.0
 
 
-def _minima(runs: Runs, cycle: Cycle) -> list[int]:
+def _find_minima(runs: Runs, cycle: Cycle) -> list[int]:
     """Index of the least film within 6 degrees of each reversal."""
     return [
         int(np.argmin(np.where(np.abs(cycle.angle_deg - angle) <= 6.0, cycle.film, np.inf)))
@@ -29,7 +29,7 @@ def _minima(runs: Runs, cycle: Cycle) -> list[int]:
 def find_minima(runs: Runs) -> Values:
     """The least films near the reversals of the kinematic cycle."""
     cycle = runs.kinematic()
-    found = _minima(runs, cycle)
+    found = _find_minima(runs, cycle)
     lags = cycle.angle_deg[found] - runs.reversals_deg
     doubled = [i + np.argmax(cycle.film[i:] >= 2.0 * cycle.film[i]) for i in found]
     times, first, last = cycle.time[doubled] - cycle.time[found], found[0], found[-1]
@@ -50,16 +50,16 @@ def measure_films(runs: Runs) -> Values:
     slower = [runs.kinematic(speed) for speed in (LOW_SPEED, *SPEEDS)]
     speeds = np.log((LOW_SPEED, *SPEEDS))
 
-    def needed(level: float, films: list[float]) -> float:
+    def find_speed(level: float, films: list[float]) -> float:
         """Cam speed (r/min), log-log between the computed ones."""
         return float(np.exp(np.interp(math.log(level), np.log(films), speeds)))
 
     ratios = [c.film.max() / c.film_at(NOSE_DEG) for c in (runs.surge(speed) for speed in SPEEDS)]
     return {
         "least": printed.film.min(), "least_negative": negative.film.min(),
-        "least_needs": needed(STATED_MINIMUM, [c.film.min() for c in slower]),
+        "least_needs": find_speed(STATED_MINIMUM, [c.film.min() for c in slower]),
         "nose": printed.film_at(NOSE_DEG), "nose_negative": negative.film_at(NOSE_DEG),
-        "nose_needs": needed(STATED_NOSE, [c.film_at(NOSE_DEG) for c in slower]),
+        "nose_needs": find_speed(STATED_NOSE, [c.film_at(NOSE_DEG) for c in slower]),
         "largest": printed.film.max(), "largest_negative": negative.film.max(),
         "ratio_low": min(ratios), "ratio_high": max(ratios),
         "ratio_negative": negative.film.max() / negative.film_at(NOSE_DEG),
@@ -75,7 +75,7 @@ def measure_squeeze(runs: Runs) -> Values:
     film, steady = (
         cycle.between(f"contact.{name}", *ends) for name in ("film_thickness", "steady_film_thickness")
     )
-    near = _minima(runs, cycle)
+    near = _find_minima(runs, cycle)
     added = np.maximum(film - steady, 0.0)
     low, high = int(np.argmin(cycle.squeeze)), int(np.argmax(cycle.squeeze))
     low_off, high_off = (np.abs(cycle.angle_deg[i] - np.array(runs.reversals_deg)).min() for i in (low, high))
@@ -111,10 +111,10 @@ def compare_speeds(runs: Runs) -> Values:
 def separate_load(runs: Runs) -> Values:
     """Film from 1000 to 3000 r/min on the flank, and the load's share in it."""
 
-    def gain(name: str) -> float:
+    def compute_gain(name: str) -> float:
         return runs.surge(3000.0, name).film_at(FLANK_DEG) / runs.surge(1000.0, name).film_at(FLANK_DEG)
 
-    speed, gains = 3.0**0.541, [gain(AS_PRINTED), gain(NEGATIVE)]
+    speed, gains = 3.0**0.541, [compute_gain(AS_PRINTED), compute_gain(NEGATIVE)]
     return {
         "deg": FLANK_DEG, "loads": [runs.surge(s).at("contact.load", FLANK_DEG) for s in (1000.0, 3000.0)],
         "gains": gains, "by_load": [value / speed for value in gains], "by_speed": speed,

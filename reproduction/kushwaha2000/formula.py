@@ -20,25 +20,26 @@ from .parts import find_nose_contact
 from .runs import AS_PRINTED, KINEMATIC_SPEED, NEGATIVE, Runs
 
 STEPS = 500  # per turn
+ANGLES_DEG: Vector = np.asarray(np.arange(STEPS + 1) * (360.0 / STEPS))
 TABLE_3_FLAGS = {"G*": "material", "w_s*": "squeeze", "W*": "load", "U*": "speed"}
 # A formula for the same central film, fitted to numerical solutions by others.
 COMPARED = "pan_hamrock_central"
 # More iterations find a few more of the slowly converging steps; those counted here oscillate or diverge.
 ITERATIONS = 100
 RELATIVE_TOLERANCE = 1e-6
-# exp of more is no film thickness.
+# The exponential of more is no film thickness.
 LARGEST_EXPONENT = 300.0
 FIRST_INCREASE = 1.05
 
 
-def _film(runs: Runs, name: str, load: float, speed: float, radius: float) -> float:
+def _compute_film(runs: Runs, name: str, load: float, speed: float, radius: float) -> float:
     p = runs.parameters("contact")
     return float(
         FILMS[name](load, speed, radius, p.length, pair_compliance(p), p.viscosity, p.pressure_viscosity)
     )
 
 
-def _similarity_sum(runs: Runs, name: str) -> float:
+def _compute_similarity_sum(runs: Runs, name: str) -> float:
     """Scale U, G and W so that M = W U^-1/2 and L = G U^1/4 stay: then h* goes as U^(a - b/4 + c/2)."""
     load, radius, length, sigma = find_nose_contact(runs)
     p = runs.parameters("contact")
@@ -50,18 +51,21 @@ def _similarity_sum(runs: Runs, name: str) -> float:
 
 
 def compute_exponents(runs: Runs) -> Values:
-    """Of the load, and a - b/4 + c/2 of the exponents a of U, b of G, c of W."""
+    """The exponent of the load, and a - b/4 + c/2 of the exponents a of U, b of G, c of W."""
     load, radius, *_ = find_nose_contact(runs)
     of_load = {
-        name: math.log(_film(runs, name, 2.0 * load, 1.0, radius) / _film(runs, name, load, 1.0, radius))
+        name: math.log(
+            _compute_film(runs, name, 2.0 * load, 1.0, radius) / _compute_film(runs, name, load, 1.0, radius)
+        )
         / math.log(2.0)
         for name in FILMS
         if name != "dry"
     }
     others = [value for name, value in of_load.items() if name != AS_PRINTED]
     return {
-        "sum_printed": _similarity_sum(runs, AS_PRINTED), "sum_negative": _similarity_sum(runs, NEGATIVE),
-        "sum_pan_hamrock": _similarity_sum(runs, COMPARED),
+        "sum_printed": _compute_similarity_sum(runs, AS_PRINTED),
+        "sum_negative": _compute_similarity_sum(runs, NEGATIVE),
+        "sum_pan_hamrock": _compute_similarity_sum(runs, COMPARED),
         "of_load": of_load[AS_PRINTED], "least_other": min(others), "largest_other": max(others),
     }  # fmt: skip
 
@@ -75,7 +79,7 @@ def compare_films(runs: Runs) -> Values:
             cycle["camshaft.radius_of_curvature"])  # fmt: skip
     for name, words in ((AS_PRINTED, "printed"), (NEGATIVE, "negative")):
         ratios = [
-            _film(runs, name, *one) / _film(runs, COMPARED, *one)
+            _compute_film(runs, name, *one) / _compute_film(runs, COMPARED, *one)
             for one in zip(*(values[inside] for values in seen), strict=True)
         ]
         found |= {f"{words}_low": min(ratios), f"{words}_high": max(ratios)}
@@ -114,7 +118,7 @@ def iterate(
     failed = []
     for n in range(1, steady_film.size):
         speed, before = abs(float(velocity[n])), film[-1]
-        found = _fixed_point(float(steady_film[n]), before, sign * squeeze_constant, speed * step)
+        found = _find_fixed_point(float(steady_film[n]), before, sign * squeeze_constant, speed * step)
         if found is None:
             failed.append(n)
             found = before
@@ -124,7 +128,7 @@ def iterate(
     return FilmIteration(film, failed)
 
 
-def _fixed_point(steady: float, before: float, constant: float, travel: float) -> float | None:
+def _find_fixed_point(steady: float, before: float, constant: float, travel: float) -> float | None:
     if travel <= 0.0:
         return None
     film = before
@@ -147,15 +151,11 @@ def solve_implicit_step(steady: float, before: float, constant: float, travel: f
     return a * float(wrightomega(math.log(steady / a) + before / a).real)
 
 
-def _angles() -> Vector:
-    return np.asarray(np.arange(STEPS + 1) * (360.0 / STEPS))
-
-
-def _iteration(runs: Runs, sign: float) -> FilmIteration:
+def _iterate_turn(runs: Runs, sign: float) -> FilmIteration:
     """K's own iteration over one kinematic turn; sign -1 is the printed (37)."""
     cycle = runs.kinematic()
-    steady = np.interp(_angles(), cycle.angle_deg, cycle["contact.steady_film_thickness"])
-    velocity = np.array([runs.entraining(a) for a in _angles()])
+    steady = np.interp(ANGLES_DEG, cycle.angle_deg, cycle["contact.steady_film_thickness"])
+    velocity = np.array([runs.entraining(a) for a in ANGLES_DEG])
     step = 60.0 / KINEMATIC_SPEED / STEPS
     return iterate(steady, velocity, step, runs.parameters("contact").squeeze_constant, sign)
 
@@ -163,15 +163,15 @@ def _iteration(runs: Runs, sign: float) -> FilmIteration:
 @cache
 def run_iteration(runs: Runs) -> Values:
     """Where (37) to (39) do not converge, with either sign; and how the start is forgotten."""
-    cycle, angles = runs.kinematic(), _angles()
+    cycle = runs.kinematic()
     c, u = runs.parameters("contact").squeeze_constant, cycle["camshaft.entraining_velocity"][0]
-    printed, right = _iteration(runs, -1.0), _iteration(runs, 1.0)
-    away = np.abs(angles[right.failed, None] - np.array(runs.reversals_deg)).min(axis=1)
-    exact = np.interp(angles, cycle.angle_deg, cycle.film)
+    printed, right = _iterate_turn(runs, -1.0), _iterate_turn(runs, 1.0)
+    away = np.abs(ANGLES_DEG[right.failed, None] - np.array(runs.reversals_deg)).min(axis=1)
+    exact = np.interp(ANGLES_DEG, cycle.angle_deg, cycle.film)
     steady, step = float(cycle["contact.steady_film_thickness"][0]), 60.0 / KINEMATIC_SPEED / STEPS
     return {
         "steps": STEPS, "iterations": ITERATIONS,
-        "failed_as_printed": len(printed.failed), "first_deg": angles[printed.failed[0]],
+        "failed_as_printed": len(printed.failed), "first_deg": ANGLES_DEG[printed.failed[0]],
         "growth_time": c * cycle.film[0] / u,
         "failed": len(right.failed), "away_deg": away.max(),
         "film_error": np.max(np.abs(np.array(right.film) - exact)[1:]),

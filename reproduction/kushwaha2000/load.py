@@ -58,7 +58,7 @@ def find_crossings(runs: Runs) -> Values:
     return {"angles": found[np.abs(found) > 5.0].tolist()}
 
 
-def _oscillation(cycle: Cycle, rigid: Cycle) -> Vector:
+def _find_oscillation(cycle: Cycle, rigid: Cycle) -> Vector:
     """What the flexible shaft changes of the load, less the mean of that over one period of its bending."""
     shaft = read_parameters(cycle.reference.system, "camshaft")
     period_deg = 2.0 * math.pi / compute_bending_rate(shaft) * cycle.run.speed_rpm * 6.0
@@ -72,7 +72,7 @@ def _oscillation(cycle: Cycle, rigid: Cycle) -> Vector:
 def compare_shafts(runs: Runs) -> Values:
     """What a flexible camshaft changes at 600 r/min."""
     cycle, longer, rigid = runs.flexible(), runs.flexible(shaft_length_mm=200.0), runs.surge(FLEXIBLE_SPEED)
-    change, swing, angle = cycle.load - rigid.load, np.abs(_oscillation(cycle, rigid)), cycle.angle_deg
+    change, swing, angle = cycle.load - rigid.load, np.abs(_find_oscillation(cycle, rigid)), cycle.angle_deg
     found = {n: swing[(angle[:-1] >= a) & (angle[:-1] <= b)].max() for n, (a, b) in SPANS.items()}
     twist = cycle.reference.state[:, cycle.reference.system.state.names.index("camshaft.twist")]
     lag, lead = int(np.argmin(twist)), int(np.argmax(twist))
@@ -81,7 +81,7 @@ def compare_shafts(runs: Runs) -> Values:
     return {
         "away": np.abs(change).max(), "swing": swing.max(),
         "longer_away": np.abs(longer.load - rigid.load).max(),
-        "longer_swing": np.abs(_oscillation(longer, rigid)).max(),
+        "longer_swing": np.abs(_find_oscillation(longer, rigid)).max(),
         "swings": list(found.values()), "each_swing": [f"{v:.2f} N over {n}°" for n, v in found.items()],
         "lag": math.degrees(twist[lag]), "lag_deg": angle[lag],
         "lead": math.degrees(twist[lead]), "lead_deg": angle[lead],

@@ -113,7 +113,7 @@ def compute_hertz(runs: Runs) -> Values:
     load, radius, length, sigma = find_nose_contact(runs)
     b, p0 = half_width(load, radius, length, sigma), maximum_pressure(load, radius, length, sigma)
 
-    def strip(x: float) -> float:
+    def integrate_strip(x: float) -> float:
         return 2.0 * p0 * math.sqrt(1.0 - (x / b) ** 2) * math.asinh(0.5 * length / x)
 
     printed = 2.0 * radius / (4.0 * runs.parameters("contact").youngs_modulus_1)
@@ -123,7 +123,7 @@ def compute_hertz(runs: Runs) -> Values:
         "printed_width": math.sqrt(2.0 / math.pi * sigma * load * 2.0 * radius / length),
         "carried": quad(lambda x: math.sqrt(1.0 - x * x), -1.0, 1.0)[0] * b * length * p0,
         "closed": deflection(load, radius, length, sigma),
-        "integral": 2.0 * sigma / math.pi * quad(strip, 0.0, b, epsabs=0.0, epsrel=1e-10)[0],
+        "integral": 2.0 * sigma / math.pi * quad(integrate_strip, 0.0, b, epsabs=0.0, epsrel=1e-10)[0],
     }  # fmt: skip
 
 
@@ -171,7 +171,7 @@ def check_constraints(runs: Runs) -> Values:
     }  # fmt: skip
 
 
-def _lifts(runs: Runs, angles: Vector) -> Vector:
+def _compute_lifts(runs: Runs, angles: Vector) -> Vector:
     """Lift and its derivatives, a row for each."""
     return np.array([runs.lift(a) for a in angles]).T
 
@@ -180,7 +180,7 @@ def _lifts(runs: Runs, angles: Vector) -> Vector:
 def measure_lift(runs: Runs) -> Values:
     """The event and its nose, and how continuous the acceleration is."""
     angles, p = np.linspace(0.0, 360.0, 36001), runs.parameters("camshaft")
-    s, _, dds = _lifts(runs, angles)
+    s, _, dds = _compute_lifts(runs, angles)
     coarse, moved = angles[::10], angles[::10][s[::10] > 0.0]
     return {
         "begin_deg": moved[0], "end_deg": moved[-1], "middle_deg": 0.5 * (moved[0] + moved[-1]),
@@ -194,11 +194,11 @@ def measure_lift(runs: Runs) -> Values:
 
 @cache
 def measure_acceleration(runs: Runs) -> Values:
-    """Of the rise: s'' B^2/S, its spike at the nose (m/s^2), its symmetry, and the inertial forces (N)."""
+    """The rise's s'' B^2/S, its spike at the nose (m/s^2) and its symmetry; inertial forces (N)."""
     p, valve = runs.parameters("camshaft"), runs.parameters("valve_spring")
     rise, half = np.linspace(90.0, 180.0, 9001), np.linspace(0.0, 180.0, 1801)
-    dds = _lifts(runs, rise)[2]
-    off = np.max(np.abs(_lifts(runs, NOSE_DEG - half)[2] - _lifts(runs, NOSE_DEG + half)[2]))
+    dds = _compute_lifts(runs, rise)[2]
+    off = np.max(np.abs(_compute_lifts(runs, NOSE_DEG - half)[2] - _compute_lifts(runs, NOSE_DEG + half)[2]))
     bend = max(abs(runs.lift(a).dds) for a in np.linspace(90.0, 180.0, 901))
     forces = [valve.valve_mass * bend * (speed * math.pi / 30.0) ** 2 for speed in SPEEDS]
     return {
@@ -207,7 +207,7 @@ def measure_acceleration(runs: Runs) -> Values:
         "largest_other": max(OTHER_RISES.values()),
         "lowest": (OMEGA**2 * dds).min(), "lowest_deg": rise[np.argmin(OMEGA**2 * dds)],
         "at_nose": OMEGA**2 * runs.lift(NOSE_DEG).dds,
-        "asymmetry": off / np.max(np.abs(_lifts(runs, half)[2])),
+        "asymmetry": off / np.max(np.abs(_compute_lifts(runs, half)[2])),
         "forces": forces, "preload": valve.preload, "shares": [force / valve.preload for force in forces],
     }  # fmt: skip
 
@@ -223,7 +223,7 @@ def find_reversals(runs: Runs) -> Values:
 
 
 def compute_entrainment(runs: Runs) -> Values:
-    """At the nose, and by the printed formula at 120 degrees."""
+    """Entraining velocity at the nose, and by the printed formula at 120 degrees."""
     u, cam = runs.entraining(NOSE_DEG), runs.lift(120.0)
     return {
         "at_nose": u, "needed_rpm": 4.0 / u * KINEMATIC_SPEED, "needed_radius": 2.0 * 4.0 / OMEGA,

@@ -1,4 +1,4 @@
-"""The runs behind the reproduction: the shipped valve train in adherence form, each made when asked for."""
+"""Runs of the shipped valve train in adherence form; each is computed when first asked for."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class Cycle:
         self.angle_deg: Vector = np.linspace(0.0, 360.0, INTERVALS + 1)
         self.time: Vector = (settling + self.angle_deg / 360.0) * period
         self.reference: Reference = solve_adherence(
-            run.system(), self.time, TOLERANCE, t0=0.0, massless_spring=run.massless_spring
+            run.system(), self.time, TOLERANCE, massless_spring=run.massless_spring
         )
 
     def __getitem__(self, name: str) -> Vector:
@@ -108,7 +108,7 @@ class Cycle:
 
 
 class Runs:
-    """All runs and what the statements share; every run is made once, when first asked for."""
+    """All runs and what the statements share; each run is computed once, when first asked for."""
 
     def __init__(self) -> None:
         self.cycle = cache(Cycle)

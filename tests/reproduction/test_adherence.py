@@ -157,7 +157,7 @@ def test_compliant_contact_tends_to_adherence_as_it_stiffens(stiffness, substeps
 
 def test_two_methods_agree():
     times = np.linspace(0.5, 1.0, 361) * turn(1000)
-    found = solve_adherence(valve_train(1000), times, t0=0.0, tolerance=1e-7)
+    found = solve_adherence(valve_train(1000), times, tolerance=1e-7)
     # The load's digits below the tolerance are lost to the accelerations, 1e3 times the positions.
     assert found.uncertainty["contact.load"].relative_rms < 1e-6
     assert found.uncertainty["contact.film_thickness"].relative_rms < 1e-7
