@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from models.slider_crank.motions.portrait import portrait
+from models.slider_crank.motions.portrait import trace_portrait
 
 from ._machine import MACHINE, START, duration_parameters, simulate_motion
 from ._table import column, draw_by, evaluate_by
@@ -30,7 +30,7 @@ RESULTS = {
 def table(values: Mapping[str, Any]) -> xarray.Dataset:
     """Points of the motion, those before and after each impact included."""
     motion = simulate_motion(values)
-    found = portrait(motion, values["cycles"], values["points"])
+    found = trace_portrait(motion, values["cycles"], values["points"])
     widths = np.diff(found.theta)
     theta = column("point", found.theta, "rad", "crank angle since the start; equal twice at an impact")
     return xarray.Dataset(

@@ -15,7 +15,7 @@ from matplotlib.ticker import MultipleLocator, ScalarFormatter
 from models.slider_crank.equations import THESIS_XI
 from models.slider_crank.flight.bouncing import LOWER, UPPER
 from models.slider_crank.motions.machine import Machine
-from models.slider_crank.motions.portrait import portrait, wall_angles
+from models.slider_crank.motions.portrait import trace_portrait, wall_angles
 from models.slider_crank.motions.regions import TURN, thresholds, wall_forces
 from models.slider_crank.motions.statistics import approach_velocities, impact_profile, impact_spectrum
 from orchestrator.plots.motion.angles import shift_to_first_turn
@@ -170,7 +170,7 @@ def draw_sliding_regions(axes: Axes, runs: Runs, case: Case) -> str:
 
 def draw_motion(axes: Axes, runs: Runs, case: Case, cycles: int = 3, after: int = TRANSIENT) -> str:
     """psi over the crank angle, between the walls."""
-    motion = portrait(runs.motion(case, after), cycles)
+    motion = trace_portrait(runs.motion(case, after), cycles)
     draw_trace(axes, motion.theta, motion.psi, motion.side, motion.upper, motion.lower)
     if case.form == PUBLISHED:
         axes.set_xlabel("")
@@ -178,7 +178,7 @@ def draw_motion(axes: Axes, runs: Runs, case: Case, cycles: int = 3, after: int 
 
 
 def draw_phase_portrait(axes: Axes, runs: Runs, case: Case) -> str:
-    motion = portrait(runs.motion(case, 25), 2)
+    motion = trace_portrait(runs.motion(case, 25), 2)
     walls = (float(motion.upper.min()), float(motion.upper.max()))
     draw_phase(axes, motion.theta, motion.psi, motion.psi_rate, motion.side, walls)
     if case.form == CORRECTED:
@@ -295,7 +295,7 @@ def plot_extended_phase_space(runs: Runs, picture: Picture) -> Figure:
     figure = Figure(figsize=(6.2, 4.8))
     add_title(figure, picture.heading)
     ax = figure.add_subplot(projection="3d")
-    motion = portrait(runs.motion(EXAMPLE), 1)
+    motion = trace_portrait(runs.motion(EXAMPLE), 1)
     theta = np.linspace(0.0, TURN, 37)
     for side in (UPPER, LOWER):
         wall = 1e3 * wall_angles(EXAMPLE.machine, side, theta)

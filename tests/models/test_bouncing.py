@@ -12,6 +12,7 @@ from models.slider_crank.flight.bouncing import (
     CHATTER_LEFT,
     END,
     FRACTION,
+    LOWER,
     RATE_OF_Y,
     RELEASE,
     SIDE,
@@ -23,10 +24,10 @@ from models.slider_crank.flight.bouncing import (
     phase,
 )
 from models.slider_crank.flight.linear import carry, kick
-from models.slider_crank.forms import constraint_force, wall_angle
 from models.slider_crank.motions import histories as h
 from models.slider_crank.motions.histories import apply_saltation
 from models.slider_crank.motions.machine import FORMS, Machine, Motion
+from models.slider_crank.motions.regions import wall_forces
 
 from .oscillators import flow_of, impact_oscillator, impact_oscillator_orbit, position_at, scratch
 
@@ -142,23 +143,18 @@ def test_slider_rests_where_the_constraint_force_presses(form: str, damping: flo
     """In all four kinds of region (upper only, lower only, both, neither) it slides where the force of F
     2.6 says, and is released at that force's next zero."""
     machine = Machine(damping, gap, form=form)
-    m, number = machine.mechanism, float(FORMS.index(form))
-
-    def force(side: float, theta: float) -> float:
-        psi = wall_angle(number, theta, side * gap, m)
-        return side * constraint_force(number, theta, 1.0, 0.0, psi, m)
-
+    angles = np.linspace(0.003, 6.27, 400)
+    forces = {side: wall_forces(machine, side, angles) for side in (UPPER, LOWER)}
     kinds = set()
-    for theta in np.linspace(0.003, 6.27, 400):
-        holds = [force(side, theta) > 0.0 for side in (1.0, -1.0)]
-        kinds.add(tuple(holds))
-        for side, held in zip((1.0, -1.0), holds, strict=True):
+    for theta, *both in zip(angles, forces[UPPER] > 0.0, forces[LOWER] > 0.0, strict=True):
+        kinds.add(tuple(both))
+        for side, holds in zip((UPPER, LOWER), both, strict=True):
             slides, released = release_from_rest(machine, side, theta)
-            assert slides == (side if held else 0.0)
+            assert slides == (side if holds else 0.0)
             if math.isfinite(released):
-                assert abs(force(side, released)) < 1e-11
-                between = np.linspace(theta, released, 50)[1:-1]
-                assert min(force(side, t) for t in between) > 0.0
+                between = wall_forces(machine, side, np.linspace(theta, released, 50)[1:])
+                assert abs(between[-1]) < 1e-11
+                assert between[:-1].min() > 0.0
     if (form, damping, gap) == ("as_published", 0.267, 0.02):
         assert kinds == {(True, False), (True, True)}
     if damping == 0.1:

@@ -9,7 +9,7 @@ import pytest
 
 from models.slider_crank.forms import wall_rate
 from models.slider_crank.motions.machine import FORMS, Machine, Motion
-from models.slider_crank.motions.portrait import Portrait, portrait
+from models.slider_crank.motions.portrait import Portrait, trace_portrait
 
 CYCLES, POINTS = 3, 200
 # psi, psi' and the walls' come from the same formulas; rounding of angles of 10 cycles.
@@ -19,7 +19,7 @@ ROUNDING = 1e-13
 @cache
 def draw_portrait(form: str, damping: float) -> tuple[Machine, Portrait]:
     machine = Machine(damping, 0.015, form=form)
-    return machine, portrait(Motion(machine).skip(10), CYCLES, POINTS)
+    return machine, trace_portrait(Motion(machine).skip(10), CYCLES, POINTS)
 
 
 def find_impacts(found: Portrait) -> np.ndarray:
@@ -36,7 +36,7 @@ def test_portrait_is_the_trace_with_impacts(form: str, damping: float) -> None:
     machine, found = draw_portrait(form, damping)
     motion, twin = Motion(machine).skip(10), Motion(machine).skip(10)
     theta, states = motion.trace(CYCLES, POINTS)
-    portrait(twin, CYCLES, POINTS)
+    trace_portrait(twin, CYCLES, POINTS)
     kept = np.ones(found.theta.size, dtype=bool)
     for second in find_impacts(found):
         kept[second - 1 : second + 1] = False

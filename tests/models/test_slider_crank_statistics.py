@@ -87,7 +87,7 @@ def test_energy_taken_is_the_kinetic_energy_lost(form: str) -> None:
     """The rod's kinetic energy before less after, less the work that crank and moving wall frame do:
     momentum jump times the wall's rate. The quadratic part in psi' is exact in all forms."""
     machine, impacts = motion_impacts(form)
-    index, m = float(FORMS.index(form)), machine.mechanism
+    index, m = machine.form_code, machine.mechanism
     taken = energies(machine, impacts)
     after = rates_after(machine, impacts)
     for i in range(0, 40):

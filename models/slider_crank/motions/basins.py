@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -94,7 +94,7 @@ def find_end(machine: Machine, start: tuple[float, float], cycles: int) -> End:
     squares = np.concatenate([scaled, scaled**2], axis=1)
     if found:
         return End(found.period, squares[-found.period :].mean(axis=0), np.zeros(4))
-    means = np.array([block.mean(axis=0) for block in _blocks(squares[len(squares) // 2 :])])
+    means = np.array([block.mean(axis=0) for block in np.array_split(squares[len(squares) // 2 :], BLOCKS)])
     return End(0, means.mean(axis=0), means.std(axis=0, ddof=1) / math.sqrt(len(means)))
 
 
@@ -108,7 +108,3 @@ def exponent_at(machine: Machine, start: tuple[float, float], cycles: int) -> tu
     """Largest exponent and its standard error after so many cycles from there."""
     found = Motion(machine, *start).skip(cycles).exponents(cycles)
     return found.largest, found.uncertainty
-
-
-def _blocks(rows: Vector) -> Iterator[Vector]:
-    yield from np.array_split(rows, BLOCKS)

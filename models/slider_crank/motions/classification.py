@@ -66,24 +66,24 @@ def classify(
     motion = Motion(machine, psi, psi_rate)
     states, found = run_until_recurrent(motion, cycles)
     if found is None:
-        return _without_period(motion.exponents(max(20, cycles // 5)), len(states))
+        return _classify_aperiodic(motion.exponents(max(20, cycles // 5)), len(states))
     orbit = orbit_exponents(motion, found.period)
     if not orbit.largest < 0.0:
-        return _classification(
-            UNDECIDED, found, orbit, _NO_TRANSIENT, len(states),
-            f"{_repeats(found)}, but its exponent is not negative ({_exponent(orbit)}): an orbit that is not "
-            "attracting; another start would help",
-        )  # fmt: skip
+        evidence = (
+            f"{_recurrence_text(found)}, but its exponent is not negative ({_exponent_text(orbit)}): an "
+            "orbit that is not attracting; another start would help"
+        )
+        return _build_classification(UNDECIDED, found, orbit, _NO_TRANSIENT, len(states), evidence)
     before = transient_exponent(Motion(machine, psi, psi_rate), found.transient)
-    evidence = f"{_repeats(found)}; exponent over the orbit {_exponent(orbit)}"
-    evidence += _between(motion, found.period, orbit)
+    evidence = f"{_recurrence_text(found)}; exponent over the orbit {_exponent_text(orbit)}"
+    evidence += _slides_text(motion, found.period, orbit)
     if found.transient > ORDINARY_TRANSIENT and before[0] > CERTAIN * before[1]:
         evidence += (
             f"; before, over {found.transient} cycles, the exponent was {before[0]:.3g} +- {before[1]:.2g}"
         )
-        return _classification(TRANSIENT_CHAOS, found, orbit, before, len(states), evidence)
+        return _build_classification(TRANSIENT_CHAOS, found, orbit, before, len(states), evidence)
     evidence += f"; within {SETTLED:g} of it after {found.transient} cycles"
-    return _classification(PERIODIC, found, orbit, before, len(states), evidence)
+    return _build_classification(PERIODIC, found, orbit, before, len(states), evidence)
 
 
 _NO_TRANSIENT = (math.nan, math.nan)
@@ -114,25 +114,26 @@ def finite_time_exponents(motion: Motion, cycles: int, window: int = WINDOW) -> 
     return np.array([motion.exponents(window, blocks=window).largest for _ in range(cycles // window)])
 
 
-def _without_period(end: Exponents, cycles: int) -> Classification:
+def _classify_aperiodic(end: Exponents, cycles: int) -> Classification:
     none = Recurrence(0, 0, math.nan, cycles, False)
     evidence = f"no state repeats over {cycles} cycles"
     if end.largest > CERTAIN * end.uncertainty:
-        evidence += (
-            f"; exponent afterwards {_exponent(end)}, {end.largest / end.uncertainty:.0f} standard errors"
-        )
-        return _classification(CHAOTIC, none, end, _NO_TRANSIENT, cycles, evidence)
+        errors = end.largest / end.uncertainty
+        evidence += f"; exponent afterwards {_exponent_text(end)}, {errors:.0f} standard errors"
+        return _build_classification(CHAOTIC, none, end, _NO_TRANSIENT, cycles, evidence)
     if end.largest == -math.inf:
         evidence += (
             ", although the motion slides and is then released from the same state: a period longer than "
             "that; more cycles would help"
         )
     else:
-        evidence += f" and the sign of the exponent is not certain ({_exponent(end)}); more cycles would help"
-    return _classification(UNDECIDED, none, end, _NO_TRANSIENT, cycles, evidence)
+        evidence += (
+            f" and the sign of the exponent is not certain ({_exponent_text(end)}); more cycles would help"
+        )
+    return _build_classification(UNDECIDED, none, end, _NO_TRANSIENT, cycles, evidence)
 
 
-def _classification(
+def _build_classification(
     kind: str, found: Recurrence, end: Exponents, before: tuple[float, float], cycles: int, evidence: str
 ) -> Classification:
     return Classification(
@@ -141,7 +142,7 @@ def _classification(
     )  # fmt: skip
 
 
-def _between(motion: Motion, period: int, orbit: Exponents) -> str:
+def _slides_text(motion: Motion, period: int, orbit: Exponents) -> str:
     """Evidence of chaos between the slides of an orbit; empty without."""
     if orbit.largest > -math.inf or period < 2 * WINDOW:
         return ""
@@ -154,13 +155,13 @@ def _between(motion: Motion, period: int, orbit: Exponents) -> str:
     return f"{words}, and whose length hangs on rounding"
 
 
-def _repeats(found: Recurrence) -> str:
+def _recurrence_text(found: Recurrence) -> str:
     times = f"{found.repeats} times" if found.repeats > 1 else "once"
     how = "to the last bit" if found.exact and not found.distance else f"within {TOLERANCE:g}"
     return f"repeats every {found.period} cycles, {times} in succession {how}"
 
 
-def _exponent(found: Exponents) -> str:
+def _exponent_text(found: Exponents) -> str:
     if found.largest == -math.inf:
         return "-inf (it slides)"
     return f"{found.largest:.4g} +- {found.uncertainty:.2g} per radian"

@@ -61,7 +61,7 @@ def grow_tangents(
         raise ValueError("follow one kind of form at a time, linear or nonlinear")
     if len(cells) != 1:
         raise ValueError(f"follow machines with equal numbers of cells together, not {sorted(cells)}")
-    run = _kernels().nonlinear if kinds.pop() else _kernels().linear
+    run = _load_kernels().nonlinear if kinds.pop() else _load_kernels().linear
     length = -(-cycles // blocks)
     parts = [
         _grow_batch(run, machines[i : i + BATCH], length, blocks, transient)
@@ -74,8 +74,8 @@ def grow_tangents(
 def _grow_batch(
     run: Any, machines: Sequence[Machine], length: int, blocks: int, transient: int
 ) -> tuple[Vector, Vector, Vector]:
-    cuda, count = _kernels().cuda, len(machines)
-    tables = [np.array(parts) for parts in zip(*(_flat(machine) for machine in machines), strict=True)]
+    cuda, count = _load_kernels().cuda, len(machines)
+    tables = [np.array(parts) for parts in zip(*(machine.flow for machine in machines), strict=True)]
     walls = cuda.to_device(np.array([machine.walls for machine in machines]))
     position = cuda.to_device(np.zeros((count, POSITION_SIZE)))
     v = cuda.to_device(np.tile(np.eye(2), (count, 1, 1)))
@@ -83,7 +83,7 @@ def _grow_batch(
     on_device = [*(cuda.to_device(table) for table in tables), walls, position, v, scratch]
     grid = (count + THREADS - 1) // THREADS, THREADS
 
-    def block(revolutions: int) -> tuple[Vector, Vector]:
+    def run_block(revolutions: int) -> tuple[Vector, Vector]:
         impacts, growth = np.zeros(count), np.zeros((count, 2 + POSITION_SIZE))
         device_impacts, device_growth = cuda.to_device(impacts), cuda.to_device(growth)
         with warnings.catch_warnings():
@@ -92,17 +92,12 @@ def _grow_batch(
             run[grid](*on_device, device_impacts, revolutions, device_growth)
         return device_growth.copy_to_host()[:, :2], device_impacts.copy_to_host()
 
-    block(transient)
-    growths, impacts = zip(*(block(length) for _ in range(blocks)), strict=True)
+    run_block(transient)
+    growths, impacts = zip(*(run_block(length) for _ in range(blocks)), strict=True)
     return np.stack(growths, axis=1), np.sum(impacts, axis=0), position.copy_to_host()[:, 2:4]
 
 
-def _flat(machine: Machine) -> tuple[Any, ...]:
-    flow = machine.flow
-    return tuple(np.array(part) for part in flow)
-
-
-def _kernels() -> Any:
+def _load_kernels() -> Any:
     """The module of the kernels; NoDeviceError if there is no device."""
     try:
         kernels: Any = import_module(".gpu_kernels", __package__)

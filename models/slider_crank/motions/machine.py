@@ -48,10 +48,10 @@ class Machine:
     sliding_threshold: float = 0.0
 
     def __post_init__(self) -> None:
-        if faults := list(self._faults()):
+        if faults := list(self._find_faults()):
             raise ValueError("; ".join(faults))
 
-    def _faults(self) -> Iterator[str]:
+    def _find_faults(self) -> Iterator[str]:
         if self.form not in FORMS:
             yield f"form = {self.form!r}: must be one of {', '.join(FORMS)}"
         for field in fields(self):
@@ -96,7 +96,7 @@ class Machine:
     def flow(self) -> Flow | pendulum_flight.PendulumFlow:
         """The tabulated flow; of the nonlinear form only what presses to the walls is tabulated."""
         try:
-            flow = tabulate_flow(self._samples, self.xi)
+            flow = tabulate_flow(self._sample, self.xi)
         except UnresolvedError as error:
             raise UnresolvedError(
                 f"xi = {self.xi}, gap = {self.gap}, damping = {self.damping}: {error}; take xi (for form "
@@ -111,7 +111,7 @@ class Machine:
         """The kernels for this form."""
         return h.NONLINEAR if self.form == "nonlinear" else h.LINEAR
 
-    def _samples(self, cells: int) -> Vector:
+    def _sample(self, cells: int) -> Vector:
         samples = np.zeros((cells, COLUMNS))
         if self.form != "nonlinear":
             sample_flow(self.mechanism, samples)

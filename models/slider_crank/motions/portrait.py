@@ -29,9 +29,9 @@ class Portrait(NamedTuple):
     lower: Vector
 
 
-def portrait(motion: Motion, cycles: int, points: int = 1000) -> Portrait:
+def trace_portrait(motion: Motion, cycles: int, points: int = 1000) -> Portrait:
     """The next `cycles` revolutions; advances the motion."""
-    parts = [_revolution(motion, points) for _ in range(cycles)]
+    parts = [_trace_revolution(motion, points) for _ in range(cycles)]
     theta, psi, rate, side = (np.concatenate(columns) for columns in zip(*parts, strict=True))
     lower, upper = (wall_angles(motion.machine, sign, theta) for sign in (-1.0, 1.0))
     return Portrait(theta, psi, rate, side, upper, lower)
@@ -53,7 +53,7 @@ def rates_after(machine: Machine, impacts: Events) -> Vector:
     return rates
 
 
-def _revolution(motion: Motion, points: int) -> tuple[Vector, Vector, Vector, Vector]:
+def _trace_revolution(motion: Motion, points: int) -> tuple[Vector, Vector, Vector, Vector]:
     """theta, psi, psi', side of one revolution.
 
     Events and samples are taken from twins of equal start: stops at the samples change the rounding of a
@@ -70,13 +70,13 @@ def _revolution(motion: Motion, points: int) -> tuple[Vector, Vector, Vector, Ve
     order = np.argsort(angles, kind="stable")
     columns = (
         (np.repeat(psi, 2), states[:, 0]),
-        (_pairs(impacts.rate, rates_after(machine, impacts)), states[:, 1]),
-        (_pairs(np.zeros_like(sliding), sliding), states[:, 2]),
+        (_interleave(impacts.rate, rates_after(machine, impacts)), states[:, 1]),
+        (_interleave(np.zeros_like(sliding), sliding), states[:, 2]),
     )
     merged = (np.concatenate(parts)[order] for parts in columns)
     psi, rate, side = merged
     return angles[order], psi, rate, side
 
 
-def _pairs(before: Vector, after: Vector) -> Vector:
+def _interleave(before: Vector, after: Vector) -> Vector:
     return np.stack([before, after], axis=1).ravel()

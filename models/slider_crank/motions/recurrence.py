@@ -55,10 +55,10 @@ def find_recurrence(states: Vector) -> Recurrence | None:
         end = states[-1 - REPEATS * period :]
         distance = float(distances(end[period:], end[:-period], scale).max())
         if distance <= TOLERANCE:
-            return _describe(states, int(period), distance, scale, period in exact)
-    return (
-        _describe(states, _smallest(states, int(exact[0]), scale), 0.0, scale, True) if exact.size else None
-    )
+            return _build_recurrence(states, int(period), distance, scale, period in exact)
+    if not exact.size:
+        return None
+    return _build_recurrence(states, _find_smallest_period(states, int(exact[0]), scale), 0.0, scale, True)
 
 
 def run_until_recurrent(motion: StroboscopicMotion, cycles: int) -> tuple[Vector, Recurrence | None]:
@@ -81,7 +81,7 @@ def distances(states: Vector, others: Vector, scale: Vector) -> Vector:
         return (np.abs(states - others) / scale).max(axis=1)
 
 
-def _smallest(states: Vector, exact: int, scale: Vector) -> int:
+def _find_smallest_period(states: Vector, exact: int, scale: Vector) -> int:
     """The smallest part of an exact period that is one within TOLERANCE: rounding, carried round a stable
     orbit, may repeat after several periods only."""
     orbit = states[-exact:]
@@ -90,7 +90,7 @@ def _smallest(states: Vector, exact: int, scale: Vector) -> int:
     return next(repeats, exact)
 
 
-def _describe(states: Vector, period: int, distance: float, scale: Vector, exact: bool) -> Recurrence:
+def _build_recurrence(states: Vector, period: int, distance: float, scale: Vector, exact: bool) -> Recurrence:
     """How long the last `period` states have been the motion's orbit."""
     back = np.arange(len(states))[::-1]
     away = distances(states, states[-1 - back % period], scale)

@@ -79,16 +79,16 @@ def series_zeros(series: Vector) -> Vector:
             found.append(k * width)
             sign = -sign
         c, u = cell.copy(), 0.0
-        while (at := _next_zero(c, sign, 1.0 - u)) <= 1.0 - u:
+        while (at := _find_next_zero(c, sign, 1.0 - u)) <= 1.0 - u:
             found.append((k + u + at) * width)
             move_origin(c, at + PAST_ZERO)
             u += at + PAST_ZERO
             if sign * c[0] < 0.0:
                 sign = -sign
-    return _merge(found)
+    return _merge_zeros(found)
 
 
-def _next_zero(c: Vector, sign: float, length: float) -> float:
+def _find_next_zero(c: Vector, sign: float, length: float) -> float:
     """The first u in [0, length] at which sign c(u) falls to zero; above `length` if it does not."""
     if length <= 0.0:
         return math.inf
@@ -96,7 +96,7 @@ def _next_zero(c: Vector, sign: float, length: float) -> float:
     return first_fall(c, -sign, 0.0, low if sign > 0.0 else -high, length)
 
 
-def _merge(zeros: list[float]) -> Vector:
+def _merge_zeros(zeros: list[float]) -> Vector:
     kept: list[float] = []
     for zero in zeros:
         if not kept or zero - kept[-1] > ONE_ZERO:
@@ -108,21 +108,21 @@ def _merge(zeros: list[float]) -> Vector:
 
 def sign_changes(machine: Machine, side: float) -> int:
     """How often a wall's force changes its sign in a revolution: its zeros without the double ones."""
-    holding = _holding(machine, side, force_zeros(machine, side))
+    holding = _find_holding(machine, side, force_zeros(machine, side))
     return int(np.count_nonzero(holding != np.roll(holding, 1)))
 
 
 def holding_intervals(machine: Machine, side: float) -> list[Interval]:
     """Where the wall on that side can hold the slider, at most one revolution each."""
     zeros = force_zeros(machine, side)
-    holding = _holding(machine, side, zeros)
+    holding = _find_holding(machine, side, zeros)
     if len(zeros) == 0:
         return [Interval(0.0, TURN)] if holding[0] else []
     ends = np.append(zeros[1:], zeros[0] + TURN)
     return [Interval(float(a), float(b)) for a, b, holds in zip(zeros, ends, holding, strict=True) if holds]
 
 
-def _holding(machine: Machine, side: float, zeros: Vector) -> NDArray[np.bool_]:
+def _find_holding(machine: Machine, side: float, zeros: Vector) -> NDArray[np.bool_]:
     """True for each interval between zeros in which the force is positive."""
     if len(zeros) == 0:
         return wall_forces(machine, side, np.zeros(1)) > 0.0
@@ -139,10 +139,10 @@ def critical_damping(machine: Machine, side: float, theta: Vector) -> Vector:
 
 def thresholds(machine: Machine) -> Thresholds:
     """Of a machine with these parameters, whatever its damping; F: 0.2669 as rho -> 0."""
-    return Thresholds(*(_greatest(machine, side) for side in (UPPER, LOWER)))
+    return Thresholds(*(_find_greatest_damping(machine, side) for side in (UPPER, LOWER)))
 
 
-def _greatest(machine: Machine, side: float) -> float:
+def _find_greatest_damping(machine: Machine, side: float) -> float:
     """Maximum of `critical_damping` over the revolution."""
     theta = np.linspace(0.0, TURN, SAMPLES, endpoint=False)
     values = critical_damping(machine, side, theta)

@@ -61,11 +61,11 @@ def measure_transients(
 ) -> Transients:
     """Transients from (n, 2) starts psi, psi' at crank angle zero, each looked at for so many cycles."""
 
-    def one(start: tuple[float, float]) -> tuple[int, int]:
+    def settle(start: tuple[float, float]) -> tuple[int, int]:
         found = run_until_recurrent(Motion(machine, *start), cycles)[1]
         return (found.transient, found.period) if found else (cycles, 0)
 
-    found = np.array(each(one, [(float(psi), float(rate)) for psi, rate in starts], workers, progress))
+    found = np.array(each(settle, [(float(psi), float(rate)) for psi, rate in starts], workers, progress))
     return Transients(starts, found[:, 0], found[:, 1], cycles)
 
 

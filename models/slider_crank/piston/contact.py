@@ -26,7 +26,7 @@ from .mechanics import (
     add,
     along_row,
     dot,
-    times,
+    multiply,
 )
 
 CORNERS = 4
@@ -128,7 +128,7 @@ def coupling(corner: int, other: int, ratio: float, s: Motion, m: Machine) -> fl
     """Gap acceleration of `corner` per unit wall force on `other`."""
     if corner < 0 or other < 0:
         return 0.0
-    return dot(normal(corner, s.q, m), times(s.inverse, wall_push(other, ratio, s.q, m)))
+    return dot(normal(corner, s.q, m), multiply(s.inverse, wall_push(other, ratio, s.q, m)))
 
 
 @kernel
@@ -204,7 +204,7 @@ def add_reaction(
     touching: Touching, forces: Pair, ratios: Pair, start: Coordinates, s: Motion, m: Machine
 ) -> Coordinates:
     """Accelerations (rates) after wall forces (impulses), from those without."""
-    return add(start, 1.0, times(s.inverse, reaction(touching, forces, ratios, s, m)))
+    return add(start, 1.0, multiply(s.inverse, reaction(touching, forces, ratios, s, m)))
 
 
 @kernel

@@ -16,7 +16,7 @@ from .mechanics import (
     applied_forces,
     free_inverse,
     mass_matrix,
-    times,
+    multiply,
     turning_forces,
 )
 from .motion import (
@@ -48,7 +48,7 @@ def motion(x: FreePistonCrankState, u: FreePistonCrankInputs, p: FreePistonParam
     inverse = free_inverse(mass_matrix(q, m))
     forces = add(applied_forces(q, v, u.gas_pressure, m), -1.0, turning_forces(q, v, m))
     driven = Coordinates(forces.theta + u.crank_drive, forces.eta, forces.chi)
-    return Motion(q, v, inverse, times(inverse, driven))
+    return Motion(q, v, inverse, multiply(inverse, driven))
 
 
 @kernel

@@ -78,7 +78,7 @@ def add(a: Coordinates, factor: float, b: Coordinates) -> Coordinates:
 
 
 @kernel
-def times(s: Symmetric, a: Coordinates) -> Coordinates:
+def multiply(s: Symmetric, a: Coordinates) -> Coordinates:
     return Coordinates(
         s.theta_theta * a.theta + s.theta_eta * a.eta + s.theta_chi * a.chi,
         s.theta_eta * a.theta + s.eta_eta * a.eta + s.eta_chi * a.chi,
@@ -214,7 +214,7 @@ def applied_forces(q: Coordinates, v: Coordinates, gas_pressure: float, m: Machi
 
 @kernel
 def kinetic_energy(q: Coordinates, v: Coordinates, m: Machine) -> float:
-    return 0.5 * dot(v, times(mass_matrix(q, m), v))
+    return 0.5 * dot(v, multiply(mass_matrix(q, m), v))
 
 
 @kernel

@@ -15,8 +15,8 @@ from .mechanics import (
     add,
     applied_forces,
     mass_matrix,
+    multiply,
     prescribed_inverse,
-    times,
     turning_forces,
 )
 from .motion import (
@@ -51,7 +51,7 @@ def motion(x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters) -> Mo
         forces.eta - matrix.theta_eta * u.crank_acceleration,
         forces.chi - matrix.theta_chi * u.crank_acceleration,
     )
-    response = times(inverse, driven)
+    response = multiply(inverse, driven)
     return Motion(q, v, inverse, Coordinates(u.crank_acceleration, response.eta, response.chi))
 
 
@@ -61,7 +61,7 @@ def crank_torque(x: PistonCrankState, u: PistonCrankInputs, p: PistonParameters)
     m, s, touching = machine(p), motion(x, u, p), find_closed_corners(x)
     q2 = accelerations(x, s, p, m)
     walls = wall_reaction(s, touching, wall_forces(touching, s, p, m), p, m)
-    inertial = times(mass_matrix(s.q, m), q2).theta + turning_forces(s.q, s.v, m).theta
+    inertial = multiply(mass_matrix(s.q, m), q2).theta + turning_forces(s.q, s.v, m).theta
     return inertial - applied_forces(s.q, s.v, u.gas_pressure, m).theta - walls.theta
 
 
@@ -70,7 +70,7 @@ def apply_to_crank(
     x: PistonCrankState, u: PistonCrankInputs, s: Motion, jump: Coordinates, walls: Coordinates, m: Machine
 ) -> None:
     """The crank keeps its speed and gives the angular impulse that this takes."""
-    impulse = times(mass_matrix(s.q, m), jump).theta - walls.theta
+    impulse = multiply(mass_matrix(s.q, m), jump).theta - walls.theta
     x.crank_impact_impulse += impulse
     x.impact_work += impulse * u.crank_speed
 
