@@ -1,4 +1,4 @@
-"""Contact law of the piston's corners: closed forms of a free block, complementarity, friction, books."""
+"""Contact law of the piston's corners: closed forms of a free block, complementarity, friction, energy."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def test_law_of_impact(
     rate=st.floats(0.01, 1.0),
     restitution=st.floats(0.0, 1.0),
 )
-def test_impacts_keep_the_books(
+def test_energy_of_an_impact_is_work_of_the_crank_less_its_loss(
     corner: int, partner: str | None, theta: float, rate: float, restitution: float
 ) -> None:
     """Stored energy with losses and the crank's work does not jump; the crank's impulse does the work."""

@@ -190,16 +190,6 @@ def test_cutting_time_changes_no_impact() -> None:
     assert x == pytest.approx(whole, rel=1e-6, abs=1e-9)
 
 
-def test_restored_state_repeats_bit_for_bit() -> None:
-    p, x = DRIVEN.parameters.vector(UNEVEN), DRIVEN.state.vector()
-    turn(DRIVEN, x, p, 0.0, 1.0, ENGINE_SPEED)
-    saved = x.copy()
-    y = turn(DRIVEN, x, p, 1.0, 2.0, ENGINE_SPEED)
-    again = saved.copy()
-    assert turn(DRIVEN, again, p, 1.0, 2.0, ENGINE_SPEED) == y
-    assert np.array_equal(again, x)
-
-
 def test_chatter_taken_to_its_limit_early_changes_the_motion_by_its_square() -> None:
     """Ended a time T early, trajectories differ by O(T^2)."""
     ends = []

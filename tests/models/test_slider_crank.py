@@ -10,11 +10,13 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from models.core.component import Component
 from models.core.quantities import Vector
 from models.slider_crank.records import mechanism
 
 from .slider_cranks import (
     CRANK,
+    DRIVEN,
     FILMS,
     FORMS,
     LAG,
@@ -156,10 +158,18 @@ def test_restored_state_repeats_bit_for_bit(film: float, end: float, mode: float
     p, x = thesis_parameters(0.25, 0.015), STATE.vector()
     turn(CRANK, x, p, 0.0, end, upper_film_thickness=film)
     assert x[STATE.index("mode")] == mode
-    saved = x.copy()
-    y = turn(CRANK, x, p, end, 12.0, upper_film_thickness=film)
-    again = saved.copy()
-    assert turn(CRANK, again, p, end, 12.0, upper_film_thickness=film) == y
+    check_restored_state(CRANK, x, p, end, 12.0, upper_film_thickness=film)
+
+
+def test_restored_piston_repeats_bit_for_bit() -> None:
+    p, x = DRIVEN.parameters.vector({"pin_offset": 1e-3, "mass_offset": -0.5e-3}), DRIVEN.state.vector()
+    turn(DRIVEN, x, p, 0.0, 1.0, 200.0)
+    check_restored_state(DRIVEN, x, p, 1.0, 2.0, 200.0)
+
+
+def check_restored_state(component: Component, x: Vector, p: Vector, *step: float, **inputs: float) -> None:
+    again = x.copy()
+    assert turn(component, x, p, *step, **inputs) == turn(component, again, p, *step, **inputs)
     assert np.array_equal(again, x)
 
 

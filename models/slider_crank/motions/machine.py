@@ -26,11 +26,11 @@ from ..forms import offset, offset_slope, wall_angle, wall_rate
 from . import histories as h
 
 FORMS = ("as_published", "corrected", "nonlinear")
-# Events kept per call of the recording kernel.
+# Rows of the table of events that one call of the recording kernel fills.
 BATCH = 4096
-# A rod faster than so many times the crank is a mistake; its impacts a revolution would never end.
+# A start with a rod this many times faster than the crank is a mistake: it has too many impacts to compute.
 FASTEST = 1e6
-# Spans whose scatter tells the uncertainty of an exponent.
+# Blocks of a motion from whose scatter the uncertainty of an exponent follows.
 BLOCKS = 20
 
 
