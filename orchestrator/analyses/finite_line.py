@@ -76,8 +76,8 @@ def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
 def _map(values: Vector, found: Solution, x: Vector, y: Vector) -> Vector:
     """Values of a solution's nodes at x and y; lines at the ends keep their value up to the end."""
     grid = found.grid
-    along = np.array([np.interp(x, grid.x, line) for line in values.T]).T
-    return np.array([np.interp(y, grid.y, row) for row in along])
+    at_x = np.array([np.interp(x, grid.x, line) for line in values.T]).T
+    return np.array([np.interp(y, grid.y, row) for row in at_x])
 
 
 def table(values: Mapping[str, Any]) -> xarray.Dataset:

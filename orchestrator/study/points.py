@@ -152,10 +152,10 @@ class Grid(Table):
             name: resolve_values(name, axis.values(name, resolve), resolve)
             for name, axis in self.axes.items()
         }
-        for name, along in values.items():
-            if len(set(along)) < len(along):
+        for name, coordinates in values.items():
+            if len(set(coordinates)) < len(coordinates):
                 raise MistakeError(f"points.axes.{name}: has a value twice")
-        return Points(tuple(values), tuple(len(along) for along in values.values()), values)
+        return Points(tuple(values), tuple(len(coordinates) for coordinates in values.values()), values)
 
 
 class Sobol(Table):
@@ -181,8 +181,8 @@ class Sobol(Table):
             )
         unit = qmc.Sobol(len(self.ranges), scramble=True, rng=self.seed).random_base2(exponent)
         values = {
-            name: resolve_values(name, along.values_at(name, unit[:, i], resolve), resolve)
-            for i, (name, along) in enumerate(self.ranges.items())
+            name: resolve_values(name, limits.values_at(name, unit[:, i], resolve), resolve)
+            for i, (name, limits) in enumerate(self.ranges.items())
         }
         return Points((POINT,), (self.count,), values)
 

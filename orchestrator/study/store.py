@@ -192,8 +192,8 @@ def _create_store(path: Path, plan: Plan, versions: Mapping[str, str]) -> None:
     group = zarr.create_group(unfinished, zarr_format=3, attributes=attributes)
     for name, values in points.coordinates.items():
         array = _to_array(values)
-        along = name if name in points.dimensions else POINT
-        _create_array(group, name, [along], array, _describe(plan.subject.describe(name)), array.shape)
+        dimension = name if name in points.dimensions else POINT
+        _create_array(group, name, [dimension], array, _describe(plan.subject.describe(name)), array.shape)
     chunks = choose_chunks(points.shape)
     for name, result in results.items():
         empty = np.full(points.shape, "" if result.text else math.nan, object if result.text else np.float64)

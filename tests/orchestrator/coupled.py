@@ -11,19 +11,19 @@ from orchestrator.run.simulation import simulate
 from .recorder import Recorder
 
 
-def in_processes(system):
+def open_in_process(system):
     """All participants in this process."""
     return {name: in_process(name, instance) for name, instance in system.instances.items()}
 
 
-def recorded(system, master, step, stop):
+def record_run(system, master, step, stop):
     """The records of a run."""
     recorder = Recorder()
-    simulate(system, in_processes(system), master, step, stop, [recorder])
+    simulate(system, open_in_process(system), master, step, stop, [recorder])
     return recorder
 
 
-def grown(system, units, master, step, steps):
+def measure_growth(system, units, master, step, steps):
     """By how much a run's values grow from its first tenth to its last, without the runaway guard."""
     coupling = Coupling(system, units, master.degree)
     coupling.initialise(0.0, steps * step)
@@ -41,7 +41,7 @@ def assert_growth_changes_at(limit, behaviour, system, open_participants):
     for share in (0.96, 1.04):
         rate = np.log(behaviour.evaluate(share * limit).radius)
         units = open_participants()
-        factor = grown(system, units, behaviour.master, share * limit, int(10.0 / abs(rate)))
+        factor = measure_growth(system, units, behaviour.master, share * limit, int(10.0 / abs(rate)))
         for unit in units.values():
             unit.close()
         assert (factor > 1.0) == (share > 1.0)

@@ -71,13 +71,13 @@ def load_flexible():
     """The valve train with a flexible camshaft, and its motion with the first lift."""
     scenario = load("valve-train-flexible", ["stop_time=0.012"])
     system = resolve_start(scenario, build_system(scenario))
-    return system, along(system, 0.01, 5e-6)
+    return system, solve_trajectory(system, 0.01, 5e-6)
 
 
-def output_names(system, name):
+def list_outputs(system, name):
     """The outputs that connections read."""
     return {c.source.variable for c in system.connections if c.source.instance == name}
 
 
-def along(system, stop, spacing):
+def solve_trajectory(system, stop, spacing):
     return course(system, 0.5 * spacing * np.arange(2 * round(stop / spacing) + 1), 1e-10)

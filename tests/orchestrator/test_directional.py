@@ -20,27 +20,27 @@ from ..third_party.c_fmus import fmu as c_fmu
 from .coupled import assert_growth_changes_at
 from .linearised import (
     SPACING,
-    along,
+    list_outputs,
     load_flexible,
     masses_with_fmu,
-    output_names,
     quarter_car,
+    solve_trajectory,
     write_masses,
 )
 from .two_masses import two_masses
 
 
-def both(system, name, where, row, path):
+def linearise_twice(system, name, where, row, path):
     """An FMU by its directional derivatives, and the component by its equations."""
     unit = open_fmu(name, path, system.instances[name])
     try:
         assert unit.linearisable(
             [*list_connected_inputs(name, system), *list_continuous_outputs(name, system)]
         )
-        found = Directional(name, unit, system).about(where, row, output_names(system, name))
+        found = Directional(name, unit, system).about(where, row, list_outputs(system, name))
     finally:
         unit.close()
-    return found, Equations(system, name).about(where, row, output_names(system, name))
+    return found, Equations(system, name).about(where, row, list_outputs(system, name))
 
 
 def assert_alike(found, expected, system, name, tolerance):
@@ -61,7 +61,7 @@ def assert_alike(found, expected, system, name, tolerance):
         np.testing.assert_allclose(one, other, rtol=0.0, atol=tolerance * np.abs(other).max(initial=0.0))
 
 
-def native(component, fmi):
+def build_native(component, fmi):
     return build(component.name, structure=component.structure, platforms=[this_platform()], fmi=fmi)
 
 
@@ -71,9 +71,9 @@ def native(component, fmi):
 )
 def test_native_fmus_have_the_matrices_of_their_equations(system, fmi):
     """Equations are differenced, to 1e-9 of what is linear."""
-    where = along(system, 0.2, SPACING)
+    where = solve_trajectory(system, 0.2, SPACING)
     for name, instance in system.instances.items():
-        found, expected = both(system, name, where, 40, native(instance.component, fmi))
+        found, expected = linearise_twice(system, name, where, 40, build_native(instance.component, fmi))
         assert_alike(found, expected, system, name, 1e-8)
         fed_to = instance.component.inputs.index(list_connected_inputs(name, system)[0])
         np.testing.assert_array_equal(found.followed[:, fed_to], 1.0)
@@ -87,8 +87,8 @@ def test_native_fmus_of_a_loaded_valve_train_do(name, fmi, tolerance):
     """To differences of the equations: over 1e-8 m of approach, a thousandth of the contact's deflection, of
     which the load is a power, 1e-6 is left."""
     system, where = load_flexible()
-    path = native(system.instances[name].component, fmi)
-    found, expected = both(system, name, where, 3000, path)
+    path = build_native(system.instances[name].component, fmi)
+    found, expected = linearise_twice(system, name, where, 3000, path)
     assert_alike(found, expected, system, name, tolerance)
 
 
@@ -96,8 +96,8 @@ def test_native_fmus_of_a_loaded_valve_train_do(name, fmi, tolerance):
 def test_a_third_party_fmu_has_the_matrices_of_its_law(version, tmp_path):
     """m a = f - k x - d v: to the rounding of its own differences, of values below 10. It holds its input."""
     system = masses_with_fmu()
-    where = along(system, 0.2, SPACING)
-    found, _ = both(system, "second", where, 40, c_fmu("sprung", version, tmp_path))
+    where = solve_trajectory(system, 0.2, SPACING)
+    found, _ = linearise_twice(system, "second", where, 40, c_fmu("sprung", version, tmp_path))
     np.testing.assert_allclose(found.A, [[0.0, 1.0], [-10.0, -0.5]], atol=1e-13)
     np.testing.assert_allclose(found.B, [[0.0], [1.0]], atol=1e-13)
     np.testing.assert_array_equal(found.C, np.eye(2))
@@ -108,7 +108,7 @@ def test_a_third_party_fmu_has_the_matrices_of_its_law(version, tmp_path):
 def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_derivatives(tmp_path):
     """The FMU cannot be brought back to a saved state, which this way of linearisation does not need."""
     system, path, master = masses_with_fmu(), c_fmu("sprung", 2, tmp_path), GaussSeidel("linear")
-    where = along(system, 0.2, SPACING)
+    where = solve_trajectory(system, 0.2, SPACING)
     unit = open_fmu("second", path, system.instances["second"])
     assert not unit.restorable
     made = {"first": Equations(system, "first"), "second": Directional("second", unit, system)}
@@ -117,7 +117,7 @@ def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_deri
     limit = find_stability_limit(behaviour, 1e-4, 0.5, [])
 
     def open_participants():
-        paths = {"first": native(system.instances["first"].component, 2), "second": path}
+        paths = {"first": build_native(system.instances["first"].component, 2), "second": path}
         return {name: open_fmu(name, paths[name], i) for name, i in system.instances.items()}
 
     assert_growth_changes_at(limit, behaviour, system, open_participants)

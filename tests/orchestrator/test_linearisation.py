@@ -18,32 +18,32 @@ from orchestrator.participants import in_process, open_fmu
 from .coupled import assert_growth_changes_at
 from .linearised import (
     SPACING,
-    along,
+    list_outputs,
     load_flexible,
     masses_with_fmu,
-    output_names,
     quarter_car,
+    solve_trajectory,
     write_masses,
 )
 from .small_fmus import small_fmu
 from .two_masses import two_masses
 
 
-def both(system, name, where, row, spacing, participant=None):
+def linearise_twice(system, name, where, row, spacing, participant=None):
     """A participant by its responses and by its equations."""
     unit = participant or in_process(name, system.instances[name])
     try:
         measured = Responses(name, unit, system, spacing)
         return (
-            measured.about(where, row, output_names(system, name)),
-            Equations(system, name).about(where, row, output_names(system, name)),
+            measured.about(where, row, list_outputs(system, name)),
+            Equations(system, name).about(where, row, list_outputs(system, name)),
             measured,
         )
     finally:
         unit.close()
 
 
-def answers(linear, system, name, step):
+def compute_answers(linear, system, name, step):
     """Outputs after five steps with a pulse in each connected input, in nominal sizes."""
     phi, gamma, _ = linear.step(step)
     state, found = gamma[:, : linear.B.shape[1]], [linear.D]
@@ -58,7 +58,7 @@ def answers(linear, system, name, step):
 
 def assert_alike(found, expected, system, name, step, tolerance):
     """To `tolerance` of the largest answer of each output, or of all where an output does not answer."""
-    one, other = (answers(linear, system, name, step) for linear in (found, expected))
+    one, other = (compute_answers(linear, system, name, step) for linear in (found, expected))
     largest = np.abs(other).max(axis=(0, 2))
     for row, size in enumerate(largest):
         scale = size if size > 1e-12 * largest.max() else largest.max()
@@ -78,8 +78,8 @@ def assert_alike(found, expected, system, name, step, tolerance):
 def test_responses_of_a_linear_participant_have_the_poles_of_its_equations(system, name, spacing):
     """The participants are linear; they integrate to 1e-10 of nominal, pulses are a hundredth of it, and 60
     samples are a fraction of the slowest motion: 1e-6 of the fastest pole, 1e-7 of the answers."""
-    where = along(system, 0.2, spacing)
-    found, expected, measured = both(system, name, where, 40, spacing)
+    where = solve_trajectory(system, 0.2, spacing)
+    found, expected, measured = linearise_twice(system, name, where, 40, spacing)
     poles, truth = (np.sort_complex(np.linalg.eigvals(linear.A)) for linear in (found, expected))
     np.testing.assert_allclose(poles, truth, atol=1e-6 * np.abs(truth).max())
     for step in (0.3 * spacing, spacing, 8.0 * spacing):
@@ -92,7 +92,7 @@ def test_responses_of_the_valve_train_have_the_poles_of_its_equations(name):
     """The flexible camshaft and the spring with its coils, six states each: what their integrators leave
     (1e-13 of nominal) is 1e-7 of the answers to pulses of 5 us; 60 samples are 1/50 of the slowest period."""
     system, where = load_flexible()
-    found, expected, measured = both(system, name, where, 3000, 5e-6)
+    found, expected, measured = linearise_twice(system, name, where, 3000, 5e-6)
     poles, truth = (np.sort_complex(np.linalg.eigvals(linear.A)) for linear in (found, expected))
     np.testing.assert_allclose(poles, truth, atol=1e-4 * np.abs(truth).max())
     assert_alike(found, expected, system, name, 5e-6, 1e-7)
@@ -104,7 +104,7 @@ def test_responses_of_the_valve_train_have_the_poles_of_its_equations(name):
 def test_both_ways_of_linearisation_give_one_spectral_radius(master):
     """Eigenvalues agree to the responses' 1e-7 times their condition."""
     system = two_masses()
-    where = along(system, 0.2, SPACING)
+    where = solve_trajectory(system, 0.2, SPACING)
     made = {n: Responses(n, in_process(n, i), system, SPACING) for n, i in system.instances.items()}
     by_responses = Behaviour(linearise_at(system, where, 20, [], made), master)
     by_equations = Behaviour(linearise_at(system, where, 20, []), master)
@@ -137,7 +137,7 @@ def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_resp
 ):
     """The FMU holds its input, as its responses show: the component in its place has another limit."""
     system = masses_with_fmu()
-    where = along(system, 0.2, SPACING)
+    where = solve_trajectory(system, 0.2, SPACING)
     unit = open_third_party(system, tmp_path_factory)
     made = {
         "first": Equations(system, "first"),
@@ -171,7 +171,7 @@ class Noisy(HeldInputs):
 
 def test_a_participant_that_is_no_linear_system_is_named():
     system = two_masses()
-    where = along(system, 0.2, SPACING)
+    where = solve_trajectory(system, 0.2, SPACING)
     unit = Noisy(in_process("second", system.instances["second"]))
     made = {"first": Equations(system, "first"), "second": Responses("second", unit, system, SPACING)}
     with pytest.raises(NotLinearError, match=r"second: its responses .*residual .*'in-process'"):

@@ -19,7 +19,7 @@ from orchestrator.store.json_codec import from_text
 from tests.fmus.pack_component import pack_component
 from tests.models.fluid_layer import fluid_layer
 
-from .coupled import in_processes, recorded
+from .coupled import open_in_process, record_run
 from .dragged import dragged
 from .recorder import Recorder
 from .test_checkpoint import Kept
@@ -36,7 +36,7 @@ def layer_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def packaged(system: System, path: Path) -> dict[str, Participant]:
     """The layer as FMU."""
-    return in_processes(system) | {"layer": open_fmu("layer", path, system.instances["layer"])}
+    return open_in_process(system) | {"layer": open_fmu("layer", path, system.instances["layer"])}
 
 
 def closed(units: dict[str, Participant]) -> None:
@@ -50,7 +50,7 @@ def test_a_coupled_run_comes_to_the_monolithic_one_with_the_order_of_the_compone
     times = np.linspace(0.0, STOP, 3)
     exact = solve(system, times)["layer.force"][-1]
     coarse, fine = (
-        abs(recorded(system, ITERATED, step, STOP)["layer.force"][-1] - exact) for step in (2e-4, 1e-4)
+        abs(record_run(system, ITERATED, step, STOP)["layer.force"][-1] - exact) for step in (2e-4, 1e-4)
     )
     assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
 
@@ -59,7 +59,7 @@ def test_a_coupled_run_comes_to_the_monolithic_one_with_the_order_of_the_compone
 def test_an_fmu_of_a_thousand_states_runs_as_the_component_to_the_last_bit(master, layer_file: Path) -> None:
     """Also where it is rolled back many times in every macro step."""
     system, packaged_run = dragged(SHEETS), Recorder()
-    own = recorded(system, master, STEP, STOP)
+    own = record_run(system, master, STEP, STOP)
     units = packaged(system, layer_file)
     simulate(system, units, master, STEP, STOP, [packaged_run])
     closed(units)
@@ -73,7 +73,7 @@ def test_a_run_of_a_thousand_states_goes_on_from_a_checkpoint_to_the_last_bit(
     system, kept, rest = dragged(SHEETS), Kept(), Recorder()
 
     def made() -> dict[str, Participant]:
-        return packaged(system, layer_file) if kind == "fmu" else in_processes(system)
+        return packaged(system, layer_file) if kind == "fmu" else open_in_process(system)
 
     first, second = made(), made()
     simulate(system, first, ITERATED, STEP, STOP, [kept])
@@ -87,7 +87,7 @@ def test_energies_that_a_component_counts_in_its_own_steps_close_to_rounding() -
     """The midpoint rule has the balance of a quadratic energy exactly, with powers taken at the middle."""
     system = add_counting(dragged(SHEETS), ["layer", "plate"])
     ledger = Ledger(system)
-    simulate(system, in_processes(system), ITERATED, STEP, STOP, [ledger])
+    simulate(system, open_in_process(system), ITERATED, STEP, STOP, [ledger])
     layer = ledger.account().components["layer"]
     assert layer.dissipated > 1e-4
     # 40 steps of sums over 1000 sheets, to Newton's 1e-12 of velocities of 0.1 m/s.
@@ -109,7 +109,7 @@ def test_a_component_of_unknown_equations_does_not_count_and_is_estimated() -> N
     simulate(system, units, ITERATED, 2e-5, STOP, [ledger])
     counting_both = add_counting(dragged(), ["plate", "layer"])
     own = Ledger(counting_both)
-    simulate(counting_both, in_processes(counting_both), ITERATED, 2e-5, STOP, [own])
+    simulate(counting_both, open_in_process(counting_both), ITERATED, 2e-5, STOP, [own])
     bond = "taken layer.force * plate.velocity"
     assert ledger[bond] == pytest.approx(own[bond], rel=1e-3)
 

@@ -37,7 +37,7 @@ from orchestrator.participants.protocol import BoundVariables
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 
-from .coupled import assert_growth_changes_at, grown, in_processes, recorded
+from .coupled import assert_growth_changes_at, measure_growth, open_in_process, record_run
 from .two_masses import two_masses
 
 SIGNALS = ("hold", "linear", "quadratic", "hermite")
@@ -47,7 +47,7 @@ def point(system, row=0, stop=1.0, watched=()):
     return linearise_at(system, course(system, np.linspace(0.0, stop, 11), 1e-9), row, watched)
 
 
-def step_by_hand(h, degree, gauss_seidel, **parameters):
+def build_step_by_hand(h, degree, gauss_seidel, **parameters):
     """The macro step of both masses, from the variation of constants in closed form.
 
     Data: positions and velocities of both, force, and force, position and velocity before. Constants of an
@@ -83,7 +83,7 @@ def step_by_hand(h, degree, gauss_seidel, **parameters):
     return np.vstack([first_new, second_new, force_new, force, second])
 
 
-def radius(matrix):
+def compute_radius(matrix):
     return np.abs(np.linalg.eigvals(matrix)).max()
 
 
@@ -95,7 +95,7 @@ def test_the_macro_step_read_out_of_a_master_has_the_spectral_radius_of_the_one_
     """Independent method; eigenvalues agree to the differences' 1e-9 times their condition."""
     behaviour = Behaviour(point(two_masses()), kind(signal))
     for h in (1e-2, 5e-2, 0.2):
-        by_hand = radius(step_by_hand(h, int(signal == "linear"), kind is GaussSeidel))
+        by_hand = compute_radius(build_step_by_hand(h, int(signal == "linear"), kind is GaussSeidel))
         quantity, source = "spectral radius of a macro step, two masses", "derived by hand"
         record(
             "Coupling", f"{quantity}, {h:g} s", behaviour.evaluate(h).radius, by_hand, source, relative=1e-7
@@ -110,7 +110,7 @@ def test_the_largest_stable_step_is_where_the_radius_derived_by_hand_crosses_one
     limit = find_stability_limit(behaviour, 1e-2, 1.0, [])
 
     def excess(h):
-        return radius(step_by_hand(h, int(signal == "linear"), kind is GaussSeidel)) - 1.0
+        return compute_radius(build_step_by_hand(h, int(signal == "linear"), kind is GaussSeidel)) - 1.0
 
     exact = brentq(excess, 0.5 * limit, 2.0 * limit)
     quantity = "largest stable macro step, two masses (s)"
@@ -130,7 +130,7 @@ def test_runs_of_the_masses_grow_beyond_the_predicted_limit_and_decay_below_it(m
     system = two_masses(coupling_stiffness=400.0)
     behaviour = Behaviour(point(system), master)
     limit = find_stability_limit(behaviour, 1e-3, 0.5, [])
-    assert_growth_changes_at(limit, behaviour, system, lambda: in_processes(system))
+    assert_growth_changes_at(limit, behaviour, system, lambda: open_in_process(system))
 
 
 def test_the_limit_is_where_stability_first_ends_though_it_returns():
@@ -152,10 +152,10 @@ def test_the_limit_is_where_stability_first_ends_though_it_returns():
     assert all(at.stable for at in seen if at.step <= limit)
     for step in (0.99 * limit, 0.0985):
         count = int(10.0 / abs(np.log(behaviour.evaluate(step).radius)))
-        assert (grown(system, in_processes(system), master, step, count) > 1.0) == (step > limit)
+        assert (measure_growth(system, open_in_process(system), master, step, count) > 1.0) == (step > limit)
 
 
-def estimate(system, master, step, stop, watched=(), row=0):
+def estimate_errors(system, master, step, stop, watched=(), row=0):
     """Estimated and measured relative RMS error, of the watched or of all exchanged values."""
     where = course(system, 0.5 * step * np.arange(2 * round(stop / step) + 1), 1e-11)
     names = {n: [p.variable for p in watched if p.instance == n] for n in system.instances}
@@ -163,7 +163,7 @@ def estimate(system, master, step, stop, watched=(), row=0):
     sources = behaviour.sources
     track = sample_course(where, system, sources)
     expected = predict_errors(behaviour.macro_step(step), track, 2, behaviour.nominal)
-    run = recorded(system, master, step, stop)
+    run = record_run(system, master, step, stop)
     truth = where.outputs[::2, [system.outputs.index(port) for port in sources]]
     seen = [difference(run[str(port)], truth[:, i]).relative_rms for i, port in enumerate(sources)]
     asked = [i for i, port in enumerate(sources) if port in watched or not watched]
@@ -175,7 +175,7 @@ def estimate(system, master, step, stop, watched=(), row=0):
 def test_estimated_errors_of_the_masses_are_those_of_a_run(kind, signal, record):
     """The masses are linear. A quarter is left to the first steps, which a run repeats and an estimate does
     not know, and to rates that are differences of the course."""
-    expected, measured = estimate(two_masses(), kind(signal), 2e-2, 4.0)
+    expected, measured = estimate_errors(two_masses(), kind(signal), 2e-2, 4.0)
     quantity = "error estimated before a run, two masses"
     record("Coupling", quantity, expected, measured, "errors of the run", relative=0.25)
 
@@ -205,7 +205,7 @@ def test_the_valve_train_runs_below_the_predicted_limit_and_runs_away_beyond(val
     _, limit = find_hardest_point(points, master, 1e-6, 1e-4)
 
     def error(step):
-        found = recorded(valve_train, master, step, LIFT)
+        found = record_run(valve_train, master, step, LIFT)
         truth = course(valve_train, found.times, 1e-9).outputs[
             :, valve_train.outputs.names.index("contact.load")
         ]
@@ -233,7 +233,7 @@ def test_the_estimated_error_of_the_contact_load_is_that_of_a_run_within_a_facto
     """Linear about one instant of the lift, in place of all. Hermite signals miss most where the film has a
     corner, as entrainment reverses: the rates there have to be those that participants give."""
     watched = [Port("contact", "load")]
-    expected, measured = estimate(valve_train, master, 5e-6, LIFT, watched, row=2 * int(35e-3 / 5e-6))
+    expected, measured = estimate_errors(valve_train, master, 5e-6, LIFT, watched, row=2 * int(35e-3 / 5e-6))
     assert measured[0] / 2.0 < expected[0] < 2.0 * measured[0]
 
 

@@ -25,25 +25,25 @@ def compute_extrapolation_error(
     ends at instant n, and zero without a full past. `middles` are values halfway, row n for the step that
     ends at instant n + 1.
     """
-    missed = np.zeros((len(values), len(build_shapes(step, degree)), values.shape[1]))
+    amounts = np.zeros((len(values), len(build_shapes(step, degree)), values.shape[1]))
     if degree != HERMITE:
-        missed[degree + 1 :, 0] = np.diff(values, degree + 1, axis=0)
-        return missed
+        amounts[degree + 1 :, 0] = np.diff(values, degree + 1, axis=0)
+        return amounts
     # The cubic through the last two values and rates, one step on; rates are those times the step.
     slopes = step * rates
     first, start, end = values[:-2], values[1:-1], values[2:]
     guess = 5.0 * first - 4.0 * start + 2.0 * slopes[:-2] + 4.0 * slopes[1:-1]
     guessed_slope = 12.0 * (first - start) + 5.0 * slopes[:-2] + 8.0 * slopes[1:-1]
-    missed[2:, 0] = end - guess
-    missed[2:, 1] = slopes[2:] - guessed_slope
+    amounts[2:, 0] = end - guess
+    amounts[2:, 1] = slopes[2:] - guessed_slope
     if middles is None:
         # Exact for a polynomial of fourth order.
-        missed[2:, 2] = missed[2:, 0] / 64.0
+        amounts[2:, 2] = amounts[2:, 0] / 64.0
     else:
-        missed[2:, 2] = middles[1 : len(values) - 1] - (
+        amounts[2:, 2] = middles[1 : len(values) - 1] - (
             0.5 * (start + end) + 0.125 * (slopes[1:-1] - slopes[2:])
         )
-    return missed
+    return amounts
 
 
 @cache

@@ -280,23 +280,23 @@ class LinearCoupling:
         e, given = self.coupling, amounts.shape[1]
         for number in np.flatnonzero(np.any(amounts, axis=1)):
             kind, source = divmod(int(number), self.sources)
-            missing, at_end = (
+            shapes_over_step, at_end = (
                 build_shapes(step, self.degrees[source]),
                 evaluate_ends(step, self.degrees[source]),
             )
             port = e.wiring.sources[source * self.count]
             variable = port.variable.partition("#")[0]
-            if kind >= len(missing):  # this signal's degree is lower than others'
+            if kind >= len(shapes_over_step):  # this signal's degree is lower than others'
                 continue
-            missed = self.nominal[source] * amounts[number]
+            error = self.nominal[source] * amounts[number]
             unit = self.units[port.instance]
             column = self.system.instances[port.instance].component.outputs.index(variable)
-            unit.course_end[:, column, :given] += at_end[:, kind, None] * missed
+            unit.course_end[:, column, :given] += at_end[:, kind, None] * error
             for c in self.system.connections:
                 if c.source.instance == port.instance and c.source.variable == variable:
                     into = self.system.instances[c.target.instance].component.inputs.index(c.target.variable)
                     course = self.units[c.target.instance].course
-                    course[:, into, :given] += missing[kind][:, None] * missed
+                    course[:, into, :given] += shapes_over_step[kind][:, None] * error
 
 
 def _build_static(component: Component) -> Linear:

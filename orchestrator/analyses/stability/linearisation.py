@@ -20,9 +20,10 @@ from models.monolithic.trajectory import Course
 
 from ...errors import ParticipantError
 from ...participants import FmuParticipant, Participant, in_process, open_fmu
+from ...participants.transformed import Linear as Transformation
 from ...scenario import Scenario, ScenarioError
-from ...scenario.system import Builder
-from .analysable import check_analysable
+from ...scenario.conversion import find_transformations
+from ...scenario.system import Builder, build_instances
 from .linear import ROWS, Linear, compute_eigenvalues
 from .responses import Responses
 from .trajectory import (
@@ -245,6 +246,23 @@ def linearise_points(
     if not points:
         raise left[0]
     return points, [str(error) for error in left]
+
+
+def check_analysable(scenario: Scenario) -> None:
+    """Raise ScenarioError for a third-party FMU and for a connection that changes values."""
+    for name, table in scenario.components.items():
+        if table.third_party:
+            raise ScenarioError(
+                f"components.{name}: a third-party FMU, whose equations are not known here, is not "
+                "analysed; tribocosim run with several macro steps shows what they do"
+            )
+    for name, inputs in find_transformations(*build_instances(scenario)).items():
+        for variable, transformation in inputs.items():
+            if transformation != Transformation():
+                raise ScenarioError(
+                    f"{name}.{variable}: its connection has a factor, an offset or converts units, which is "
+                    "not known to the analysis; connect variables of one unit as they are"
+                )
 
 
 @contextmanager

@@ -30,10 +30,10 @@ from .trajectory import compute_rates
 
 @dataclass(frozen=True)
 class MacroStep:
-    """data(t + H) = matrix data(t) + defect missed, all in nominal units.
+    """data(t + H) = matrix data(t) + defect amounts, all in nominal units.
 
     The data are the participants' states, then rows of exchanged values, newest first, and, with rates, as
-    many rows of those times H. `missed` is the extrapolation error of the true solution's values over the
+    many rows of those times H. `amounts` are the extrapolation errors of the true solution's values over the
     step (`compute_extrapolation_error`), shape after shape, for signals of these `degrees`.
     """
 
@@ -61,11 +61,11 @@ def build_macro_step(coupling: LinearCoupling, master: Master, step: float) -> M
     for part, data in _unit_columns(size, coupling.count):
         coupling.set_state(data, step)
         columns[:, part] = coupling.step(master, step)[:, : data.shape[1]]
-    for part, missed in _unit_columns(kinds * sources, coupling.count):
-        coupling.set_state(np.zeros((size, missed.shape[1])), step)
-        coupling.add_extrapolation_error(missed, step)
-        defect[:, part] = coupling.step(master, step)[:, : missed.shape[1]]
-    # The true solution deviates by `missed` at the end; the rest is error.
+    for part, amounts in _unit_columns(kinds * sources, coupling.count):
+        coupling.set_state(np.zeros((size, amounts.shape[1])), step)
+        coupling.add_extrapolation_error(amounts, step)
+        defect[:, part] = coupling.step(master, step)[:, : amounts.shape[1]]
+    # The true solution deviates by `amounts` at the end; the rest is error.
     rates = coupling.states + coupling.rows * sources
     for source, degree in enumerate(coupling.degrees):
         for kind, (value, rate) in enumerate(evaluate_ends(step, int(degree)).T):
@@ -90,7 +90,7 @@ class SampledCourse:
     values: Vector
     rates: Vector
 
-    def extrapolation_errors(self, count: int, degrees: Vector) -> Vector:
+    def compute_extrapolation_errors(self, count: int, degrees: Vector) -> Vector:
         """Extrapolation errors of steps of `count` instants, (steps x shapes x sources)."""
         middles = self.values[count // 2 :: count] if count % 2 == 0 else None
         step = count * self.interval
@@ -101,10 +101,10 @@ class SampledCourse:
             for degree in np.unique(degrees)
         }
         shape = next(iter(found.values())).shape
-        missed = np.zeros((shape[0], max(one.shape[1] for one in found.values()), shape[2]))
+        amounts = np.zeros((shape[0], max(one.shape[1] for one in found.values()), shape[2]))
         for degree, one in found.items():
-            missed[:, : one.shape[1], degrees == degree] = one[:, :, degrees == degree]
-        return missed
+            amounts[:, : one.shape[1], degrees == degree] = one[:, :, degrees == degree]
+        return amounts
 
 
 def sample_course(course: Course, system: System, sources: Sequence[Port]) -> SampledCourse:
@@ -117,11 +117,11 @@ def sample_course(course: Course, system: System, sources: Sequence[Port]) -> Sa
 def predict_errors(step: MacroStep, track: SampledCourse, count: int, nominal: Vector) -> Vector:
     """Estimate the relative RMS error of each source for macro steps of `count` instants of the track.
 
-    The errors obey e(n+1) = matrix e(n) + defect missed(n), linear about one point. Infinite if they diverge.
+    The errors obey e(n+1) = matrix e(n) + defect amounts(n), linear about one point: infinite if diverging.
     """
     values = track.values[::count]
-    missed = (track.extrapolation_errors(count, step.degrees) / nominal).reshape(len(values), -1)
-    driven = missed @ step.defect[:, : missed.shape[1]].T
+    amounts = (track.compute_extrapolation_errors(count, step.degrees) / nominal).reshape(len(values), -1)
+    driven = amounts @ step.defect[:, : amounts.shape[1]].T
     error = np.zeros_like(values)
     sparse = csr_array(step.matrix)
     with np.errstate(over="ignore", invalid="ignore"):

@@ -248,11 +248,11 @@ def realise(pulses: Vector, direct: Vector, spacing: float, given: Vector, noise
             continue
         own = Linear(A, B, observed, np.zeros((p, m)), np.ones(len(A)))
         again, effect, _ = own.step(spacing)
-        missed = _compute_residual((again, effect[:, :m], observed), scaled)
-        if best is None or missed < best.residual:
+        residual = _compute_residual((again, effect[:, :m], observed), scaled)
+        if best is None or residual < best.residual:
             linear = Linear(A, B * strength / given, observed * weight[:, None], direct, np.ones(len(A)))
-            best = Realisation(linear, missed)
-        if missed <= NEARLY * max(FINE, _compute_residual((phi, gamma, observed), scaled)):
+            best = Realisation(linear, residual)
+        if residual <= NEARLY * max(FINE, _compute_residual((phi, gamma, observed), scaled)):
             break
     assert best is not None
     return best
@@ -265,8 +265,8 @@ def _rank_candidates(scaled: Vector) -> list[DiscreteSystem]:
         found.append((_compute_residual(candidate, scaled), candidate))
         if found[-1][0] <= FINE:
             break
-    enough = max(FINE, NEARLY * min(missed for missed, _ in found))
-    smallest = next(i for i, (missed, _) in enumerate(found) if missed <= enough)
+    enough = max(FINE, NEARLY * min(residual for residual, _ in found))
+    smallest = next(i for i, (residual, _) in enumerate(found) if residual <= enough)
     rest = sorted(found[:smallest] + found[smallest + 1 :], key=lambda item: item[0])
     return [found[smallest][1], *(candidate for _, candidate in rest[:OTHERS])]
 
@@ -318,6 +318,6 @@ def _compute_residual(system: DiscreteSystem, scaled: Vector) -> float:
             difference[k] = observed @ state - sample
             state = phi @ state
         mean = np.sqrt(np.mean(scaled**2, axis=(0, 2)))
-        missed = np.sqrt(np.mean(difference**2, axis=(0, 2)))
-    worst = float(np.max(missed / np.maximum(mean, BRIEF)))
+        residual = np.sqrt(np.mean(difference**2, axis=(0, 2)))
+    worst = float(np.max(residual / np.maximum(mean, BRIEF)))
     return worst if np.isfinite(worst) else np.inf

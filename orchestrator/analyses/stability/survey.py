@@ -291,8 +291,8 @@ class _Surveyor:
         interval = self._sampled.interval
         factor = max(1, round(found.advised_step / interval))
         behaviour = Behaviour(self.typical, found.master, self._couplings)
-        missed = self._sampled.extrapolation_errors(factor, behaviour.degrees)
-        amounts = (np.sqrt(np.mean(missed**2, axis=0)) / behaviour.nominal).ravel()
+        per_step = self._sampled.compute_extrapolation_errors(factor, behaviour.degrees)
+        amounts = (np.sqrt(np.mean(per_step**2, axis=0)) / behaviour.nominal).ravel()
         found.cost = behaviour.count_participant_steps(found.advised_step, amounts) / found.advised_step
         if not math.isfinite(found.cost):
             found.advised_step = 0.0
