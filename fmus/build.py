@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pythonfmu
 
-from fmus.fmi.archive import digest_of, seal
+from fmus.fmi.archive import compute_digest, seal
 from models.catalogue import CATALOGUE
 from models.core.component import Component
 
@@ -91,11 +91,11 @@ def build(
     KeyError for an unknown name; ValueError for sizes that the component refuses, and for a bad `libpython`.
     """
     if destination is not None:
-        return write_fmu(pack_files(content_of(name, structure, libpython)), name, Path(destination))
+        return write_fmu(pack_files(collect_files(name, structure, libpython)), name, Path(destination))
 
     def find() -> Path:
-        files = content_of(name, structure, libpython)
-        target = cache_path(name, digest_of(files))
+        files = collect_files(name, structure, libpython)
+        target = cache_path(name, compute_digest(files))
         if not use_cached(target):
             write_fmu(pack_files(files), name, target)
             tidy(target.parent)
@@ -134,11 +134,11 @@ def pack_files(files: Mapping[str, bytes]) -> bytes:
     return buffer.getvalue()
 
 
-def content_of(
+def collect_files(
     name: str, structure: Mapping[str, int] | None = None, libpython: str | None = None
 ) -> dict[str, bytes]:
     """The FMU's files by path."""
-    sizes, component = sized_component(name, structure)
+    sizes, component = resolve_component(name, structure)
     factory = CATALOGUE[name]
     package, code = collect_sources(factory)
     files = {f"resources/{path}": content for path, content in code.items()}
@@ -149,7 +149,7 @@ def content_of(
         factory=factory.__name__,
         structure=sizes,
     ).encode()
-    stem = f"{name}_{digest_of({package: script})[:16]}"
+    stem = f"{name}_{compute_digest({package: script})[:16]}"
     files[f"resources/{stem}.py"] = script
     files["resources/slavemodule.txt"] = stem.encode()
     licence = metadata.distribution("pythonfmu").read_text("licenses/LICENSE") or ""
@@ -159,12 +159,12 @@ def content_of(
         files |= references(name, exchange=False)
     made_by = origin(f"PythonFMU {pythonfmu.__version__}")
     xml = model_description(component, name, experiment(name), made_by, PYTHON)
-    guid = uuid.UUID(digest_of(files | {"modelDescription.xml": xml.encode()})[:32])
+    guid = uuid.UUID(compute_digest(files | {"modelDescription.xml": xml.encode()})[:32])
     files["modelDescription.xml"] = xml.replace(GUID_PLACE, f"{{{guid}}}").encode()
     return files
 
 
-def sized_component(name: str, structure: Mapping[str, int] | None) -> tuple[dict[str, int], Component]:
+def resolve_component(name: str, structure: Mapping[str, int] | None) -> tuple[dict[str, int], Component]:
     """The sizes of an FMU, and the component with them; KeyError and ValueError as `build`."""
     if name not in NAMES:
         raise KeyError(f"FMU {name!r}: must be one of {', '.join(NAMES)}")

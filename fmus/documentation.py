@@ -7,7 +7,7 @@ from typing import Any
 
 from markdown_it import MarkdownIt
 
-from .fmi.description import display_unit_of, unit_of
+from .fmi.description import display_unit, full_unit
 from .fmi.units import display_factor
 from .variable_layout import Memory, Variable
 
@@ -72,7 +72,7 @@ def variables_table(component: Any) -> str:
 
 
 def _row(variable: Variable) -> str:
-    unit, shown = unit_of(variable), display_unit_of(variable)
+    unit, shown = full_unit(variable), display_unit(variable)
     start, default = variable.start, ""
     if start is not None:
         default = f"{start:g}"

@@ -12,7 +12,7 @@ from typing import Any
 import pythonfmu
 
 import models
-from fmus.fmi.archive import digest_of
+from fmus.fmi.archive import compute_digest
 
 # Packages that the code in an FMU may import besides the standard library.
 RUN_TIME = {"numpy", "numba", "llvmlite"}
@@ -42,7 +42,7 @@ def collect_sources(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]
     files["__init__.py"] = (
         b'"""Code of an FMU made by tribocosim; the name has the digest of the content."""\n'
     )
-    package = f"tribocosim_{digest_of(files)[:16]}"
+    package = f"tribocosim_{compute_digest(files)[:16]}"
     return package, {f"{package}/{name}": content for name, content in sorted(files.items())}
 
 

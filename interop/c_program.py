@@ -132,7 +132,7 @@ def format_case(case: Case) -> str:
     """The case in the format that host.c reads."""
     counts = [len(case.inputs), len(case.outputs), case.steps]
     lines = [f"{case.fmi} {_bits(case.step)}", " ".join(map(str, counts))]
-    lines += [" ".join(map(str, case.references_of(names))) for names in (case.inputs, case.outputs)]
+    lines += [" ".join(map(str, case.find_references(names))) for names in (case.inputs, case.outputs)]
     lines += [" ".join(map(_bits, row)) for row in case.table]
     return "\n".join(lines) + "\n"
 

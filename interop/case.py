@@ -43,7 +43,7 @@ class Case:
         """Values of the inputs in the first step."""
         return dict(zip(self.inputs, self.table[0], strict=True))
 
-    def references_of(self, names: Sequence[str]) -> list[int]:
+    def find_references(self, names: Sequence[str]) -> list[int]:
         return [self.references[name] for name in names]
 
     def rows(self) -> list[dict[str, float]]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..cross_check.stimulus import Course
+from ..cross_check.stimulus import Stimulus
 
 SPEED = 50.0  # rad/s, of the cam
 TIMES = np.arange(66) * 2e-3
@@ -13,7 +13,7 @@ def _load(t: np.ndarray) -> np.ndarray:
     return 330.0 + 280.0 * np.sin(np.pi * np.clip((t - 0.03) / 0.066, 0.0, 1.0)) ** 2
 
 
-COURSE = Course(
+STIMULUS = Stimulus(
     says=(
         "A little more than one turn of the cam at 50 rad/s, rise, dwell and fall included, under a "
         "contact load that grows with the lift and friction of 5 % of it."

@@ -1,8 +1,8 @@
 """The coupled mass's reference run."""
 
-from ..cross_check.stimulus import Course
+from ..cross_check.stimulus import Stimulus
 
-COURSE = Course(
+STIMULUS = Stimulus(
     says="The other mass jumps by 1 m at 1 s and moves back at 0.25 m/s from 3 to 7 s.",
     corners=[0.0, 1.0, 1.0, 3.0, 3.0, 7.0, 7.0, 10.0],
     inputs={

@@ -5,21 +5,21 @@ from __future__ import annotations
 import sys
 
 from ..build import NAMES
-from .inside import folder_of
+from .inside import reference_folder
 from .reference import results
-from .stimulus import course_of
+from .stimulus import load_stimulus
 
 
 def main(names: list[str]) -> None:
-    """Write the files of these FMUs; of all that have a course without names."""
+    """Write the files of these FMUs; of all that have a stimulus without names."""
     for name in names or NAMES:
-        course = course_of(name)
-        if course is None:
+        stimulus = load_stimulus(name)
+        if stimulus is None:
             print(f"{name}: has no stimulus.py: nothing to compute")
             continue
-        found = results(name, course)
+        found = results(name, stimulus)
         for path, text in found.files.items():
-            target = folder_of(name) / path
+            target = reference_folder(name) / path
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(text, encoding="utf-8")
         worst = max(found.stepped, key=lambda output: found.stepped[output])

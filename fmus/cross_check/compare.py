@@ -239,7 +239,7 @@ def _simulate(
                 stop_time=o.stop_time,
                 output_interval=o.step_size or o.interval or float(np.min(np.diff(times))),
                 fmi_type="CoSimulation",
-                input=None if reference.inputs is None else reference.inputs.structured(),
+                input=None if reference.inputs is None else reference.inputs.to_structured_array(),
                 output=named,
                 model_description=described,
             )

@@ -76,7 +76,7 @@ def run(
         if target - t > _SAME * abs(stop):
             states, _ = march(problem, Cvode(problem, tolerance, stiff, longest), z, t, np.array([target]))
             t, z = target, states[-1]
-            problem.completed(t, z)
+            problem.complete_step(t, z)
             z = problem.state()
         recorder.sample(t)
         if target in corners:
@@ -151,7 +151,7 @@ class Hosted:
         z[:] = self.state()
         return Event(t, "", guard)
 
-    def completed(self, t: float, z: Vector) -> None:
+    def complete_step(self, t: float, z: Vector) -> None:
         """The solver has come to (t, z); the FMU may ask for an event."""
         self._at(t, z)
         asks, ends = self.fmu.completedIntegratorStep()

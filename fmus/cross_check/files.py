@@ -48,7 +48,7 @@ class Table:
     times: Vector
     columns: Mapping[str, Vector]
 
-    def structured(self) -> NDArray[np.void]:
+    def to_structured_array(self) -> NDArray[np.void]:
         """As fmpy wants inputs."""
         names = ["time", *self.columns]
         array = np.zeros(self.times.size, dtype=[(name, np.float64) for name in names])

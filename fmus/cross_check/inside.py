@@ -35,7 +35,7 @@ _KINDS = {
 }
 
 
-def folder_of(name: str) -> Path:
+def reference_folder(name: str) -> Path:
     """Where the reference files of the FMU `name` are kept."""
     return Path(__file__).parent.parent / name / "reference"
 
@@ -45,7 +45,7 @@ def references(name: str, exchange: bool) -> dict[str, bytes]:
 
     `exchange`: with what model exchange needs besides.
     """
-    folder = folder_of(name)
+    folder = reference_folder(name)
     found = {
         path.relative_to(folder).as_posix(): path.read_bytes()
         for path in sorted(folder.rglob("*"))

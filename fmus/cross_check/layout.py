@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..fmi.validate import info
 from .files import CrossCheckError
-from .inside import folder_of
+from .inside import reference_folder
 
 # Platforms that the rules know; FMI 3.0 names its own.
 _KNOWN = ("c-code", "darwin64", "linux32", "linux64", "win32", "win64")
@@ -26,7 +26,7 @@ def lay_out(name: str, fmu: Path, tool: str, out: Path) -> Iterator[Path]:
     One folder for each kind and platform that the file has and the rules know. CrossCheckError if there is
     none, or no reference.
     """
-    reference, found = folder_of(name), info(fmu)
+    reference, found = reference_folder(name), info(fmu)
     if not reference.is_dir():
         raise CrossCheckError(
             f"{name}: has no reference results; fmus/{name}/stimulus.py says what they are to be of"

@@ -1,4 +1,4 @@
-"""Reference results of a component along its course, and how far the component's own steps are from them."""
+"""Reference results of a component along its stimulus, and how far its own steps are from them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from models.core.quantities import Vector
 from models.monolithic.driven import Driven, Piece, solve_driven
 
 from .files import Options, Table, csv_text, read_csv
-from .stimulus import Course, slope_of
+from .stimulus import Stimulus, slope_name
 
 # Of both solvers together; an integrator's own is a hundredth of it.
 TOLERANCE = 1e-10
@@ -43,25 +43,25 @@ class Results:
     tolerance: float
 
 
-def component_of(name: str) -> Component:
+def build_component(name: str) -> Component:
     """The component with the sizes for which there is a reference: those of the native FMU."""
     return CATALOGUE[name]()
 
 
-def results(name: str, course: Course) -> Results:
+def results(name: str, stimulus: Stimulus) -> Results:
     """Everything that ships with the FMU `name`, computed anew."""
-    component = component_of(name)
-    inputs = csv_text(*course.table())
-    pieces = pieces_of(component, read_csv(inputs, f"{name}_in.csv"))
-    instants = np.array(course.instants())
+    component = build_component(name)
+    inputs = csv_text(*stimulus.table())
+    pieces = split_at_corners(component, read_csv(inputs, f"{name}_in.csv"))
+    instants = np.array(stimulus.instants())
     solved = solve_driven(component, pieces, instants, TOLERANCE)
-    columns = [component.outputs.index(output) for output in course.outputs]
+    columns = [component.outputs.index(output) for output in stimulus.outputs]
     rows = np.column_stack([instants, solved.outputs[:, columns]])
-    written = csv_text(["time", *course.outputs], rows.tolist(), DIGITS)
+    written = csv_text(["time", *stimulus.outputs], rows.tolist(), DIGITS)
     values = read_csv(written, f"{name}_ref.csv").columns
-    steps = step_component(component, pieces, instants, course.step_size)
-    size = {output: largest(values[output]) for output in course.outputs}
-    by_output = list(zip(course.outputs, columns, strict=True))
+    steps = step_component(component, pieces, instants, stimulus.step_size)
+    size = {output: largest(values[output]) for output in stimulus.outputs}
+    by_output = list(zip(stimulus.outputs, columns, strict=True))
     uncertainty = {o: float(np.max(solved.difference[:, i])) / size[o] for o, i in by_output}
     apart = {o: float(np.max(np.abs(steps[:, i] - values[o]))) / size[o] for o, i in by_output}
     tolerance = round_tolerance(max(*apart.values(), *uncertainty.values()))
@@ -69,9 +69,9 @@ def results(name: str, course: Course) -> Results:
         files={
             f"{name}_in.csv": inputs,
             f"{name}_ref.csv": written,
-            f"{name}_ref.opt": _options(course, course.step_size, tolerance),
-            f"me/{name}_ref.opt": _options(course, 0.0, course.exchange_tolerance),
-            "README.md": _readme(name, course, solved, uncertainty, apart, tolerance),
+            f"{name}_ref.opt": _options(stimulus, stimulus.step_size, tolerance),
+            f"me/{name}_ref.opt": _options(stimulus, 0.0, stimulus.exchange_tolerance),
+            "README.md": _readme(name, stimulus, solved, uncertainty, apart, tolerance),
         },
         uncertainty=uncertainty,
         stepped=apart,
@@ -85,11 +85,11 @@ def round_tolerance(measured: float) -> float:
 
 
 def largest(values: Vector) -> float:
-    """What differences of an output are measured by: its largest value along the course, 1 if it is zero."""
+    """The measure of an output's differences: its largest value along the stimulus, 1 if it is zero."""
     return float(np.max(np.abs(values))) or 1.0
 
 
-def pieces_of(component: Component, inputs: Table) -> list[Piece]:
+def split_at_corners(component: Component, inputs: Table) -> list[Piece]:
     """The inputs from one corner to the next, as their file says."""
     pieces = []
     for i in np.flatnonzero(np.diff(inputs.times) > 0.0):
@@ -98,8 +98,8 @@ def pieces_of(component: Component, inputs: Table) -> list[Piece]:
             if name in component.inputs:
                 place = component.inputs.index(name)
                 u[place] = column[i]
-                if slope_of(name) in inputs.columns:
-                    du[place] = inputs.columns[slope_of(name)][i]
+                if slope_name(name) in inputs.columns:
+                    du[place] = inputs.columns[slope_name(name)][i]
         pieces.append(Piece(float(inputs.times[i]), u, du))
     return pieces
 
@@ -125,13 +125,13 @@ def step_component(component: Component, pieces: Sequence[Piece], instants: Vect
     return rows
 
 
-def _options(course: Course, step_size: float, tolerance: float) -> str:
-    return Options(0.0, course.stop_time, step_size, tolerance, course.interval).text()
+def _options(stimulus: Stimulus, step_size: float, tolerance: float) -> str:
+    return Options(0.0, stimulus.stop_time, step_size, tolerance, stimulus.interval).text()
 
 
 def _readme(
     name: str,
-    course: Course,
+    stimulus: Stimulus,
     solved: Driven,
     uncertainty: Mapping[str, float],
     apart: Mapping[str, float],
@@ -140,7 +140,7 @@ def _readme(
     first, second = solved.method_names
     events = f"On the way are {len(solved.events)} impacts and releases." if solved.events else ""
     paragraphs = [
-        course.says,
+        stimulus.says,
         "Parameters and start values are the FMU's own, the start time is 0.",
         f"""**Inputs** (`{name}_in.csv`) are straight lines between corners; those without a column keep
         their start values. Columns `<input>_der1` are slopes, which are inputs of the FMU, too. A host of
@@ -151,15 +151,15 @@ def _readme(
         equations were solved with these inputs by two methods that locate events, begun afresh at every
         corner. The results are those of {first}. The table has how far two others are from them, over the
         largest value of each output: the second method, {second}; and the component, moved by its own steps
-        of {course.step_size:g} s as the FMU is. {events}""",
-        f"""**Tolerance**: co-simulation in steps of {course.step_size:g} s agrees within {tolerance:.0e} of
+        of {stimulus.step_size:g} s as the FMU is. {events}""",
+        f"""**Tolerance**: co-simulation in steps of {stimulus.step_size:g} s agrees within {tolerance:.0e} of
         an output's largest value (`RelTol` in `{name}_ref.opt`): the next power of ten above {MARGIN:g} times
-        what the table has, at least {LEAST:.0e}. Model exchange agrees within {course.exchange_tolerance:.0e}
-        (`RelTol` in its file), with a solver of relative tolerance {EXCHANGE_SOLVER:.0e} that locates
-        events.""",
+        what the table has, at least {LEAST:.0e}. Model exchange agrees within
+        {stimulus.exchange_tolerance:.0e} (`RelTol` in its file), with a solver of relative tolerance
+        {EXCHANGE_SOLVER:.0e} that locates events.""",
         "`tribocosim fmu compare FILE` runs the FMU and compares.",
     ]
     filled = [textwrap.fill(" ".join(paragraph.split()), 116) for paragraph in paragraphs]
-    rows = "\n".join(f"| {o} | {uncertainty[o]:.0e} | {apart[o]:.0e} |" for o in course.outputs)
+    rows = "\n".join(f"| {o} | {uncertainty[o]:.0e} | {apart[o]:.0e} |" for o in stimulus.outputs)
     table = f"| Output | second method | component's steps |\n|---|---|---|\n{rows}"
     return "\n\n".join([f"# Reference results of {name}", *filled[:4], table, *filled[4:]]) + "\n"

@@ -1,4 +1,4 @@
-"""What a component is put through: inputs as broken lines in time, and what is looked at."""
+"""The stimulus of a component's reference results: inputs as broken lines in time, and the outputs."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ DIGITS = 6
 
 
 @dataclass(frozen=True)
-class Course:
+class Stimulus:
     """A run from time 0 at default parameters and starts, which are all that the rules allow.
 
     `inputs` are values at `corners` (s), straight lines between them; an instant that stands twice is a jump.
     Inputs that are not named keep their starts. `step_size` (s) is that of co-simulation; corners lie on its
     multiples. `interval` (s) is that of the reference results, `outputs` what they are of, at most ten.
-    `says` tells in a few sentences what happens, and for impacts how far it can be foreseen.
+    `says` tells in a few sentences what happens, and for impacts how long it can be predicted.
     `exchange_tolerance`: within which model exchange agrees, over an output's largest value.
     """
 
@@ -39,7 +39,7 @@ class Course:
         return float(np.asarray(self.corners)[-1])
 
     def instants(self) -> list[float]:
-        """Those of the results: multiples of the interval, without those at which an input jumps."""
+        """Instants of the results: multiples of the interval, without those at which an input jumps."""
         corners = np.asarray(self.corners)
         jumps = set(corners[1:][np.diff(corners) == 0.0].tolist())
         count = round(self.stop_time / self.interval)
@@ -58,7 +58,7 @@ class Course:
         moving = [name for name, line in slopes.items() if any(line)]
         names = ["time"]
         for name in values:
-            names += [name, slope_of(name)] if name in moving else [name]
+            names += [name, slope_name(name)] if name in moving else [name]
         rows: list[list[float]] = []
         for i, t in enumerate(times):
             for side in sorted({max(i - 1, 0), min(i, len(times) - 2)}):
@@ -70,19 +70,19 @@ class Course:
         return names, rows
 
 
-def course_of(name: str) -> Course | None:
-    """That of the FMU `name`, if its folder has one."""
+def load_stimulus(name: str) -> Stimulus | None:
+    """The stimulus of the FMU `name`; None if its folder has none."""
     try:
         module = importlib.import_module(f"fmus.{name}.stimulus")
     except ModuleNotFoundError as error:
         if error.name != f"fmus.{name}.stimulus":
             raise
         return None
-    found: Course = module.COURSE
+    found: Stimulus = module.STIMULUS
     return found
 
 
-def slope_of(name: str) -> str:
+def slope_name(name: str) -> str:
     """The input that is the slope of the input `name`: before an index, as FMUs call it."""
     stem, bracket, index = name.partition("[")
     return f"{stem}_der1{bracket}{index}"

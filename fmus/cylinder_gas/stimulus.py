@@ -1,10 +1,10 @@
 """The cylinder gas's reference run."""
 
-from ..cross_check.stimulus import Course
+from ..cross_check.stimulus import Stimulus
 
 SPEED, STOP = 200.0, 0.064
 
-COURSE = Course(
+STIMULUS = Stimulus(
     says=(
         "One four-stroke cycle at 200 rad/s, from the firing dead centre: expansion, blowdown, "
         "exhaust, intake, compression."

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from ..cross_check.stimulus import Course
+from ..cross_check.stimulus import Stimulus
 
 DURATION, DEPTH = 50e-3, 5e-6
 TIMES = np.arange(51) * 1e-3
 PHASE = np.pi * TIMES / DURATION
 
-COURSE = Course(
+STIMULUS = Stimulus(
     says=(
         "Two bodies approach each other by 5 um and part again in 50 ms (load up to 2.2 kN, 0.58 "
         "GPa), while the entraining velocity goes from 1.2 to -0.8 m/s and back, twice through zero, "

@@ -1,8 +1,8 @@
 """The falling mass's reference run."""
 
-from ..cross_check.stimulus import Course
+from ..cross_check.stimulus import Stimulus
 
-COURSE = Course(
+STIMULUS = Stimulus(
     says=(
         "Free fall for 0.1 s, then a force that grows to 30 N and throws the mass up again, then free flight."
     ),

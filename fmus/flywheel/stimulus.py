@@ -1,8 +1,8 @@
 """The flywheel's reference run."""
 
-from ..cross_check.stimulus import Course
+from ..cross_check.stimulus import Stimulus
 
-COURSE = Course(
+STIMULUS = Stimulus(
     says=(
         "The shaft turns at its prescribed speed, 1000 r/min, while a mechanism loads it with a "
         "torque that grows to 30 N m, falls, and changes its sign: what the drive supplies."

@@ -32,7 +32,7 @@ def open_archive(path: Path) -> zipfile.ZipFile:
     try:
         return zipfile.ZipFile(path)
     except (zipfile.BadZipFile, OSError) as error:
-        if _cut_off(path):
+        if _begins_like_archive(path):
             raise FmuFileError(
                 f"{path}: is cut off: it begins as a zip archive, but its end is missing, so not an FMU; "
                 "fetch or make it again"
@@ -40,7 +40,7 @@ def open_archive(path: Path) -> zipfile.ZipFile:
         raise FmuFileError(f"{path}: not a zip archive, so not an FMU ({one_line(error)})") from None
 
 
-def _cut_off(path: Path) -> bool:
+def _begins_like_archive(path: Path) -> bool:
     """Whether the file begins as an archive does."""
     try:
         with path.open("rb") as file:
@@ -73,7 +73,7 @@ def archive_faults(archive: zipfile.ZipFile) -> list[str]:
     return [fault] if fault else []
 
 
-def digest_of(files: Mapping[str, bytes]) -> str:
+def compute_digest(files: Mapping[str, bytes]) -> str:
     """SHA-256 over names and contents."""
     digest = hashlib.sha256()
     for name, content in sorted(files.items()):
@@ -84,7 +84,7 @@ def digest_of(files: Mapping[str, bytes]) -> str:
 
 def seal(files: Mapping[str, bytes]) -> bytes:
     """The archive's comment by which it is known later that its files are as they were packed."""
-    return _SEAL + digest_of(files).encode()
+    return _SEAL + compute_digest(files).encode()
 
 
 def is_sealed(path: Path) -> bool:
@@ -104,7 +104,7 @@ def _version_fault(xml: bytes) -> str | None:
         root = ElementTree.fromstring(xml)
     except ElementTree.ParseError:
         return None  # whoever reads it says where
-    said, written = root.get("fmiVersion", ""), _written_version(root)
+    said, written = root.get("fmiVersion", ""), _find_version(root)
     if not written or not said[:1].isdigit() or said[0] in (written[0], *"456789"):
         return None
     return (
@@ -113,7 +113,7 @@ def _version_fault(xml: bytes) -> str | None:
     )
 
 
-def _written_version(root: ElementTree.Element) -> str | None:
+def _find_version(root: ElementTree.Element) -> str | None:
     """The version of FMI whose elements and attributes these are; None where nothing tells."""
     variables = root.find("ModelVariables")
     kinds = {variable.tag for variable in variables} if variables is not None else set()

@@ -34,11 +34,11 @@ def group_arrays(variables: Iterable[Variable]) -> list[ArrayVariable]:
     """The variables of FMI 3.0, in the same order."""
     return [
         ArrayVariable(name, tuple(elements), array)
-        for (name, array), elements in groupby(variables, _array_of)
+        for (name, array), elements in groupby(variables, _split_array)
     ]
 
 
-def _array_of(variable: Variable) -> tuple[str, bool]:
+def _split_array(variable: Variable) -> tuple[str, bool]:
     """The name of the array and whether it is one."""
     if not variable.size or variable.causality in ("input", "output"):
         return variable.name, False

@@ -101,7 +101,7 @@ def model_description(
     for variable in variables:
         _scalar(listed, variable, index)
     _structure(SubElement(root, "ModelStructure"), structure(component, variables), index)
-    return text_of(root)
+    return to_xml(root)
 
 
 def about(component: Any, origin: Origin) -> dict[str, str]:
@@ -132,27 +132,27 @@ def running(root: Element, experiment: Experiment) -> None:
     )
 
 
-def text_of(root: Element) -> str:
+def to_xml(root: Element) -> str:
     """The XML file."""
     indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
 
 
-def unit_of(variable: Variable) -> str:
+def full_unit(variable: Variable) -> str:
     return per_second(variable.unit, variable.derivative_order)
 
 
-def display_unit_of(variable: Variable) -> str:
+def display_unit(variable: Variable) -> str:
     quantity = variable.quantity
     return quantity.display_unit if quantity is not None and not variable.derivative_order else ""
 
 
-def type_of(variable: Variable) -> str:
+def type_name(variable: Variable) -> str:
     """Name of the declared type."""
     if variable.kind == "Enumeration":
         return f"choice of {', '.join(variable.quantity.choices)}"
-    shown = display_unit_of(variable)
-    return f"quantity in {unit_of(variable)}" + (f", shown in {shown}" if shown else "")
+    shown = display_unit(variable)
+    return f"quantity in {full_unit(variable)}" + (f", shown in {shown}" if shown else "")
 
 
 def _number(value: float) -> str:
@@ -166,7 +166,7 @@ def units(root: Element, variables: Sequence[Variable]) -> None:
     shown: dict[str, set[str]] = {}
     for variable in variables:
         if variable.kind == "Real" and variable.unit:
-            shown.setdefault(unit_of(variable), set()).update(filter(None, [display_unit_of(variable)]))
+            shown.setdefault(full_unit(variable), set()).update(filter(None, [display_unit(variable)]))
     for unit in sorted(shown):
         factor, exponents = base(unit)
         entry = SubElement(parent, "Unit", name=unit)
@@ -180,7 +180,7 @@ def units(root: Element, variables: Sequence[Variable]) -> None:
 
 def types(variables: Sequence[Variable]) -> dict[str, Variable]:
     """A variable of each declared type, by the type's name."""
-    examples = {type_of(v): v for v in variables if v.unit and v.kind in ("Real", "Enumeration")}
+    examples = {type_name(v): v for v in variables if v.unit and v.kind in ("Real", "Enumeration")}
     return dict(sorted(examples.items()))
 
 
@@ -200,8 +200,8 @@ def items(parent: Element, variable: Variable) -> None:
 
 
 def unit_attributes(variable: Variable) -> dict[str, str]:
-    attributes = {"unit": unit_of(variable)}
-    if shown := display_unit_of(variable):
+    attributes = {"unit": full_unit(variable)}
+    if shown := display_unit(variable):
         attributes["displayUnit"] = shown
     return attributes
 
@@ -233,7 +233,7 @@ def value_attributes(variable: Variable) -> dict[str, str]:
     quantity = variable.quantity
     whole = variable.kind != "Real"
     if variable.unit and variable.kind in ("Real", "Enumeration"):
-        attributes["declaredType"] = type_of(variable)
+        attributes["declaredType"] = type_name(variable)
     if variable.unit and variable.kind == "Real":
         attributes |= unit_attributes(variable)
     if variable.kind in ("Real", "Integer") and quantity is not None:

@@ -20,7 +20,7 @@ from .description import (
     items,
     running,
     structure,
-    text_of,
+    to_xml,
     types,
     unit_attributes,
     units,
@@ -81,7 +81,7 @@ def model_description(component: Any, model_name: str, experiment: Experiment, o
     for name, calculated in parts.items():
         for reference, through in _whole(calculated, array).items():
             SubElement(made, name, {"valueReference": str(reference), **dependencies(through)})
-    return text_of(root)
+    return to_xml(root)
 
 
 def _whole(

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import count
 from xml.etree.ElementTree import Element, SubElement
 
-from .description import text_of
+from .description import to_xml
 
 FOLDER = "terminalsAndIcons"
 
@@ -30,7 +30,7 @@ class Terminal:
     partial: bool = False
 
 
-def terminals_of(name: str, variables: Collection[str]) -> dict[str, Terminal]:
+def find_terminals(name: str, variables: Collection[str]) -> dict[str, Terminal]:
     """The terminals of a component whose FMU has these variables."""
     stated: Mapping[str, Terminal] = getattr(importlib.import_module(f"fmus.{name}"), "TERMINALS", {})
     return {
@@ -58,9 +58,9 @@ def terminals_and_icons(name: str, variables: Collection[str]) -> str:
     corners = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
     SubElement(drawn, "CoordinateSystem", corners, suggestedScalingFactorTo_mm="0.1")
     SubElement(drawn, "Icon", corners)
-    terminals = terminals_of(name, variables)
+    terminals = find_terminals(name, variables)
     if not terminals:
-        return text_of(root)
+        return to_xml(root)
     listed = SubElement(root, "Terminals")
     for label, terminal in terminals.items():
         entry = SubElement(
@@ -79,4 +79,4 @@ def terminals_and_icons(name: str, variables: Collection[str]) -> str:
                 variableName=variable,
                 variableKind="signal",
             )
-    return text_of(root)
+    return to_xml(root)

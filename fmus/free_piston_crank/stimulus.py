@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from ..cross_check.stimulus import Course
+from ..cross_check.stimulus import Stimulus
 
 TIMES = np.arange(61) * 1e-3
 
-COURSE = Course(
+STIMULUS = Stimulus(
     says=(
         "A crank at rest is driven by 20 N m, then 60 N m, while the gas presses on the piston for 20 "
         "ms: the piston goes to its wall in a sequence of impacts and slides."

@@ -36,7 +36,7 @@ def differentiate(kernels: str, entries: Sequence[str]) -> str:
     module = _simplify(kernels, {_KERNEL + entry for entry in entries})
     functions = [f for f in module.functions if not f.is_declaration]
     made = {f.name: _tangent_name(f.name) for f in functions}
-    tangents = [_tangent_of(f, made) for f in functions]
+    tangents = [_write_tangent(f, made) for f in functions]
     known = {f.name for f in module.functions} | set(made.values())
     calls = sorted(set(re.findall(r"= call double @([\w.]+)\((.*)\)", "\n".join(tangents))))
     new = {
@@ -89,7 +89,7 @@ def _tangent_name(name: str) -> str:
     return _TANGENT + name.removeprefix(_KERNEL)
 
 
-def _tangent_of(function: Any, made: Mapping[str, str]) -> str:
+def _write_tangent(function: Any, made: Mapping[str, str]) -> str:
     """The text of the function that computes another and its tangent; `made`: the names of all of them."""
     # The first two arguments of kernels are numba's: they hold nothing that has a tangent.
     kernel = function.name.startswith(_KERNEL)
@@ -108,14 +108,14 @@ def _tangent_of(function: Any, made: Mapping[str, str]) -> str:
         phis = sum(i.opcode == "phi" for i in instructions)
         code.lines += map(_text, instructions[:phis])
         for i in instructions[:phis]:
-            tangents.of_phi(i)
+            tangents.differentiate_phi(i)
         for i in instructions[phis:]:
             if tangents.calls(i):
-                tangents.of_known(i)
+                tangents.differentiate_call(i)
                 continue
             code.lines.append(_text(i))
             if i.opcode not in _WITHOUT:
-                tangents.of(i)
+                tangents.differentiate(i)
     return "\n".join([*code.lines, "}"])
 
 
@@ -141,7 +141,7 @@ class _Tangents:
         """Whether it is a call of a function that has a tangent."""
         return i.opcode == "call" and list(i.operands)[-1].name in self.made
 
-    def of_known(self, i: Any) -> None:
+    def differentiate_call(self, i: Any) -> None:
         """Such a call: that of the function that computes its tangent as well, in its place."""
         *arguments, function = i.operands
         given = []
@@ -158,7 +158,7 @@ class _Tangents:
         name = _quote(self.made[function.name])
         self.code.lines.append(f"  {result}call {kind} @{name}({', '.join(given)})")
 
-    def of_phi(self, phi: Any) -> None:
+    def differentiate_phi(self, phi: Any) -> None:
         kind = str(phi.type)
         if kind in ("double", "ptr"):
             pairs = list(zip(phi.operands, phi.incoming_blocks, strict=True))
@@ -167,9 +167,9 @@ class _Tangents:
             arms = (f"[ {self._pass_argument(value)}, {_local(block.name)} ]" for value, block in pairs)
             self.code.lines.append(f"  {_shadow(phi.name)} = phi {kind} {', '.join(arms)}")
 
-    def of(self, i: Any) -> None:
+    def differentiate(self, i: Any) -> None:
         """Any other instruction."""
-        known = getattr(self, f"_of_{i.opcode}", None)
+        known = getattr(self, f"_differentiate_{i.opcode}", None)
         if known is None:
             raise _unknown(i)
         tangent = known(i, *i.operands)
@@ -198,40 +198,40 @@ class _Tangents:
             return ZERO if str(value.type) == "double" else _NO_POINTER
         return self.nothing.get(value.name) or _shadow(value.name)
 
-    def _of_fadd(self, i: Any, a: Any, b: Any) -> str:
+    def _differentiate_fadd(self, i: Any, a: Any, b: Any) -> str:
         return self.code.add(self._tangent(a), self._tangent(b))
 
-    def _of_fsub(self, i: Any, a: Any, b: Any) -> str:
+    def _differentiate_fsub(self, i: Any, a: Any, b: Any) -> str:
         return self.code.subtract(self._tangent(a), self._tangent(b))
 
-    def _of_fmul(self, i: Any, a: Any, b: Any) -> str:
+    def _differentiate_fmul(self, i: Any, a: Any, b: Any) -> str:
         times = self.code.times
         return self.code.add(times(self._tangent(a), _value(b)), times(_value(a), self._tangent(b)))
 
-    def _of_fdiv(self, i: Any, a: Any, b: Any) -> str:
+    def _differentiate_fdiv(self, i: Any, a: Any, b: Any) -> str:
         change = self.code.subtract(self._tangent(a), self.code.times(_value(i), self._tangent(b)))
         return self.code.over(change, _value(b))
 
-    def _of_frem(self, i: Any, a: Any, b: Any) -> str:
+    def _differentiate_frem(self, i: Any, a: Any, b: Any) -> str:
         return self._tangent(a)
 
-    def _of_fneg(self, i: Any, a: Any) -> str:
+    def _differentiate_fneg(self, i: Any, a: Any) -> str:
         return self.code.negative(self._tangent(a))
 
-    def _of_extractvalue(self, i: Any, whole: Any) -> None:
+    def _differentiate_extractvalue(self, i: Any, whole: Any) -> None:
         """Of a whole number and whether it is too large."""
         if str(whole.type) != "{ i64, i1 }":
             raise _unknown(i)
 
-    def _of_freeze(self, i: Any, a: Any) -> str | None:
+    def _differentiate_freeze(self, i: Any, a: Any) -> str | None:
         return self._tangent(a) if str(i.type) == "double" else None
 
-    def _of_sitofp(self, i: Any, a: Any) -> str:
+    def _differentiate_sitofp(self, i: Any, a: Any) -> str:
         return ZERO
 
-    _of_uitofp = _of_sitofp
+    _differentiate_uitofp = _differentiate_sitofp
 
-    def _of_select(self, i: Any, met: Any, a: Any, b: Any) -> str | None:
+    def _differentiate_select(self, i: Any, met: Any, a: Any, b: Any) -> str | None:
         kind = str(i.type)
         if kind not in ("double", "ptr"):
             return None
@@ -240,7 +240,7 @@ class _Tangents:
             return then
         return self.code(f"select i1 {_value(met)}, {kind} {then}, {kind} {otherwise}")
 
-    def _of_getelementptr(self, i: Any, base: Any, *indices: Any) -> str:
+    def _differentiate_getelementptr(self, i: Any, base: Any, *indices: Any) -> str:
         shadow = self._tangent(base)
         if shadow == _NO_POINTER:
             return shadow
@@ -249,10 +249,10 @@ class _Tangents:
             raise _unknown(i)
         return self.code(f"{head.partition('= ')[2]}ptr {shadow},{tail}")
 
-    def _of_alloca(self, i: Any, count: Any) -> str:
+    def _differentiate_alloca(self, i: Any, count: Any) -> str:
         return self.code(_text(i).partition("= ")[2])
 
-    def _of_load(self, i: Any, place: Any) -> str | None:
+    def _differentiate_load(self, i: Any, place: Any) -> str | None:
         kind, shadow = str(i.type), self._tangent(place)
         if place.name in self.lost:
             raise _unknown(i)
@@ -263,7 +263,7 @@ class _Tangents:
             return None
         return ZERO if shadow == _NO_POINTER else self.code(f"load double, ptr {shadow}, align 1")
 
-    def _of_store(self, i: Any, value: Any, place: Any) -> None:
+    def _differentiate_store(self, i: Any, value: Any, place: Any) -> None:
         shadow, kind = self._tangent(place), str(value.type)
         if shadow == _NO_POINTER or (kind == "ptr" and _value(value) == "null"):
             return
@@ -271,7 +271,7 @@ class _Tangents:
             raise _unknown(i)
         self.code.lines.append(f"  store double {self._tangent(value)}, ptr {shadow}, align 1")
 
-    def _of_call(self, i: Any, *operands: Any) -> str | None:
+    def _differentiate_call(self, i: Any, *operands: Any) -> str | None:
         *arguments, function = operands
         name = function.name
         if name.startswith("llvm.memset"):

@@ -90,12 +90,12 @@ def entries(component: Any) -> Iterator[Entry]:
     yield Entry("energy", entry_energy, at_a_point, smooth=True)
     yield Entry("slopes", entry_slopes, numba.void(vector, real, vector))
     yield Entry("rates", entry_rates, numba.void(real, *[vector] * 6), smooth=True)
-    yield from _of_requirements(component, component.kernel_state, m, parameters)
+    yield from _entries_of_requirements(component, component.kernel_state, m, parameters)
     if component.events is not None:
-        yield from _of_events(component, n, m, parameters)
+        yield from _entries_of_events(component, n, m, parameters)
 
 
-def _of_requirements(component: Any, state: Layout, m: int, parameters: int) -> Iterator[Entry]:
+def _entries_of_requirements(component: Any, state: Layout, m: int, parameters: int) -> Iterator[Entry]:
     n, X, U, P = state.size, state.dtype, component.inputs.dtype, component.parameters.dtype
 
     def of_parameters(met: Any) -> Callable[..., Any]:
@@ -123,7 +123,7 @@ def _of_requirements(component: Any, state: Layout, m: int, parameters: int) -> 
         yield Entry(f"{START_REQUIREMENT}_{i}", requirement_of_start(rule.met), signature)
 
 
-def _of_events(component: Any, n: int, m: int, parameters: int) -> Iterator[Entry]:
+def _entries_of_events(component: Any, n: int, m: int, parameters: int) -> Iterator[Entry]:
     find_guards, transition, count = component.flat_guards, component.flat_transition, component.events.count
 
     def entry_guards(t: float, x: Any, u: Any, p: Any, g: Any) -> None:

@@ -8,7 +8,7 @@ from functools import cache
 from importlib import import_module, metadata
 from pathlib import Path
 
-from fmus.fmi.archive import digest_of
+from fmus.fmi.archive import compute_digest
 from models.catalogue import CATALOGUE
 from models.core.component import Component
 
@@ -51,13 +51,13 @@ def build(
     `name`-native-fmi3.fmu. `progress` is called at the beginning of each step (seconds to minutes).
     TranslationError for kernels and sizes that need Python, NativeBuildError without the tools.
     """
-    sizes, component = python_build.sized_component(name, structure)
+    sizes, component = python_build.resolve_component(name, structure)
     check_component(name)
     label = f"{name}-native" if fmi == 2 else f"{name}-native-fmi{fmi}"
 
     @cache
     def pack() -> bytes:
-        return python_build.pack_files(content_of(name, component, sizes, platforms, fmi, progress))
+        return python_build.pack_files(collect_files(name, component, sizes, platforms, fmi, progress))
 
     def find() -> Path:
         target = cache_path(label, _digest_inputs(name, sizes, platforms))
@@ -78,7 +78,7 @@ def build(
     return python_build.write_fmu(content, label, Path(destination))
 
 
-def content_of(
+def collect_files(
     name: str,
     component: Component,
     sizes: Mapping[str, int],
@@ -100,7 +100,7 @@ def content_of(
         "kernels.ll": "".join(kernels),
         "modelDescription.xml": xml,
     }
-    digest = digest_of({**_runtime(), **{path: text.encode() for path, text in unnamed.items()}})
+    digest = compute_digest({**_runtime(), **{path: text.encode() for path, text in unnamed.items()}})
     token = f"{{{uuid.UUID(digest[:32])}}}"
     named = tables(component, name, digest[:16], token, fmi)
     files = python_build.documents(name, component)
@@ -134,7 +134,7 @@ def _digest_inputs(name: str, sizes: Mapping[str, int], platforms: Sequence[str]
     documents = {path.name: path.read_bytes() for path in (here.parent / name).iterdir() if path.is_file()}
     documents |= references(name, exchange=True)
     said = f"{package} {sorted(sizes.items())} {sorted(platforms)} {_versions()}"
-    return digest_of(files | documents | dict(_runtime()) | {"said": said.encode()})
+    return compute_digest(files | documents | dict(_runtime()) | {"said": said.encode()})
 
 
 def _versions() -> dict[str, str]:

@@ -58,7 +58,7 @@ class Code:
 Rule = Callable[[Code, str, tuple[str, ...], tuple[str, ...]], str]
 
 
-def _one(slope: Callable[[Code, str, str], str]) -> Rule:
+def _unary(slope: Callable[[Code, str, str], str]) -> Rule:
     """Of a function of one argument: slope(code, r, a) times its tangent."""
     return lambda code, r, a, d: code.times(slope(code, r, a[0]), d[0])
 
@@ -82,7 +82,7 @@ def _power(code: Code, r: str, a: tuple[str, ...], d: tuple[str, ...]) -> str:
     return total
 
 
-def _arc_tangent_of(code: Code, r: str, a: tuple[str, ...], d: tuple[str, ...]) -> str:
+def _differentiate_atan2(code: Code, r: str, a: tuple[str, ...], d: tuple[str, ...]) -> str:
     (y, x), (dy, dx) = a, d
     square = code.add(code.times(x, x), code.times(y, y))
     return code.over(code.subtract(code.times(x, dy), code.times(y, dx)), square)
@@ -96,7 +96,7 @@ def _with_sign(code: Code, r: str, a: tuple[str, ...], d: tuple[str, ...]) -> st
     return code.where("oeq", r, a[0], d[0], code.negative(d[0]))
 
 
-def _fused(code: Code, r: str, a: tuple[str, ...], d: tuple[str, ...]) -> str:
+def _differentiate_fma(code: Code, r: str, a: tuple[str, ...], d: tuple[str, ...]) -> str:
     return code.add(code.add(code.times(a[0], d[1]), code.times(d[0], a[1])), d[2])
 
 
@@ -115,11 +115,11 @@ def _bell(code: Code, a: str) -> str:
 RULES: Mapping[str, Rule] = {
     "sqrt": _square_root,
     "pow": _power,
-    "atan2": _arc_tangent_of,
+    "atan2": _differentiate_atan2,
     "hypot": _hypotenuse,
     "copysign": _with_sign,
-    "fma": _fused,
-    "fmuladd": _fused,
+    "fma": _differentiate_fma,
+    "fmuladd": _differentiate_fma,
     "fabs": lambda code, r, a, d: code.where("oeq", r, a[0], d[0], code.negative(d[0])),
     "minnum": lambda code, r, a, d: code.where("oeq", r, a[0], *d),
     "maxnum": lambda code, r, a, d: code.where("oeq", r, a[0], *d),
@@ -127,18 +127,18 @@ RULES: Mapping[str, Rule] = {
     "ceil": lambda code, r, a, d: ZERO,
     "trunc": lambda code, r, a, d: ZERO,
     "fmod": lambda code, r, a, d: d[0],
-    "sin": _one(lambda code, r, a: code.call("llvm.cos.f64", a)),
-    "cos": _one(lambda code, r, a: code.negative(code.call("llvm.sin.f64", a))),
-    "tan": _one(lambda code, r, a: code.add("1.0", code.times(r, r))),
-    "asin": _one(lambda code, r, a: code.over("1.0", _root_of_one_and(code, "-", a))),
-    "acos": _one(lambda code, r, a: code.over("-1.0", _root_of_one_and(code, "-", a))),
-    "atan": _one(lambda code, r, a: code.over("1.0", code.add("1.0", code.times(a, a)))),
-    "sinh": _one(lambda code, r, a: code.call("cosh", a)),
-    "cosh": _one(lambda code, r, a: code.call("sinh", a)),
-    "tanh": _one(lambda code, r, a: code.subtract("1.0", code.times(r, r))),
-    "asinh": _one(lambda code, r, a: code.over("1.0", _root_of_one_and(code, "+", a))),
-    "exp": _one(lambda code, r, a: r),
-    "log": _one(lambda code, r, a: code.over("1.0", a)),
-    "erf": _one(lambda code, r, a: _bell(code, a)),
-    "erfc": _one(lambda code, r, a: code.negative(_bell(code, a))),
+    "sin": _unary(lambda code, r, a: code.call("llvm.cos.f64", a)),
+    "cos": _unary(lambda code, r, a: code.negative(code.call("llvm.sin.f64", a))),
+    "tan": _unary(lambda code, r, a: code.add("1.0", code.times(r, r))),
+    "asin": _unary(lambda code, r, a: code.over("1.0", _root_of_one_and(code, "-", a))),
+    "acos": _unary(lambda code, r, a: code.over("-1.0", _root_of_one_and(code, "-", a))),
+    "atan": _unary(lambda code, r, a: code.over("1.0", code.add("1.0", code.times(a, a)))),
+    "sinh": _unary(lambda code, r, a: code.call("cosh", a)),
+    "cosh": _unary(lambda code, r, a: code.call("sinh", a)),
+    "tanh": _unary(lambda code, r, a: code.subtract("1.0", code.times(r, r))),
+    "asinh": _unary(lambda code, r, a: code.over("1.0", _root_of_one_and(code, "+", a))),
+    "exp": _unary(lambda code, r, a: r),
+    "log": _unary(lambda code, r, a: code.over("1.0", a)),
+    "erf": _unary(lambda code, r, a: _bell(code, a)),
+    "erfc": _unary(lambda code, r, a: code.negative(_bell(code, a))),
 }

@@ -66,7 +66,7 @@ def tables(component: Any, name: str, digest: str, token: str, fmi: int = 2) -> 
         elements = {v.reference: 0 for v in variables}
         elements |= {one.first.reference: len(one.elements) for one in group_arrays(variables)}
     declared = (_variable(v, elements[v.reference]) for v in variables)
-    told = (f'{_string(v.name)} "\\0" {_string(_allowed(v))} "\\0"' for v in variables)
+    told = (f'{_string(v.name)} "\\0" {_string(_describe_range(v))} "\\0"' for v in variables)
     messages = [FAILURES.get(status, "") for status in range(max(FAILURES) + 1)]
     strings = {"MODEL": name, "TOKEN": token, "DIGEST": digest}
     defined = {key: _string(text) for key, text in strings.items()} | sizes
@@ -123,7 +123,7 @@ def _variable(variable: Variable, elements: int) -> str:
     return "{" + ", ".join(parts) + "}"
 
 
-def _allowed(variable: Variable) -> str:
+def _describe_range(variable: Variable) -> str:
     """What follows the value in messages; only of what may be set is there anything to say."""
     quantity = variable.quantity
     return quantity.requirement() if quantity and variable.causality in ("parameter", "input") else ""

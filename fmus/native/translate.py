@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from fmus.fmi.archive import digest_of
+from fmus.fmi.archive import compute_digest
 from models.compile.cache_folder import private_folder
 
 # Of the C library; LLVM's intrinsics become calls of the same.
@@ -48,7 +48,7 @@ def translate(name: str, structure: Mapping[str, int]) -> str:
     root = Path(__file__).parents[2]
     path = os.pathsep.join(filter(None, (str(root), os.environ.get("PYTHONPATH"))))
     # Kernels that were compiled otherwise, for this process, are not taken from the cache.
-    options = digest_of({"": repr((_PLAIN_PROCESSOR, _SMALL)).encode()})
+    options = compute_digest({"": repr((_PLAIN_PROCESSOR, _SMALL)).encode()})
     try:
         kept = private_folder(f"translated-{options[:16]}")
     except OSError:
@@ -60,11 +60,11 @@ def translate(name: str, structure: Mapping[str, int]) -> str:
         text=True,
     )
     if made.returncode:
-        raise TranslationError(f"native code of {name}: {_said(made.stderr)}")
+        raise TranslationError(f"native code of {name}: {_summarise(made.stderr)}")
     return made.stdout
 
 
-def _said(text: str) -> str:
+def _summarise(text: str) -> str:
     """The error at the end of a traceback and the first line of its explanation; numba's go on below it."""
     lines = [line.strip() for line in re.sub(r"\x1b\[[0-9;]*m", "", text).splitlines()]
     raised = [i for i, line in enumerate(lines) if re.match(r"[\w.]+(Error|Exception)\b", line)]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..cross_check.stimulus import Course
+from ..cross_check.stimulus import Stimulus
 
 SPEED = 200.0  # rad/s
 TIMES = np.arange(64) * 1e-3
@@ -15,7 +15,7 @@ def gas(angle: np.ndarray) -> np.ndarray:
     return 3e6 * np.exp(-(((after - 0.3) / 0.5) ** 2))
 
 
-COURSE = Course(
+STIMULUS = Stimulus(
     says=(
         "One four-stroke cycle at 200 rad/s under a firing pressure of 3 MPa: the piston tilts and "
         "goes from wall to wall, each arrival a sequence of impacts of its corners that ends in "

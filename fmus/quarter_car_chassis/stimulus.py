@@ -1,8 +1,8 @@
 """The chassis' reference run."""
 
-from ..cross_check.stimulus import Course
+from ..cross_check.stimulus import Stimulus
 
-COURSE = Course(
+STIMULUS = Stimulus(
     says=(
         "The wheel rises by 0.1 m in 0.2 s, stays up for 0.8 s and returns; the chassis follows and "
         "swings out."

@@ -1,8 +1,8 @@
 """The wheel's reference run."""
 
-from ..cross_check.stimulus import Course
+from ..cross_check.stimulus import Stimulus
 
-COURSE = Course(
+STIMULUS = Stimulus(
     says=("The wheel hops up a step of the road, under a chassis that follows by 0.05 m and comes back."),
     corners=[0.0, 0.2, 0.2, 0.6, 0.6, 2.0],
     inputs={

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from ..cross_check.stimulus import Course
+from ..cross_check.stimulus import Stimulus
 
 SPEED = 100.0  # rad/s
 TIMES = np.arange(91) * 2e-3
 
-COURSE = Course(
+STIMULUS = Stimulus(
     says=(
         "Nearly three turns of the crank at 100 rad/s, from the middle of the clearance: flights and "
         "impacts on both walls, which films of up to 20 um narrow. The motion is chaotic in the long "

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from ..cross_check.stimulus import Course
+from ..cross_check.stimulus import Stimulus
 
 TIMES = np.arange(51) * 1e-2
 PHASE = np.pi * TIMES / 0.5
 
-COURSE = Course(
+STIMULUS = Stimulus(
     says="What strikes the stop presses it by 20 mm and leaves it again: contact made and lost.",
     corners=TIMES,
     inputs={

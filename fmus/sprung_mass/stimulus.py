@@ -1,8 +1,8 @@
 """The sprung mass's reference run."""
 
-from ..cross_check.stimulus import Course
+from ..cross_check.stimulus import Stimulus
 
-COURSE = Course(
+STIMULUS = Stimulus(
     says="A force that jumps to 10 N at 1 s, stays, and falls to -5 N from 4 to 6 s.",
     corners=[0.0, 1.0, 1.0, 4.0, 6.0, 10.0],
     inputs={"force": [0.0, 0.0, 10.0, 10.0, -5.0, -5.0]},

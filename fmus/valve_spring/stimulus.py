@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..cross_check.stimulus import Course
+from ..cross_check.stimulus import Stimulus
 
 BEGIN, DURATION, LIFT = 4e-3, 32e-3, 8e-3
 TIMES = np.arange(41) * 1e-3
@@ -20,7 +20,7 @@ def _load(t: np.ndarray) -> np.ndarray:
     )
 
 
-COURSE = Course(
+STIMULUS = Stimulus(
     says=(
         "A valve's lift of 8 mm in 32 ms by the force that it takes, as a broken line whose corners "
         "excite surge of the coils; then 4 ms of free vibration."

@@ -27,7 +27,7 @@ def version() -> str:
 
 
 def values(case: Case) -> list[list[float]]:
-    inputs, outputs = case.references_of(case.inputs), case.references_of(case.outputs)
+    inputs, outputs = case.find_references(case.inputs), case.find_references(case.outputs)
     found = []
     with _begun(case) as (unit, set_values, get_values):
         for i, row in enumerate(case.table):
@@ -40,7 +40,7 @@ def values(case: Case) -> list[list[float]]:
 @contextmanager
 def timing(case: Case) -> Iterator[Callable[[int], float]]:
     with _begun(case) as (unit, set_values, _):
-        set_values(case.references_of(case.inputs), case.table[0])
+        set_values(case.find_references(case.inputs), case.table[0])
         done = 0
 
         def seconds(steps: int) -> float:

@@ -42,7 +42,7 @@ def values(case: Case) -> list[list[float]]:
     execution, index, manipulator = _load(case)
     observer = CosimObserver.create_last_value()
     execution.add_observer(observer)
-    inputs, outputs = case.references_of(case.inputs), case.references_of(case.outputs)
+    inputs, outputs = case.find_references(case.inputs), case.find_references(case.outputs)
     found = []
     for row in case.table:
         manipulator.slave_real_values(index, inputs, row)
@@ -54,7 +54,7 @@ def values(case: Case) -> list[list[float]]:
 @contextmanager
 def timing(case: Case) -> Iterator[Callable[[int], float]]:
     execution, index, manipulator = _load(case)
-    manipulator.slave_real_values(index, case.references_of(case.inputs), case.table[0])
+    manipulator.slave_real_values(index, case.find_references(case.inputs), case.table[0])
 
     def seconds(steps: int) -> float:
         began = time.perf_counter()

@@ -44,11 +44,11 @@ def test_a_known_fmu_is_found_by_its_note_until_a_source_changes(
     file = build("coupled_mass")
     packed: list[str] = []
 
-    def content_of(name: str, *rest: object) -> dict[str, bytes]:
+    def collect_files(name: str, *rest: object) -> dict[str, bytes]:
         packed.append(name)
         return {"modelDescription.xml": b"other"}
 
-    monkeypatch.setattr("fmus.build.content_of", content_of)
+    monkeypatch.setattr("fmus.build.collect_files", collect_files)
     assert build("coupled_mass") == file
     assert not packed
     monkeypatch.setattr("fmus.fmu_cache._sources", lambda: "edited")

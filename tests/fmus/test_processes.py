@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import models
-from fmus.build import build, content_of, pack_files
+from fmus.build import build, collect_files, pack_files
 
 from .conftest import Isolated, clean_environment
 from .reference import Reference
@@ -153,9 +153,9 @@ BUILD = "from fmus.build import build; print(build('flywheel'))"
 
 def test_same_sources_same_bytes() -> None:
     environment = clean_environment({"PYTHONHASHSEED": "1"})
-    code = "import sys; from fmus.build import *; sys.stdout.buffer.write(pack_files(content_of('flywheel')))"
+    code = "import sys, fmus.build as b; sys.stdout.buffer.write(b.pack_files(b.collect_files('flywheel')))"
     other = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=True)
-    assert other.stdout == pack_files(content_of("flywheel"))
+    assert other.stdout == pack_files(collect_files("flywheel"))
 
 
 def test_builds_at_the_same_time(tmp_path: Path) -> None:

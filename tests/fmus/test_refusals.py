@@ -15,7 +15,7 @@ ERROR, CATEGORY = 3, "logStatusError"
 
 
 @pytest.fixture(scope="module")
-def share_load(unpacked: dict[str, Path]) -> Iterator[Instance]:
+def shared(unpacked: dict[str, Path]) -> Iterator[Instance]:
     slave = Instance(unpacked["valve_spring"])
     yield slave
     slave.free()

@@ -10,7 +10,7 @@ import pytest
 
 import orchestrator
 from fmus.build import NAMES
-from fmus.fmi.terminals import Terminal, terminals_and_icons, terminals_of
+from fmus.fmi.terminals import Terminal, find_terminals, terminals_and_icons
 from fmus.fmi.validate import terminal_faults
 from fmus.variable_layout import Memory
 from models.catalogue import CATALOGUE
@@ -46,7 +46,7 @@ def test_terminals_join_what_scenarios_connect(name: str) -> None:
         instance, _, variable = end.partition(".")
         entry = content["components"][instance]
         component = entry.get("component", instance)
-        terminals = terminals_of(component, variables_of(component, **entry.get("structure", {})))
+        terminals = find_terminals(component, variables_of(component, **entry.get("structure", {})))
         found = set[tuple[str, str]]()
         for terminal in terminals.values():
             found |= {(terminal.kind, m) for m, v in terminal.members.items() if v == variable}
@@ -61,7 +61,7 @@ def test_members_of_one_kind_are_the_same() -> None:
     """Of terminals that are connected whole; a partial one has some of them, or more."""
     kinds: dict[str, list[Terminal]] = {}
     for name in NAMES:
-        for terminal in terminals_of(name, variables_of(name)).values():
+        for terminal in find_terminals(name, variables_of(name)).values():
             kinds.setdefault(terminal.kind, []).append(terminal)
     for kind, terminals in kinds.items():
         known = set().union(*(t.members for t in terminals))
@@ -70,7 +70,7 @@ def test_members_of_one_kind_are_the_same() -> None:
 
 
 def test_arrays_have_a_terminal_for_each_element() -> None:
-    terminals = terminals_of("flywheel", variables_of("flywheel", loads=3))
+    terminals = find_terminals("flywheel", variables_of("flywheel", loads=3))
     assert list(terminals) == ["load[1]", "load[2]", "load[3]"]
     assert terminals["load[3]"].members["torque"] == "load_torque[3]"
 

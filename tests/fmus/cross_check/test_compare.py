@@ -13,7 +13,7 @@ from fmus.build import REFERENCED
 from fmus.cross_check.apart import compare_in_process
 from fmus.cross_check.compare import compare
 from fmus.cross_check.files import CrossCheckError, Options, csv_text, read_csv
-from fmus.cross_check.inside import FOLDER, folder_of
+from fmus.cross_check.inside import FOLDER, reference_folder
 from tests.third_party.c_fmus import fmu as third_party
 
 
@@ -57,7 +57,7 @@ def test_a_difference_is_found_in_the_variable_and_at_the_time_where_it_is(
     assert found.worst.variable == "velocity"
     assert found.worst.relative == pytest.approx(1e-7, rel=0.02)
     times = read_csv(
-        (folder_of("quarter_car_chassis") / "quarter_car_chassis_ref.csv").read_text(), "ref"
+        (reference_folder("quarter_car_chassis") / "quarter_car_chassis_ref.csv").read_text(), "ref"
     ).times
     assert found.worst.time == times[40]
     assert "DIFFERS: velocity" in str(found)
@@ -90,7 +90,7 @@ def test_a_reference_beside_the_file_is_taken_first(fmu_files: dict[str, Path], 
         lambda n, c: None if n.startswith("falling_mass_") else c,
     )
     for suffix in ("_in.csv", "_ref.csv"):
-        text = (folder_of("falling_mass") / f"falling_mass{suffix}").read_text()
+        text = (reference_folder("falling_mass") / f"falling_mass{suffix}").read_text()
         (folder / f"hop{suffix}").write_text(text)
     (folder / "hop_ref.opt").write_text("StartTime,0\nStopTime,0.5\nStepSize,0.001\nRelTol,1e-6\n")
     (found,) = compare(fmu)

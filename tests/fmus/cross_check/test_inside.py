@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 
 from fmus.build import REFERENCED, build
-from fmus.cross_check.inside import FOLDER, MANIFEST, folder_of
+from fmus.cross_check.inside import FOLDER, MANIFEST, reference_folder
 
 # The standard's roles, version 1.0.0-alpha.1, of those that are used.
 ROLES = {"testcase", "result", "document"}
@@ -23,7 +23,7 @@ def test_the_manifest_tells_of_every_file_and_of_no_other(name: str, fmu_files: 
         root = ElementTree.fromstring(archive.read(MANIFEST))
         there = {n.removeprefix(FOLDER + "/") for n in archive.namelist() if n.startswith(FOLDER)}
         for file in ("README.md", f"{name}_in.csv", f"{name}_ref.csv", f"{name}_ref.opt"):
-            assert archive.read(f"{FOLDER}/{file}") == (folder_of(name) / file).read_bytes()
+            assert archive.read(f"{FOLDER}/{file}") == (reference_folder(name) / file).read_bytes()
         assert FOLDER in archive.read("documentation/index.html").decode()
     assert root.tag == "fmiReferences"
     assert root.get(f"{LAYERED}fmi-ls-name") == FOLDER.removeprefix("extra/")

@@ -12,31 +12,31 @@ import pytest
 
 from fmus.build import REFERENCED
 from fmus.cross_check.files import Table, csv_text, read_csv, read_options
-from fmus.cross_check.inside import folder_of
+from fmus.cross_check.inside import reference_folder
 from fmus.cross_check.reference import (
     LEAST,
     MARGIN,
-    component_of,
+    build_component,
     largest,
-    pieces_of,
     results,
+    split_at_corners,
     step_component,
 )
-from fmus.cross_check.stimulus import Course, course_of
+from fmus.cross_check.stimulus import Stimulus, load_stimulus
 
 # What the files are written with (5e-10), and what two solvers of 1e-12 a step leave (3e-9 at most, in the
 # slider-crank, by other compilers and libraries perhaps twice that), over an output's largest value.
 SAME = 1e-8
 
 
-def course(name: str) -> Course:
-    found = course_of(name)
+def stimulus(name: str) -> Stimulus:
+    found = load_stimulus(name)
     assert found is not None
     return found
 
 
 def shipped(name: str, file: str) -> str:
-    return (folder_of(name) / file).read_text("utf-8")
+    return (reference_folder(name) / file).read_text("utf-8")
 
 
 def apart(found: Table, wanted: Table) -> dict[str, float]:
@@ -53,7 +53,7 @@ def test_shipped_results_are_what_the_physics_gives(name: str, record) -> None:
 
     `python -m fmus.cross_check NAME` writes the files anew.
     """
-    now = results(name, course(name))
+    now = results(name, stimulus(name))
     differences = apart(
         read_csv(now.files[f"{name}_ref.csv"], "now"), read_csv(shipped(name, f"{name}_ref.csv"), "shipped")
     )
@@ -62,7 +62,7 @@ def test_shipped_results_are_what_the_physics_gives(name: str, record) -> None:
     assert now.files[f"{name}_in.csv"] == shipped(name, f"{name}_in.csv")
     assert now.files[f"me/{name}_ref.opt"] == shipped(name, f"me/{name}_ref.opt")
     assert set(now.files) == {
-        path.relative_to(folder_of(name)).as_posix() for path in folder_of(name).rglob("*.*")
+        path.relative_to(reference_folder(name)).as_posix() for path in reference_folder(name).rglob("*.*")
     }
     stated = read_options(shipped(name, f"{name}_ref.opt"), "opt").tolerance
     for quantity, values in (
@@ -87,9 +87,9 @@ def test_shipped_results_are_what_the_physics_gives(name: str, record) -> None:
     ],
 )
 def test_a_drift_of_a_millionth_in_the_physics_is_seen(name: str, parameter: str) -> None:
-    component, own = component_of(name), course(name)
+    component, own = build_component(name), stimulus(name)
     instants = np.array(own.instants())
-    pieces = pieces_of(component, read_csv(shipped(name, f"{name}_in.csv"), "in"))
+    pieces = split_at_corners(component, read_csv(shipped(name, f"{name}_in.csv"), "in"))
     start = component.parameters.start
     start[component.parameters.index(parameter)] *= 1.0 + 1e-6
     rows = step_component(component, pieces, instants, own.step_size)
@@ -99,12 +99,12 @@ def test_a_drift_of_a_millionth_in_the_physics_is_seen(name: str, parameter: str
 
 
 def moved(name: str, state: str, error: float, output: str) -> np.ndarray:
-    """How far the output is off along the course, at its steps, when the state starts off by that much."""
-    own, runs = course(name), []
+    """How far the output is off along the stimulus, at its steps, when the state starts off by that much."""
+    own, runs = stimulus(name), []
     for beside in (0.0, error):
-        component = component_of(name)
+        component = build_component(name)
         component.state.start[component.state.index(state)] += beside
-        pieces = pieces_of(component, read_csv(shipped(name, f"{name}_in.csv"), "in"))
+        pieces = split_at_corners(component, read_csv(shipped(name, f"{name}_in.csv"), "in"))
         rows = step_component(component, pieces, np.array(own.instants()), own.step_size)
         runs.append(rows[:, component.outputs.index(output)])
     return np.abs(runs[1] - runs[0])
@@ -124,22 +124,22 @@ def test_the_piston_cranks_forget_a_small_error() -> None:
 @pytest.mark.parametrize("name", REFERENCED)
 def test_files_keep_the_rules(name: str) -> None:
     """Those of the project (4.1, appendix B), and as fmpy reads them."""
-    own, component = course(name), component_of(name)
+    own, component = stimulus(name), build_component(name)
     assert 1 <= len(own.outputs) <= 10
     steps = np.asarray(own.corners) / own.step_size
     np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
     wide = own.interval / own.step_size
     assert abs(wide - round(wide)) < 1e-9
     options = read_options(shipped(name, f"{name}_ref.opt"), "opt")
-    reference = folder_of(name) / f"{name}_ref.csv"
+    reference = reference_folder(name) / f"{name}_ref.csv"
     table = fmpy.util.read_csv(reference)
     assert table.dtype.names == ("time", *own.outputs)
     assert (table["time"][0], table["time"][-1]) == (options.start_time, options.stop_time)
-    inputs = fmpy.util.read_csv(folder_of(name) / f"{name}_in.csv")
+    inputs = fmpy.util.read_csv(reference_folder(name) / f"{name}_in.csv")
     known = {f"{f.add_suffix(s)}" for f in component.inputs.fields for s in ("", "_der1")}
     assert set(inputs.dtype.names[1:]) <= known
     assert np.all(np.diff(inputs["time"]) >= 0.0)
-    read = fmpy.util.read_ref_opt_file(str(folder_of(name) / f"{name}_ref.opt"))
+    read = fmpy.util.read_ref_opt_file(str(reference_folder(name) / f"{name}_ref.opt"))
     assert (read["StepSize"], read["StopTime"]) == (own.step_size, own.stop_time)
     for column in table.dtype.names[1:]:
         assert np.ptp(table[column]) > 0.0 or column in ("cam_speed", "speed"), f"{column} tells nothing"
@@ -147,17 +147,17 @@ def test_files_keep_the_rules(name: str) -> None:
 
 def test_inputs_are_read_back_as_the_broken_lines_that_they_are() -> None:
     """Values on both sides of every corner, slopes between; a jump has one row before and one after."""
-    component = component_of("sprung_mass")
-    course = dataclasses.replace(
-        course_of("sprung_mass"),
+    component = build_component("sprung_mass")
+    stimulus = dataclasses.replace(
+        load_stimulus("sprung_mass"),
         corners=[0.0, 1.0, 1.0, 3.0],
         inputs={"force": [0.0, 2.0, 5.0, 4.0]},
     )
-    text = csv_text(*course.table())
+    text = csv_text(*stimulus.table())
     assert text.splitlines()[1:] == ["0,0,2", "1,2,2", "1,5,-0.5", "3,4,-0.5"]
-    pieces = pieces_of(component, read_csv(text, "in"))
+    pieces = split_at_corners(component, read_csv(text, "in"))
     assert [(p.start, p.u[0], p.du[0]) for p in pieces] == [(0.0, 0.0, 2.0), (1.0, 5.0, -0.5)]
-    assert 1.0 not in course.instants()
+    assert 1.0 not in stimulus.instants()
 
 
 def test_the_page_states_the_tolerances_that_ship() -> None:

@@ -15,7 +15,7 @@ import fmpy
 import pytest
 from fmpy.model_description import ModelDescription, ScalarVariable
 
-from fmus.build import sized_component
+from fmus.build import resolve_component
 from fmus.native.differentiate import differentiate
 from fmus.native.entries import smooth
 from fmus.native.machine_code import (
@@ -66,14 +66,14 @@ def program(name: str, folder: Path, sanitized: bool, fmi: int = 2) -> Path:
 @functools.cache
 def kernels(name: str) -> bytes:
     """Machine code of the component's kernels."""
-    sizes, component = sized_component(name, None)
+    sizes, component = resolve_component(name, None)
     plain = translate(name, sizes)
     return object_code(PLATFORMS[this_platform()], [plain, differentiate(plain, smooth(component))])
 
 
 def sanitized_library(name: str, folder: Path, fmi: int) -> Path:
     """The FMU's library with sanitizers in the runtime, its kernels as shipped; its token is TOKEN."""
-    _, component = sized_component(name, None)
+    _, component = resolve_component(name, None)
     (folder / "kernels.o").write_bytes(kernels(name))
     for file, text in tables(component, name, "0" * 16, TOKEN, fmi).items():
         (folder / file).write_text(text, encoding="utf-8")
