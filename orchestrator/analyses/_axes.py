@@ -19,7 +19,7 @@ from ._table import column
 from .protocol import Parameter
 
 
-def axis_parameters(letter: str, name: str, first: float, last: float, count: int) -> dict[str, Parameter]:
+def declare_axis(letter: str, name: str, first: float, last: float, count: int) -> dict[str, Parameter]:
     """Parameters of an axis: what varies along it, first and last value, count."""
     return {
         letter: Parameter(name, "1", f"parameter along {letter}", choices=VARIABLES),

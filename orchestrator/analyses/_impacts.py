@@ -13,7 +13,7 @@ from models.slider_crank.motions import histories as h
 from models.slider_crank.motions.machine import Events
 from models.slider_crank.motions.statistics import Distribution, approach_velocities
 
-from ._machine import MACHINE, START, duration_parameters, simulate_motion
+from ._machine import MACHINE, START, declare_duration, simulate_motion
 from ._table import column
 from .protocol import Parameter, Result
 
@@ -37,10 +37,10 @@ SUMS = {
 }
 
 
-def impact_parameters(cycles: int, bins: int) -> dict[str, Parameter]:
+def declare_impacts(cycles: int, bins: int) -> dict[str, Parameter]:
     """Machine, start, duration and bins, with these defaults."""
     wanted = Parameter(bins, "1", "equal parts that are summed over", minimum=2.0, integer=True)
-    return {**MACHINE, **START, **duration_parameters(cycles, 200), "bins": wanted}
+    return {**MACHINE, **START, **declare_duration(cycles, 200), "bins": wanted}
 
 
 def simulate_impacts(values: Mapping[str, Any]) -> Events:

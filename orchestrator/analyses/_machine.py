@@ -34,7 +34,7 @@ START = {
 }
 
 
-def duration_parameters(cycles: int, transient: int) -> dict[str, Parameter]:
+def declare_duration(cycles: int, transient: int) -> dict[str, Parameter]:
     """Parameters of the duration of a motion, with these defaults."""
     return {
         "cycles": Parameter(cycles, "1", "crank cycles", minimum=1.0, integer=True),

@@ -10,14 +10,14 @@ import xarray
 
 from models.slider_crank.motions.portrait import trace_portrait
 
-from ._machine import MACHINE, START, duration_parameters, simulate_motion
+from ._machine import MACHINE, START, declare_duration, simulate_motion
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 PARAMETERS = {
     **MACHINE,
     **START,
-    **duration_parameters(3, 200),
+    **declare_duration(3, 200),
     "points": Parameter(1000, "1", "equally spaced points a revolution", minimum=2.0, integer=True),
 }
 RESULTS = {
@@ -27,7 +27,7 @@ RESULTS = {
 }
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     """Points of the motion, those before and after each impact included."""
     motion = simulate_motion(values)
     found = trace_portrait(motion, values["cycles"], values["points"])
@@ -54,8 +54,8 @@ def _declare(name: str, description: str) -> Analysis:
         description=description,
         parameters=PARAMETERS,
         results=RESULTS,
-        evaluate=evaluate_by(table),
-        table=table,
+        evaluate=evaluate_by(build_table),
+        table=build_table,
         draw=draw_by(f"motion.{name}", f"plot_{name}"),
     )
 

@@ -86,10 +86,10 @@ def compute_running(angle: float, values: Mapping[str, Any], share: float) -> Ru
 def build_finite_line(name: str, values: Mapping[str, Any], design: Running) -> FiniteLine:
     """The contact with that profile; a logarithmic one as the load of `design` asks for."""
     oil = Lubricant(CONTACT.viscosity, CONTACT.pressure_viscosity)
-    return FiniteLine(CONTACT.length, COMPLIANCE, oil, _profile(name, values, design))
+    return FiniteLine(CONTACT.length, COMPLIANCE, oil, _build_profile(name, values, design))
 
 
-def _profile(name: str, values: Mapping[str, Any], design: Running) -> Profile:
+def _build_profile(name: str, values: Mapping[str, Any], design: Running) -> Profile:
     if name == "chamfered":
         return Chamfered(values["chamfer_width"], values["chamfer_slope"])
     if name == "crowned":

@@ -17,7 +17,7 @@ from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     machine, count = build_machine(values), values["count"]
     psi = values["gap"] * np.linspace(-1.0, 1.0, count)
     rate = values["largest_rate"] * np.linspace(-1.0, 1.0, count)
@@ -54,7 +54,7 @@ ANALYSIS = Analysis(
         "attractors": Result("1", "attractors found"),
         "largest_share": Result("1", "part of the starts that end on the most common one"),
     },
-    evaluate=evaluate_by(table),
-    table=table,
+    evaluate=evaluate_by(build_table),
+    table=build_table,
     draw=draw_by("maps.basins", "plot_basins"),
 )

@@ -10,8 +10,8 @@ import xarray
 
 from models.slider_crank.motions.bifurcation import RECORDS, continue_sweep, sweep_from_rest
 
-from ._axes import axis_parameters, read_axis, report_mistakes
-from ._machine import MACHINE, build_machine, duration_parameters
+from ._axes import declare_axis, read_axis, report_mistakes
+from ._machine import MACHINE, build_machine, declare_duration
 from ._progress import show_progress
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
@@ -21,7 +21,7 @@ UNITS = {"impact_rate": "1", "impact_angle": "rad", "strobe_psi": "rad"}
 UP, DOWN, REST = 1, -1, 0
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     machine, (name, x) = build_machine(values), read_axis(values, "x")
     how = (values["record"], values["cycles"], values["transient"])
     with report_mistakes(), show_progress("bifurcation diagram") as shown:
@@ -51,7 +51,7 @@ ANALYSIS = Analysis(
     description="Bifurcation diagram over any parameter",
     parameters={
         **MACHINE,
-        **axis_parameters("x", "damping", 0.01, 0.25, 400),
+        **declare_axis("x", "damping", 0.01, 0.25, 400),
         "record": Parameter(
             "impact_rate",
             "1",
@@ -59,10 +59,10 @@ ANALYSIS = Analysis(
             choices=tuple(RECORDS),
         ),
         "start": Parameter("followed", "1", "from the state before, both ways, or from rest", choices=STARTS),
-        **duration_parameters(50, 200),
+        **declare_duration(50, 200),
     },
     results={"points": Result("1", "points of the diagram")},
-    evaluate=evaluate_by(table),
-    table=table,
+    evaluate=evaluate_by(build_table),
+    table=build_table,
     draw=draw_by("maps.bifurcation", "plot_bifurcation"),
 )

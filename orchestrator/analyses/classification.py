@@ -20,7 +20,7 @@ from .protocol import Analysis, Parameter, Result
 MOST_SHOWN, WINDOWS = 10_000, 150
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     machine, start = build_machine(values), (values["psi"], values["psi_rate"])
     with report_mistakes():
         found = classify(machine, values["cycles"], *start)
@@ -65,7 +65,7 @@ ANALYSIS = Analysis(
         "impacts_per_cycle": Result("1", "impacts per crank cycle in the end"),
         "evidence": Result("1", "what the classification rests on", text=True),
     },
-    evaluate=evaluate_by(table),
-    table=table,
+    evaluate=evaluate_by(build_table),
+    table=build_table,
     draw=draw_by("maps.classification", "plot_classification"),
 )

@@ -10,14 +10,14 @@ import xarray
 
 from models.slider_crank.motions.maps import exponent_map, exponent_map_on_device
 
-from ._axes import axis_parameters, read_axis, read_coordinate, report_mistakes
-from ._machine import MACHINE, build_machine, duration_parameters
+from ._axes import declare_axis, read_axis, read_coordinate, report_mistakes
+from ._machine import MACHINE, build_machine, declare_duration
 from ._progress import show_progress
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     machine, x, y = build_machine(values), read_axis(values, "x"), read_axis(values, "y")
     length = values["cycles"], values["transient"]
     with report_mistakes(), show_progress("exponent map") as shown:
@@ -43,9 +43,9 @@ ANALYSIS = Analysis(
     description="Largest Lyapunov exponent over two parameters, every point from rest in the middle",
     parameters={
         **MACHINE,
-        **axis_parameters("x", "damping", 0.01, 0.25, 60),
-        **axis_parameters("y", "gap", 0.005, 0.02, 60),
-        **duration_parameters(1000, 200),
+        **declare_axis("x", "damping", 0.01, 0.25, 60),
+        **declare_axis("y", "gap", 0.005, 0.02, 60),
+        **declare_duration(1000, 200),
         "device": Parameter("cpu", "1", "where it is computed", choices=("cpu", "cuda")),
     },
     results={
@@ -53,7 +53,7 @@ ANALYSIS = Analysis(
         "sliding_share": Result("1", "part of the points whose motion slides"),
         "highest": Result("1/rad", "highest of the largest exponents"),
     },
-    evaluate=evaluate_by(table),
-    table=table,
+    evaluate=evaluate_by(build_table),
+    table=build_table,
     draw=draw_by("maps.exponents", "plot_exponent_map"),
 )

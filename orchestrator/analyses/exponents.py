@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ._machine import MACHINE, START, duration_parameters, simulate_motion
+from ._machine import MACHINE, START, declare_duration, simulate_motion
 from ._table import column, draw_by
 from .protocol import Analysis, Result
 
@@ -30,7 +30,7 @@ def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
     }
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     """The results, and both exponents of windows that follow one another."""
     cycles = values["cycles"]
     growths, _, length = simulate_motion(values).growths(cycles, min(WINDOWS, cycles))
@@ -49,7 +49,7 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
 ANALYSIS = Analysis(
     name="exponents",
     description="Lyapunov exponents of the slider-crank with clearance",
-    parameters={**MACHINE, **START, **duration_parameters(2000, 200)},
+    parameters={**MACHINE, **START, **declare_duration(2000, 200)},
     results={
         "largest": Result("1/rad", "largest Lyapunov exponent per crank angle; -inf: slides"),
         "second": Result("1/rad", "second Lyapunov exponent per crank angle; -inf: slides"),
@@ -61,6 +61,6 @@ ANALYSIS = Analysis(
         "motion": Result("1", "slides (its memory ends) or bounces", text=True),
     },
     evaluate=evaluate,
-    table=table,
+    table=build_table,
     draw=draw_by("maps.convergence", "plot_exponents"),
 )

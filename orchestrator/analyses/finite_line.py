@@ -36,7 +36,7 @@ ALIGNMENTS = ("aligned", "misaligned")
 LINES, NODES = 401, 201
 
 
-def _solved(name: str, values: Mapping[str, Any], share: float) -> Solution:
+def _solve(name: str, values: Mapping[str, Any], share: float) -> Solution:
     try:
         at = compute_running(values["angle"], values, share)
         contact = build_finite_line(name, values, at)
@@ -46,7 +46,7 @@ def _solved(name: str, values: Mapping[str, Any], share: float) -> Solution:
         raise MistakeError(str(error)) from None
 
 
-def _numbers(found: Solution) -> dict[str, float | str]:
+def _collect_results(found: Solution) -> dict[str, float | str]:
     at = found.running
     hertz = maximum_pressure(at.load, at.radius, CONTACT.length, COMPLIANCE)
     return {
@@ -70,23 +70,23 @@ def _numbers(found: Solution) -> dict[str, float | str]:
 
 
 def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
-    return _numbers(_solved(values["profile"], values, values["alignment"]))
+    return _collect_results(_solve(values["profile"], values, values["alignment"]))
 
 
-def _map(values: Vector, found: Solution, x: Vector, y: Vector) -> Vector:
+def _interpolate(values: Vector, found: Solution, x: Vector, y: Vector) -> Vector:
     """Values of a solution's nodes at x and y; lines at the ends keep their value up to the end."""
     grid = found.grid
     at_x = np.array([np.interp(x, grid.x, line) for line in values.T]).T
     return np.array([np.interp(y, grid.y, row) for row in at_x])
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     """Pressure and film of the chosen profile over x and y, and of all profiles what is largest and
     smallest along y; each aligned and misaligned."""
     y = np.linspace(-0.5, 0.5, LINES) * CONTACT.length
     shares = dict(zip(ALIGNMENTS, (0.0, values["alignment"]), strict=True))
     found = {
-        (kind, share): _solved(kind, values, share) for kind in PROFILES for share in set(shares.values())
+        (kind, share): _solve(kind, values, share) for kind in PROFILES for share in set(shares.values())
     }
     peaks, films = (
         [
@@ -101,15 +101,15 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
     chosen = [found[values["profile"], share] for share in shares.values()]
     x = np.linspace(max(each.grid.x[0] for each in chosen), min(each.grid.x[-1] for each in chosen), NODES)
     over, every = ("aligned", "x", "y"), ("kind", "aligned", "y")
-    pressure = [_map(each.pressure, each, x, y) for each in chosen]
-    film = [_map(each.film, each, x, y) for each in chosen]
+    pressure = [_interpolate(each.pressure, each, x, y) for each in chosen]
+    film = [_interpolate(each.film, each, x, y) for each in chosen]
     return xarray.Dataset(
         {
             "pressure": column(over, pressure, "Pa", "pressure of the chosen profile"),
             "film": column(over, film, "m", "film thickness of the chosen profile"),
             "peak_along": column(every, peaks, "Pa", "largest pressure of every line along x"),
             "least_along": column(every, films, "m", "smallest film of every line along x"),
-            **_numbers(chosen[-1]),
+            **_collect_results(chosen[-1]),
         },
         coords={
             "x": column("x", x, "m", "along the motion of the surfaces"),
@@ -145,6 +145,6 @@ ANALYSIS = Analysis(
         "warnings": Result("1", "what is not to be trusted", text=True),
     },
     evaluate=evaluate,
-    table=table,
+    table=build_table,
     draw=draw_by("finite_line", "draw_finite_line"),
 )

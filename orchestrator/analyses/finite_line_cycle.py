@@ -43,22 +43,22 @@ SHOWN = {
 NOSE = math.pi
 
 
-def _angles(values: Mapping[str, Any]) -> Vector:
+def _list_angles(values: Mapping[str, Any]) -> Vector:
     """From `start` to the nose; the cycle is symmetric about it."""
     return np.linspace(values["start"], NOSE, values["instants"])
 
 
-def _passage(
+def _compute_passage(
     kind: str, values: Mapping[str, Any], share: float, shown: Callable[[int, int], None]
 ) -> tuple[FiniteLine, list[Running], Passage]:
     """The contact, its instants and the films; MistakeError for a parameter that is none."""
     try:
         contact = build_finite_line(kind, values, compute_running(NOSE, values, 0.0))
         contact.profile.drop(np.zeros(1), contact.length)  # a profile that the length has no room for
-        at = [compute_running(angle, values, share) for angle in _angles(values)]
+        at = [compute_running(angle, values, share) for angle in _list_angles(values)]
         found = passage(
             contact,
-            list(_angles(values)),
+            list(_list_angles(values)),
             [each.load for each in at],
             [each.velocity for each in at],
             [each.radius for each in at],
@@ -75,7 +75,7 @@ def _passage(
     return contact, at, found
 
 
-def _line(contact: FiniteLine, at: Running) -> tuple[float, float]:
+def _compute_line_contact(contact: FiniteLine, at: Running) -> tuple[float, float]:
     """Largest pressure and smallest film of the line contact under the same load; at rest dry."""
     hertz = maximum_pressure(at.load, at.radius, contact.length, contact.compliance)
     try:
@@ -86,7 +86,7 @@ def _line(contact: FiniteLine, at: Running) -> tuple[float, float]:
     return found.maximum_pressure, found.minimum_film
 
 
-def _messages(found: Passage, pressure: Vector) -> Iterator[str]:
+def _list_warnings(found: Passage, pressure: Vector) -> Iterator[str]:
     """Warnings about the result; `pressure`: where there is a film."""
     degrees = np.degrees(found.angle)
     if np.any(found.dry):
@@ -98,7 +98,7 @@ def _messages(found: Passage, pressure: Vector) -> Iterator[str]:
     yield from found.messages
 
 
-def _numbers(
+def _collect_results(
     values: Mapping[str, Any], at: list[Running], found: Passage, line: Vector
 ) -> dict[str, float | str]:
     """Results of the chosen profile, without dry instants, whose peaks at sharp ends depend on the grid."""
@@ -119,17 +119,18 @@ def _numbers(
         "nose_line_film": float(line[-1, 1]),
         "not_found": int(np.count_nonzero(np.isnan(found.largest_pressure))),
         "dry": int(np.count_nonzero(found.dry)),
-        "messages": "; ".join(_messages(found, pressure)),
+        "messages": "; ".join(_list_warnings(found, pressure)),
     }
 
 
 def evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
     with show_progress("finite line through the cycle") as shown:
-        contact, at, found = _passage(values["profile"], values, values["alignment"], shown)
-    return _numbers(values, at, found, np.array([_line(contact, each) for each in at]))
+        contact, at, found = _compute_passage(values["profile"], values, values["alignment"], shown)
+    line = np.array([_compute_line_contact(contact, each) for each in at])
+    return _collect_results(values, at, found, line)
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     """Over cam angle, aligned and misaligned: the straight tappet and the chosen profile (the logarithmic
     one where that is straight), and the line contact."""
     # The chosen profile first: a mistake in it shows at once.
@@ -145,9 +146,9 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
                 def show(done: int, _: int, before: int = before) -> None:
                     shown(before + done, total)
 
-                found[kind, share] = _passage(kind, values, share, show)
+                found[kind, share] = _compute_passage(kind, values, share, show)
     contact, at, chosen = found[values["profile"], values["alignment"]]
-    line = np.array([_line(contact, each) for each in at])
+    line = np.array([_compute_line_contact(contact, each) for each in at])
     over = ("kind", "aligned", "angle")
     return xarray.Dataset(
         {
@@ -163,10 +164,10 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
             "line_pressure": column("angle", line[:, 0], "Pa", "largest pressure of the line contact"),
             "line_film": column("angle", line[:, 1], "m", "smallest film of the line contact"),
             "slope": column("angle", [each.misalignment for each in at], "rad", "misalignment"),
-            **_numbers(values, at, chosen, line),
+            **_collect_results(values, at, chosen, line),
         },
         coords={
-            "angle": column("angle", _angles(values), "rad", "cam angle, nose at pi"),
+            "angle": column("angle", _list_angles(values), "rad", "cam angle, nose at pi"),
             "kind": column("kind", list(kinds), "1", "axial profile"),
             "aligned": column("aligned", list(ALIGNMENTS), "1", "alignment of the shaft"),
         },
@@ -199,6 +200,6 @@ ANALYSIS = Analysis(
         "messages": Result("1", "what is not to be trusted, by cam angle", text=True),
     },
     evaluate=evaluate,
-    table=table,
+    table=build_table,
     draw=draw_by("finite_line_cycle", "draw_finite_line_cycle"),
 )

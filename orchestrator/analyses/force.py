@@ -21,7 +21,7 @@ from .protocol import Analysis, Parameter, Result
 TURN = 2.0 * math.pi
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     """Forces over the window, and where they can hold."""
     if values["end"] <= values["start"]:
         raise MistakeError(
@@ -36,14 +36,14 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
             "region": region(machine),
             "upper_sign_changes": sign_changes(machine, UPPER),
             "lower_sign_changes": sign_changes(machine, LOWER),
-            "upper_share": _share(machine, UPPER),
-            "lower_share": _share(machine, LOWER),
+            "upper_share": _compute_share(machine, UPPER),
+            "lower_share": _compute_share(machine, LOWER),
         },
         coords={"theta": column("theta", theta, "rad", "crank angle")},
     )
 
 
-def _share(machine: Machine, side: float) -> float:
+def _compute_share(machine: Machine, side: float) -> float:
     return sum(interval.end - interval.start for interval in holding_intervals(machine, side)) / TURN
 
 
@@ -63,7 +63,7 @@ ANALYSIS = Analysis(
         "upper_share": Result("1", "part of the cycle in which the upper wall can hold the slider"),
         "lower_share": Result("1", "part of the cycle in which the lower wall can hold the slider"),
     },
-    evaluate=evaluate_by(table),
-    table=table,
+    evaluate=evaluate_by(build_table),
+    table=build_table,
     draw=draw_by("motion.force", "plot_force"),
 )

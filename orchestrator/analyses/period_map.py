@@ -10,14 +10,14 @@ import xarray
 
 from models.slider_crank.motions.maps import period_map
 
-from ._axes import axis_parameters, read_axis, read_coordinate, report_mistakes
+from ._axes import declare_axis, read_axis, read_coordinate, report_mistakes
 from ._machine import MACHINE, build_machine
 from ._progress import show_progress
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     machine, x, y = build_machine(values), read_axis(values, "x"), read_axis(values, "y")
     with report_mistakes(), show_progress("period map") as shown:
         found = period_map(machine, x, y, values["cycles"], progress=shown)
@@ -37,8 +37,8 @@ ANALYSIS = Analysis(
     description="Period of the motion over two parameters, every point from rest in the middle",
     parameters={
         **MACHINE,
-        **axis_parameters("x", "damping", 0.01, 0.25, 60),
-        **axis_parameters("y", "gap", 0.005, 0.02, 60),
+        **declare_axis("x", "damping", 0.01, 0.25, 60),
+        **declare_axis("y", "gap", 0.005, 0.02, 60),
         "cycles": Parameter(2000, "1", "crank cycles within which a period is looked for", 1.0, integer=True),
     },
     results={
@@ -46,7 +46,7 @@ ANALYSIS = Analysis(
         "simple_share": Result("1", "part of the points that repeat every cycle"),
         "longest": Result("1", "longest period found, in cycles"),
     },
-    evaluate=evaluate_by(table),
-    table=table,
+    evaluate=evaluate_by(build_table),
+    table=build_table,
     draw=draw_by("maps.periods", "plot_period_map"),
 )

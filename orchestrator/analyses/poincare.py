@@ -11,12 +11,12 @@ import xarray
 from models.slider_crank.flight.bouncing import LOWER, UPPER
 
 from ._impacts import COUNTS, count_impacts, simulate_first_impacts
-from ._machine import MACHINE, START, duration_parameters
+from ._machine import MACHINE, START, declare_duration
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     impacts, cycles = simulate_first_impacts(values)
     chosen = impacts.where(impacts.side == (UPPER if values["wall"] == "upper" else LOWER))
     return xarray.Dataset(
@@ -39,7 +39,7 @@ ANALYSIS = Analysis(
     parameters={
         **MACHINE,
         **START,
-        **duration_parameters(40_000, 200),
+        **declare_duration(40_000, 200),
         "most": Parameter(400_000, "1", "impacts after which it ends early", minimum=1.0, integer=True),
         "wall": Parameter("upper", "1", "wall", choices=("upper", "lower")),
         "centre_angle": Parameter(
@@ -53,7 +53,7 @@ ANALYSIS = Analysis(
         "seen": Result("1", "crank cycles that they took"),
         **COUNTS,
     },
-    evaluate=evaluate_by(table),
-    table=table,
+    evaluate=evaluate_by(build_table),
+    table=build_table,
     draw=draw_by("motion.poincare", "plot_poincare"),
 )

@@ -11,12 +11,12 @@ from models.core.quantities import Vector
 from models.slider_crank.motions.machine import Events
 from models.slider_crank.motions.statistics import Distribution, impact_profile
 
-from ._impacts import PER, SUMS, VELOCITY, impact_parameters, sum_velocities
+from ._impacts import PER, SUMS, VELOCITY, declare_impacts, sum_velocities
 from ._table import draw_by, evaluate_by
 from .protocol import Analysis
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     def distribute(impacts: Events, velocities: Vector, total: float) -> Distribution:
         return impact_profile(impacts, velocities, values["xi"], values["bins"], total)
 
@@ -26,9 +26,9 @@ def table(values: Mapping[str, Any]) -> xarray.Dataset:
 ANALYSIS = Analysis(
     name="profile",
     description="Impact distribution profile: impact velocities along the walls (F 3.6)",
-    parameters={**impact_parameters(3000, 100), "velocity": VELOCITY, "per": PER},
+    parameters={**declare_impacts(3000, 100), "velocity": VELOCITY, "per": PER},
     results=SUMS,
-    evaluate=evaluate_by(table),
-    table=table,
+    evaluate=evaluate_by(build_table),
+    table=build_table,
     draw=draw_by("motion.distribution", "plot_profile"),
 )

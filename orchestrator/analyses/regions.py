@@ -16,7 +16,7 @@ from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     """Both thresholds over the clearance, from none to `largest_gap`."""
     machine = build_machine(values)
     build_machine({**values, "gap": values["largest_gap"]})
@@ -52,7 +52,7 @@ ANALYSIS = Analysis(
         "lower_threshold": Result("1", "lambda from which on the lower wall holds nowhere"),
         "limit": Result("1", "both for vanishing clearance: threshold of permanent sliding"),
     },
-    evaluate=evaluate_by(table),
-    table=table,
+    evaluate=evaluate_by(build_table),
+    table=build_table,
     draw=draw_by("motion.regions", "plot_regions"),
 )

@@ -22,7 +22,7 @@ from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Parameter, Result
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     machine = build_machine(values)
     starts = draw_starts(machine, values["starts"], values["seed"])
     with show_progress("transients") as shown:
@@ -61,7 +61,7 @@ ANALYSIS = Analysis(
         "median": Result("1", "median length in cycles"),
         "longest": Result("1", "longest length in cycles"),
     },
-    evaluate=evaluate_by(table),
-    table=table,
+    evaluate=evaluate_by(build_table),
+    table=build_table,
     draw=draw_by("maps.escape", "plot_transient"),
 )

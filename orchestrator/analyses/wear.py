@@ -16,7 +16,7 @@ from models.slider_crank.motions.statistics import (
     uniformity,
 )
 
-from ._impacts import COUNTS, count_impacts, impact_parameters, simulate_impacts, tabulate_bins
+from ._impacts import COUNTS, count_impacts, declare_impacts, simulate_impacts, tabulate_bins
 from ._machine import build_machine
 from ._table import column, draw_by, evaluate_by
 from .protocol import Analysis, Result
@@ -26,7 +26,7 @@ FACTORS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 WALLS = {"upper": UPPER, "lower": LOWER}
 
 
-def table(values: Mapping[str, Any]) -> xarray.Dataset:
+def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     """Energies per cycle along the walls, and the worn share over the number of bins."""
     machine, impacts, cycles = build_machine(values), simulate_impacts(values), values["cycles"]
     taken = energies(machine, impacts)
@@ -60,9 +60,9 @@ def _results(wall: str) -> dict[str, Result]:
 ANALYSIS = Analysis(
     name="wear",
     description="Wear: energy that impacts take along the walls, and how evenly",
-    parameters=impact_parameters(3000, 100),
+    parameters=declare_impacts(3000, 100),
     results={**_results("upper"), **_results("lower"), **COUNTS},
-    evaluate=evaluate_by(table),
-    table=table,
+    evaluate=evaluate_by(build_table),
+    table=build_table,
     draw=draw_by("motion.wear", "plot_wear"),
 )

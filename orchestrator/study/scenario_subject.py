@@ -61,11 +61,11 @@ class ScenarioSubject:
     def scenario(self) -> Scenario:
         return build_scenario(dict(self.tables))
 
-    def at(self, values: Mapping[str, Value]) -> Scenario:
+    def build_scenario_at(self, values: Mapping[str, Value]) -> Scenario:
         """The scenario at a point; ScenarioError names the fault."""
         tables = copy.deepcopy(dict(self.tables))
         for name, value in values.items():
-            for path in self._paths(name):
+            for path in self._list_paths(name):
                 put(tables, path, value)
         return build_scenario(tables)
 
@@ -109,7 +109,7 @@ class ScenarioSubject:
         driving = {parse_ends(line)[0] for line in self.scenario.connections}
         return [name for name in self._list_outputs() if name in driving or name in self.scenario.tolerance]
 
-    def _paths(self, name: str) -> list[str]:
+    def _list_paths(self, name: str) -> list[str]:
         return self.names.get(name, [name])
 
     def _find_quantity(self, path: str) -> Quantity | None:
@@ -126,22 +126,22 @@ class ScenarioSubject:
         return layout.field(keys[3]).quantity if keys[3] in layout else None
 
     def resolve(self, name: str, value: Value) -> Value:
-        found = {self._resolve_path(path, value) for path in self._paths(name)}
+        found = {self._resolve_path(path, value) for path in self._list_paths(name)}
         if len(found) != 1:
-            raise MistakeError(f"{name} = {value!r}: must mean the same in all of {self._paths(name)}")
+            raise MistakeError(f"{name} = {value!r}: must mean the same in all of {self._list_paths(name)}")
         return found.pop()
 
     def _resolve_path(self, path: str, value: Value) -> Value:
         quantity = self._find_quantity(path)
         if quantity is None:
-            return _find_value(self.at({path: value}), split_path(path))
+            return _find_value(self.build_scenario_at({path: value}), split_path(path))
         try:
             return parse_value(quantity, value)
         except ValueError as error:
             raise MistakeError(f"{path} = {value!r} ({quantity.description}): {error}") from None
 
     def describe(self, name: str) -> Result:
-        path = self._paths(name)[0]
+        path = self._list_paths(name)[0]
         quantity = self._find_quantity(path)
         if quantity is not None:
             return Result(quantity.unit, quantity.description, display_unit=quantity.display_unit)
@@ -156,7 +156,7 @@ class ScenarioSubject:
         return (found or list(self.results))[:MOST_DRAWN]
 
     def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
-        return list_warnings(self.at(values))
+        return list_warnings(self.build_scenario_at(values))
 
     def content(self) -> str:
         return to_full_toml(self.scenario) + "".join(self._list_third_party_fmus())
@@ -171,7 +171,7 @@ class ScenarioSubject:
         """IncompleteError, with what was recorded, if the run does not come to its end."""
         quiet = Reporter(Console(quiet=True))
         # A lost point is computed again, without a checkpoint.
-        scenario = self.at(values).model_copy(update={"checkpoint_every": 0.0})
+        scenario = self.build_scenario_at(values).model_copy(update={"checkpoint_every": 0.0})
         found: dict[str, float] = {}
         with tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
             summary = run(scenario, Path(folder), self.build, quiet, figures=False)

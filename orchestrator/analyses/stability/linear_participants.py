@@ -210,7 +210,7 @@ class LinearCoupling:
 
     def _limit_degrees(self, linears: Mapping[str, Linear]) -> None:
         """Limit each signal to the degree that its participants follow."""
-        followed = {c.target: self._highest_degree(linears, c.target) for c in self.system.connections}
+        followed = {c.target: self._find_highest_degree(linears, c.target) for c in self.system.connections}
         self.degrees[:] = self.degree
         degrees = find_highest_degrees(self.system.connections, followed)
         self.highest = max(degrees.values(), default=HIGHEST)
@@ -220,7 +220,7 @@ class LinearCoupling:
             self.degrees[source] = min(self.degree, degree)
         self.coupling.state.history.degrees[:] = np.repeat(self.degrees, self.count)
 
-    def _highest_degree(self, linears: Mapping[str, Linear], target: Port) -> int:
+    def _find_highest_degree(self, linears: Mapping[str, Linear], target: Port) -> int:
         followed = linears[target.instance].followed
         if followed is None:
             return HIGHEST

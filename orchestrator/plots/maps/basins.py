@@ -13,7 +13,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
 from ..motion.titles import create_figure
-from .labels import edges
+from .labels import compute_edges
 
 COLOURS = ("#0b5fa5", "#e9b44c", "#d1495b", "#2a9d5c", "#7b5ea7", "#5aa2d8", "#eb9aa5")
 # All rarer attractors together.
@@ -25,7 +25,7 @@ def draw_basins(figure: Figure, axes: Axes, data: xarray.Dataset) -> None:
     count = min(data.sizes["number"], len(COLOURS))
     place = np.minimum(data["attractor"].values, count)
     more = data.sizes["number"] > count
-    names = [_name(data, n) for n in range(count)]
+    names = [_format_name(data, n) for n in range(count)]
     colours = list(COLOURS[:count])
     if more:
         starts = data["starts"].values
@@ -33,7 +33,8 @@ def draw_basins(figure: Figure, axes: Axes, data: xarray.Dataset) -> None:
         colours.append(REST)
     axes.grid(False)
     mesh = axes.pcolormesh(
-        edges(1e3 * data["psi"].values), edges(data["psi_rate"].values), place, cmap=ListedColormap(colours),
+        compute_edges(1e3 * data["psi"].values), compute_edges(data["psi_rate"].values), place,
+        cmap=ListedColormap(colours),
         norm=BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours)), rasterized=True,
     )  # fmt: skip
     bar = figure.colorbar(mesh, ax=axes, pad=0.02, ticks=range(len(colours)))
@@ -43,7 +44,7 @@ def draw_basins(figure: Figure, axes: Axes, data: xarray.Dataset) -> None:
     axes.set_ylabel("ψ′ at crank angle 0")
 
 
-def _name(data: xarray.Dataset, n: int) -> str:
+def _format_name(data: xarray.Dataset, n: int) -> str:
     """What an attractor is, and its share of the starts."""
     one = data.isel(number=n)
     period, exponent, error = (one[name].item() for name in ("period", "exponent", "uncertainty"))

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from ..motion.titles import create_figure, drop_varied
-from .labels import LABELS, edges
+from .labels import LABELS, compute_edges
 
 SLIDING = "#b4bac1"
 
@@ -25,8 +25,8 @@ def draw_exponents(figure: Figure, axes: Axes, data: xarray.Dataset, x: str, y: 
     axes.set_facecolor(SLIDING)
     axes.grid(False)
     mesh = axes.pcolormesh(
-        edges(data["x"].values), edges(data["y"].values), np.ma.masked_invalid(found), cmap="RdBu_r",
-        vmin=-limit, vmax=limit, rasterized=True,
+        compute_edges(data["x"].values), compute_edges(data["y"].values), np.ma.masked_invalid(found),
+        cmap="RdBu_r", vmin=-limit, vmax=limit, rasterized=True,
     )  # fmt: skip
     bar = figure.colorbar(mesh, ax=axes, pad=0.02)
     bar.set_label("largest Lyapunov exponent (1/rad)")

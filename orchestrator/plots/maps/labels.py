@@ -17,7 +17,7 @@ LABELS = {
 }
 
 
-def edges(values: Vector) -> Vector:
+def compute_edges(values: Vector) -> Vector:
     """Edges of cells with these equally spaced middles."""
     if len(values) == 1:
         half = 0.5 * abs(values[0]) or 0.5

@@ -12,7 +12,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
 from ..motion.titles import create_figure, drop_varied
-from .labels import LABELS, edges
+from .labels import LABELS, compute_edges
 
 # None, 1 to 8, 9 to 16, 17 to 100, longer. Periods n and 2n have shades of one colour.
 BOUNDS = (-0.5, 0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 8.5, 16.5, 100.5, np.inf)
@@ -29,7 +29,7 @@ def draw_periods(figure: Figure, axes: Axes, data: xarray.Dataset, x: str, y: st
     place = np.searchsorted(BOUNDS[1:-1], data["period"].values)
     axes.grid(False)
     mesh = axes.pcolormesh(
-        edges(data["x"].values), edges(data["y"].values), place, cmap=colours,
+        compute_edges(data["x"].values), compute_edges(data["y"].values), place, cmap=colours,
         norm=BoundaryNorm(np.arange(len(NAMES) + 1) - 0.5, len(NAMES)), rasterized=True,
     )  # fmt: skip
     bar = figure.colorbar(mesh, ax=axes, pad=0.02, ticks=range(len(NAMES)))

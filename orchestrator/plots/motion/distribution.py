@@ -20,7 +20,7 @@ from .angles import format_angle
 from .titles import add_legend, create_figure
 
 
-def bin_edges(data: xarray.Dataset) -> Vector:
+def read_bin_edges(data: xarray.Dataset) -> Vector:
     """Edges of the bins of a table."""
     edges: Vector = np.append(data["start"].values, data["end"].values[-1])
     return edges
@@ -49,7 +49,7 @@ def draw_spectrum(axes: PolarAxes, edges: Vector, values: Vector, colour: str = 
         linewidth=0.0,
     )
     axes.set_xticks(0.25 * math.pi * np.arange(8))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda angle, _: _eighth(angle)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda angle, _: _format_eighth(angle)))
     if np.any(values):
         axes.yaxis.set_major_locator(MaxNLocator(4))
     else:
@@ -61,14 +61,14 @@ def draw_spectrum(axes: PolarAxes, edges: Vector, values: Vector, colour: str = 
     axes.spines["polar"].set_color(MUTED)
 
 
-def _eighth(angle: float) -> str:
+def _format_eighth(angle: float) -> str:
     quarters = round(4.0 * angle / math.pi)
     return format_angle(angle) if quarters % 2 == 0 else f"{'' if quarters == 1 else quarters}π/4"
 
 
 def plot_profile(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     figure, axes = create_figure("Impact distribution profile", values, width=6.8, height=3.2)
-    draw_profile(axes, bin_edges(data), data["upper"].values, data["lower"].values)
+    draw_profile(axes, read_bin_edges(data), data["upper"].values, data["lower"].values)
     axes.set_ylabel(f"⟨{'ψ′' if values['velocity'] == 'psi_rate' else 'approach'}⟩ per {values['per']}")
     add_legend(figure, axes)
     return figure
@@ -80,7 +80,7 @@ def plot_spectrum(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
         "Impact spectra", values, 7.2, 3.7, mosaic=[["upper", "lower"]], subplot_kw=polar
     )
     for wall, colour in (("upper", COUPLED), ("lower", ACCENT)):
-        draw_spectrum(axes[wall], bin_edges(data), data[wall].values, colour)
+        draw_spectrum(axes[wall], read_bin_edges(data), data[wall].values, colour)
         none = "" if data[wall].values.any() else ": no impacts"
         axes[wall].set_title(f"{wall} wall{none}", fontsize=9)
     return figure

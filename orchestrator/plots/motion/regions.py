@@ -38,19 +38,19 @@ def draw_regions(
         axes.set_ylabel("clearance ρ")
     middle = 0.6 * gap[-1]
     left, right = np.interp(middle, gap, first), np.interp(middle, gap, last)
-    _name(axes, 0.5 * (low + left), middle, "I", "each wall holds\nin a part of the cycle")
-    _name(axes, 0.5 * (right + high), middle, "III", "upper wall throughout,\nlower wall nowhere")
-    _name_between(axes, gap, upper, lower, high - low)
+    _draw_name(axes, 0.5 * (low + left), middle, "I", "each wall holds\nin a part of the cycle")
+    _draw_name(axes, 0.5 * (right + high), middle, "III", "upper wall throughout,\nlower wall nowhere")
+    _draw_name_between(axes, gap, upper, lower, high - low)
 
 
-def _name(axes: Axes, x: float, y: float, name: str, words: str) -> None:
+def _draw_name(axes: Axes, x: float, y: float, name: str, words: str) -> None:
     axes.annotate(name, (x, y), ha="center", va="bottom", fontsize=13, fontweight="bold", color=INK)
     axes.annotate(
         words, (x, y), (0.0, -3.0), textcoords="offset points", ha="center", va="top", fontsize=7.5, color=INK
     )
 
 
-def _name_between(axes: Axes, gap: Vector, upper: Vector, lower: Vector, span: float) -> None:
+def _draw_name_between(axes: Axes, gap: Vector, upper: Vector, lower: Vector, span: float) -> None:
     """The name of region II in it, or beside it where it is narrow; that of none of F's where it is in II's
     place."""
     y = 0.85 * gap[-1]
@@ -60,7 +60,7 @@ def _name_between(axes: Axes, gap: Vector, upper: Vector, lower: Vector, span: f
         name, words = "none", "upper in a part,\nlower nowhere"
     middle = 0.5 * (first + second)
     if abs(second - first) > 0.2 * span:
-        _name(axes, middle, y, name, words)
+        _draw_name(axes, middle, y, name, words)
         return
     axes.annotate(
         name, (middle, y), (30.0, 0.0), textcoords="offset points", va="center", fontsize=13,

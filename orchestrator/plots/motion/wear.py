@@ -13,7 +13,7 @@ from matplotlib.ticker import NullFormatter, ScalarFormatter
 from models.core.quantities import Vector
 
 from ..style import ACCENT, COUPLED, MUTED
-from .distribution import bin_edges, draw_profile
+from .distribution import draw_profile, read_bin_edges
 from .titles import add_legend, create_figure
 
 COLOURS = {"upper": COUPLED, "lower": ACCENT}
@@ -41,7 +41,7 @@ def draw_worn_share(axes: Axes, bins: Vector, shares: Mapping[str, Vector], labe
 def plot_wear(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     mosaic = [["profile", "profile", "share"]]
     figure, axes = create_figure("Wear: energy that impacts take", values, 9.2, 3.4, mosaic=mosaic)
-    draw_profile(axes["profile"], bin_edges(data), data["upper"].values, -data["lower"].values)
+    draw_profile(axes["profile"], read_bin_edges(data), data["upper"].values, -data["lower"].values)
     axes["profile"].set_ylabel("energy per cycle / (M l² Ω²)")
     shares = {wall: data[f"{wall}_worn_share"].values for wall in COLOURS if data[f"{wall}_energy"] > 0.0}
     draw_worn_share(axes["share"], data["bins"].values, shares)
