@@ -25,12 +25,8 @@ def measure_step(process: str) -> float:
     parts = ("first", "second")
     scenario = load("two-masses", [f"components.{part}.process={process}" for part in parts])
     step, clock = scenario.macro_step, Clock(time.perf_counter)
-    units = build_participants(
-        scenario,
-        system := build_system(scenario),
-        resolve_fmus(scenario, build_fmu),
-        lambda name, make: make(),
-    )
+    system, files = build_system(scenario), resolve_fmus(scenario, build_fmu)
+    units = build_participants(scenario, system, files, lambda name, make: make())
     try:
         simulate(system, units, Jacobi("hold"), step, STEPS * step, [clock])
     finally:

@@ -39,8 +39,6 @@ LIMITS = {CENTRAL: (0.5, 10.0), MINIMUM: (0.78, 1.3)}
 TICKS = {CENTRAL: (0.7, 1.0, 1.4, 2.0, 5.0, 10.0), MINIMUM: (0.9, 1.0, 1.1, 1.2, 1.3)}
 # Bars of the conditions: their height, and the first's place above the panel's foot (shares of the panel).
 BAR, FOOT = 0.028, 0.02
-# Cam angles relative to the first reversal (degrees), and what is seen there.
-BEFORE, AT, TRAPPED, LEAVING, AFTER = -2.0, 0.0, 1.0, 3.0, 6.0
 # Largest |x| in profiles and maps (µm).
 PROFILE, WIDTH = 250.0, 150.0
 # Points of the maps: every so many angles of the history, and rows over x.
@@ -145,10 +143,10 @@ def plot_field(c: CamCycle) -> Figure:
     first = c.reversals_deg[0]
     instants = (
         (112.0, "flank"),
-        (first + BEFORE, "before the first reversal"),
-        (first + AT, "first reversal"),
-        (first + TRAPPED, "trapped dimple"),
-        (first + LEAVING, "dimple at the outlet"),
+        (first - 2.0, "before the first reversal"),
+        (first, "first reversal"),
+        (first + 1.0, "trapped dimple"),
+        (first + 3.0, "dimple at the outlet"),
         (180.0, "nose"),
     )
     axes = upper.subplots(2, 3, sharex=True, sharey=True)

@@ -104,13 +104,10 @@ def _format_errors(runs: Runs, blended: bool) -> SimpleNamespace:
 def format_speeds(runs: Runs) -> str:
     """A Markdown table: the transient film, then each other film over it, in a column for each speed."""
     speeds = [f"{c.speed_rpm:.0f} r/min" for c in runs.cycles]
-    rows = []
-    for words, film, cell in NUMBERS:
-        rows.append([words, film, *(cell(c) for c in runs.cycles)])
+    rows = [[words, film, *(cell(c) for c in runs.cycles)] for words, film, cell in NUMBERS]
     for name, judged in runs.cycles[0].judged.items():
-        rows.append(
-            [f"{judged.label} / transient", judged.film, *(format_ratio(c, name) for c in runs.cycles)]
-        )
+        ratios = (format_ratio(c, name) for c in runs.cycles)
+        rows.append([f"{judged.label} / transient", judged.film, *ratios])
     return format_table(["", "Film", *speeds], *rows)
 
 
@@ -197,10 +194,10 @@ def describe_field(c: CamCycle) -> str:
     second, part = find_second_maxima(c), np.searchsorted(c.reversals_deg, angle)
     flank, lobe, nose = (_format_percent(second[np.isin(part, parts)]) for parts in ((0, 4), (1, 3), (2,)))
     film, pressure, hertz = (
-        _format_span(unit, [getattr(d, name) for d in found])
+        _format_range(unit, [getattr(d, name) for d in found])
         for unit, name in ((MICRO, "film"), (GIGA, "pressure"), (GIGA, "hertz_pressure"))
     )
-    constrictions = _format_span(MICRO, [value for d in found for value in (d.left, d.right)])
+    constrictions = _format_range(MICRO, [value for d in found for value in (d.left, d.right)])
     sentences = [
         f"Dimple: before entrainment reverses, what was the inlet closes too. At the four reversals oil of "
         f"up to {film} µm is trapped between constrictions of {constrictions} µm, under {pressure} GPa, "
@@ -216,7 +213,7 @@ def describe_field(c: CamCycle) -> str:
     return f"At {c.speed_rpm:.0f} r/min:\n\n{format_bullets(sentences)}"
 
 
-def _format_span(unit: float, values: list[float]) -> str:
+def _format_range(unit: float, values: list[float]) -> str:
     return f"{unit * min(values):.2f}-{unit * max(values):.2f}"
 
 
