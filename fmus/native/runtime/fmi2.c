@@ -32,9 +32,9 @@ const char *fmi2GetVersion(void)
     return fmi2Version;
 }
 
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[])
+fmi2Status fmi2SetDebugLogging(fmi2Component handle, fmi2Boolean on, size_t count, const fmi2String categories[])
 {
-    if (!c) return fmi2Error;
+    if (!handle) return fmi2Error;
     (void)count, (void)categories; /* all of them */
     INSTANCE->logging = on;
     return fmi2OK;
@@ -62,12 +62,12 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     return instance;
 }
 
-void fmi2FreeInstance(fmi2Component c)
+void fmi2FreeInstance(fmi2Component handle)
 {
     instance_free(INSTANCE);
 }
 
-fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start,
+fmi2Status fmi2SetupExperiment(fmi2Component handle, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start,
                                fmi2Boolean stop_defined, fmi2Real stop)
 {
     NEEDS(INSTANTIATED, "fmi2SetupExperiment");
@@ -75,14 +75,14 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_defined, f
     return instance_set_times(INSTANCE, start, stop_defined, stop);
 }
 
-fmi2Status fmi2EnterInitializationMode(fmi2Component c)
+fmi2Status fmi2EnterInitializationMode(fmi2Component handle)
 {
     NEEDS(INSTANTIATED, "fmi2EnterInitializationMode");
     INSTANCE->now.phase = INITIALIZING;
     return fmi2OK;
 }
 
-fmi2Status fmi2ExitInitializationMode(fmi2Component c)
+fmi2Status fmi2ExitInitializationMode(fmi2Component handle)
 {
     Status status;
     NEEDS(INITIALIZING, "fmi2ExitInitializationMode");
@@ -91,14 +91,14 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c)
     return status;
 }
 
-fmi2Status fmi2Terminate(fmi2Component c)
+fmi2Status fmi2Terminate(fmi2Component handle)
 {
     NEEDS(MOVING, "fmi2Terminate");
     INSTANCE->now.phase = TERMINATED;
     return fmi2OK;
 }
 
-fmi2Status fmi2Reset(fmi2Component c)
+fmi2Status fmi2Reset(fmi2Component handle)
 {
     NEEDS(ANY, "fmi2Reset");
     instance_reset(INSTANCE);
@@ -107,13 +107,13 @@ fmi2Status fmi2Reset(fmi2Component c)
 
 /* Variables */
 
-fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Real value[])
+fmi2Status fmi2GetReal(fmi2Component handle, const fmi2ValueReference vr[], size_t count, fmi2Real value[])
 {
     NEEDS(READABLE, "fmi2GetReal");
     return instance_get(INSTANCE, REAL, vr, count, value);
 }
 
-fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2Real value[])
+fmi2Status fmi2SetReal(fmi2Component handle, const fmi2ValueReference vr[], size_t count, const fmi2Real value[])
 {
     NEEDS(SETTABLE, "fmi2SetReal");
     return instance_set(INSTANCE, REAL, vr, count, value);
@@ -147,25 +147,25 @@ static Status set_whole(Instance *instance, Kind kind, const fmi2ValueReference 
     return OK;
 }
 
-fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Integer value[])
+fmi2Status fmi2GetInteger(fmi2Component handle, const fmi2ValueReference vr[], size_t count, fmi2Integer value[])
 {
     NEEDS(READABLE, "fmi2GetInteger");
     return get_whole(INSTANCE, INTEGER, vr, count, value);
 }
 
-fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2Integer value[])
+fmi2Status fmi2SetInteger(fmi2Component handle, const fmi2ValueReference vr[], size_t count, const fmi2Integer value[])
 {
     NEEDS(SETTABLE, "fmi2SetInteger");
     return set_whole(INSTANCE, INTEGER, vr, count, value);
 }
 
-fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2Boolean value[])
+fmi2Status fmi2GetBoolean(fmi2Component handle, const fmi2ValueReference vr[], size_t count, fmi2Boolean value[])
 {
     NEEDS(READABLE, "fmi2GetBoolean");
     return get_whole(INSTANCE, BOOLEAN, vr, count, value);
 }
 
-fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2Boolean value[])
+fmi2Status fmi2SetBoolean(fmi2Component handle, const fmi2ValueReference vr[], size_t count, const fmi2Boolean value[])
 {
     NEEDS(SETTABLE, "fmi2SetBoolean");
     return set_whole(INSTANCE, BOOLEAN, vr, count, value);
@@ -176,14 +176,14 @@ static Status no_strings(const Instance *instance, size_t count)
     return count ? instance_say(instance, ERROR, "this FMU has no variables of type String") : OK;
 }
 
-fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t count, fmi2String value[])
+fmi2Status fmi2GetString(fmi2Component handle, const fmi2ValueReference vr[], size_t count, fmi2String value[])
 {
     NEEDS(READABLE, "fmi2GetString");
     (void)vr, (void)value;
     return no_strings(INSTANCE, count);
 }
 
-fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t count, const fmi2String value[])
+fmi2Status fmi2SetString(fmi2Component handle, const fmi2ValueReference vr[], size_t count, const fmi2String value[])
 {
     NEEDS(SETTABLE, "fmi2SetString");
     (void)vr, (void)value;
@@ -192,7 +192,7 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 
 /* Derivatives by time */
 
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component handle, const fmi2ValueReference vr[], size_t count,
                                        const fmi2Integer order[], const fmi2Real value[])
 {
     NEEDS(SETTABLE, "fmi2SetRealInputDerivatives");
@@ -214,52 +214,16 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     return fmi2OK;
 }
 
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component handle, const fmi2ValueReference vr[], size_t count,
                                         const fmi2Integer order[], fmi2Real value[])
 {
     NEEDS(READABLE, "fmi2GetRealOutputDerivatives");
     return instance_output_derivatives(INSTANCE, vr, count, order, value);
 }
 
-/* Saved states */
+/* Derivatives by variables */
 
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
-{
-    NEEDS(ANY, "fmi2GetFMUstate");
-    return instance_keep(INSTANCE, state);
-}
-
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state)
-{
-    NEEDS(ANY, "fmi2SetFMUstate");
-    return instance_put_back(INSTANCE, state);
-}
-
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
-{
-    NEEDS(ANY, "fmi2FreeFMUstate");
-    return instance_forget(state);
-}
-
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size)
-{
-    NEEDS(ANY, "fmi2SerializedFMUstateSize");
-    return instance_kept_size(INSTANCE, state, size);
-}
-
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
-{
-    NEEDS(ANY, "fmi2SerializeFMUstate");
-    return instance_kept_to_bytes(INSTANCE, state, bytes, size);
-}
-
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
-{
-    NEEDS(ANY, "fmi2DeSerializeFMUstate");
-    return instance_kept_from_bytes(INSTANCE, bytes, size, state);
-}
-
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t unknowns,
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component handle, const fmi2ValueReference unknown[], size_t unknowns,
                                         const fmi2ValueReference known[], size_t knowns, const fmi2Real seed[],
                                         fmi2Real sensitivity[])
 {
@@ -269,7 +233,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 
 /* Stepping */
 
-fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean no_set_state)
+fmi2Status fmi2DoStep(fmi2Component handle, fmi2Real time, fmi2Real step, fmi2Boolean no_set_state)
 {
     NEEDS(STEPPING, "fmi2DoStep");
     (void)no_set_state;
@@ -277,20 +241,20 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
     return instance_step(INSTANCE, time, step);
 }
 
-fmi2Status fmi2CancelStep(fmi2Component c)
+fmi2Status fmi2CancelStep(fmi2Component handle)
 {
-    if (!c) return fmi2Error;
+    if (!handle) return fmi2Error;
     return instance_say(INSTANCE, ERROR, "fmi2CancelStep: steps are never pending");
 }
 
-fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value)
+fmi2Status fmi2GetStatus(fmi2Component handle, const fmi2StatusKind kind, fmi2Status *value)
 {
     (void)kind, (void)value;
-    if (!c) return fmi2Error;
+    if (!handle) return fmi2Error;
     return instance_say(INSTANCE, DISCARD, "fmi2GetStatus: steps are never pending");
 }
 
-fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value)
+fmi2Status fmi2GetRealStatus(fmi2Component handle, const fmi2StatusKind kind, fmi2Real *value)
 {
     NEEDS(STEPPING | TERMINATED, "fmi2GetRealStatus");
     if (kind != fmi2LastSuccessfulTime || !value)
@@ -299,14 +263,14 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Rea
     return fmi2OK;
 }
 
-fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value)
+fmi2Status fmi2GetIntegerStatus(fmi2Component handle, const fmi2StatusKind kind, fmi2Integer *value)
 {
     (void)kind, (void)value;
-    if (!c) return fmi2Error;
+    if (!handle) return fmi2Error;
     return instance_say(INSTANCE, DISCARD, "fmi2GetIntegerStatus: there is no such status");
 }
 
-fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value)
+fmi2Status fmi2GetBooleanStatus(fmi2Component handle, const fmi2StatusKind kind, fmi2Boolean *value)
 {
     NEEDS(STEPPING | TERMINATED, "fmi2GetBooleanStatus");
     if (kind != fmi2Terminated || !value)
@@ -315,9 +279,9 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2
     return fmi2OK;
 }
 
-fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value)
+fmi2Status fmi2GetStringStatus(fmi2Component handle, const fmi2StatusKind kind, fmi2String *value)
 {
     (void)kind, (void)value;
-    if (!c) return fmi2Error;
+    if (!handle) return fmi2Error;
     return instance_say(INSTANCE, DISCARD, "fmi2GetStringStatus: steps are never pending");
 }

@@ -47,4 +47,19 @@ bool elements_of(Elements *some, const Instance *instance, const char *call, con
 #define DIFFERENTIABLE (INITIALIZING | MOVING | TERMINATED)
 #define ANY (INSTANTIATED | DIFFERENTIABLE)
 
+/* For common_calls.h. */
+#define FMI3_(name) fmi3##name
+#define FMI(name) FMI3_(name)
+#define STATUS fmi3Status
+#define HANDLE fmi3Instance
+#define NEEDS_EXCHANGE(phases, call) NEEDS_THAT(INSTANCE->now.exchange, phases, call, "in co-simulation")
+#define DERIVATIVES GetContinuousStateDerivatives
+#define STATE FMUState
+#define GET_STATE GetFMUState
+#define SET_STATE SetFMUState
+#define FREE_STATE FreeFMUState
+#define STATE_SIZE SerializedFMUStateSize
+#define SERIALIZE_STATE SerializeFMUState
+#define DESERIALIZE_STATE DeserializeFMUState
+
 #endif

@@ -1,85 +1,9 @@
-/* FMI 3.0 for model exchange over `instance`, and derivatives by variables. */
+/* FMI 3.0 over `instance`: model exchange, saved states and derivatives by variables. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "fmi3.h"
-
-#define NEEDS_EXCHANGE(phases, call) NEEDS_THAT(INSTANCE->now.exchange, phases, call, "in co-simulation")
-
-static Status sized(Instance *instance, size_t count, size_t expected, const void *values)
-{
-    if (count == expected && (values || !count)) return OK;
-    return instance_say(instance, ERROR, "%zu values: there are %zu, and a place for them must be given", count,
-                        expected);
-}
-
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance handle)
-{
-    NEEDS_EXCHANGE(EVENT, "fmi3EnterContinuousTimeMode");
-    INSTANCE->now.phase = CONTINUOUS;
-    return fmi3OK;
-}
-
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance handle, fmi3Boolean no_set_state, fmi3Boolean *enter_event_mode,
-                                       fmi3Boolean *terminate)
-{
-    NEEDS_EXCHANGE(CONTINUOUS, "fmi3CompletedIntegratorStep");
-    (void)no_set_state;
-    if (!enter_event_mode || !terminate)
-        return instance_say(INSTANCE, ERROR, "fmi3CompletedIntegratorStep: no place for what it tells");
-    *enter_event_mode = instance_event_is_due(INSTANCE);
-    *terminate = fmi3False;
-    return fmi3OK;
-}
-
-fmi3Status fmi3SetTime(fmi3Instance handle, fmi3Float64 time)
-{
-    NEEDS_EXCHANGE(EVENT | CONTINUOUS, "fmi3SetTime");
-    if (!isfinite(time)) return instance_say(INSTANCE, ERROR, "time = %g s: must be finite", time);
-    INSTANCE->now.data[T_AT] = time;
-    INSTANCE->now.outputs_stale = true;
-    return fmi3OK;
-}
-
-fmi3Status fmi3SetContinuousStates(fmi3Instance handle, const fmi3Float64 x[], size_t count)
-{
-    NEEDS_EXCHANGE(EVENT | CONTINUOUS, "fmi3SetContinuousStates");
-    if (sized(INSTANCE, count, CONTINUOUS_STATES, x)) return fmi3Error;
-    return instance_set_states(INSTANCE, x);
-}
-
-fmi3Status fmi3GetContinuousStates(fmi3Instance handle, fmi3Float64 x[], size_t count)
-{
-    NEEDS_EXCHANGE(DIFFERENTIABLE, "fmi3GetContinuousStates");
-    if (sized(INSTANCE, count, CONTINUOUS_STATES, x)) return fmi3Error;
-    instance_ready(INSTANCE, OUTPUTS_AT);
-    instance_get_states(INSTANCE, x);
-    return fmi3OK;
-}
-
-fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance handle, fmi3Float64 x[], size_t count)
-{
-    NEEDS_EXCHANGE(ANY, "fmi3GetNominalsOfContinuousStates");
-    if (sized(INSTANCE, count, CONTINUOUS_STATES, x)) return fmi3Error;
-    for (int i = 0; i < CONTINUOUS_STATES; i++) x[i] = nominal[continuous[i]];
-    return fmi3OK;
-}
-
-fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance handle, fmi3Float64 dx[], size_t count)
-{
-    NEEDS_EXCHANGE(DIFFERENTIABLE, "fmi3GetContinuousStateDerivatives");
-    if (sized(INSTANCE, count, CONTINUOUS_STATES, dx)) return fmi3Error;
-    instance_derivatives(INSTANCE, dx);
-    return fmi3OK;
-}
-
-fmi3Status fmi3GetEventIndicators(fmi3Instance handle, fmi3Float64 g[], size_t count)
-{
-    NEEDS_EXCHANGE(DIFFERENTIABLE, "fmi3GetEventIndicators");
-    if (sized(INSTANCE, count, GUARDS, g)) return fmi3Error;
-    instance_indicators(INSTANCE, g);
-    return fmi3OK;
-}
+#include "common_calls.h"
 
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance handle, size_t *count)
 {
