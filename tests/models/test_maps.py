@@ -33,7 +33,7 @@ class ImpactOscillator(Machine):
     restitution: float = 0.8
     xi: float = 0.0
 
-    def _faults(self) -> Iterator[str]:
+    def find_faults(self) -> Iterator[str]:
         return iter(())
 
     @cached_property

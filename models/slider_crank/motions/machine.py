@@ -48,10 +48,10 @@ class Machine:
     sliding_threshold: float = 0.0
 
     def __post_init__(self) -> None:
-        if faults := list(self._find_faults()):
+        if faults := list(self.find_faults()):
             raise ValueError("; ".join(faults))
 
-    def _find_faults(self) -> Iterator[str]:
+    def find_faults(self) -> Iterator[str]:
         if self.form not in FORMS:
             yield f"form = {self.form!r}: must be one of {', '.join(FORMS)}"
         for field in fields(self):
