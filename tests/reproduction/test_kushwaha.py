@@ -56,6 +56,15 @@ def test_film_and_load_of_the_kinematic_cycle(runs: Runs) -> None:
     assert 1.74 < cycle.film.max() / cycle.film_at(180.0) < 1.83
 
 
+@pytest.mark.long
+def test_loads_of_all_speeds_cross_where_the_lift_has_no_curvature(runs: Runs) -> None:
+    # s'' = 0 at B/2 + d from the nose.
+    angles = judged("crossovers", runs).values["angles"]
+    p = runs.parameters("camshaft")
+    expected = math.degrees(0.5 * p.rise_angle + p.dwell_half_width)
+    assert angles == pytest.approx([-expected, expected], abs=1e-3)
+
+
 def test_the_negative_exponent_thickens_the_film_by_the_power_of_the_load(runs: Runs) -> None:
     printed, negative = runs.kinematic(), runs.kinematic(film=NEGATIVE)
     name = "contact.steady_film_thickness"
