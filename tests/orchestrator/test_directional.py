@@ -111,8 +111,8 @@ def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_deri
     where = solve_trajectory(system, 0.2, SPACING)
     unit = open_fmu("second", path, system.instances["second"])
     assert not unit.restorable
-    made = {"first": Equations(system, "first"), "second": Directional("second", unit, system)}
-    behaviour = Behaviour(linearise_at(system, where, 20, [], made), master)
+    linearisations = {"first": Equations(system, "first"), "second": Directional("second", unit, system)}
+    behaviour = Behaviour(linearise_at(system, where, 20, [], linearisations), master)
     unit.close()
     limit = find_stability_limit(behaviour, 1e-4, 0.5, [])
 

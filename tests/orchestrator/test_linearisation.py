@@ -105,8 +105,8 @@ def test_both_ways_of_linearisation_give_one_spectral_radius(master):
     """Eigenvalues agree to the responses' 1e-7 times their condition."""
     system = two_masses()
     where = solve_trajectory(system, 0.2, SPACING)
-    made = {n: Responses(n, in_process(n, i), system, SPACING) for n, i in system.instances.items()}
-    by_responses = Behaviour(linearise_at(system, where, 20, [], made), master)
+    linearisations = {n: Responses(n, in_process(n, i), system, SPACING) for n, i in system.instances.items()}
+    by_responses = Behaviour(linearise_at(system, where, 20, [], linearisations), master)
     by_equations = Behaviour(linearise_at(system, where, 20, []), master)
     for h in (1e-2, 5e-2, 0.2):
         assert by_responses.evaluate(h).radius == pytest.approx(by_equations.evaluate(h).radius, rel=1e-5)
@@ -126,11 +126,11 @@ def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_resp
     system = masses_with_fmu()
     where = solve_trajectory(system, 0.2, SPACING)
     unit = open_third_party(system, tmp_path_factory)
-    made = {
+    linearisations = {
         "first": Equations(system, "first"),
         "second": (measured := Responses("second", unit, system, SPACING)),
     }
-    behaviour = Behaviour(linearise_at(system, where, 20, [], made), master)
+    behaviour = Behaviour(linearise_at(system, where, 20, [], linearisations), master)
     unit.close()
     assert measured.held_inputs == ["force"]
     limit = find_stability_limit(behaviour, 1e-4, 0.5, [])
@@ -166,9 +166,12 @@ def test_a_participant_that_is_no_linear_system_is_named():
     system = two_masses()
     where = solve_trajectory(system, 0.2, SPACING)
     unit = Noisy(in_process("second", system.instances["second"]))
-    made = {"first": Equations(system, "first"), "second": Responses("second", unit, system, SPACING)}
+    linearisations = {
+        "first": Equations(system, "first"),
+        "second": Responses("second", unit, system, SPACING),
+    }
     with pytest.raises(NotLinearError, match="second"):
-        linearise_points(system, where, [0, 20], [], made)
+        linearise_points(system, where, [0, 20], [], linearisations)
 
 
 @pytest.mark.parametrize("states", [1, 3, 6])

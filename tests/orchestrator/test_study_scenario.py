@@ -28,9 +28,9 @@ def plan(rows: list[dict[str, Any]]) -> Any:
 
 
 def test_results_are_those_of_the_run(tmp_path: Path) -> None:
-    of = plan([{LIFT: "9 mm", "macro_step": "10 us"}])
-    found = of.subject.evaluate(of.points[0])
-    assert set(found) == set(of.subject.results)
+    study = plan([{LIFT: "9 mm", "macro_step": "10 us"}])
+    found = study.subject.evaluate(study.points[0])
+    assert set(found) == set(study.subject.results)
     scenario = load("valve-train", [*SETTINGS, "stop_time=2 ms", f"{LIFT}=9 mm", "macro_step=10 us"])
     summary = run(scenario, tmp_path, refuse_build, Reporter(Console(quiet=True)), figures=False)
     assert found["macro_steps"] == summary.macro_steps == 200
@@ -53,18 +53,20 @@ def test_results_are_those_of_the_run(tmp_path: Path) -> None:
 
 
 def test_a_run_that_fails_is_a_failed_point_with_its_message() -> None:
-    of = plan([{"macro_step": "1 ms", LIFT: "9 mm"}, {"macro_step": "10 us", LIFT: "-9 mm"}])
+    study = plan([{"macro_step": "1 ms", LIFT: "9 mm"}, {"macro_step": "10 us", LIFT: "-9 mm"}])
     with pytest.raises(RunError, match="reduce macro_step"):
-        of.subject.evaluate(of.points[0] | {"stop_time": 0.05, "reference.enabled": False})
-    kept = evaluate(of.subject, of.points[0] | {"stop_time": 0.05}, compute_fingerprint(of.subject))
-    assert "reduce macro_step" in kept.message
-    assert kept.values["contact.load.maximum"] > 0.0
+        study.subject.evaluate(study.points[0] | {"stop_time": 0.05, "reference.enabled": False})
+    outcome = evaluate(
+        study.subject, study.points[0] | {"stop_time": 0.05}, compute_fingerprint(study.subject)
+    )
+    assert "reduce macro_step" in outcome.message
+    assert outcome.values["contact.load.maximum"] > 0.0
     with pytest.raises(ValueError, match="lift"):
-        of.subject.evaluate(of.points[1])
+        study.subject.evaluate(study.points[1])
 
 
 def test_workers_of_another_version_do_not_evaluate() -> None:
-    of = plan([{"macro_step": "10 us"}])
-    found = evaluate(of.subject, of.points[0], {"tribocosim": "0" * 16})
+    study = plan([{"macro_step": "10 us"}])
+    found = evaluate(study.subject, study.points[0], {"tribocosim": "0" * 16})
     assert isinstance(found, str)
     assert found.startswith("computes with tribocosim ")

@@ -50,7 +50,9 @@ class _Interrupted(Store):
         super().flush()
 
 
-def test_what_is_said_to_be_kept_at_ctrl_c_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_points_counted_as_finished_at_ctrl_c_are_in_the_store(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = tmp_path / "store.zarr"
     batch = [(index, compute_outcome(PLAN, index)) for index in (0, 5)]
     execution = SimpleNamespace(outcomes=lambda pending: iter([batch]))

@@ -52,21 +52,21 @@ def test_the_time_of_a_run_is_forecast_from_its_speed(
     """At `speed` seconds of the model in a second, a run of 1 s."""
     seconds = itertools.count()
     monkeypatch.setattr(workload.clock, "monotonic", lambda: float(next(seconds)))
-    told: list[str] = []
-    forecast = Forecast(1.0, told.append)
+    lines: list[str] = []
+    forecast = Forecast(1.0, lines.append)
     for k in range(4):
         forecast.observe(k * speed, lambda: np.zeros(0), Step(k * speed, speed, 1))
-    assert [line.partition(" at this")[0] for line in told] == said
+    assert [line.partition(" at this")[0] for line in lines] == said
 
 
 def test_time_spent_on_compiling_is_no_part_of_the_forecast(monkeypatch: pytest.MonkeyPatch) -> None:
     """One step takes an hour, in which kernels are compiled; the others take a second for 10 ms of 1 s."""
     seconds = iter([0.0, 3600.0, 3601.0, 3602.0, 3603.0])
     monkeypatch.setattr(workload.clock, "monotonic", lambda: next(seconds))
-    told: list[str] = []
-    forecast = Forecast(1.0, told.append)
+    lines: list[str] = []
+    forecast = Forecast(1.0, lines.append)
     forecast.observe(0.0, lambda: np.zeros(0), Step(0.0, 0.0, 0))
     forecast.restart()
     for k in range(1, 5):
         forecast.observe(0.01 * k, lambda: np.zeros(0), Step(0.01 * k, 0.01, 1))
-    assert [line.partition(" at this")[0] for line in told] == ["the coupled run will take about 97 s"]
+    assert [line.partition(" at this")[0] for line in lines] == ["the coupled run will take about 97 s"]
