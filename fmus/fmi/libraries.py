@@ -1,6 +1,6 @@
-"""Shared libraries as their headers have it: format, processor, what they export. Nothing of them is loaded.
+"""Read format, processor and exported names from the headers of shared libraries, without loading them.
 
-Of ELF, PE and Mach-O only little-endian files are read, which all platforms of FMI have. Sources: System V
+ELF, PE and Mach-O are read if they are little-endian, as on all platforms of FMI. Sources: System V
 ABI, chapters 4 and 5 (and its GNU hash section); Microsoft's PE Format; Apple's mach-o/loader.h and dyld's
 trie of exports.
 """
@@ -25,7 +25,7 @@ class LibraryError(ValueError):
 
 @dataclass(frozen=True)
 class Library:
-    """One for one processor; `exports` are the names of what it defines for others."""
+    """A shared library for one processor; `exports` are the names of the symbols that it exports."""
 
     format: str
     processor: str
@@ -35,21 +35,21 @@ class Library:
 def libraries(content: bytes) -> list[Library]:
     """The library in a file, or those for several processors in a universal one of macOS."""
     try:
-        return [_read(part) for part in _parts(content)]
+        return [_read(part) for part in _split_universal(content)]
     except struct.error:
         raise LibraryError("is cut off: a table of its header lies beyond the end of the file") from None
 
 
-def _parts(content: bytes) -> Iterator[bytes]:
+def _split_universal(content: bytes) -> Iterator[bytes]:
     if content[:4] != b"\xca\xfe\xba\xbe":
         yield content
         return
     for i in range(struct.unpack_from(">I", content, 4)[0]):
         start, size = struct.unpack_from(">II", content, 8 + 20 * i + 8)
-        yield _piece(content, start, size)
+        yield _cut_out(content, start, size)
 
 
-def _piece(content: bytes, start: int, size: int) -> bytes:
+def _cut_out(content: bytes, start: int, size: int) -> bytes:
     if start + size > len(content):
         raise LibraryError(
             f"is cut off: its header tells of at least {start + size} bytes, {len(content)} are there"
@@ -64,18 +64,18 @@ def _read(content: bytes) -> Library:
     raise LibraryError(f"is no shared library of Linux, Windows or macOS (it begins with {content[:4]!r})")
 
 
-def _known(processors: dict[int, str], number: int) -> str:
+def _name_processor(processors: dict[int, str], number: int) -> str:
     return processors.get(number, f"processor number {number}")
 
 
-def _text(content: bytes, start: int) -> str:
+def _read_string(content: bytes, start: int) -> str:
     end = content.find(b"\0", start)
     if not 0 <= start <= end:
         raise LibraryError("has names that lie beyond the end of the file")
     return content[start:end].decode(errors="replace")
 
 
-def _elf(content: bytes) -> Library:
+def _read_elf(content: bytes) -> Library:
     wide, order = struct.unpack_from("BB", content, 4)
     if order != 1:
         raise LibraryError("is for a processor whose numbers begin with the highest byte")
@@ -85,7 +85,7 @@ def _elf(content: bytes) -> Library:
     word, size = ("Q", 8) if wide == 2 else ("I", 4)
     (segments, sections) = struct.unpack_from(f"<{word}{word}", content, 24 + size)
     each, count, section, section_count = struct.unpack_from("<HHHH", content, 30 + 3 * size)
-    _piece(content, sections, section * section_count)
+    _cut_out(content, sections, section * section_count)
     loaded, dynamic = [], b""
     for i in range(count):
         at = segments + each * i
@@ -93,35 +93,35 @@ def _elf(content: bytes) -> Library:
             what, _, start, address, _, length = struct.unpack_from("<IIQQQQ", content, at)
         else:
             what, start, address, _, length = struct.unpack_from("<IIIII", content, at)
-        piece = _piece(content, start, length)
+        piece = _cut_out(content, start, length)
         if what == 1:
             loaded.append((address, start, length))
         elif what == 2:
             dynamic = piece
     tags = dict(struct.iter_unpack(f"<{word}{word}", dynamic))
-    place = _placing(loaded)
+    locate = _make_locator(loaded)
     if not {5, 6} <= set(tags):  # strings and symbols
         raise LibraryError("has no table of what it exports")
-    names, symbols = place(tags[5]), place(tags[6])
+    names, symbols = locate(tags[5]), locate(tags[6])
     exports = set()
-    for i in range(_elf_count(content, tags, place, size)):
+    for i in range(_count_elf_symbols(content, tags, locate, size)):
         if wide == 2:
             name, info, other, index = struct.unpack_from("<IBBH", content, symbols + 24 * i)
         else:
             name, _, _, info, other, index = struct.unpack_from("<IIIBBH", content, symbols + 16 * i)
         # Global, weak or unique, defined here, and neither hidden nor internal.
         if info >> 4 in (1, 2, 10) and index and other & 3 in (0, 3):
-            exports.add(_text(content, names + name))
-    return Library(ELF, _known(_OF_ELF, machine), frozenset(exports))
+            exports.add(_read_string(content, names + name))
+    return Library(ELF, _name_processor(_OF_ELF, machine), frozenset(exports))
 
 
-def _elf_count(content: bytes, tags: dict[int, int], place: Callable[[int], int], size: int) -> int:
-    """How many symbols there are, which only the hash tables tell."""
+def _count_elf_symbols(content: bytes, tags: dict[int, int], locate: Callable[[int], int], size: int) -> int:
+    """Count the symbols. Only the hash tables hold their number."""
     if 4 in tags:
-        return int(struct.unpack_from("<I", content, place(tags[4]) + 4)[0])
+        return int(struct.unpack_from("<I", content, locate(tags[4]) + 4)[0])
     if 0x6FFFFEF5 not in tags:
         return 0
-    at = place(tags[0x6FFFFEF5])
+    at = locate(tags[0x6FFFFEF5])
     buckets, first, words, _ = struct.unpack_from("<IIII", content, at)
     at += 16 + words * size
     last = max(struct.unpack_from(f"<{buckets}I", content, at), default=0)
@@ -132,19 +132,19 @@ def _elf_count(content: bytes, tags: dict[int, int], place: Callable[[int], int]
     return int(last) + 1
 
 
-def _placing(loaded: list[tuple[int, int, int]]) -> Callable[[int], int]:
-    """From an address in memory to the place in the file."""
+def _make_locator(loaded: list[tuple[int, int, int]]) -> Callable[[int], int]:
+    """Return a function from an address in memory to the offset in the file."""
 
-    def place(address: int) -> int:
+    def locate(address: int) -> int:
         for start, offset, length in loaded:
             if start <= address < start + length:
                 return offset + address - start
         raise LibraryError(f"has a table at the address {address:#x}, which is nowhere in the file")
 
-    return place
+    return locate
 
 
-def _pe(content: bytes) -> Library:
+def _read_pe(content: bytes) -> Library:
     (start,) = struct.unpack_from("<I", content, 0x3C)
     if content[start : start + 4] != b"PE\0\0":
         raise LibraryError("begins as a program of DOS, and has no PE header")
@@ -157,18 +157,22 @@ def _pe(content: bytes) -> Library:
     for i in range(count):
         at = head + optional + 40 * i
         _, address, length, offset = struct.unpack_from("<IIII", content, at + 8)
-        _piece(content, offset, length)
+        _cut_out(content, offset, length)
         loaded.append((address, offset, length))
-    place = _placing(loaded)
+    locate = _make_locator(loaded)
     (exported,) = struct.unpack_from("<I", content, head + (112 if magic == 0x20B else 96))
     exports: tuple[Any, ...] = ()
     if exported:
-        names, _, table = struct.unpack_from("<I4sI", content, place(exported) + 24)
-        exports = struct.unpack_from(f"<{names}I", content, place(table)) if names else ()
-    return Library(PE, _known(_OF_PE, machine), frozenset(_text(content, place(name)) for name in exports))
+        names, _, table = struct.unpack_from("<I4sI", content, locate(exported) + 24)
+        exports = struct.unpack_from(f"<{names}I", content, locate(table)) if names else ()
+    return Library(
+        PE,
+        _name_processor(_OF_PE, machine),
+        frozenset(_read_string(content, locate(name)) for name in exports),
+    )
 
 
-def _mach_o(content: bytes) -> Library:
+def _read_mach_o(content: bytes) -> Library:
     wide = content[0] == 0xCF
     machine, _, kind, count = struct.unpack_from("<IIII", content, 4)
     if kind not in (6, 8):
@@ -177,24 +181,24 @@ def _mach_o(content: bytes) -> Library:
     for _ in range(count):
         command, length = struct.unpack_from("<II", content, at)
         if command == 0x19:  # a segment
-            _piece(content, *struct.unpack_from("<QQ", content, at + 40))
+            _cut_out(content, *struct.unpack_from("<QQ", content, at + 40))
         elif command == 1:
-            _piece(content, *struct.unpack_from("<II", content, at + 32))
+            _cut_out(content, *struct.unpack_from("<II", content, at + 32))
         elif command in (0x22, 0x80000022):  # what the loader needs, exports last
-            exports |= _trie(_piece(content, *struct.unpack_from("<II", content, at + 40)))
+            exports |= _collect_trie_names(_cut_out(content, *struct.unpack_from("<II", content, at + 40)))
         elif command == 0x80000033:
-            exports |= _trie(_piece(content, *struct.unpack_from("<II", content, at + 8)))
+            exports |= _collect_trie_names(_cut_out(content, *struct.unpack_from("<II", content, at + 8)))
         elif command == 2:  # symbols, for those who link and look for faults
             _, _, texts, size = struct.unpack_from("<IIII", content, at + 8)
-            _piece(content, texts, size)
+            _cut_out(content, texts, size)
         if length < 8:
             raise LibraryError("has a damaged header: a load command without a length")
         at += length
-    return Library(MACH_O, _known(_OF_MACH_O, machine), frozenset(exports))
+    return Library(MACH_O, _name_processor(_OF_MACH_O, machine), frozenset(exports))
 
 
-def _trie(tree: bytes) -> set[str]:
-    """The names that end somewhere in the tree of their beginnings."""
+def _collect_trie_names(tree: bytes) -> set[str]:
+    """Collect the names in the prefix tree of exports."""
     names, left = set(), [(0, b"")] if tree else []
     seen = set()
     while left:
@@ -202,21 +206,21 @@ def _trie(tree: bytes) -> set[str]:
         if at in seen:
             raise LibraryError("has a damaged table of what it exports")
         seen.add(at)
-        ends, at = _number(tree, at)
+        ends, at = _read_uleb128(tree, at)
         if ends:
             names.add(name.decode(errors="replace").removeprefix("_"))
         at += ends
         (branches,) = struct.unpack_from("B", tree, at)
         at += 1
         for _ in range(branches):
-            more = _text(tree, at).encode()
-            to, at = _number(tree, at + len(more) + 1)
+            more = _read_string(tree, at).encode()
+            to, at = _read_uleb128(tree, at + len(more) + 1)
             left.append((to, name + more))
     return names
 
 
-def _number(content: bytes, at: int) -> tuple[int, int]:
-    """One of seven bits a byte (ULEB128), and where it ends."""
+def _read_uleb128(content: bytes, at: int) -> tuple[int, int]:
+    """Read an integer with seven bits in each byte (ULEB128); return it and the offset behind it."""
     value = shift = 0
     while True:
         (byte,) = struct.unpack_from("B", content, at)
@@ -227,8 +231,8 @@ def _number(content: bytes, at: int) -> tuple[int, int]:
 
 
 _READERS = {
-    b"\x7fELF": _elf,
-    b"MZ": _pe,
-    b"\xcf\xfa\xed\xfe": _mach_o,
-    b"\xce\xfa\xed\xfe": _mach_o,
+    b"\x7fELF": _read_elf,
+    b"MZ": _read_pe,
+    b"\xcf\xfa\xed\xfe": _read_mach_o,
+    b"\xce\xfa\xed\xfe": _read_mach_o,
 }
