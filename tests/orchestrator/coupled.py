@@ -1,6 +1,8 @@
-"""Short coupled runs in process, as tests of what is predicted of them use them."""
+"""Short coupled runs in process."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,16 +13,35 @@ from orchestrator.run.simulation import simulate
 from .recorder import Recorder
 
 
-def open_in_process(system):
+def build_participants(system):
     """All participants in this process."""
     return {name: in_process(name, instance) for name, instance in system.instances.items()}
 
 
-def record_run(system, master, step, stop):
-    """The records of a run."""
-    recorder = Recorder()
-    simulate(system, open_in_process(system), master, step, stop, [recorder])
+def run_coupled(system, master, steps, stop, *observers, recorder=None, resumed=None, **participants):
+    """The records of a run, with its `statistics`. `participants` replace those in this process, by name."""
+    recorder = recorder or Recorder()
+    units = build_participants(system) | participants
+    try:
+        recorder.statistics = simulate(
+            system, units, master, steps, stop, [recorder, *observers], resumed=resumed
+        )
+    finally:
+        for unit in units.values():
+            unit.close()
     return recorder
+
+
+def with_start(system, starts):
+    """The system with these start values, by instance."""
+    changed = {name: replace(system.instances[name], start=start) for name, start in starts.items()}
+    return system.with_instances({**system.instances, **changed})
+
+
+def start_from(system, x):
+    """The system with the states x as its start."""
+    named = {n: i.component.state.named(x[system.state.of(n)]) for n, i in system.instances.items()}
+    return with_start(system, named)
 
 
 def measure_growth(system, units, master, step, steps):

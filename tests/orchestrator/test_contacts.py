@@ -18,7 +18,7 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.store.json_codec import from_text, to_text
 
-from .commands import IN_PROCESS, said, tribocosim
+from .commands import IN_PROCESS, tribocosim
 
 RECORDS = 200
 told = partial(lines, source="all macro steps", fixed_steps=True)
@@ -142,10 +142,7 @@ def test_a_separation_is_told_with_its_gap_and_the_landing_after_it():
     assert impact.impulse == pytest.approx(2.0 * F * T / np.pi, rel=1e-2)
     assert impact.steps == pytest.approx(0.5 * T / step, abs=2)
     assert impact.resolved
-    text = "\n".join(told({"contact": course}))
-    assert "1 separation," in text
-    assert "hardest landing" in text
-    assert "not resolved" not in text
+    assert not any("not resolved" in line for line in told({"contact": course}))
 
 
 def test_a_landing_within_a_few_macro_steps_is_warned_of():
@@ -199,14 +196,6 @@ def test_a_course_that_goes_on_from_a_checkpoint_is_the_same_to_the_last_bit(run
     assert second.found() != first.found()
 
 
-def test_films_and_solved_fields_have_words_of_their_own(run):
-    system, columns = run
-    course = replace(courses(system, columns)["contact"], film=1e-7, film_ratio=0.5, solved=True)
-    assert "central film to roughness 0.5" in told({"contact": course})[0]
-    assert "spikes" in told({"contact": course})[0]
-    assert "smooth surfaces" in told({"contact": replace(course, film_ratio=0.0)})[0]
-
-
 def test_of_many_contacts_the_thinnest_films_are_told_and_warnings_of_all(run):
     system, columns = run
     course = replace(courses(system, columns)["contact"], separation=None, impact=None, ranges={})
@@ -242,11 +231,3 @@ def test_contacts_and_warnings_do_not_depend_on_what_is_recorded(tmp_path: Path)
     assert warned[0] == warned[1] == warned[2]
     assert any("yield" in line for line in warned[0])
     assert any("separation" in line and "cam" in line for line in warned[0])
-
-
-def test_the_result_comes_before_the_verdict_and_the_comparison(tmp_path: Path):
-    done = tribocosim(
-        "run", "valve-train", "--set=stop_time=1 ms", "--no-figures", *IN_PROCESS, "--out", str(tmp_path)
-    )
-    places = [done.stdout.index(text) for text in ("contact: load", "valve-train: ", "Coupled run against")]
-    assert places == sorted(places), said(done)

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from models.core.quantities import Quantity
 from orchestrator.assessment.diagnosis import (
     RULES,
     Facts,
@@ -18,7 +19,6 @@ from orchestrator.assessment.diagnosis import (
     diagnose_steps,
     full,
     read_steps,
-    suggestions,
 )
 from orchestrator.assessment.diagnosis.report import diagnose
 from orchestrator.engine.energy import Trimmed, add_counting
@@ -137,7 +137,7 @@ def test_even_steps_have_no_dense_interval_and_no_suggestion() -> None:
 
 
 CONTROLLED = made(np.full(200, 1e-5), iterations=3)
-FAST = ["master.iterate=[]", "master.acceleration=quasi_newton"]
+EQUAL = made(np.full(100, 1e-5), "fixed", -1)
 GROUNDS = {
     "stiff_connection": (CONTROLLED, ["master.name=gauss_seidel"], 'name = "iterated"'),
     "smaller_part": (
@@ -149,68 +149,60 @@ GROUNDS = {
     "convergence": (
         made(np.full(100, 1e-5), ["convergence"] * 40 + ["error"] * 60, rejected=[1] * 40 + [0] * 60),
         ["master.acceleration=anderson"],
-        'were rejected because the iteration did not converge: [master] acceleration = "quasi_newton"',
+        'acceleration = "quasi_newton"',
     ),
     "many_iterations": (
         made(np.full(100, 1e-5), iterations=6),
         ["master.tolerance=1e-12"],
-        "6.0 iterations a step: loosen master.tolerance (now 1e-12) to 3e-08",
+        "loosen master.tolerance (now 1e-12) to 3e-08",
     ),
     "suggest_longer_start": (
         made(np.r_[1e-6 * 2.0 ** np.arange(20), np.full(80, 1.0)], ["growth"] * 20 + ["error"] * 80),
         ["macro_step=1 us"],
-        'the first 20 steps (20 %) only grow, from macro_step = 1e-06 s: macro_step = "0.52 s"',
+        'macro_step = "0.52 s"',
     ),
     "longest": (
         made(np.full(100, 1e-5), "maximum_step", error=0.01),
         ["step_control.maximum_step=1e-5"],
-        "100 % of the steps were cut at step_control.maximum_step = 1e-05 s, with 0.01 of the allowed error",
+        "step_control.maximum_step = 1e-05 s",
     ),
     "discontinuity": (
         made([1e-5, 1e-12, 1e-5], ["error", "discontinuity", "error"]),
         [],
-        "minimum step reached at t = 1.0000001e-05 s: discontinuity of contact.load",
+        "contact.load",
     ),
     "rough": (
         made(np.r_[np.full(90, 1e-4), np.full(10, 1e-6)], rejected=np.r_[np.zeros(90, int), np.full(10, 3)]),
         [],
-        "30 attempts were rejected for their error, in 0.11 % of the time",
+        "30 attempts",
     ),
     "discards": (
         made(np.full(100, 1e-5), ["discard"] * 20 + ["error"] * 80, rejected=[1] * 20 + [0] * 80),
         [],
-        "17 % of the attempts were refused by a participant",
+        "17 % of the attempts",
     ),
     "chatter": (
         made(np.full(100, 1e-5), ["event"] * 20 + ["error"] * 80),
         [],
-        "events end 20 % of the steps, 20 of them told by contact.load",
+        "contact.load",
     ),
     "costly_estimator": (CONTROLLED, ["step_control.estimator=step_doubling"], '"predictor_corrector"'),
+    "suggest_held_inputs": (EQUAL, ["master.extrapolation=hold"], "extrapolation"),
+    "uneven_work": (
+        made(np.full(100, 1e-5), "fixed", -1, np.r_[np.full(98, 2), 20, 20]),
+        ["master.name=iterated"],
+        "step_control",
+    ),
 }
 
 
-@pytest.mark.parametrize("rule", GROUNDS)
+@pytest.mark.parametrize("rule", [rule.__name__ for rule in RULES])
 def test_a_rule_speaks_with_ground_and_is_silent_without(rule: str) -> None:
     steps, changes, words = GROUNDS[rule]
-    assert words in said(facts(steps, *changes))[rule]
-    assert rule not in said(facts(CONTROLLED))
-
-
-@pytest.mark.parametrize(
-    ("rule", "steps", "change"),
-    [
-        ("suggest_held_inputs", made(np.full(100, 1e-5), "fixed", -1), "master.extrapolation=hold"),
-        (
-            "uneven_work",
-            made(np.full(100, 1e-5), "fixed", -1, np.r_[np.full(98, 2), 20, 20]),
-            "master.name=iterated",
-        ),
-    ],
-)
-def test_rules_for_steps_of_one_length(rule: str, steps: Steps, change: str) -> None:
-    assert rule in said(facts(steps, change, scenario="valve-train"))
-    assert rule not in said(facts(steps))
+    equal = REASONS[steps.reason[0]] == "fixed"
+    scenario = "valve-train" if equal else "valve-train-controlled"
+    assert words in said(facts(steps, *changes, scenario=scenario))[rule]
+    assert rule not in said(facts(EQUAL if equal else CONTROLLED))
 
 
 @pytest.mark.parametrize(
@@ -231,15 +223,14 @@ def test_a_few_steps_that_grow_are_not_worth_a_word() -> None:
     assert "suggest_longer_start" not in said(facts(made(2.0 ** np.arange(10), growing)))
 
 
-def test_every_reason_has_its_words_and_its_colour(tmp_path: Path) -> None:
+def test_every_reason_has_its_words_and_its_colour() -> None:
     """Also as the only one, where nothing else could stand for it."""
-    for number, reason in enumerate(REASONS):
+    for reason in REASONS:
         found = facts(made([1e-5, 2e-5], reason, iterations=2))
         assert list(found.diagnosis.reasons) == [reason]
         assert full(found, [], "complete")[3].split()[-4:] == ["100", "%", "100", "%"]
         kinds, _ = figure._assign_colours(found.steps)
         assert [chosen.all() for _, chosen in kinds] == [True], reason
-        assert number == found.steps.reason[0]
 
 
 @pytest.mark.parametrize(("length", "unit", "spans"), [(5.0, "s", "0 .. 1000"), (0.05e-3, "ms", "0 .. 10")])
@@ -252,10 +243,6 @@ def test_times_are_in_a_unit_that_suits_the_run(length: float, unit: str, spans:
     assert any(line.startswith("work: ") and f" {unit} (" in line for line in lines)
     drawn = figure.draw_steps(found.steps, "run")
     assert f"Time ({unit})" in [ax.get_xlabel() for ax in drawn.axes]
-
-
-def test_every_rule_is_tried() -> None:
-    assert {rule.__name__ for rule in RULES} == {*GROUNDS, "suggest_held_inputs", "uneven_work"}
 
 
 @pytest.fixture(scope="module")
@@ -295,7 +282,7 @@ def test_a_killed_run_is_diagnosed_from_its_journals(finished: Path, tmp_path: P
     steps, _ = read_steps(finished)
     folder = find_run_state(tmp_path)
     folder.mkdir()
-    recorder = ResultRecorder(folder, dict.fromkeys(steps.outputs, load_quantity()), 1)
+    recorder = ResultRecorder(folder, dict.fromkeys(steps.outputs, Quantity("N", "a load")), 1)
     recorder.begin(steps.outputs)
     values = np.zeros(len(steps.outputs))
     recorder.observe(0.0, values.copy, Step(0.0, 0.0, 0))
@@ -330,12 +317,6 @@ def test_sources_are_the_same_outputs_where_energies_are_counted() -> None:
         )
 
 
-def load_quantity():  # type: ignore[no-untyped-def]
-    from models.core.quantities import Quantity
-
-    return Quantity("N", "a load")
-
-
 def test_what_is_no_run_is_a_mistake(tmp_path: Path) -> None:
     with pytest.raises(MistakeError, match="holds no result and no unfinished run"):
         read_steps(tmp_path)
@@ -360,12 +341,6 @@ def test_a_wrong_folder_or_figure_is_told_before_anything_else(
     (own / SCENARIO).unlink()
     with pytest.raises(MistakeError, match=SCENARIO):
         diagnose(own)
-
-
-def test_suggestions_are_sentences_of_the_rules() -> None:
-    found = facts(CONTROLLED, "master.iterate=[]")
-    assert suggestions(found) == list(said(found).values())
-    assert [line for line in brief(found.diagnosis, suggestions(found)) if line.startswith("suggestion: ")]
 
 
 @pytest.mark.parametrize("n", [1, 50, 100_000])

@@ -18,7 +18,7 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.store.json_codec import from_text
 
-from .coupled import open_in_process, record_run
+from .coupled import build_participants, run_coupled
 from .recorder import Recorder
 from .test_checkpoint import Kept
 
@@ -39,7 +39,7 @@ def test_a_coupled_run_comes_to_the_monolithic_one() -> None:
     system = resolve_start(scenario, build_system(scenario))
     records = np.linspace(0.0, 4e-4, 21)
     truth = solve(system, records)
-    runs = {step: record_run(system, GaussSeidel("quadratic"), step, 4e-4) for step in (1e-5, 5e-6)}
+    runs = {step: run_coupled(system, GaussSeidel("quadratic"), step, 4e-4) for step in (1e-5, 5e-6)}
     for name in ("contact.load", "contact.minimum_film_thickness"):
         coarse, fine = (
             difference(run[name][:: round(2e-5 / step)], truth[name]).rms for step, run in runs.items()
@@ -52,10 +52,10 @@ def test_a_coupled_run_comes_to_the_monolithic_one() -> None:
 def test_a_run_with_the_field_goes_on_from_a_checkpoint_to_the_last_bit(valve_train: System) -> None:
     """Under a master that rolls it back several times in each step."""
     kept, rest = Kept(), Recorder()
-    simulate(valve_train, open_in_process(valve_train), ITERATED, STEP, STOP, [kept])
+    simulate(valve_train, build_participants(valve_train), ITERATED, STEP, STOP, [kept])
     middle = len(kept.states) // 2
     state = from_text(kept.states[middle])
-    simulate(valve_train, open_in_process(valve_train), ITERATED, STEP, STOP, [rest], resumed=state)
+    simulate(valve_train, build_participants(valve_train), ITERATED, STEP, STOP, [rest], resumed=state)
     assert np.array_equal(np.array(rest._rows), np.array(kept._rows)[middle + 1 :])
     assert sum(kept.iterations) > 2 * len(kept.steps)
 
@@ -65,7 +65,7 @@ def test_what_a_step_of_the_field_leaves_does_not_depend_on_how_often_it_was_tri
     valve_train: System,
 ) -> None:
     """A participant that went elsewhere and was restored gives the bits of one that never left."""
-    units = [open_in_process(valve_train)["contact"] for _ in range(2)]
+    units = [build_participants(valve_train)["contact"] for _ in range(2)]
     component = valve_train.instances["contact"].component
     names, found = component.inputs.names, []
     values = component.inputs.vector({"approach": 2e-6, "entraining_velocity": 1.0})
@@ -98,8 +98,8 @@ def test_the_fmu_of_the_field_runs_as_the_component_to_the_last_bit(
 ) -> None:
     instance, found = valve_train.instances["contact"], Recorder()
     file = build("ehl_line_contact", tmp_path, instance.component.structure)
-    units = open_in_process(valve_train) | {"contact": open_fmu("contact", file, instance)}
+    units = build_participants(valve_train) | {"contact": open_fmu("contact", file, instance)}
     simulate(valve_train, units, master, STEP, STOP, [found])
     units["contact"].close()
-    own = record_run(valve_train, master, STEP, STOP)
+    own = run_coupled(valve_train, master, STEP, STOP)
     assert np.array_equal(np.array(found._rows), np.array(own._rows))

@@ -21,7 +21,7 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 
 from .alone import Alone, two_alike
-from .coupled import open_in_process, record_run
+from .coupled import build_participants, run_coupled
 from .recorder import Recorder
 
 NODES, STEP = 101, 1e-5
@@ -95,7 +95,7 @@ def test_a_radius_that_is_not_positive_is_named_and_the_step_leaves_no_trace(
 def test_a_run_ends_where_the_radius_vanishes_and_keeps_what_was_before(falling: System) -> None:
     found = Recorder()
     with pytest.raises(DiscardedStepError, match=r"contact: step from .*radius_of_curvature = -"):
-        simulate(falling, open_in_process(falling), GaussSeidel("linear"), STEP, 3e-4, [found])
+        simulate(falling, build_participants(falling), GaussSeidel("linear"), STEP, 3e-4, [found])
     # It falls by 0.1 mm a step.
     assert -1e-12 < found["mass.position"][-1] < 1.01e-4
     loads, films = found["contact.load"], found["contact.minimum_film_thickness"]
@@ -163,7 +163,7 @@ def test_the_engines_walls_run_with_solved_films() -> None:
     the least load; both within the clearance; half the step gives the same films."""
     scenario = load("engine-ehl")
     system = resolve_start(scenario, build_system(scenario))
-    fine, coarse = (record_run(system, GaussSeidel("quadratic"), step, 2e-4) for step in (1e-6, 2e-6))
+    fine, coarse = (run_coupled(system, GaussSeidel("quadratic"), step, 2e-4) for step in (1e-6, 2e-6))
     floor = system.instances["lower_wall"].parameters["film_load_floor"]
     assert floor == 50.0
     for wall in ("upper_wall", "lower_wall"):

@@ -18,9 +18,9 @@ from orchestrator.participants import in_process
 from orchestrator.participants.protocol import BoundVariables
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
-from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 
+from .coupled import run_coupled
 from .recorder import Recorder
 from .small_fmus import small_fmu
 from .two_masses import START, two_masses
@@ -49,19 +49,15 @@ def booked(master, step, observers=(), rated=True, **parameters):
     ledger = Ledger(system)
     second = system.instances["second"]
     unit = in_process("second", without_estimates(second))
-    units = {
-        "first": in_process("first", system.instances["first"]),
-        "second": Estimating(unit if rated else Unrated(unit), second.component),
-    }
-    simulate(system, units, master, step, STOP, [ledger, *(Trimmed(o, system) for o in observers)])
+    unit = Estimating(unit if rated else Unrated(unit), second.component)
+    run_coupled(system, master, step, STOP, ledger, *(Trimmed(o, system) for o in observers), second=unit)
     return ledger
 
 
 def counts(master, step):
     system = add_counting(two_masses(), ["first", "second"])
     ledger = Ledger(system)
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-    simulate(system, units, master, step, STOP, [ledger])
+    run_coupled(system, master, step, STOP, ledger)
     return ledger
 
 
@@ -104,14 +100,10 @@ def test_estimates_are_named_in_channels_account_and_words():
 
 def test_nobody_sees_the_estimates():
     """Names and bits are those of a run without ledger."""
-    plain, beside = Recorder(), Recorder()
-    system = two_masses()
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-    simulate(system, units, GaussSeidel("quadratic"), 1e-2, STOP, [plain])
+    plain, beside = run_coupled(two_masses(), GaussSeidel("quadratic"), 1e-2, STOP), Recorder()
     booked(GaussSeidel("quadratic"), 1e-2, [beside])
     assert beside.names == plain.names
-    for name in plain.names:
-        np.testing.assert_array_equal(beside[name], plain[name])
+    np.testing.assert_array_equal(beside.rows, plain.rows)
 
 
 def test_estimates_go_back_and_through_bytes_to_the_same_bits():

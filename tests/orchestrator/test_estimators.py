@@ -16,11 +16,11 @@ from models.monolithic import solve
 from orchestrator.engine.coupling import Coupling
 from orchestrator.engine.energy.bonds import find_bonds
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
-from orchestrator.participants import in_process
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.stepping.estimators import ESTIMATORS
 
+from .coupled import build_participants
 from .two_masses import two_masses
 
 PAST = 3
@@ -34,7 +34,7 @@ def at_point(system, master, start, length):
     """An coupling whose participants, values and history are those of the exact motion, and what follows."""
     times = np.concatenate([[0.0], start + length * np.arange(1 - PAST, 2)])
     reference = solve(system, times, tolerance=1e-13)
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
+    units = build_participants(system)
     coupling = Coupling(system, units, master.degree)
     coupling.initialise(0.0, 1.0)
     for k in range(1, PAST + 1):

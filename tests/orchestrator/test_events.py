@@ -16,13 +16,11 @@ from models.oscillators.bouncing_mass import FallingMassParameters, SpringStopPa
 from models.slider_crank.slider_crank import slider_crank
 from orchestrator.engine.step import REASONS
 from orchestrator.masters import GaussSeidel, Iterated
-from orchestrator.participants import in_process
-from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.stepping import ControlledSteps, FixedSteps, StepControl
 
-from .recorder import Recorder
+from .coupled import run_coupled, start_from
 
 EVENT, TIME_EVENT = REASONS.index("event"), REASONS.index("time_event")
 
@@ -33,13 +31,6 @@ def controlled(relative, first=1e-4):
 
 def hermite(relative, **options):
     return Iterated("hermite", 1e-2 * relative, **options)
-
-
-def coupled(system, master, steps, stop):
-    recorder = Recorder()
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-    simulate(system, units, master, steps, stop, [recorder])
-    return recorder
 
 
 def located(recorder, name):
@@ -58,7 +49,7 @@ def bouncing(steps, master, stop, position=0.1, velocity=0.0, **parameters):
             "stop": replace(i["stop"], parameters=parameters),
         }
     )
-    recorder = coupled(system, master, steps, stop)
+    recorder = run_coupled(system, master, steps, stop)
     mass, spring = FallingMassParameters(), SpringStopParameters(**parameters)
     truth = exact.bouncing_mass(recorder.times, mass, spring, position, velocity)
     return recorder, truth.motion, np.sort(np.concatenate([truth.touches, truth.releases]))
@@ -154,7 +145,7 @@ def test_impacts_reach_the_flywheel_when_they_happen_and_chatter_does_not_stall(
     instants = np.array([event.time for event in reference.events])
     errors = {}
     for given in (tolerance, None):
-        recorder = coupled(system, GaussSeidel("quadratic"), FixedSteps(2e-5, given), stop)
+        recorder = run_coupled(system, GaussSeidel("quadratic"), FixedSteps(2e-5, given), stop)
         assert recorder["slider_crank.event_count"][-1] == len(instants)
         on_grid = np.array([s.reason != EVENT for s in recorder.steps])
         missed = recorder["flywheel.speed"][on_grid] - reference["flywheel.speed"]
@@ -185,7 +176,7 @@ def test_no_step_leads_past_a_known_time(located_):
         [(str(c.source), str(c.target)) for c in kept],
     )
     steps = controlled(1e-6) if located_ else FixedSteps(7e-4, 1e-9)
-    recorder = coupled(ramped, hermite(1e-6), steps, 0.03)
+    recorder = run_coupled(ramped, hermite(1e-6), steps, 0.03)
     ends = np.array([s.end for s in recorder.steps if s.reason == TIME_EVENT])
     assert {0.01, 0.023} <= set(np.round(ends, 12))
     breaks = np.array([s.end for s in recorder.steps])
@@ -209,16 +200,14 @@ def test_losses_and_landings_of_a_bouncing_follower_are_those_of_the_reference(f
     shaft = i["camshaft"]
     i["camshaft"] = replace(shaft, parameters={**shaft.parameters, "flexible": float(flexible)})
     system = system.with_instances(i)
-    x = equilibrium(system)
-    named = {n: replace(one, start=one.component.state.named(x[system.state.of(n)])) for n, one in i.items()}
-    system = system.with_instances(named)
+    system = start_from(system, equilibrium(system))
     times = np.linspace(0.0, stop, int(stop / 2e-6) + 1)
     reference = solve(system, times, tolerance=1e-11)
     spline = CubicSpline(times, reference["contact.deflection"])
     zeros = spline.roots(extrapolate=False)
     zeros = zeros[zeros > 0.0]
     master = hermite(relative, iterate=("camshaft", "contact", "valve_spring"))
-    recorder = coupled(system, master, controlled(relative, 1e-6), stop)
+    recorder = run_coupled(system, master, controlled(relative, 1e-6), stop)
     found = located(recorder, "contact.deflection")
     assert len(found) == len(zeros) >= 16
     error = np.abs(recorder["contact.deflection"] - spline(recorder.times)).max()

@@ -10,25 +10,20 @@ import pytest
 from benchmarks.many_valves import ENGINE, FILE, FIRING_ORDER, build_content, build_engine, list_phases
 from models.core.system import System
 from orchestrator.masters import GaussSeidel
-from orchestrator.participants import in_process
-from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 
-from .recorder import Recorder
+from .coupled import run_coupled
+
+
+def run_short(system):
+    """0.2 ms in steps of 2 us."""
+    return run_coupled(system, GaussSeidel("quadratic"), 2e-6, 2e-4)
 
 
 @pytest.fixture(scope="module")
 def system():
     return build_system(load("valve-train-16v"))
-
-
-def run(system):
-    """0.2 ms in steps of 2 us."""
-    recorder = Recorder()
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-    simulate(system, units, GaussSeidel("quadratic"), 2e-6, 2e-4, [recorder])
-    return recorder
 
 
 def test_sixteen_valves_on_one_shaft(system):
@@ -51,8 +46,8 @@ def test_a_valve_moves_as_it_does_alone(system, valve):
     names = {"flywheel", *(f"{part}_{valve}" for part in ("camshaft", "valve_spring", "contact"))}
     own = {name: i for name, i in system.instances.items() if name in names}
     kept = [c for c in system.connections if {c.source.instance, c.target.instance} <= names]
-    alone = run(System(own, [(str(c.source), str(c.target)) for c in kept]))
-    together = run(system)
+    alone = run_short(System(own, [(str(c.source), str(c.target)) for c in kept]))
+    together = run_short(system)
     for output in (f"contact_{valve}.load", f"valve_spring_{valve}.position"):
         np.testing.assert_array_equal(together[output], alone[output])
         assert np.ptp(alone[output]) > 0.0
@@ -77,14 +72,14 @@ def test_cylinders_turn_in_firing_order_and_as_they_do_alone():
     """Throws follow one another by half a turn; the shaft's speed is prescribed: the same bits as alone."""
     whole = build_system(load("engine-16v"))
     assert len(whole.instances) == 1 + 3 * 16 + 2 * 4
-    together = run(whole)
+    together = run_short(whole)
     for behind, cylinder in enumerate(FIRING_ORDER):
         angle = together["flywheel.angle"] - np.pi * behind
         np.testing.assert_allclose(together[f"flywheel.throw_angle[{cylinder}]"], angle, atol=1e-12)
     names = {"flywheel", "gas_3", "piston_3"}
     own = {name: i for name, i in whole.instances.items() if name in names}
     kept = [c for c in whole.connections if {c.source.instance, c.target.instance} <= names]
-    alone = run(System(own, [(str(c.source), str(c.target)) for c in kept]))
+    alone = run_short(System(own, [(str(c.source), str(c.target)) for c in kept]))
     for output in ("gas_3.gas_pressure", "piston_3.piston_offset"):
         np.testing.assert_array_equal(together[output], alone[output])
         assert np.ptp(alone[output]) > 0.0

@@ -17,7 +17,7 @@ from tests.fmus.pack_component import pack_component
 from tests.models.fluid_layer import fluid_layer
 
 from .alone import Alone, two_alike
-from .coupled import open_in_process
+from .coupled import build_participants
 from .dragged import dragged
 from .recorder import Recorder
 
@@ -71,7 +71,7 @@ def test_step_control_shortens_steps_that_do_not_converge(master, estimator: str
 
     def controlled(**parameters: float) -> Recorder:
         recorder, system = Recorder(), dragged(SHEETS, **parameters)
-        simulate(system, open_in_process(system), master, ControlledSteps(LONG, control), STOP, [recorder])
+        simulate(system, build_participants(system), master, ControlledSteps(LONG, control), STOP, [recorder])
         return recorder
 
     stubborn, willing = controlled(**STUBBORN), controlled()
@@ -82,7 +82,7 @@ def test_step_control_shortens_steps_that_do_not_converge(master, estimator: str
 
 def test_retries_halve_steps_that_do_not_converge_under_steps_of_one_length() -> None:
     system, recorder = dragged(SHEETS, **STUBBORN), Recorder()
-    units = open_in_process(system)
+    units = build_participants(system)
     units["layer"] = Substepped(units["layer"], halvings=4)
     simulate(system, units, Iterated("hermite", 1e-11), LONG, STOP, [recorder])
     assert recorder.ended == (True, "")
@@ -92,4 +92,4 @@ def test_retries_halve_steps_that_do_not_converge_under_steps_of_one_length() ->
 def test_steps_of_one_length_end_with_what_to_do(master) -> None:
     system = dragged(SHEETS, **STUBBORN)
     with pytest.raises(DiscardedStepError, match=f"layer: step .*{REASON}; {REMEDY}"):
-        simulate(system, open_in_process(system), master, LONG, STOP, [])
+        simulate(system, build_participants(system), master, LONG, STOP, [])

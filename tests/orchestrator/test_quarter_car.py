@@ -13,25 +13,20 @@ import pytest
 
 from models.oscillators.exact import quarter_car
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi, Newton
-from orchestrator.participants import in_process
-from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.stepping import ControlledSteps, StepControl
 
-from .recorder import Recorder
+from .coupled import run_coupled
 
 STATES = ("chassis.position", "chassis.velocity", "wheel.position", "wheel.velocity")
 
 
 def run(master, steps):
-    system = build_system(load("quarter-car"))
-    recorder = Recorder()
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-    statistics = simulate(system, units, master, steps, 4.0, [recorder])
+    recorder = run_coupled(build_system(load("quarter-car")), master, steps, 4.0)
     exact = quarter_car(recorder.times)
     error = max(np.abs(recorder[name] - exact[:, i]).max() for i, name in enumerate(STATES))
-    return error, statistics
+    return error, recorder.statistics
 
 
 TIGHT = 1e-12

@@ -37,7 +37,7 @@ from orchestrator.participants.protocol import BoundVariables
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 
-from .coupled import assert_growth_changes_at, measure_growth, open_in_process, record_run
+from .coupled import assert_growth_changes_at, build_participants, measure_growth, run_coupled
 from .two_masses import two_masses
 
 SIGNALS = ("hold", "linear", "quadratic", "hermite")
@@ -130,7 +130,7 @@ def test_runs_of_the_masses_grow_beyond_the_predicted_limit_and_decay_below_it(m
     system = two_masses(coupling_stiffness=400.0)
     behaviour = Behaviour(point(system), master)
     limit = find_stability_limit(behaviour, 1e-3, 0.5, [])
-    assert_growth_changes_at(limit, behaviour, system, lambda: open_in_process(system))
+    assert_growth_changes_at(limit, behaviour, system, lambda: build_participants(system))
 
 
 def test_the_limit_is_where_stability_first_ends_though_it_returns():
@@ -152,7 +152,8 @@ def test_the_limit_is_where_stability_first_ends_though_it_returns():
     assert all(at.stable for at in seen if at.step <= limit)
     for step in (0.99 * limit, 0.0985):
         count = int(10.0 / abs(np.log(behaviour.evaluate(step).radius)))
-        assert (measure_growth(system, open_in_process(system), master, step, count) > 1.0) == (step > limit)
+        growth = measure_growth(system, build_participants(system), master, step, count)
+        assert (growth > 1.0) == (step > limit)
 
 
 def estimate_errors(system, master, step, stop, watched=(), row=0):
@@ -163,7 +164,7 @@ def estimate_errors(system, master, step, stop, watched=(), row=0):
     sources = behaviour.sources
     track = sample_course(where, system, sources)
     expected = predict_errors(behaviour.macro_step(step), track, 2, behaviour.nominal)
-    run = record_run(system, master, step, stop)
+    run = run_coupled(system, master, step, stop)
     truth = where.outputs[::2, [system.outputs.index(port) for port in sources]]
     seen = [difference(run[str(port)], truth[:, i]).relative_rms for i, port in enumerate(sources)]
     asked = [i for i, port in enumerate(sources) if port in watched or not watched]
@@ -205,7 +206,7 @@ def test_the_valve_train_runs_below_the_predicted_limit_and_runs_away_beyond(val
     _, limit = find_hardest_point(points, master, 1e-6, 1e-4)
 
     def error(step):
-        found = record_run(valve_train, master, step, LIFT)
+        found = run_coupled(valve_train, master, step, LIFT)
         truth = course(valve_train, found.times, 1e-9).outputs[
             :, valve_train.outputs.names.index("contact.load")
         ]

@@ -21,7 +21,7 @@ from orchestrator.scenario import MasterTable
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 
-from .coupled import record_run
+from .coupled import run_coupled
 from .linearised import write_masses
 
 
@@ -56,7 +56,7 @@ def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_
     scenario = load(masses)
     system = build_system(scenario)
     master = MasterTable(**options, **({"order": order} if order else {})).build()
-    found = record_run(system, master, step, scenario.stop_time)
+    found = run_coupled(system, master, step, scenario.stop_time)
     truth = course(system, found.times, 1e-10).outputs[:, system.outputs.names.index("first.force")]
     assert difference(found["first.force"], truth).relative_rms <= scenario.tolerance["first.force"]
     assert step > 0.01

@@ -15,14 +15,11 @@ import pytest
 from models.monolithic import difference, equilibrium, solve
 from models.monolithic.difference import time_weights
 from orchestrator.masters import GaussSeidel, Iterated
-from orchestrator.participants import in_process
-from orchestrator.run.simulation import simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.stepping import ControlledSteps, StepControl
 
-from .recorder import Recorder
-from .test_valve_train_coupling import started, with_start
+from .coupled import run_coupled, start_from, with_start
 
 
 def valve_train(rpm):
@@ -34,21 +31,19 @@ def valve_train(rpm):
     instances = {**system.instances, "flywheel": replace(flywheel, parameters=parameters)}
     system = system.with_instances(instances)
     system = with_start(system, {"flywheel": {"angle": np.radians(80.0), "speed": speed}})
-    return started(system, equilibrium(system))
+    return start_from(system, equilibrium(system))
 
 
 def run(system, master, steps, stop):
     """Error of the contact load at up to 5000 of the communication points, and steps of participants."""
-    recorder = Recorder()
-    units = {name: in_process(name, instance) for name, instance in system.instances.items()}
-    statistics = simulate(system, units, master, steps, stop, [recorder])
+    recorder = run_coupled(system, master, steps, stop)
     rows = np.unique(np.linspace(0, len(recorder.times) - 1, 5000).astype(int))
     times = recorder.times[rows]
     reference = solve(system, times, tolerance=1e-12)
     truth = reference.outputs[:, system.outputs.names.index("contact.load")]
     assert reference.uncertainty["contact.load"].relative_rms < 1e-7
     found = difference(recorder["contact.load"][rows], truth, weights=time_weights(times))
-    return found.relative_rms, statistics.do_steps
+    return found.relative_rms, recorder.statistics.do_steps
 
 
 def controlled(tolerance):
