@@ -27,73 +27,93 @@ ASYNCHRONOUS = (
 
 
 class ErrorReporter:
-    """Base of a participant whose calls of the instance `_fmi` may fail."""
+    """The messages of participant `name`, and the errors of calls of its instance `fmi`, to be set.
 
-    _fmi: FmiInstance
+    `fatal`: no further call is allowed. `warnings` counts messages with that status.
+    """
+
+    fmi: FmiInstance
 
     def __init__(self, name: str) -> None:
         self.name = name
         # The last messages only, so that they do not fill the memory.
         self._messages: deque[str] = deque(maxlen=20)
-        self._fatal = False
-        self._warnings, self._first_warning = 0, ""
+        self.fatal = False
+        self.warnings, self.first_warning = 0, ""
 
-    def _log(self, status: int, message: bytes) -> None:
+    def log(self, status: int, message: bytes) -> None:
         # The last line of a Python traceback names the error.
         if message and (lines := message.decode(errors="replace").strip().splitlines()):
             self._messages.append(lines[-1])
             if status == WARNING:
-                self._warnings += 1
-                self._first_warning = self._first_warning or lines[-1]
+                self.warnings += 1
+                self.first_warning = self.first_warning or lines[-1]
 
     @contextlib.contextmanager
-    def _name_errors(self, what: str) -> Any:
+    def name_errors(self, what: str) -> Any:
         """Turn fmpy's exceptions into a message with what the FMU said."""
         try:
             yield
         except ParticipantError:
             raise
         except Exception as error:
-            self._fatal |= getattr(error, "status", None) == FATAL
-            kind = LostParticipantError if self._fatal else ParticipantError
-            raise kind(f"{self.name}: {what}: {self._quote_message() or error}") from None
+            self.fatal |= getattr(error, "status", None) == FATAL
+            kind = LostParticipantError if self.fatal else ParticipantError
+            raise kind(f"{self.name}: {what}: {self.quote_messages() or error}") from None
 
-    def _quote_message(self) -> str:
+    def quote_messages(self) -> str:
         said = "; ".join(dict.fromkeys(self._messages))
         self._messages.clear()
         return said
 
-    def _fail(self, status: int, what: str) -> NoReturn:
+    def check(self, status: int, what: str) -> None:
+        """Raise the error of a call that did not succeed."""
+        if status > WARNING:
+            self.fail(status, what)
+
+    def fail(self, status: int, what: str) -> NoReturn:
         """Raise the error of a failed call."""
-        said = self._quote_message() or "no message"
+        said = self.quote_messages() or "no message"
         message = f"{self.name}: {what} returned {status_name(status)}: {said}; "
         if status == PENDING:
             raise ParticipantError(f"{message}{ASYNCHRONOUS}")
         message += REMEDY
         if status == FATAL:
-            self._fatal = True
+            self.fatal = True
             raise LostParticipantError(message)
         raise RecoverableError(message)
 
+    def fail_to_set(self, status: int) -> NoReturn:
+        self.fail(status, "setting the inputs")
+
+    def fail_to_read(self, status: int) -> NoReturn:
+        self.fail(status, "reading the outputs")
+
+    def fail_step(self, status: int, time: float, step: float) -> None:
+        """Raise the error of a step that did not succeed; return if it was made after all."""
+        if status != DISCARD:
+            self.fail(status, f"step from t = {time:.9g} s by {step:g} s")
+        self.refuse_discarded(time, step)
+
     def check_end(self, time: float, step: float) -> None:
         """Before compiled code makes a step: EndedError if the FMU asked for the end at that of another."""
-        if self._fmi.ended_in and time > self._fmi.ended_in.pop():
-            self._raise_discarded(time, step)
+        if self.fmi.ended_in and time > self.fmi.ended_in.pop():
+            self.refuse_discarded(time, step)
 
-    def _raise_discarded(self, time: float, step: float) -> None:
-        """Raise the error of a discarded step, with how far it came.
+    def refuse_discarded(self, time: float, step: float) -> None:
+        """Raise the error of a discarded step, with the time that it reached.
 
-        One that the FMU made to its end, to ask then for that of the simulation, is a step like others; the
-        next one from there is refused.
+        A step that the FMU completed before it asked to end the simulation is valid: only the next one is
+        refused.
         """
         what = f"{self.name}: step from t = {time:.9g} s by {step:g} s returned {status_name(DISCARD)}"
-        said = self._quote_message()
-        reached = self._fmi.get_reached_time()
-        if self._fmi.is_ended():
+        said = self.quote_messages()
+        reached = self.fmi.get_reached_time()
+        if self.fmi.is_ended():
             when = time if reached is None else reached
             if when >= time + step * (1.0 - WHOLE):
-                self._fmi.ended_in.append(time)
-                self._messages.append(said)  # to be told then
+                self.fmi.ended_in.append(time)
+                self._messages.append(said)  # for that error
                 return
             raise EndedError(
                 f"{self.name}: the FMU asks to end the simulation at t = {when:.9g} s"
