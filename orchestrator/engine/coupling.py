@@ -20,7 +20,7 @@ from .consistency import make_consistent
 from .coupling_state import CouplingState
 from .saved_points import SavedPoints
 from .signals import finite
-from .sweeps import Sweep, propagate
+from .sweeps import SweepKind, propagate
 from .wiring import wire
 
 Bound = TypeVar("Bound")
@@ -87,17 +87,17 @@ class Coupling:
         no_fmu = len(reasons) == len(self.participants) and set(reasons.values()) <= {IN_PROCESS}
         return {} if no_fmu else reasons
 
-    def bound(self, make: Callable[..., Bound], *key: Hashable) -> Bound:
-        """make(coupling, *key), made at its first use: what is bound to the memory of this coupling."""
+    def bind(self, make: Callable[..., Bound], *key: Hashable) -> Bound:
+        """The result of make(coupling, *key), made at its first use and bound to this coupling's memory."""
         found: Bound | None = self._bound.get((make, key))
         if found is None:
             found = self._bound[make, key] = make(self, *key)
         return found
 
-    def sweep(self, kind: Callable[[Coupling, tuple[int, ...]], Sweep], order: tuple[int, ...]) -> Sweep:
-        """The sweep of that kind over `order` (see `sweeps`); to be run at once."""
+    def sweep(self, kind: SweepKind, order: tuple[int, ...], time: float, step: float) -> None:
+        """Make a sweep of that kind (see `sweeps`) over `order`."""
         self.points.present = None
-        return self.bound(kind, order)
+        self.bind(kind, order)(time, step)
 
     def initialise(self, start_time: float, stop_time: float) -> None:
         """Initialise all participants and make the outputs (and rates) consistent at the start."""
@@ -118,7 +118,7 @@ class Coupling:
 
     def propagate(self, order: tuple[int, ...], time: float) -> None:
         """Give the present values, and rates, to each participant in turn and read its answer."""
-        self.sweep(propagate, order)(time, 0.0)
+        self.sweep(propagate, order, time, 0.0)
 
     def settle(self, part: Sequence[int], time: float) -> None:
         """Make outputs of `part` with direct feedthrough consistent with the inputs at `time`, the present.

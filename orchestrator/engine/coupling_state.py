@@ -1,4 +1,4 @@
-"""What evolves in a coupled run outside the participants."""
+"""The evolving data of a coupled run outside the participants."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .signals import History
 
 
 class CouplingState:
-    """Exchanged values, their rates and past, and what masters carry from step to step.
+    """Exchanged values, their rates, their past and warm starts.
 
-    `values` and `rates` are the rows of `arrived`. `carried` has plain arrays and numbers only. Compiled code
-    has the addresses of the arrays: states are assigned, never replaced.
+    `values` and `rates` are the rows of `arrived`. `warm_starts` has what masters keep for the next macro
+    step, plain arrays and numbers. Compiled code has the addresses of the arrays: they are never replaced.
     """
 
     def __init__(self, size: int, rated: Any, degrees: Any) -> None:
@@ -25,21 +25,21 @@ class CouplingState:
         self.values, self.rates = self.arrived
         self.history = History(0.0, self.values, self.rates, rated)
         self.history.degrees[:] = degrees
-        self.carried: dict[str, Any] = {}
+        self.warm_starts: dict[str, Any] = {}
 
     def copy(self) -> CouplingState:
         """An independent copy, between steps."""
         twin = CouplingState.__new__(CouplingState)
         twin.arrived, twin.history = self.arrived.copy(), self.history.copy()
         twin.values, twin.rates = twin.arrived
-        twin.carried = dict(self.carried)
+        twin.warm_starts = dict(self.warm_starts)
         return twin
 
     def assign(self, other: CouplingState) -> None:
         """Become equal to `other`, bit for bit."""
         self.arrived[:] = other.arrived
         self.history.put(other.history)
-        self.carried = dict(other.carried)
+        self.warm_starts = dict(other.warm_starts)
 
     def snapshot(self) -> dict[str, Any]:
         """Everything as plain numbers and arrays."""
@@ -52,7 +52,7 @@ class CouplingState:
             "past_rates": h.rates.copy(),
             "known": h.count,
             "smooth": h.smooth.copy(),
-            "carried": dict(self.carried),
+            "warm_starts": dict(self.warm_starts),
         }
 
     def resume(self, snapshot: Mapping[str, Any]) -> None:
@@ -62,4 +62,4 @@ class CouplingState:
         h.times[:], h.values[:] = snapshot["times"], snapshot["past_values"]
         h.rates[:], h.smooth[:] = snapshot["past_rates"], snapshot["smooth"]
         h.count = int(snapshot["known"])
-        self.carried = dict(snapshot["carried"])
+        self.warm_starts = dict(snapshot["warm_starts"])

@@ -31,7 +31,7 @@ POINTS = 3
 NEEDED = (1, 2, 3, 2)
 
 
-def degree_of(name: str) -> int:
+def find_degree(name: str) -> int:
     """The degree of an input signal by name; ValueError with the known names."""
     if name not in DEGREES:
         raise ValueError(f"extrapolation = {name!r}: {one_of(DEGREES, name)}")

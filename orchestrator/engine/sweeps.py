@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from .coupling import Coupling
 
 Sweep = Callable[[float, float], None]
+# Binds a sweep over participants, by their numbers.
+SweepKind = Callable[["Coupling", tuple[int, ...]], Sweep]
 
 
 def jacobi_sweep(coupling: Coupling, order: tuple[int, ...]) -> Sweep:

@@ -1,8 +1,7 @@
 """Co-simulation masters. To add one: a file with a frozen dataclass, listed here.
 
-A master is `step(exchange, time, step) -> iterations`: it advances all participants from `time` to
-`time + step` and leaves their outputs there in `exchange.values`. Its fields are the options of a
-scenario's [master] table.
+A master's `step` advances all participants by one macro step and leaves their outputs in the coupling's
+values. Its fields are the options of a scenario's [master] table.
 """
 
 from __future__ import annotations
@@ -23,9 +22,9 @@ MASTERS: dict[str, type[Any]] = {
 }
 
 
-def name_of(master: Master) -> str:
+def find_name(master: Master) -> str:
     """The master as a scenario names it."""
     return next((name for name, kind in MASTERS.items() if isinstance(master, kind)), type(master).__name__)
 
 
-__all__ = ["MASTERS", "GaussSeidel", "Iterated", "Jacobi", "Master", "Newton", "name_of"]
+__all__ = ["MASTERS", "GaussSeidel", "Iterated", "Jacobi", "Master", "Newton", "find_name"]

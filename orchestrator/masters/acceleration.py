@@ -1,7 +1,7 @@
 """Acceleration of fixed-point iterations v = G(v). All vectors in nominal units.
 
-To add one: a class with `next`, listed in ACCELERATIONS. What it remembers from one macro step to the next
-goes through `carried`, as plain arrays, so that a checkpoint has it.
+To add one: a class with `next`, listed in ACCELERATIONS. What it keeps for the next macro step is its warm
+start, plain arrays that a checkpoint can store.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-Carried = dict[str, Any]
+WarmStart = dict[str, Any]
 
 
 class Acceleration(Protocol):
@@ -23,28 +23,28 @@ class Acceleration(Protocol):
         """The guess after `guess` gave `result` = G(guess)."""
         ...
 
-    def carried(self) -> Carried:
-        """What the next macro step may use."""
+    def get_warm_start(self) -> WarmStart:
+        """What the next macro step begins with."""
         ...
 
 
 class Plain:
     """The result is the next guess."""
 
-    def __init__(self, carried: Carried, step: float) -> None:
+    def __init__(self, warm_start: WarmStart, step: float) -> None:
         pass
 
     def next(self, guess: Vector, result: Vector) -> Vector:
         return result.copy()
 
-    def carried(self) -> Carried:
+    def get_warm_start(self) -> WarmStart:
         return {}
 
 
 class Aitken:
     """Relaxation v + w (G(v) - v), w by Aitken's rule for vectors (Irons and Tuck 1969)."""
 
-    def __init__(self, carried: Carried, step: float) -> None:
+    def __init__(self, warm_start: WarmStart, step: float) -> None:
         self.weight = 1.0
         self._previous: Vector | None = None
 
@@ -58,7 +58,7 @@ class Aitken:
         self._previous = residual
         return np.asarray(guess + self.weight * residual)
 
-    def carried(self) -> Carried:
+    def get_warm_start(self) -> WarmStart:
         return {}
 
 
@@ -67,7 +67,7 @@ class Anderson:
 
     DEPTH = 8
 
-    def __init__(self, carried: Carried, step: float) -> None:
+    def __init__(self, warm_start: WarmStart, step: float) -> None:
         self._guess: Vector | None = None
         self._residual: Vector | None = None
         # Rows, newest first: differences of residuals, and of results.
@@ -93,7 +93,7 @@ class Anderson:
             return newest[None]
         return np.concatenate([newest[None], rows[: self.DEPTH - 1]])
 
-    def carried(self) -> Carried:
+    def get_warm_start(self) -> WarmStart:
         return {}
 
 
@@ -107,20 +107,20 @@ class QuasiNewton(Anderson):
     DEPTH = 16
     REUSED_WITHIN = 1.3
 
-    def __init__(self, carried: Carried, step: float) -> None:
-        super().__init__(carried, step)
+    def __init__(self, warm_start: WarmStart, step: float) -> None:
+        super().__init__(warm_start, step)
         self._step = step
-        length = carried.get("step", 0.0)
+        length = warm_start.get("step", 0.0)
         if length and 1.0 / self.REUSED_WITHIN < step / length < self.REUSED_WITHIN:
-            self.d_residual, self.d_result = carried["d_residual"], carried["d_result"]
+            self.d_residual, self.d_result = warm_start["d_residual"], warm_start["d_result"]
 
-    def carried(self) -> Carried:
+    def get_warm_start(self) -> WarmStart:
         if self.d_residual is None:
             return {}
         return {"step": self._step, "d_residual": self.d_residual, "d_result": self.d_result}
 
 
-ACCELERATIONS: dict[str, Callable[[Carried, float], Acceleration]] = {
+ACCELERATIONS: dict[str, Callable[[WarmStart, float], Acceleration]] = {
     "none": Plain,
     "aitken": Aitken,
     "anderson": Anderson,

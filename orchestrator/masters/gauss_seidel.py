@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import ClassVar
 
 from ..engine.coupling import Coupling
-from ..engine.signals import degree_of, extrapolate
+from ..engine.signals import extrapolate, find_degree
 from ..engine.sweeps import gauss_seidel_sweep
 from .protocol import MasterStep
 from .restart import repeat_first_step
@@ -26,29 +26,29 @@ class GaussSeidel:
     order: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        degree_of(self.extrapolation)
+        find_degree(self.extrapolation)
 
     @cached_property
     def degree(self) -> int:
         """Degree of the input signals."""
-        return degree_of(self.extrapolation)
+        return find_degree(self.extrapolation)
 
     def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
         order, history, degree = (
-            order_of(coupling, self.order),
+            resolve_order(coupling, self.order),
             coupling.state.history,
             coupling.wiring.degree,
         )
         if history.lacks(degree):
-            return repeat_first_step(coupling, sweep_in_turn, order, time, step)
+            return repeat_first_step(coupling, gauss_seidel_sweep, order, time, step)
         extrapolate(history, degree, coupling.signals)
-        sweep_in_turn(coupling, order, time, step)
+        coupling.sweep(gauss_seidel_sweep, order, time, step)
         return MasterStep()
 
 
-def order_of(coupling: Coupling, names: tuple[str, ...]) -> tuple[int, ...]:
+def resolve_order(coupling: Coupling, names: tuple[str, ...]) -> tuple[int, ...]:
     """The participants' numbers in the order to advance; ValueError unless all are named once."""
-    return coupling.bound(_find_order, names) if names else coupling.wiring.all
+    return coupling.bind(_find_order, names) if names else coupling.wiring.all
 
 
 def _find_order(coupling: Coupling, names: tuple[str, ...]) -> tuple[int, ...]:
@@ -56,8 +56,3 @@ def _find_order(coupling: Coupling, names: tuple[str, ...]) -> tuple[int, ...]:
     if sorted(names) != sorted(known):
         raise ValueError(f"order = {', '.join(names)}: must name each of {', '.join(known)} once")
     return tuple(known.index(name) for name in names)
-
-
-def sweep_in_turn(coupling: Coupling, order: tuple[int, ...], time: float, step: float) -> None:
-    """Advance in `order`, replacing each participant's signals by interpolation to its new values."""
-    coupling.sweep(gauss_seidel_sweep, order)(time, step)

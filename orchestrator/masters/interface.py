@@ -55,13 +55,13 @@ class Interface:
         """Count rates as what they bend a signal by over such a step."""
         np.divide(self._nominal, BEND * step, out=self._rate_scale)
 
-    def vector(self) -> Vector:
+    def gather(self) -> Vector:
         """The vector made of what the sources arrived at."""
         found = np.empty(self.size)
         _gather(self._memory.record, found)
         return found
 
-    def predicted(self, step: float) -> Vector:
+    def predict(self, step: float) -> Vector:
         """The vector at the end of the signals as they are."""
         found = np.empty(self.size)
         _predict(self._memory.record, step, found)
@@ -71,15 +71,15 @@ class Interface:
         """Let the part's signals go to the vector's content at the time `end`."""
         _assume(self._memory.record, vector, self._coupling.state.history.count, end)
 
-    def source(self, element: int) -> int:
+    def find_source(self, element: int) -> int:
         """The source that an element of the vector belongs to."""
         n = len(self.sources)
         return int(self.sources[element] if element < n else self.rated[element - n])
 
 
-def interface_of(coupling: Coupling, part: tuple[int, ...], step: float) -> Interface:
+def bind_interface(coupling: Coupling, part: tuple[int, ...], step: float) -> Interface:
     """That of a part, made at its first use, in the units of a step."""
-    found = coupling.bound(Interface, part)
+    found = coupling.bind(Interface, part)
     found.measure(step)
     return found
 

@@ -9,12 +9,11 @@ from typing import ClassVar
 from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
-from ..engine.signals import degree_of
+from ..engine.signals import find_degree
+from ..engine.sweeps import gauss_seidel_sweep, jacobi_sweep
 from ..errors import one_of
 from .acceleration import ACCELERATIONS
-from .gauss_seidel import sweep_in_turn
 from .iteration import Limits, converge
-from .jacobi import sweep_parallel
 from .parts import step_in_parts
 from .protocol import MasterStep
 
@@ -40,7 +39,7 @@ class Iterated:
     iterate: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        degree_of(self.extrapolation)
+        find_degree(self.extrapolation)
         if self.acceleration not in ACCELERATIONS:
             raise ValueError(
                 f"acceleration = {self.acceleration!r}: {one_of(ACCELERATIONS, self.acceleration)}"
@@ -55,13 +54,13 @@ class Iterated:
     @cached_property
     def degree(self) -> int:
         """Degree of the input signals."""
-        return degree_of(self.extrapolation)
+        return find_degree(self.extrapolation)
 
     def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
         def iterate(part: tuple[int, ...], predicted: Vector) -> int:
             return converge(
-                coupling, part, time, step, sweep_parallel, sweep_in_turn, ACCELERATIONS[self.acceleration],
-                self.limits, predicted,
+                coupling, part, time, step, jacobi_sweep, gauss_seidel_sweep,
+                ACCELERATIONS[self.acceleration], self.limits, predicted,
             )  # fmt: skip
 
         return step_in_parts(coupling, self.order, self.iterate, time, step, iterate)

@@ -13,10 +13,10 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
+from ..engine.sweeps import SweepKind
 from ..errors import NonConvergenceError
 from .acceleration import Acceleration
-from .interface import Interface, interface_of
-from .restart import Sweep
+from .interface import Interface, bind_interface
 
 # Contraction below which a single observation is not trusted.
 CAUTION = 0.01
@@ -62,15 +62,15 @@ class Converging:
     for REMEMBERED steps.
     """
 
-    def __init__(self, tolerance: float, carried: Mapping[str, Any], step: float) -> None:
+    def __init__(self, tolerance: float, warm_start: Mapping[str, Any], step: float) -> None:
         self.tolerance = tolerance
         self._step = step
         self.residuals: list[Vector] = []
         self._largest = 0.0  # of the last ones
-        self._age = int(carried.get("age", REMEMBERED)) + 1
+        self._age = int(warm_start.get("age", REMEMBERED)) + 1
         self._contraction = 1.0
         if self._age < REMEMBERED:
-            self._contraction = MARGIN * carried["contraction"] * (step / carried["step"]) ** 2
+            self._contraction = MARGIN * warm_start["contraction"] * (step / warm_start["step"]) ** 2
 
     def add(self, guess: Vector, result: Vector, plain: bool) -> bool:
         """True if `result` is converged; `plain`: the guess was the last result."""
@@ -85,7 +85,7 @@ class Converging:
         c = max(CAUTION, self._contraction)
         return len(self.residuals) > 1 and c < 0.5 and last * c / (1.0 - c) <= self.tolerance
 
-    def carried(self) -> dict[str, Any]:
+    def get_warm_start(self) -> dict[str, Any]:
         """The contraction for the next macro step, as plain numbers."""
         if self._age >= REMEMBERED:
             return {}
@@ -113,9 +113,9 @@ class LoopConverging(Converging):
     there are two, that of an earlier step with a margin of MARGIN. The first sweep is of another kind.
     """
 
-    def __init__(self, tolerance: float, carried: Mapping[str, Any], step: float) -> None:
+    def __init__(self, tolerance: float, warm_start: Mapping[str, Any], step: float) -> None:
         super().__init__(tolerance, {}, step)
-        self._share = MARGIN * float(carried.get("share", np.inf))
+        self._share = MARGIN * float(warm_start.get("share", np.inf))
         self._last: tuple[Vector, Vector] | None = None
 
     def add(self, guess: Vector, result: Vector, plain: bool) -> bool:
@@ -136,7 +136,7 @@ class LoopConverging(Converging):
                 self._share = size / abs(1.0 - slope) if slope != 1.0 else np.inf
         self._last = guess.copy(), result.copy()
 
-    def carried(self) -> dict[str, Any]:
+    def get_warm_start(self) -> dict[str, Any]:
         return {"share": self._share} if math.isfinite(self._share) else {}
 
 
@@ -150,43 +150,42 @@ def converge(
     part: tuple[int, ...],
     time: float,
     step: float,
-    first_sweep: Sweep,
-    next_sweep: Sweep,
+    first_sweep: SweepKind,
+    next_sweep: SweepKind,
     accelerate: Callable[[dict[str, Any], float], Acceleration],
     limits: Limits,
     predicted: Vector,
 ) -> int:
     """Sweep over `part` until its end values agree with those that its signals assumed.
 
-    The exchange's signals hold the extrapolation, which the first sweep uses as it is; if an estimator wants
-    it, `coupling.predicted` gets what that sweep arrived at. Returns the number of sweeps. Raises
-    NonConvergenceError.
+    The signals are the extrapolation, which the first sweep uses as it is; `predicted` gets the values that
+    it arrived at. Returns the number of sweeps. Raises NonConvergenceError.
     """
     end = time + step
-    interface = interface_of(coupling, part, step)
-    guess = interface.predicted(step)
+    interface = bind_interface(coupling, part, step)
+    guess = interface.predict(step)
     key = f"interface {part[0]}"
-    carried = coupling.state.carried.get(key, {})
-    acceleration = accelerate(carried.get("acceleration", {}), step)
+    warm_start = coupling.state.warm_starts.get(key, {})
+    acceleration = accelerate(warm_start.get("acceleration", {}), step)
     kind = LoopConverging if _has_algebraic_loop(coupling, part) else Converging
-    progress = kind(limits.tolerance, carried.get("convergence", {}), step)
+    progress = kind(limits.tolerance, warm_start.get("convergence", {}), step)
     plain = True
     with coupling.points.rollback(part) as roll_back:
         for iteration in range(1, limits.maximum_iterations + 1):
             if iteration == 1:
-                first_sweep(coupling, part, time, step)
+                coupling.sweep(first_sweep, part, time, step)
                 coupling.settle(part, end)
                 for own in interface.slices:
                     predicted[own] = coupling.state.values[own]
             else:
                 roll_back()
                 interface.assume(guess, end)
-                next_sweep(coupling, part, time, step)
-            result = interface.vector()
+                coupling.sweep(next_sweep, part, time, step)
+            result = interface.gather()
             if progress.add(guess, result, plain):
-                coupling.state.carried[key] = {
-                    "acceleration": acceleration.carried(),
-                    "convergence": progress.carried(),
+                coupling.state.warm_starts[key] = {
+                    "acceleration": acceleration.get_warm_start(),
+                    "convergence": progress.get_warm_start(),
                 }
                 return iteration
             # The first sweep answered other signals than the ones that follow: no difference to learn from.
@@ -196,7 +195,7 @@ def converge(
 
 
 def _message(coupling: Coupling, interface: Interface, seen: Converging, time: float, step: float) -> str:
-    source = coupling.wiring.sources[interface.source(seen.worst)]
+    source = coupling.wiring.sources[interface.find_source(seen.worst)]
     targets = [str(c.target) for c in coupling.wiring.system.connections if c.source == source]
     return (
         f"{source} -> {', '.join(targets)}: no convergence at t = {time:.6g} s in "

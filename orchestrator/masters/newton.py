@@ -11,11 +11,11 @@ import numpy as np
 from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
-from ..engine.signals import degree_of
-from .acceleration import Carried
-from .interface import interface_of
+from ..engine.signals import find_degree
+from ..engine.sweeps import jacobi_sweep
+from .acceleration import WarmStart
+from .interface import bind_interface
 from .iteration import Limits, converge
-from .jacobi import sweep_parallel
 from .parts import step_in_parts
 from .protocol import MasterStep
 
@@ -44,7 +44,7 @@ class Newton:
     iterate: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        degree_of(self.extrapolation)
+        find_degree(self.extrapolation)
         Limits(self.tolerance, self.maximum_iterations)
 
     @cached_property
@@ -55,19 +55,19 @@ class Newton:
     @cached_property
     def degree(self) -> int:
         """Degree of the input signals."""
-        return degree_of(self.extrapolation)
+        return find_degree(self.extrapolation)
 
     def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
         def iterate(part: tuple[int, ...], predicted: Vector) -> int:
             key = f"jacobian {part[0]}"
-            held = coupling.state.carried.get(key)
+            held = coupling.state.warm_starts.get(key)
             if held is None or not 1.0 / SERVES_WITHIN < step / held["step"] < SERVES_WITHIN:
                 held = {"step": step, "matrix": measure_jacobian(coupling, part, time, step)}
             iterations = converge(
-                coupling, part, time, step, sweep_parallel, sweep_parallel,
-                lambda carried, step: Correction(held["matrix"]), self.limits, predicted,
+                coupling, part, time, step, jacobi_sweep, jacobi_sweep,
+                lambda warm_start, step: Correction(held["matrix"]), self.limits, predicted,
             )  # fmt: skip
-            coupling.state.carried[key] = held if iterations <= SLOW else None
+            coupling.state.warm_starts[key] = held if iterations <= SLOW else None
             return iterations
 
         return step_in_parts(coupling, (), self.iterate, time, step, iterate)
@@ -83,7 +83,7 @@ class Correction:
         matrix = np.eye(len(self._jacobian)) - self._jacobian
         return np.asarray(guess + np.linalg.lstsq(matrix, result - guess, rcond=1e-12)[0])
 
-    def carried(self) -> Carried:
+    def get_warm_start(self) -> WarmStart:
         return {}
 
 
@@ -92,25 +92,25 @@ def measure_jacobian(coupling: Coupling, part: tuple[int, ...], time: float, ste
 
     The participants end where they were, and the signals are the extrapolation, as before.
     """
-    interface = interface_of(coupling, part, step)
+    interface = bind_interface(coupling, part, step)
     end = time + step
     arrived, signals = coupling.state.arrived.copy(), coupling.signals.copy()
-    guess = interface.predicted(step)
+    guess = interface.predict(step)
     with coupling.points.rollback(part) as roll_back:
         interface.assume(guess, end)
-        sweep_parallel(coupling, part, time, step)
-        result = interface.vector()
+        coupling.sweep(jacobi_sweep, part, time, step)
+        result = interface.gather()
         found = coupling.state.arrived.copy()
         matrix = np.zeros((len(guess), len(guess)))
         for j in range(len(guess)):
-            source = interface.source(j)
+            source = interface.find_source(j)
             fed = tuple(i for i in part if source in coupling.wiring.columns[i])
             roll_back()
             perturbed = guess.copy()
             perturbed[j] += PERTURBATION
             interface.assume(perturbed, end)
-            sweep_parallel(coupling, fed, time, step)
-            matrix[:, j] = (interface.vector() - result) / PERTURBATION
+            coupling.sweep(jacobi_sweep, fed, time, step)
+            matrix[:, j] = (interface.gather() - result) / PERTURBATION
             coupling.state.arrived[:] = found
         roll_back()
     coupling.state.arrived[:], coupling.signals[:] = arrived, signals

@@ -12,7 +12,8 @@ from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
 from ..engine.signals import extrapolate
-from .gauss_seidel import order_of, sweep_in_turn
+from ..engine.sweeps import gauss_seidel_sweep
+from .gauss_seidel import resolve_order
 from .protocol import MasterStep
 
 
@@ -29,13 +30,13 @@ def step_in_parts(
     `iterate(part, predicted)` returns its number of sweeps, and stores the part's values after the first one.
     Signals are extrapolated where a part has not advanced yet.
     """
-    parts = coupling.bound(find_parts, order, together)
-    predicted = coupling.bound(_make_predicted)
+    parts = coupling.bind(find_parts, order, together)
+    predicted = coupling.bind(_make_predicted)
     extrapolate(coupling.state.history, coupling.wiring.degree, coupling.signals)
     most = 1
     for part in parts:
         if len(part) == 1:
-            sweep_in_turn(coupling, part, time, step)
+            coupling.sweep(gauss_seidel_sweep, part, time, step)
             own = coupling.wiring.slices[part[0]]
             predicted[own] = coupling.state.values[own]
         else:
@@ -56,7 +57,7 @@ def find_parts(
     gets signals of earlier ones that are final. `together` names the participants that make the one part to
     be iterated; the others are parts of their own, before or after it as in the order.
     """
-    wiring, order = coupling.wiring, order_of(coupling, names)
+    wiring, order = coupling.wiring, resolve_order(coupling, names)
     if together:
         group = {wiring.names.index(name) for name in together}
         first = min(order.index(i) for i in group)

@@ -8,25 +8,22 @@ Hermite signals need one such step for their fourth.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from ..engine.coupling import Coupling
 from ..engine.signals import extrapolate, interpolate
+from ..engine.sweeps import SweepKind
 from .protocol import MasterStep
 
 # Each sweep makes one more order right, and passes rates one participant further.
 SWEEPS = 8
 UNCHANGED = 1e-12
 
-Sweep = Callable[[Coupling, tuple[int, ...], float, float], None]
-
 
 def repeat_first_step(
-    coupling: Coupling, sweep: Sweep, order: tuple[int, ...], time: float, step: float
+    coupling: Coupling, kind: SweepKind, order: tuple[int, ...], time: float, step: float
 ) -> MasterStep:
-    """Make the step by `sweep`, each time with signals through the end values found, until these stay.
+    """Repeat the step by such sweeps, with signals through the end values found, until these stay.
 
     At most SWEEPS times: this is no converged iteration. Once, with signals of lower degree, where a
     participant cannot be rolled back.
@@ -35,7 +32,7 @@ def repeat_first_step(
     history, degree = state.history, coupling.wiring.degree
     extrapolate(history, degree, coupling.signals)
     if not coupling.restorable:
-        sweep(coupling, order, time, step)
+        coupling.sweep(kind, order, time, step)
         return MasterStep()
     with coupling.points.rollback(order) as roll_back:
         for count in range(1, SWEEPS + 1):
@@ -43,7 +40,7 @@ def repeat_first_step(
                 roll_back()
                 interpolate(history, degree, end, state.values, state.rates, coupling.signals)
             before = state.values.copy()
-            sweep(coupling, order, time, step)
+            coupling.sweep(kind, order, time, step)
             if np.all(np.abs(state.values - before) <= UNCHANGED * (nominal + np.abs(state.values))):
                 break
     return MasterStep(count)

@@ -172,7 +172,7 @@ class ControlledSteps:
     def _go_back(self, saved: SavedPoint, length: float, error: RunError) -> None:
         """Back to the start of the step for a shorter attempt; the error itself if there is none left."""
         self._coupling.points.restore(saved)
-        self._coupling.state.carried = {}
+        self._coupling.state.warm_starts = {}
         self._next = max(self._control.minimum_step, FAILED * length)
         self._set_by = GROWTH  # from this length on
         if length <= self._control.minimum_step:
@@ -229,7 +229,7 @@ class ControlledSteps:
             self._next, self._set_by = grown, GROWTH if growing else ERROR
         if smooth is not False or discontinuous or self._locator.due(end):
             coupling.state.history.restart(smooth)
-            coupling.state.carried = {}
+            coupling.state.warm_starts = {}
             self._controller = PI()
             self._next, self._set_by = RESTARTED * self._next, GROWTH
         self._next = min(max(self._next, self._control.minimum_step), self._control.maximum_step)

@@ -13,7 +13,7 @@ from models.compile.array_pointers import ArrayPointers, numbers, table
 from ..engine.coupling import Coupling
 from ..engine.signals import parabola
 from ..errors import UnstableCouplingError
-from ..masters import Master, name_of
+from ..masters import Master, find_name
 
 # Steps over which sums fade, and over which swings are the consequence of a landing.
 WINDOW = 50
@@ -68,7 +68,7 @@ class RunawayGuard:
             remedies = ["reduce macro_step", *self._remedies()]
             raise UnstableCouplingError(
                 f"{source}: unstable coupling at t = {time:.6g} s: its values do not follow their "
-                f"own prediction any more; {name_of(self._master)} cannot couple this system with steps "
+                f"own prediction any more; {find_name(self._master)} cannot couple this system with steps "
                 f"of {step:g} s: {' or '.join(remedies)}"
             )
 

@@ -165,7 +165,7 @@ class Locator:
         after the event, and the history begins there.
         """
         coupling = self._coupling
-        coupling.state.carried = {}
+        coupling.state.warm_starts = {}
         with coupling.points.keep() as saved:
             master.step(coupling, time, gap)
             for _ in range(WIDER):
@@ -175,7 +175,7 @@ class Locator:
                 gap *= 2.0
                 master.step(coupling, time, gap)
         make_consistent(coupling, time + gap)
-        coupling.state.carried = {}
+        coupling.state.warm_starts = {}
         return gap
 
     def _guess(self, values: dict[float, Vector], low: float, high: float, time: float) -> float:

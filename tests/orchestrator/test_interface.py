@@ -11,7 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 from orchestrator.engine.coupling import Coupling
 from orchestrator.engine.coupling_state import CouplingState
 from orchestrator.engine.signals import DEGREES
-from orchestrator.masters.interface import BEND, interface_of
+from orchestrator.masters.interface import BEND, bind_interface
 from orchestrator.participants import in_process
 from orchestrator.stepping.locator import find_dip
 
@@ -32,11 +32,11 @@ def exchanging(degree):
 def test_signals_that_go_to_a_vector_end_there(signal):
     """A round trip, to rounding. Of rates only cubic signals know."""
     coupling = exchanging(DEGREES[signal])
-    interface = interface_of(coupling, coupling.wiring.all, STEP)
+    interface = bind_interface(coupling, coupling.wiring.all, STEP)
     assert interface.size == (6 if signal == "hermite" else 3)
     wanted = np.random.default_rng(1).standard_normal(interface.size)
     interface.assume(wanted, STEP)
-    np.testing.assert_allclose(interface.predicted(STEP), wanted, rtol=0.0, atol=1e-13)
+    np.testing.assert_allclose(interface.predict(STEP), wanted, rtol=0.0, atol=1e-13)
 
 
 def test_the_vector_is_values_and_rates_in_units_of_the_step():
@@ -49,8 +49,8 @@ def test_the_vector_is_values_and_rates_in_units_of_the_step():
                 BEND * step * coupling.state.rates / coupling.wiring.nominal,
             ]
         )
-        interface = interface_of(coupling, coupling.wiring.all, step)
-        np.testing.assert_allclose(interface.vector(), expected, rtol=1e-15)
+        interface = bind_interface(coupling, coupling.wiring.all, step)
+        np.testing.assert_allclose(interface.gather(), expected, rtol=1e-15)
 
 
 numbers = st.floats(-1.0, 1.0).filter(lambda value: abs(value) > 1e-3)

@@ -13,10 +13,10 @@ from models.core.quantities import Vector
 from models.core.system import Port, System
 
 from ...engine.coupling import Coupling
+from ...engine.sweeps import gauss_seidel_sweep
 from ...errors import NonConvergenceError
 from ...masters import Master
-from ...masters.gauss_seidel import sweep_in_turn
-from ...masters.interface import interface_of
+from ...masters.interface import bind_interface
 from ...masters.parts import find_parts, step_in_parts
 from ...masters.protocol import MasterStep
 from .linear import compute_spectral_radius
@@ -36,13 +36,13 @@ class ConvergedMaster:
         self._order: Any = getattr(master, "order", ())
         self._iterate: Any = getattr(master, "iterate", ())
         e = coupling.coupling
-        loops = [part for part in e.bound(find_parts, self._order, self._iterate) if len(part) > 1]
+        loops = [part for part in e.bind(find_parts, self._order, self._iterate) if len(part) > 1]
         self.sweeps = {part[0]: self._build_sweep_matrix(coupling, part, step) for part in loops}
 
     def _build_sweep_matrix(self, coupling: LinearCoupling, part: tuple[int, ...], step: float) -> Vector:
         """The matrix that maps assumed end values of a part's signals to those after one sweep."""
         e = coupling.coupling
-        interface = interface_of(e, part, step)
+        interface = bind_interface(e, part, step)
         size = interface.size // self._count
         matrix = np.empty((size, size))
         for first in range(0, size, self._count):
@@ -52,24 +52,24 @@ class ConvergedMaster:
             assumed = np.zeros((size, self._count))
             assumed[:, : columns.shape[1]] = columns
             interface.assume(assumed.ravel(), step)
-            sweep_in_turn(e, part, 0.0, step)
-            found = interface.vector().reshape(size, self._count)
+            e.sweep(gauss_seidel_sweep, part, 0.0, step)
+            found = interface.gather().reshape(size, self._count)
             matrix[:, first : first + self._count] = found[:, : columns.shape[1]]
         return matrix
 
     def step(self, coupling: Coupling, time: float, step: float) -> MasterStep:
         def iterate(part: tuple[int, ...], predicted: Vector) -> int:
             matrix = self.sweeps[part[0]]
-            interface = interface_of(coupling, part, step)
+            interface = bind_interface(coupling, part, step)
             with coupling.points.rollback(part) as roll_back:
                 zero: Vector = np.zeros(len(matrix) * self._count)
                 interface.assume(zero, time + step)
-                sweep_in_turn(coupling, part, time, step)
-                rest = interface.vector().reshape(len(matrix), -1)
+                coupling.sweep(gauss_seidel_sweep, part, time, step)
+                rest = interface.gather().reshape(len(matrix), -1)
                 roll_back()
                 agreed: Any = np.linalg.solve(np.eye(len(matrix)) - matrix, rest)
                 interface.assume(agreed.ravel(), time + step)
-                sweep_in_turn(coupling, part, time, step)
+                coupling.sweep(gauss_seidel_sweep, part, time, step)
             return 2
 
         return step_in_parts(coupling, self._order, self._iterate, time, step, iterate)

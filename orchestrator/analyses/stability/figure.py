@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ...masters import name_of
+from ...masters import find_name
 from ...plots.style import SIGNALS, add_title, create_subplots
 from .report import format_time
 from .survey import AssessedMethod, Survey
@@ -20,7 +20,7 @@ STABLE = "#dfeadf"
 
 def draw_figure(found: Survey) -> Figure:
     masters = list(
-        dict.fromkeys(name_of(m.master) for m in sorted(found.methods, key=lambda m: m.master.implicit))
+        dict.fromkeys(find_name(m.master) for m in sorted(found.methods, key=lambda m: m.master.implicit))
     )
     figure, axes = create_subplots(
         2, len(masters), figsize=(1.2 + 2.7 * len(masters), 5.7), sharex=True, sharey="row", squeeze=False
@@ -30,7 +30,7 @@ def draw_figure(found: Survey) -> Figure:
         radius, error = axes[:, column]
         radius.set_title(name)
         for method in found.methods:
-            if name_of(method.master) == name:
+            if find_name(method.master) == name:
                 _draw_radius(radius, method)
                 _draw_error(error, found, method)
         for panel in (radius, error):

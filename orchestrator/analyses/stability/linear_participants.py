@@ -255,7 +255,7 @@ class LinearCoupling:
             ends = data[first + block :].reshape(shape) * self.nominal[:, None] / step
             rates[: self.rows, :, :given] = ends
         e.state.values[:], e.state.rates[:] = h.values[0], h.rates[0]
-        e.state.carried = {}
+        e.state.warm_starts = {}
 
     def step(self, master: Master, step: float) -> Vector:
         """Step by `master`; return the evolving data (size x copies). May raise NonConvergenceError."""

@@ -15,7 +15,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from ...masters import name_of
+from ...masters import find_name
 from ...scenario.files import to_full_toml
 from .behaviour import SPACING
 from .survey import AssessedMethod, Survey
@@ -168,7 +168,7 @@ def format_settings(method: AssessedMethod) -> str:
     """Format the method as a scenario states it."""
     lines = [
         f'macro_step = "{format_time(method.advised_step)}"',
-        f'[master] name = "{name_of(method.master)}"',
+        f'[master] name = "{find_name(method.master)}"',
         f'extrapolation = "{method.master.extrapolation}"',
     ]
     named = {key: getattr(method.master, key, ()) for key in ("order", "iterate")}
@@ -185,7 +185,7 @@ def build_dataset(found: Survey) -> xarray.Dataset:
 
     methods = found.methods
     columns: dict[str, tuple[str, str, Callable[[AssessedMethod], Any]]] = {
-        "master": ("", "co-simulation master", lambda m: name_of(m.master)),
+        "master": ("", "co-simulation master", lambda m: find_name(m.master)),
         "extrapolation": ("", "input signals", lambda m: m.master.extrapolation),
         "order": ("", "order of the participants", lambda m: " ".join(m.order)),
         "largest_stable_step": ("s", "up to which all is stable; inf: all looked at", lambda m: m.limit),

@@ -14,7 +14,7 @@ from models.core.system import Port, System, parse_port
 from models.monolithic.trajectory import Course
 
 from ...engine.signals import DEGREES
-from ...masters import MASTERS, Master, name_of
+from ...masters import MASTERS, Master, find_name
 from ...scenario import Scenario
 from ...scenario.fmu_limits import FmuLimits
 from .behaviour import Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
@@ -41,7 +41,7 @@ class AssessedMethod:
 
     @property
     def name(self) -> str:
-        return f"{name_of(self.master)} {self.master.extrapolation}"
+        return f"{find_name(self.master)} {self.master.extrapolation}"
 
     @property
     def order(self) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...masters import Jacobi, Master, name_of
+from ...masters import Jacobi, Master, find_name
 
 
 def refuse_interpolation(estimator: str, compared: str, master: Master) -> None:
@@ -11,5 +11,5 @@ def refuse_interpolation(estimator: str, compared: str, master: Master) -> None:
         better = "predictor_corrector or step_doubling" if master.implicit else "step_doubling"
         raise ValueError(
             f"estimator = {estimator!r}: compares extrapolations of {compared}, as the master jacobi makes "
-            f"them; {name_of(master)} interpolates some: use {better}"
+            f"them; {find_name(master)} interpolates some: use {better}"
         )

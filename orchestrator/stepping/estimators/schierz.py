@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ...engine.coupling import Coupling
 from ...engine.signals import move_origin
+from ...engine.sweeps import jacobi_sweep
 from ...masters import Master
-from ...masters.jacobi import sweep_parallel
 from .jacobi_only import refuse_interpolation
 from .nodes import effective_degree
 from .protocol import Attempt
@@ -35,7 +35,7 @@ class Schierz:
         move_origin(coupling.signals, half, coupling.signals)
         coupling.accept(middle_time)
         with coupling.points.keep() as middle:
-            sweep_parallel(coupling, coupling.wiring.all, middle_time, length - half)
+            coupling.sweep(jacobi_sweep, coupling.wiring.all, middle_time, length - half)
             continued = coupling.state.values.copy()
             coupling.points.restore(middle)
             iterations = max(iterations, master.step(coupling, middle_time, length - half).iterations)
