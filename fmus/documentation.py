@@ -83,6 +83,6 @@ def _row(variable: Variable) -> str:
         if variable.kind == "Boolean":
             default = str(bool(start)).lower()
     given = variable.causality in ("parameter", "input")
-    allowed = variable.quantity.allowed() if given else ""
+    allowed = variable.quantity.describe_range() if given else ""
     cells = (variable.name, "" if unit == "1" else unit, default, allowed, variable.description)
     return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"

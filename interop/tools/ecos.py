@@ -24,7 +24,7 @@ def version() -> str:
 
 def values(case: Case) -> list[list[float]]:
     found = []
-    with _begun(case) as simulation:
+    with _open(case) as simulation:
         for row in case.rows():
             for name, value in row.items():
                 simulation.set_real(f"unit::{name}", value)
@@ -35,7 +35,7 @@ def values(case: Case) -> list[list[float]]:
 
 @contextmanager
 def timing(case: Case) -> Iterator[Callable[[int], float]]:
-    with _begun(case) as simulation:
+    with _open(case) as simulation:
 
         def seconds(steps: int) -> float:
             began = time.perf_counter()
@@ -46,7 +46,7 @@ def timing(case: Case) -> Iterator[Callable[[int], float]]:
 
 
 @contextmanager
-def _begun(case: Case) -> Iterator[Any]:
+def _open(case: Case) -> Iterator[Any]:
     from ecospy import EcosSimulation, EcosSimulationStructure
     from ecospy.lib import EcosLib
 

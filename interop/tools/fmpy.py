@@ -36,12 +36,12 @@ def timing(case: Case) -> Iterator[Callable[[int], float]]:
     def seconds(steps: int) -> float:
         ends: list[float] = []
 
-        def finished(*_: Any) -> bool:
+        def record_end(*_: Any) -> bool:
             ends.append(time.perf_counter())
             return True
 
         outputs = case.outputs[:1]
-        _simulate(case, steps + 1, start_values=case.start, output=outputs, step_finished=finished)
+        _simulate(case, steps + 1, start_values=case.start, output=outputs, step_finished=record_end)
         return ends[-1] - ends[0]
 
     yield seconds

@@ -29,18 +29,18 @@ def version() -> str:
 
 
 def values(case: Case) -> list[list[float]]:
-    with _contained(case) as container:
+    with _pack_container(case) as container:
         return fmpy.values(container)
 
 
 @contextmanager
 def timing(case: Case) -> Iterator[Callable[[int], float]]:
-    with _contained(case) as container, fmpy.timing(container) as seconds:
+    with _pack_container(case) as container, fmpy.timing(container) as seconds:
         yield seconds
 
 
 @contextmanager
-def _contained(case: Case) -> Iterator[Case]:
+def _pack_container(case: Case) -> Iterator[Case]:
     with tempfile.TemporaryDirectory() as folder:
         shutil.copy(case.fmu, Path(folder) / "unit.fmu")
         (Path(folder) / "container.csv").write_text(

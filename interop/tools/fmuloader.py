@@ -29,7 +29,7 @@ def version() -> str:
 def values(case: Case) -> list[list[float]]:
     inputs, outputs = case.find_references(case.inputs), case.find_references(case.outputs)
     found = []
-    with _begun(case) as (unit, set_values, get_values):
+    with _open(case) as (unit, set_values, get_values):
         for i, row in enumerate(case.table):
             set_values(inputs, row)
             unit.do_step(i * case.step, case.step)
@@ -39,7 +39,7 @@ def values(case: Case) -> list[list[float]]:
 
 @contextmanager
 def timing(case: Case) -> Iterator[Callable[[int], float]]:
-    with _begun(case) as (unit, set_values, _):
+    with _open(case) as (unit, set_values, _):
         set_values(case.find_references(case.inputs), case.table[0])
         done = 0
 
@@ -55,7 +55,7 @@ def timing(case: Case) -> Iterator[Callable[[int], float]]:
 
 
 @contextmanager
-def _begun(case: Case) -> Iterator[tuple[Any, Any, Any]]:
+def _open(case: Case) -> Iterator[tuple[Any, Any, Any]]:
     from fmuloader.fmi2 import Fmi2Slave, Fmi2Type
     from fmuloader.fmi3 import Fmi3Slave
 

@@ -57,7 +57,7 @@ def _folder() -> Path:
     return private_folder("kernels")
 
 
-def _record_of(context: Any, vector: Any, dtype: Any) -> Any:
+def _view_as_record(context: Any, vector: Any, dtype: Any) -> Any:
     """The record of that type which shares the vector's memory.
 
     As `vector.view(dtype)[0]`, without its checks of what layouts make sure of, which numba compiles at
@@ -73,11 +73,11 @@ def _record_of(context: Any, vector: Any, dtype: Any) -> Any:
 
 # record_of(vector, dtype), in kernels only.
 record_of: Any = (
-    numba.extending.intrinsic(_record_of) if COMPILED else lambda vector, dtype: vector.view(dtype)[0]
+    numba.extending.intrinsic(_view_as_record) if COMPILED else lambda vector, dtype: vector.view(dtype)[0]
 )
 
 
-def _shaped(context: Any, vector: Any, shape: Any) -> Any:
+def _reshape(context: Any, vector: Any, shape: Any) -> Any:
     """The array of that shape, row by row, that shares the vector's memory.
 
     As `vector.reshape(shape)`, without the errors that numba compiles with it.
@@ -100,7 +100,7 @@ def _shaped(context: Any, vector: Any, shape: Any) -> Any:
 
 
 # shaped(vector, shape), in kernels only.
-shaped: Any = numba.extending.intrinsic(_shaped) if COMPILED else lambda vector, shape: vector.reshape(shape)
+shaped: Any = numba.extending.intrinsic(_reshape) if COMPILED else lambda vector, shape: vector.reshape(shape)
 
 
 @kernel

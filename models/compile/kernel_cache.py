@@ -29,7 +29,7 @@ import numpy as np
 from numba.core import caching, compiler, serialize, sigutils
 
 from .cache_eviction import due, tidy, use
-from .kernel_content import PACKAGE, content_of, describe, is_ours, relative_name
+from .kernel_content import PACKAGE, compute_digest, describe, is_ours, relative_name
 
 # numba's, whose types say little.
 types: Any = numba.types
@@ -105,8 +105,8 @@ class KernelCache(caching._Cache):
 
     def _key(self, sig: Any, codegen: Any) -> str:
         arguments, result = normalized(sig)
-        signature = _of_type(types.Tuple(arguments)) + (_of_type(result) if result else "")
-        parts = [_versions(codegen), self._options, content_of(self._function), signature]
+        signature = _digest_type(types.Tuple(arguments)) + (_digest_type(result) if result else "")
+        parts = [_versions(codegen), self._options, compute_digest(self._function), signature]
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
 
@@ -118,18 +118,18 @@ def _versions(codegen: Any) -> str:
     return hashlib.sha256(repr((compilers, settings, codegen.magic_tuple())).encode()).hexdigest()[:16]
 
 
-def _of_type(value: Any) -> str:
+def _digest_type(value: Any) -> str:
     """A description, equal in every process, of one of numba's types; TypeError without one."""
     if isinstance(value, types.BaseTuple):
         cls = getattr(value, "instance_class", None)
-        items = ",".join(_of_type(item) for item in value)
+        items = ",".join(_digest_type(item) for item in value)
         return f"{describe(cls) if cls else ''}({items})"
     if isinstance(value, types.Dispatcher):
-        return f"kernel {content_of(value.dispatcher.py_func)}"
+        return f"kernel {compute_digest(value.dispatcher.py_func)}"
     if isinstance(value, types.Omitted):
         return f"omitted {describe(value.value)}"
     if isinstance(value, types.Array):
-        _of_type(value.dtype)
+        _digest_type(value.dtype)
         return repr(value)
     if isinstance(value, (types.Number, types.Boolean, types.NoneType, types.Record, types.Literal)):
         return repr(value)

@@ -29,17 +29,17 @@ _FIXED = {"builtins", "numpy", "numba", *sys.stdlib_module_names}
 _first: weakref.WeakKeyDictionary[Callable[..., Any], str] = weakref.WeakKeyDictionary()
 
 
-def content_of(function: Callable[..., Any]) -> str:
+def compute_digest(function: Callable[..., Any]) -> str:
     """The digest of a Python function that numba compiles (64 hexadecimal digits), equal in every process.
 
     TypeError if it refers to what has no such description, or to what changed since it was first looked at.
     """
-    return _of_function(function, {})
+    return _digest_function(function, {})
 
 
 def describe(value: Any) -> str:
     """A description, equal in every process, of a constant that a kernel refers to; TypeError without one."""
-    return _of_value(value, {})
+    return _digest_value(value, {})
 
 
 def relative_name(cls: type) -> str:
@@ -53,14 +53,14 @@ def is_ours(cls: type) -> bool:
     return cls.__module__.startswith(f"{PACKAGE}.")
 
 
-def _of_function(function: Any, seen: dict[Any, str]) -> str:
+def _digest_function(function: Any, seen: dict[Any, str]) -> str:
     if function in seen:
         return seen[function]
-    code, names, attributes = _of_code(function.__code__)
+    code, names, attributes = _digest_code(function.__code__)
     seen[function] = f"itself:{code}"  # in a recursion
-    cells = [_of_value(cell.cell_contents, seen) for cell in function.__closure__ or ()]
-    used = [f"{name}={_of_global(function.__globals__, name, attributes, seen)}" for name in names]
-    defaults = _of_value((function.__defaults__, function.__kwdefaults__), seen)
+    cells = [_digest_value(cell.cell_contents, seen) for cell in function.__closure__ or ()]
+    used = [f"{name}={_digest_global(function.__globals__, name, attributes, seen)}" for name in names]
+    defaults = _digest_value((function.__defaults__, function.__kwdefaults__), seen)
     found = hashlib.sha256("\n".join([code, defaults, *cells, "", *used]).encode()).hexdigest()
     if _first.setdefault(function, found) != found:
         raise TypeError(f"{function!r} refers to what was changed")
@@ -69,7 +69,7 @@ def _of_function(function: Any, seen: dict[Any, str]) -> str:
 
 
 @functools.cache
-def _of_code(code: types.CodeType) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
+def _digest_code(code: types.CodeType) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
     """A digest of the code object, the global names that it uses, and all names that may be attributes of
     theirs, with those of functions within."""
     names = {i.argval for i in dis.get_instructions(code) if i.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
@@ -77,12 +77,12 @@ def _of_code(code: types.CodeType) -> tuple[str, tuple[str, ...], tuple[str, ...
     constants = []
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):
-            inner, inner_names, inner_attributes = _of_code(constant)
+            inner, inner_names, inner_attributes = _digest_code(constant)
             constants.append(inner)
             names.update(inner_names)
             attributes.update(inner_attributes)
         else:
-            constants.append(_of_value(constant, {}))
+            constants.append(_digest_value(constant, {}))
     facts = (
         code.co_qualname, code.co_code.hex(), code.co_exceptiontable.hex(), constants, code.co_names,
         code.co_varnames, code.co_freevars, code.co_cellvars, code.co_flags, code.co_argcount,
@@ -92,26 +92,28 @@ def _of_code(code: types.CodeType) -> tuple[str, tuple[str, ...], tuple[str, ...
     return digest, tuple(sorted(names)), tuple(sorted(attributes))
 
 
-def _of_global(found: dict[str, Any], name: str, attributes: tuple[str, ...], seen: dict[Any, str]) -> str:
+def _digest_global(
+    found: dict[str, Any], name: str, attributes: tuple[str, ...], seen: dict[Any, str]
+) -> str:
     if name not in found:
         return "builtin"
     value = found[name]
     if isinstance(value, types.ModuleType) and not _is_fixed(value.__name__):
         used = [inner for inner in attributes if inner in value.__dict__]
-        inside = (f"{inner}={_of_global(value.__dict__, inner, attributes, seen)}" for inner in used)
+        inside = (f"{inner}={_digest_global(value.__dict__, inner, attributes, seen)}" for inner in used)
         return f"module {{{','.join(inside)}}}"
-    return _of_value(value, seen)
+    return _digest_value(value, seen)
 
 
-def _of_value(value: Any, seen: dict[Any, str]) -> str:
+def _digest_value(value: Any, seen: dict[Any, str]) -> str:
     if value is None or value is Ellipsis or isinstance(value, (bool, int, float, complex, str, bytes)):
         return f"{type(value).__name__} {value!r}"
     if type(value) is tuple:
-        return "(" + ",".join(_of_value(item, seen) for item in value) + ")"
+        return "(" + ",".join(_digest_value(item, seen) for item in value) + ")"
     if isinstance(value, dict):
-        return "{" + ",".join(f"{key!r}:{_of_value(value[key], seen)}" for key in sorted(value)) + "}"
+        return "{" + ",".join(f"{key!r}:{_digest_value(value[key], seen)}" for key in sorted(value)) + "}"
     if isinstance(value, frozenset):
-        return "{" + ",".join(sorted(_of_value(item, seen) for item in value)) + "}"
+        return "{" + ",".join(sorted(_digest_value(item, seen) for item in value)) + "}"
     if isinstance(value, np.generic):
         return f"{value.dtype.str} {value!r}"
     if isinstance(value, np.dtype):
@@ -121,18 +123,18 @@ def _of_value(value: Any, seen: dict[Any, str]) -> str:
     if isinstance(value, types.ModuleType) and _is_fixed(value.__name__):
         return f"module {value.__name__}"
     if isinstance(value, (type, types.BuiltinFunctionType, np.ufunc)):
-        return _of_foreign(value, seen)
+        return _digest_foreign(value, seen)
     # A kernel, or an intrinsic of numba's.
     function = getattr(value, "py_func", None) or getattr(value, "_defn", None)
     if isinstance(function, types.FunctionType):
-        return f"{type(value).__name__} {_of_function(function, seen)}"
+        return f"{type(value).__name__} {_digest_function(function, seen)}"
     raise TypeError(f"{value!r} has no description that is equal in every process")
 
 
-def _of_foreign(value: Any, seen: dict[Any, str]) -> str:
+def _digest_foreign(value: Any, seen: dict[Any, str]) -> str:
     """A function or class of Python's or numpy's, or a named tuple."""
     if isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields"):
-        defaults = _of_value(value._field_defaults, seen)  # type: ignore[attr-defined]
+        defaults = _digest_value(value._field_defaults, seen)  # type: ignore[attr-defined]
         return f"named tuple {relative_name(value)} {value._fields} {defaults}"
     module = getattr(value, "__module__", None) or "numpy"  # of its ufuncs
     if not _is_fixed(module):

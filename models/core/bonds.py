@@ -63,8 +63,8 @@ def counting(plain: Component) -> CountingComponent:
     stored = {STORED_ENERGY: Quantity("J", "energy stored in the component")}
     attributes: dict[str, Any] = {f.name: getattr(plain, f.name) for f in fields(Component)}
     attributes |= {
-        "state": plain.state.extended(counted),
-        "outputs": plain.outputs.extended(stored | counted),
+        "state": plain.state.extend(counted),
+        "outputs": plain.outputs.extend(stored | counted),
         "feedthrough": {**plain.feedthrough, STORED_ENERGY: plain.inputs.names},
         "structure": {**plain.structure, "energies": 1},
     }

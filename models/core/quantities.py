@@ -71,7 +71,7 @@ class Quantity:
         """True for truth values, counts and choices."""
         return self.boolean or self.count or bool(self.choices)
 
-    def allowed(self) -> str:
+    def describe_range(self) -> str:
         """The allowed range in words."""
         if self.choices:
             return "one of " + ", ".join(self.choices)
@@ -89,7 +89,7 @@ class Quantity:
         if inside and not (self.positive and value <= 0.0):
             return None
         if not math.isfinite(value):
-            ranged = self.allowed().replace("any finite number", "")
+            ranged = self.describe_range().replace("any finite number", "")
             ranged = f" and {ranged}" if ranged else ""
             return f"{name} = {value:g}{self._describe_unit()}: must be finite{ranged}"
         return f"{name} = {value:g}{self.requirement()}"
@@ -101,7 +101,7 @@ class Quantity:
 
     def requirement(self) -> str:
         """What follows a value in a message: its unit, its meaning and the allowed range."""
-        return f"{self._describe_unit()}: must be {self.allowed()}"
+        return f"{self._describe_unit()}: must be {self.describe_range()}"
 
     def doubt(self, value: float) -> str:
         """Why `value` is probably a slip of the unit, and what it may mean; "" if it is plausible."""
@@ -170,7 +170,7 @@ class Layout:
     def __contains__(self, name: str) -> bool:
         return name in self._index
 
-    def extended(self, quantities: Mapping[str, Quantity]) -> Layout:
+    def extend(self, quantities: Mapping[str, Quantity]) -> Layout:
         """A layout with these scalars after its own; they start at zero."""
         added = [
             (name, Annotated[float, quantity], field(default=0.0)) for name, quantity in quantities.items()

@@ -61,7 +61,7 @@ def without_second_order(short: float, long: float) -> float:
 
 
 @kernel
-def chosen(d0: float, d1: float, d2: float, d3: float, rounding: float) -> float:
+def select_rate(d0: float, d1: float, d2: float, d3: float, rounding: float) -> float:
     """The rate from central differences of rising step; `rounding` as an error of the shortest."""
     short = without_second_order(d0, d1)
     middle = without_second_order(d1, d2)
@@ -120,7 +120,7 @@ def make_rates(derivative: Any, output: Any, state: Layout, inputs: Layout, outp
                 difference[i] = (difference[i] - before[i]) / (2.0 * s)
         for i in range(count):
             rounding = _ROUNDING * size[i] / (_STEPS[0] * unit)
-            yd[i] = chosen(rest[2, i], rest[3, i], rest[4, i], rest[5, i], rounding)
+            yd[i] = select_rate(rest[2, i], rest[3, i], rest[4, i], rest[5, i], rounding)
             if discrete[i]:
                 yd[i] = 0.0
 

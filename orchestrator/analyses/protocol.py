@@ -50,7 +50,7 @@ class Parameter:
     @property
     def allowed(self) -> str:
         """The allowed values in words."""
-        words = self.quantity.allowed().removeprefix("one of ")
+        words = self.quantity.describe_range().removeprefix("one of ")
         return f"whole, {words}" if self.integer else words
 
     def check_value(self, name: str, value: Any) -> Value:

@@ -57,7 +57,7 @@ def _write_table(title: str, layout: Layout, default: str) -> Iterator[str]:
     yield f"|{'---|' * len(head)}"
     for name, field in fields.items():
         quantity = field.quantity
-        given = [_format_default(field), quantity.allowed()] if default else []
+        given = [_format_default(field), quantity.describe_range()] if default else []
         unit = "" if quantity.unit == "1" else quantity.unit
         meaning = quantity.description.replace("|", "\\|")
         yield f"| {' | '.join([f'`{name}`', unit, *given, meaning])} |"

@@ -81,7 +81,7 @@ def _describe_variables(layout: Layout) -> dict[str, Any]:
         quantity = field.quantity
         unit = "" if quantity.unit == "1" else f" ({quantity.unit})"
         default = f"; default: as {quantity.same_as}" if quantity.same_as else ""
-        text = f"{quantity.description}{unit}; {quantity.allowed()}{default}"
+        text = f"{quantity.description}{unit}; {quantity.describe_range()}{default}"
         entry: dict[str, Any] = {"description": text}
         if quantity.choices:
             entry["enum"] = list(quantity.choices)

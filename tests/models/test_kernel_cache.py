@@ -255,17 +255,17 @@ def test_what_was_not_used_of_late_goes_when_another_is_added(tmp_path: Path) ->
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_every_kernel_of_a_component_can_be_kept(name: str) -> None:
     """All that its step, outputs and energies refer to has a description that is equal in every process."""
-    from models.compile.kernel_content import content_of
+    from models.compile.kernel_content import compute_digest
 
     component = CATALOGUE[name]()
     for made in (component.step, component.flat_output, component.flat_energy):
         function = getattr(made, "py_func", None)
-        assert function is None or len(content_of(function)) == 64
+        assert function is None or len(compute_digest(function)) == 64
 
 
 def test_every_kernel_of_a_whole_system_can_be_kept() -> None:
     """The reference's rates, too, are compiled once a machine."""
-    from models.compile.kernel_content import content_of
+    from models.compile.kernel_content import compute_digest
     from models.monolithic.problem import SystemProblem
 
     from .systems import valve_train
@@ -273,4 +273,4 @@ def test_every_kernel_of_a_whole_system_can_be_kept() -> None:
     problem = SystemProblem(valve_train(1000))
     for made in (problem.evaluation.flat_outputs, problem.flat_rate, problem._end_rate):
         function = getattr(made, "py_func", None)
-        assert function is None or len(content_of(function)) == 64
+        assert function is None or len(compute_digest(function)) == 64

@@ -63,7 +63,7 @@ def add_estimates(system: System) -> System:
 def _with_estimates(plain: Component, bonds: Sequence[PowerBond]) -> EstimatedComponent:
     more = {energy_through(bond): Quantity("J", "energy in since the start, estimated") for bond in bonds}
     attributes: dict[str, Any] = {f.name: getattr(plain, f.name) for f in fields(Component)}
-    attributes["outputs"] = plain.outputs.extended(more)
+    attributes["outputs"] = plain.outputs.extend(more)
     return EstimatedComponent(**attributes, plain=plain, estimates=tuple(bonds))
 
 
