@@ -159,7 +159,7 @@ def step_lengths(start: float, times: Vector, longest: float) -> Iterator[tuple[
 
 
 @dataclass(frozen=True)
-class Course:
+class Trajectory:
     """A solution at n instants: states, inputs, outputs, stored energies and energies counted."""
 
     state: Vector
@@ -177,7 +177,7 @@ def march_implicit(
     times: Vector,
     longest: float,
     progress: Callable[[float], None] | None = None,
-) -> Course:
+) -> Trajectory:
     """The course by one method; ModelError where a step has no solution."""
     e, rows = problem.evaluation, []
 
@@ -205,4 +205,4 @@ def march_implicit(
             record(method.t, x, x)
             if progress is not None:
                 progress(len(rows) / times.size)
-    return Course(*(np.array(part) for part in zip(*rows, strict=True)))
+    return Trajectory(*(np.array(part) for part in zip(*rows, strict=True)))

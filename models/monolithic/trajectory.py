@@ -20,7 +20,7 @@ from .reference import check_times, observe, stiffness
 
 
 @dataclass(frozen=True)
-class Course:
+class Trajectory:
     """Inputs and outputs of all instances at `times`; the rows are instants.
 
     `states` of those that are ODEs, by name; `rates` of the outputs, where they are known.
@@ -33,9 +33,9 @@ class Course:
     rates: Vector | None = None
 
 
-def course(
+def compute_trajectory(
     system: System, times: Vector, tolerance: float, progress: Callable[[float], None] | None = None
-) -> Course:
+) -> Trajectory:
     """Solve `system` from its starts, at times[0], by CVODE alone; ModelError if that fails.
 
     `tolerance` is the integrator's, per step and relative to nominal + |value|.
@@ -49,4 +49,4 @@ def course(
     states, _ = march(problem, Cvode(problem, tolerance, stiff, longest), z0, start, times, progress)
     inputs, outputs, _ = observe(problem, times, states)
     by_name = {name: np.asarray(states[:, system.state.of(name)]) for name in system.instances}
-    return Course(times, by_name, inputs, outputs)
+    return Trajectory(times, by_name, inputs, outputs)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from models.core.quantities import Vector
 from models.core.system import System
 
-from ..assessment.contacts import Courses, courses_of_rows, with_angles
+from ..assessment.contacts import ContactSummaries, summarise_rows, with_angles
 from ..assessment.diagnosis import Diagnosis, Facts, diagnose_steps, read_written_steps, suggestions
 from ..reporter import Reporter
 from ..scenario import Scenario
@@ -34,7 +34,7 @@ class Report:
     """The assessment of a run, complete or not."""
 
     ending: Ending
-    contacts: Courses
+    contacts: ContactSummaries
     contacts_from: str = MACRO_STEPS
     steps: Diagnosis | None = None
     rejected_steps: int = 0
@@ -67,7 +67,7 @@ def _summarise_contacts(system: System, record: Record, result: ResultFile) -> R
     contacts, source = record.contacts, MACRO_STEPS
     if result.length("coupled") > 1:
         read = partial(result.read, "coupled", rows=slice(None))
-        if not contacts and (found := courses_of_rows(system, read)):
+        if not contacts and (found := summarise_rows(system, read)):
             contacts, source = found, ROWS
         contacts = with_angles(system, contacts, read)
     return Report(record.ending, contacts, source)

@@ -90,7 +90,7 @@ class _Observation:
             iterations=self.counter.iterations,
             do_steps=statistics.do_steps if statistics else None,
             coupled_time_s=statistics.coupled_time_s if statistics else self.counter.time_s,
-            contacts=self.contacts.courses(),
+            contacts=self.contacts.summaries(),
             energy=self._ledger.account() if self._ledger else None,
             warnings=self.warnings,
             not_numbers=self.not_numbers.since,
@@ -158,7 +158,7 @@ def _report_exit(plan: Plan, folder: OutputFolder, observation: _Observation) ->
     )
     print(f"tribocosim: {message}", file=sys.stderr)
     with suppress(OSError):
-        record = Record(contacts=observation.contacts.courses())
+        record = Record(contacts=observation.contacts.summaries())
         summarise(plan, Ending(message=message), record).write(folder.path / SUMMARY)
 
 

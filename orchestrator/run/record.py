@@ -8,7 +8,7 @@ from pathlib import Path
 
 from models.core.system import ModelError
 
-from ..assessment.contacts import Courses
+from ..assessment.contacts import ContactSummaries
 from ..engine.energy.account import Account
 from ..errors import CheckpointError, RefusedError, RunError
 
@@ -57,7 +57,7 @@ class Record:
     iterations: int = 0
     do_steps: int | None = None  # of single participants; None where the run did not end
     coupled_time_s: float = 0.0
-    contacts: Courses = field(default_factory=dict)
+    contacts: ContactSummaries = field(default_factory=dict)
     energy: Account | None = None
     warnings: Mapping[str, Warnings] = field(default_factory=dict)
     not_numbers: Mapping[str, float] = field(default_factory=dict)  # the first time (s) an output was NaN

@@ -10,7 +10,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from ..assessment.contacts import Courses
+from ..assessment.contacts import ContactSummaries
 from ..assessment.diagnosis import Diagnosis
 from ..engine.energy.account import Account
 from ..store.atomic_write import replace
@@ -46,7 +46,7 @@ class Summary:
     reference_time_s: float | None = None
     reference_uncertainty: float | None = None
     errors: Errors = field(default_factory=dict)
-    contacts: Courses = field(default_factory=dict)
+    contacts: ContactSummaries = field(default_factory=dict)
     contacts_from: str = MACRO_STEPS
     energy: Account | None = None
     steps: Diagnosis | None = None

@@ -18,7 +18,7 @@ from models.contact.records import CONTACTS
 from models.core.quantities import Quantity
 
 from ..analyses import Result
-from ..assessment.contacts import Course
+from ..assessment.contacts import ContactSummary
 from ..errors import IncompleteError, MistakeError
 from ..reporter import Reporter
 from ..run.comparison import VariableError
@@ -40,7 +40,7 @@ ERRORS = {
         lambda error: error.uncertainty.relative_rms,
     ),
 }
-SEPARATION: dict[str, tuple[str, str, Callable[[Course], float]]] = {
+SEPARATION: dict[str, tuple[str, str, Callable[[ContactSummary], float]]] = {
     "separations": ("1", "how often it opened", lambda c: c.separation.count if c.separation else 0.0),
     "separated": ("1", "share of the time without load", lambda c: c.lost),
     "largest_gap": ("m", "largest gap", lambda c: c.separation.gap if c.separation else 0.0),
@@ -187,15 +187,15 @@ class ScenarioSubject:
         return found | _collect_errors(summary.errors)
 
 
-def _collect_contact(name: str, course: Course | None) -> dict[str, float]:
+def _collect_contact(name: str, summary: ContactSummary | None) -> dict[str, float]:
     """Results over all macro steps; recorded rows may be fewer."""
-    if course is None:
+    if summary is None:
         return {f"{name}.{key}": 0.0 for key in SEPARATION}
     return {
-        f"{name}.load.minimum": course.least_load,
-        f"{name}.load.maximum": course.largest_load,
-        f"{name}.maximum_pressure.maximum": course.pressure,
-        **{f"{name}.{key}": value_of(course) for key, (_, _, value_of) in SEPARATION.items()},
+        f"{name}.load.minimum": summary.least_load,
+        f"{name}.load.maximum": summary.largest_load,
+        f"{name}.maximum_pressure.maximum": summary.pressure,
+        **{f"{name}.{key}": value_of(summary) for key, (_, _, value_of) in SEPARATION.items()},
     }
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from models.core.system import Instance, System
-from models.monolithic.trajectory import course
+from models.monolithic.trajectory import compute_trajectory
 from models.oscillators.quarter_car import quarter_car_chassis, quarter_car_wheel
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
@@ -80,4 +80,4 @@ def list_outputs(system, name):
 
 
 def solve_trajectory(system, stop, spacing):
-    return course(system, 0.5 * spacing * np.arange(2 * round(stop / spacing) + 1), 1e-10)
+    return compute_trajectory(system, 0.5 * spacing * np.arange(2 * round(stop / spacing) + 1), 1e-10)

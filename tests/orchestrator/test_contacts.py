@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from models.contact.ehl_contact import TABLE_3
-from orchestrator.assessment.contacts import courses_of_rows, lines
+from orchestrator.assessment.contacts import lines, summarise_rows
 from orchestrator.assessment.contacts.accumulation import SEEN
-from orchestrator.assessment.contacts.course import Accumulator
+from orchestrator.assessment.contacts.contact_summary import Accumulator
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.store.json_codec import from_text, to_text
@@ -55,8 +55,8 @@ def run():
     return _run()
 
 
-def courses(system, columns):
-    return courses_of_rows(system, lambda names: {name: columns[name] for name in names})
+def summaries(system, columns):
+    return summarise_rows(system, lambda names: {name: columns[name] for name in names})
 
 
 def lasting(time, holds):
@@ -67,7 +67,7 @@ def lasting(time, holds):
 def test_shares_and_extremes_agree_with_the_flags_of_the_contact(run):
     """Groups are listed exactly if their flag fell under load, with share of time and extremes beyond it."""
     system, columns = run
-    found = courses(system, columns)["contact"].ranges
+    found = summaries(system, columns)["contact"].ranges
     time, loaded = columns["time"], columns["contact.load"] > 0.0
     assert 0.0 < np.mean(loaded) < 1.0
     for group, (low, high) in TABLE_3.items():
@@ -85,28 +85,28 @@ def test_shares_and_extremes_agree_with_the_flags_of_the_contact(run):
 
 def test_extremes_are_those_of_the_columns(run):
     system, columns = run
-    course = courses(system, columns)["contact"]
+    contact = summaries(system, columns)["contact"]
     time, load_ = columns["time"], columns["contact.load"]
     loaded = load_ > 0.0
     film = np.where(loaded, columns["contact.minimum_film_thickness"], np.inf)
-    assert (course.least_load, course.largest_load) == (0.0, load_.max())
-    assert course.largest_load_time == time[load_.argmax()]
-    assert course.pressure == columns["contact.maximum_pressure"].max()
-    assert (course.film, course.film_time) == (film.min(), time[film.argmin()])
-    assert course.lost == pytest.approx(1.0 - lasting(time, loaded) / (time[-1] - time[0]), rel=1e-12)
-    assert course.separation.count == np.sum(loaded[:-1] & ~loaded[1:]) + (not loaded[0])
-    assert course.separation.gap == -columns["contact.deflection"][~loaded].min()
+    assert (contact.least_load, contact.largest_load) == (0.0, load_.max())
+    assert contact.largest_load_time == time[load_.argmax()]
+    assert contact.pressure == columns["contact.maximum_pressure"].max()
+    assert (contact.film, contact.film_time) == (film.min(), time[film.argmin()])
+    assert contact.lost == pytest.approx(1.0 - lasting(time, loaded) / (time[-1] - time[0]), rel=1e-12)
+    assert contact.separation.count == np.sum(loaded[:-1] & ~loaded[1:]) + (not loaded[0])
+    assert contact.separation.gap == -columns["contact.deflection"][~loaded].min()
 
 
 def test_ranges_are_those_of_one_formula(run):
     _, columns = run
     other = build_system(load("valve-train", ["components.contact.parameters.film_model=dry"]))
-    assert not courses(other, columns)["contact"].ranges
-    assert courses(other, columns)["contact"].film == 0.0
+    assert not summaries(other, columns)["contact"].ranges
+    assert summaries(other, columns)["contact"].film == 0.0
 
 
 def history(time, load_, gap=None):
-    """The course of a contact with these loads, and gaps where there is none; pressure 1 MPa/N."""
+    """The contact of a contact with these loads, and gaps where there is none; pressure 1 MPa/N."""
     system = build_system(load("valve-train"))
     accumulator = Accumulator(system, ["contact"])
     for k, t in enumerate(time):
@@ -129,38 +129,38 @@ def test_a_separation_is_told_with_its_gap_and_the_landing_after_it():
     gap = np.where(flying, v * s - 0.5 * g * s**2, 0.0)
     load_ = np.where(flying, 0.0, 100.0)
     load_ = np.where(landed, F * np.sin(np.pi * (s - up) / T) + 1e-3, load_)
-    course = history(time, load_, gap)["contact"]
-    assert course.separation.count == 1
-    assert course.separation.longest == pytest.approx(up, abs=1.5 * step)
-    assert course.separation.longest_time == pytest.approx(1e-3, abs=1.5 * step)
-    assert course.separation.gap == pytest.approx(0.5 * v**2 / g, rel=1e-3)
-    assert course.separation.gap_time == pytest.approx(1e-3 + v / g, abs=3 * step)
-    assert course.lost == pytest.approx(up / time[-1], rel=1e-3)
-    impact = course.impact
+    contact = history(time, load_, gap)["contact"]
+    assert contact.separation.count == 1
+    assert contact.separation.longest == pytest.approx(up, abs=1.5 * step)
+    assert contact.separation.longest_time == pytest.approx(1e-3, abs=1.5 * step)
+    assert contact.separation.gap == pytest.approx(0.5 * v**2 / g, rel=1e-3)
+    assert contact.separation.gap_time == pytest.approx(1e-3 + v / g, abs=3 * step)
+    assert contact.lost == pytest.approx(up / time[-1], rel=1e-3)
+    impact = contact.impact
     assert impact.load == pytest.approx(F, rel=1e-3)
     assert impact.speed == pytest.approx(v, rel=1e-2)
     assert impact.impulse == pytest.approx(2.0 * F * T / np.pi, rel=1e-2)
     assert impact.steps == pytest.approx(0.5 * T / step, abs=2)
     assert impact.resolved
-    assert not any("not resolved" in line for line in told({"contact": course}))
+    assert not any("not resolved" in line for line in told({"contact": contact}))
 
 
 def test_a_landing_within_a_few_macro_steps_is_warned_of():
-    course = history([0.0, 1.0, 2.0, 3.0], [10.0, 0.0, 500.0, 20.0])["contact"]
-    assert course.impact.steps == 1
-    assert any("not resolved" in line for line in told({"contact": course}))
-    assert not any("not resolved" in line for line in told({"contact": course}, fixed_steps=False))
+    contact = history([0.0, 1.0, 2.0, 3.0], [10.0, 0.0, 500.0, 20.0])["contact"]
+    assert contact.impact.steps == 1
+    assert any("not resolved" in line for line in told({"contact": contact}))
+    assert not any("not resolved" in line for line in told({"contact": contact}, fixed_steps=False))
 
 
 def test_a_run_that_ends_while_the_contact_is_open_counts_that_separation():
-    course = history([0.0, 1.0, 2.0, 4.0], [10.0, 10.0, 0.0, 0.0])["contact"]
-    assert (course.separation.longest, course.separation.longest_time) == (2.0, 2.0)
+    contact = history([0.0, 1.0, 2.0, 4.0], [10.0, 10.0, 0.0, 0.0])["contact"]
+    assert (contact.separation.longest, contact.separation.longest_time) == (2.0, 2.0)
 
 
 def test_a_load_of_rounding_is_none():
-    course = history([0.0, 1.0, 2.0], [-2.22e-16, 5.0, 5.0])["contact"]
-    assert course.least_load == 0.0
-    assert course.separation.count == 1
+    contact = history([0.0, 1.0, 2.0], [-2.22e-16, 5.0, 5.0])["contact"]
+    assert contact.least_load == 0.0
+    assert contact.separation.count == 1
 
 
 def test_a_contact_without_load_is_not_told():
@@ -198,8 +198,8 @@ def test_a_course_that_goes_on_from_a_checkpoint_is_the_same_to_the_last_bit(run
 
 def test_of_many_contacts_the_thinnest_films_are_told_and_warnings_of_all(run):
     system, columns = run
-    course = replace(courses(system, columns)["contact"], separation=None, impact=None, ranges={})
-    many = {f"contact{n}": replace(course, film=1e-6 / (n + 1)) for n in range(7)}
+    contact = replace(summaries(system, columns)["contact"], separation=None, impact=None, ranges={})
+    many = {f"contact{n}": replace(contact, film=1e-6 / (n + 1)) for n in range(7)}
     many["contact0"] = replace(many["contact0"], pressure=3e9)
     text = told(many)
     assert [line.split(":")[0] for line in text[:4]] == ["contact6", "contact5", "contact4", "contact3"]
@@ -224,7 +224,7 @@ def test_contacts_and_warnings_do_not_depend_on_what_is_recorded(tmp_path: Path)
         assert summary["contacts_from"] == "all macro steps"
         found.append(summary["contacts"]["contact"])
         warned.append([line for line in done.stdout.splitlines() if line.startswith("contact:")])
-    angles = [course.pop("angles") for course in found]
+    angles = [contact.pop("angles") for contact in found]
     assert found[0] == found[1] == found[2]
     for one in angles[1:]:
         assert one == pytest.approx(angles[0], abs=1e-6)

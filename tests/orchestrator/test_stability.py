@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from models.core.evaluation import Evaluation
 from models.core.system import Instance, Port
 from models.monolithic.difference import difference
-from models.monolithic.trajectory import course
+from models.monolithic.trajectory import compute_trajectory
 from models.oscillators.two_masses import CoupledMassParameters
 from models.valve_train.valve_spring import valve_spring
 from orchestrator.analyses.stability.behaviour import (
@@ -28,7 +28,7 @@ from orchestrator.analyses.stability.extrapolation_error import (
 from orchestrator.analyses.stability.linear import ROWS, compute_spectral_radius
 from orchestrator.analyses.stability.linear_participants import LinearParticipant
 from orchestrator.analyses.stability.linearisation import Point, linearise, linearise_at
-from orchestrator.analyses.stability.macro_step import predict_errors, sample_course
+from orchestrator.analyses.stability.macro_step import predict_errors, sample_trajectory
 from orchestrator.analyses.stability.partition import Partition
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
@@ -44,7 +44,7 @@ SIGNALS = ("hold", "linear", "quadratic", "hermite")
 
 
 def point(system, row=0, stop=1.0, watched=()):
-    return linearise_at(system, course(system, np.linspace(0.0, stop, 11), 1e-9), row, watched)
+    return linearise_at(system, compute_trajectory(system, np.linspace(0.0, stop, 11), 1e-9), row, watched)
 
 
 def build_step_by_hand(h, degree, gauss_seidel, **parameters):
@@ -158,11 +158,11 @@ def test_the_limit_is_where_stability_first_ends_though_it_returns():
 
 def estimate_errors(system, master, step, stop, watched=(), row=0):
     """Estimated and measured relative RMS error, of the watched or of all exchanged values."""
-    where = course(system, 0.5 * step * np.arange(2 * round(stop / step) + 1), 1e-11)
+    where = compute_trajectory(system, 0.5 * step * np.arange(2 * round(stop / step) + 1), 1e-11)
     names = {n: [p.variable for p in watched if p.instance == n] for n in system.instances}
     behaviour = Behaviour(linearise_at(system, where, row, watched), master, Couplings(system, names))
     sources = behaviour.sources
-    track = sample_course(where, system, sources)
+    track = sample_trajectory(where, system, sources)
     expected = predict_errors(behaviour.macro_step(step), track, 2, behaviour.nominal)
     run = run_coupled(system, master, step, stop)
     truth = where.outputs[::2, [system.outputs.index(port) for port in sources]]
@@ -175,7 +175,7 @@ def estimate_errors(system, master, step, stop, watched=(), row=0):
 @pytest.mark.parametrize("signal", SIGNALS)
 def test_estimated_errors_of_the_masses_are_those_of_a_run(kind, signal, record):
     """The masses are linear. A quarter is left to the first steps, which a run repeats and an estimate does
-    not know, and to rates that are differences of the course."""
+    not know, and to rates that are differences of the trajectory."""
     expected, measured = estimate_errors(two_masses(), kind(signal), 2e-2, 4.0)
     quantity = "error estimated before a run, two masses"
     record("Coupling", quantity, expected, measured, "errors of the run", relative=0.25)
@@ -193,7 +193,7 @@ LIFT = 45e-3
 
 @pytest.fixture(scope="module")
 def lift(valve_train):
-    return course(valve_train, np.linspace(0.0, LIFT, 901), 1e-9)
+    return compute_trajectory(valve_train, np.linspace(0.0, LIFT, 901), 1e-9)
 
 
 @pytest.mark.parametrize(
@@ -207,7 +207,7 @@ def test_the_valve_train_runs_below_the_predicted_limit_and_runs_away_beyond(val
 
     def error(step):
         found = run_coupled(valve_train, master, step, LIFT)
-        truth = course(valve_train, found.times, 1e-9).outputs[
+        truth = compute_trajectory(valve_train, found.times, 1e-9).outputs[
             :, valve_train.outputs.names.index("contact.load")
         ]
         return difference(found["contact.load"], truth).relative_rms
@@ -327,7 +327,7 @@ def test_the_loop_of_the_valve_train_is_contact_and_valve(valve_train, lift):
         instances["flywheel"], parameters={"motion": 0.0, "inertia": 0.1}, start={"speed": 104.7}
     )
     free = valve_train.with_instances(instances)
-    where = course(free, np.linspace(0.0, 0.03, 301), 1e-9)
+    where = compute_trajectory(free, np.linspace(0.0, 0.03, 301), 1e-9)
     loops = Partition(free, [linearise_at(free, where, 200, watched)], watched).loops
     assert [len({c.source.instance for c in loop}) for loop in loops] == [4]
 

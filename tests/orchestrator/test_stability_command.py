@@ -10,7 +10,7 @@ import xarray
 from typer.testing import CliRunner
 
 from models.monolithic.difference import difference
-from models.monolithic.trajectory import course
+from models.monolithic.trajectory import compute_trajectory
 from orchestrator.analyses.stability.analyse import analyse_scenario
 from orchestrator.analyses.stability.figure import draw_figure
 from orchestrator.analyses.stability.survey import round_down
@@ -57,7 +57,9 @@ def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_
     system = build_system(scenario)
     master = MasterTable(**options, **({"order": order} if order else {})).build()
     found = run_coupled(system, master, step, scenario.stop_time)
-    truth = course(system, found.times, 1e-10).outputs[:, system.outputs.names.index("first.force")]
+    truth = compute_trajectory(system, found.times, 1e-10).outputs[
+        :, system.outputs.names.index("first.force")
+    ]
     assert difference(found["first.force"], truth).relative_rms <= scenario.tolerance["first.force"]
     assert step > 0.01
 

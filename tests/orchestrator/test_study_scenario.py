@@ -39,10 +39,10 @@ def test_results_are_those_of_the_run(tmp_path: Path) -> None:
         assert found[f"{name}.error"] == error.relative_rms
         assert found[f"{name}.uncertainty"] == error.uncertainty.relative_rms
     # Those of a contact are of all macro steps, of which every second one is recorded.
-    course = summary.contacts["contact"]
-    assert found["contact.load.maximum"] == course.largest_load
-    assert found["contact.load.minimum"] == course.least_load
-    assert found["contact.maximum_pressure.maximum"] == course.pressure
+    contact = summary.contacts["contact"]
+    assert found["contact.load.maximum"] == contact.largest_load
+    assert found["contact.load.minimum"] == contact.least_load
+    assert found["contact.maximum_pressure.maximum"] == contact.pressure
     assert (found["contact.separations"], found["contact.impact_load"]) == (0.0, 0.0)
     with open_result(tmp_path) as tree:
         for name, values in tree["coupled"].data_vars.items():

@@ -66,8 +66,8 @@ class BatchedSystem:
 class LinearParticipant:
     """Implements `Participant` for `count` copies of a linearised instance.
 
-    Inputs and outputs are course plus deviation; the states `x` (states x copies) are deviations. The course
-    is at rest unless `LinearCoupling.add_extrapolation_error` changes it for the next step.
+    Inputs and outputs are trajectory plus deviation; the states `x` (states x copies) are deviations. The
+    trajectory is at rest unless `LinearCoupling.add_extrapolation_error` changes it for the next step.
     """
 
     restorable = True
@@ -77,9 +77,9 @@ class LinearParticipant:
         self._component = instance.component
         inputs, outputs = linear.B.shape[1], linear.C.shape[0]
         self._U = np.zeros((ROWS, inputs, count))
-        self.course = np.zeros((ROWS, inputs, count))
+        self.trajectory = np.zeros((ROWS, inputs, count))
         self.course_end = np.zeros((2, outputs, count))
-        # Deviation of the inputs and its rate; outputs and rates of the course.
+        # Deviation of the inputs and its rate; outputs and rates of the trajectory.
         self._u = np.zeros((2, inputs, count))
         self._y = np.zeros((2, outputs, count))
         self.set_matrices(linear)
@@ -92,7 +92,7 @@ class LinearParticipant:
 
     def reset(self) -> None:
         """Set all deviations to zero."""
-        for memory in (self.x, self._U, self._u, self._y, self.course, self.course_end):
+        for memory in (self.x, self._U, self._u, self._y, self.trajectory, self.course_end):
             memory[:] = 0.0
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
@@ -119,11 +119,11 @@ class LinearParticipant:
         given[: len(self._inputs), self._into] = self._inputs
         if self._linear.followed is not None:
             self._U *= self._linear.followed[:, :, None]
-        self._u[:] = self._U[:2] - self.course[:2]
+        self._u[:] = self._U[:2] - self.trajectory[:2]
 
     def advance(self, time: float, step: float) -> None:
         phi, gamma, ends = self._linear.step(step)
-        deviation = (self._U - self.course).reshape(-1, self.count)
+        deviation = (self._U - self.trajectory).reshape(-1, self.count)
         self.x[:] = phi @ self.x + gamma @ deviation
         self._u[:] = (ends @ deviation).reshape(self._u.shape)
         self._y[:] = self.course_end
@@ -233,7 +233,7 @@ class LinearCoupling:
         return self.states + self.rows * self.sources * (2 if self.rated else 1)
 
     def set_state(self, data: Vector, step: float) -> None:
-        """Set the evolving data (size x copies) before a step from t = 0, with the course at rest.
+        """Set the evolving data (size x copies) before a step from t = 0, with the trajectory at rest.
 
         Copies beyond `data` get zeros.
         """
@@ -272,7 +272,7 @@ class LinearCoupling:
         return np.concatenate(parts)
 
     def add_extrapolation_error(self, amounts: Vector, step: float) -> None:
-        """Let the course deviate from the extrapolated signals by `amounts` in the next step.
+        """Let the trajectory deviate from the extrapolated signals by `amounts` in the next step.
 
         Amounts are in nominal units, (shapes after shapes of exchanged values) x copies. Call after
         `set_state`.
@@ -295,8 +295,8 @@ class LinearCoupling:
             for c in self.system.connections:
                 if c.source.instance == port.instance and c.source.variable == variable:
                     into = self.system.instances[c.target.instance].component.inputs.index(c.target.variable)
-                    course = self.units[c.target.instance].course
-                    course[:, into, :given] += shapes_over_step[kind][:, None] * error
+                    trajectory = self.units[c.target.instance].trajectory
+                    trajectory[:, into, :given] += shapes_over_step[kind][:, None] * error
 
 
 def _build_static(component: Component) -> Linear:

@@ -1,4 +1,4 @@
-"""Linearisation of participants at instants of a course, and the coupled system about each instant.
+"""Linearisation of participants at instants of a trajectory, and the coupled system about each instant.
 
 Components are linearised by their equations, FMUs by directional derivatives, others by their responses.
 """
@@ -16,7 +16,7 @@ import numpy as np
 
 from models.core.quantities import Layout, Vector
 from models.core.system import Instance, ModelError, Port, System
-from models.monolithic.trajectory import Course
+from models.monolithic.trajectory import Trajectory
 
 from ...errors import ParticipantError
 from ...participants import FmuParticipant, Participant, in_process, open_fmu
@@ -97,8 +97,8 @@ def _compute_slopes(
 class Linearisation(Protocol):
     """Linearises one participant."""
 
-    def about(self, course: Course, row: int, outputs: Collection[str]) -> Linear:
-        """Linearise about an instant of the course, with zero rows for outputs other than `outputs`.
+    def about(self, trajectory: Trajectory, row: int, outputs: Collection[str]) -> Linear:
+        """Linearise about an instant of the trajectory, with zero rows for outputs other than `outputs`.
 
         Call it with ascending rows.
         """
@@ -120,9 +120,9 @@ class Equations:
             )
         self._name, self._inputs = name, system.inputs.of(name)
 
-    def about(self, course: Course, row: int, outputs: Collection[str]) -> Linear:
-        x, u = course.states[self._name][row], course.inputs[row][self._inputs]
-        return linearise(self._instance, float(course.times[row]), x, u, outputs)
+    def about(self, trajectory: Trajectory, row: int, outputs: Collection[str]) -> Linear:
+        x, u = trajectory.states[self._name][row], trajectory.inputs[row][self._inputs]
+        return linearise(self._instance, float(trajectory.times[row]), x, u, outputs)
 
 
 class Directional(ParticipantLinearisation):
@@ -136,8 +136,8 @@ class Directional(ParticipantLinearisation):
         super().__init__(name, participant, system)
         self._fmu = participant
 
-    def about(self, course: Course, row: int, outputs: Collection[str]) -> Linear:
-        self._advance_to(course, row)
+    def about(self, trajectory: Trajectory, row: int, outputs: Collection[str]) -> Linear:
+        self._advance_to(trajectory, row)
         self._inputs[:] = 0.0
         self._inputs[0] = self._values[row]
         self._fmu.write()
@@ -160,7 +160,7 @@ class Directional(ParticipantLinearisation):
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """All participants, linearised about one instant of the course."""
+    """All participants, linearised about one instant of the trajectory."""
 
     time: float
     system: System
@@ -211,24 +211,24 @@ def _join_blocks(parts: Sequence[Vector]) -> Vector:
 
 def linearise_at(
     system: System,
-    course: Course,
+    trajectory: Trajectory,
     row: int,
     watched: Sequence[Port],
     linearisations: Mapping[str, Linearisation] | None = None,
 ) -> Point:
-    """Linearise the system about an instant of its course, without `linearisations` by the equations."""
+    """Linearise the system about an instant of its trajectory, without `linearisations` by the equations."""
     wanted = {c.source for c in system.connections} | set(watched)
     linearisations = linearisations or {name: Equations(system, name) for name in system.instances}
     linears = {}
     for name in system.instances:
         outputs = {port.variable for port in wanted if port.instance == name}
-        linears[name] = linearisations[name].about(course, row, outputs)
-    return Point(float(course.times[row]), system, linears)
+        linears[name] = linearisations[name].about(trajectory, row, outputs)
+    return Point(float(trajectory.times[row]), system, linears)
 
 
 def linearise_points(
     system: System,
-    course: Course,
+    trajectory: Trajectory,
     rows: Sequence[int],
     watched: Sequence[Port],
     linearisations: Mapping[str, Linearisation] | None = None,
@@ -240,7 +240,7 @@ def linearise_points(
     points, left = [], []
     for row in rows:
         try:
-            points.append(linearise_at(system, course, row, watched, linearisations))
+            points.append(linearise_at(system, trajectory, row, watched, linearisations))
         except NotLinearError as error:
             left.append(error)
     if not points:

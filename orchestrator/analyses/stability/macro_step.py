@@ -19,7 +19,7 @@ from scipy.sparse import csr_array
 from models.core.quantities import Vector
 from models.core.system import Port, System
 from models.monolithic.difference import difference
-from models.monolithic.trajectory import Course
+from models.monolithic.trajectory import Trajectory
 
 from ...masters import Master
 from .extrapolation_error import build_shapes, compute_extrapolation_error, evaluate_ends
@@ -83,8 +83,8 @@ def _unit_columns(size: int, count: int) -> Iterator[tuple[slice, Vector]]:
 
 
 @dataclass(frozen=True)
-class SampledCourse:
-    """Exchanged values and their rates along a course, (instants x sources), `interval` seconds apart."""
+class SampledTrajectory:
+    """Exchanged values and their rates along a trajectory, (instants x sources), `interval` seconds apart."""
 
     interval: float
     values: Vector
@@ -107,14 +107,16 @@ class SampledCourse:
         return amounts
 
 
-def sample_course(course: Course, system: System, sources: Sequence[Port]) -> SampledCourse:
-    """Values and rates of the sources along a course."""
+def sample_trajectory(trajectory: Trajectory, system: System, sources: Sequence[Port]) -> SampledTrajectory:
+    """Values and rates of the sources along a trajectory."""
     columns = [system.outputs.index(port) for port in sources]
-    interval = float(course.times[1] - course.times[0])
-    return SampledCourse(interval, course.outputs[:, columns], compute_rates(course, system)[:, columns])
+    interval = float(trajectory.times[1] - trajectory.times[0])
+    return SampledTrajectory(
+        interval, trajectory.outputs[:, columns], compute_rates(trajectory, system)[:, columns]
+    )
 
 
-def predict_errors(step: MacroStep, track: SampledCourse, count: int, nominal: Vector) -> Vector:
+def predict_errors(step: MacroStep, track: SampledTrajectory, count: int, nominal: Vector) -> Vector:
     """Estimate the relative RMS error of each source for macro steps of `count` instants of the track.
 
     The errors obey e(n+1) = matrix e(n) + defect amounts(n), linear about one point: infinite if diverging.

@@ -1,7 +1,7 @@
 """Loops of connections, and candidate orders of a Gauss-Seidel sweep.
 
-A connection counts if its input acts on an output, by a nonzero slope at some point of the course. The load
-torque on a flywheel with prescribed motion closes no loop.
+A connection counts if its input acts on an output, by a nonzero slope at some point of the trajectory. The
+load torque on a flywheel with prescribed motion closes no loop.
 """
 
 from __future__ import annotations

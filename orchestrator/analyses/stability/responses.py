@@ -16,7 +16,7 @@ from scipy.linalg import logm, schur
 
 from models.core.quantities import Vector
 from models.core.system import ModelError, System
-from models.monolithic.trajectory import Course
+from models.monolithic.trajectory import Trajectory
 
 from ...errors import RecoverableError
 from ...participants import Participant
@@ -41,7 +41,7 @@ DOUBTFUL, USELESS = 1e-2, 0.5
 class Responses(ParticipantLinearisation):
     """Implements `Linearisation` for a participant that can save and restore its state.
 
-    At an instant of the course its inputs are held, and each in turn gets a pulse of one sample, up and down.
+    At an instant of the trajectory its inputs are held, and each gets a pulse of one sample, up and down.
     A linear system is fitted to the change of its outputs over SAMPLES samples of `spacing` seconds.
     """
 
@@ -56,10 +56,10 @@ class Responses(ParticipantLinearisation):
         self._perturbed = np.flatnonzero(~np.array(whole, dtype=bool))
         self.residuals: dict[float, float] = {}
 
-    def about(self, course: Course, row: int, outputs: Collection[str]) -> Linear:
-        self._advance_to(course, row)
-        t = float(course.times[row])
-        held = course.inputs[row][self._slots][self._columns]
+    def about(self, trajectory: Trajectory, row: int, outputs: Collection[str]) -> Linear:
+        self._advance_to(trajectory, row)
+        t = float(trajectory.times[row])
+        held = trajectory.inputs[row][self._slots][self._columns]
         saved = self._participant.save()
         try:
             found, kinks = self._realise(t, held, saved)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from models.core.system import Port, System, parse_port
-from models.monolithic.trajectory import Course
+from models.monolithic.trajectory import Trajectory
 
 from ...engine.signals import DEGREES
 from ...masters import MASTERS, Master, find_name
@@ -20,7 +20,7 @@ from ...scenario.fmu_limits import FmuLimits
 from .behaviour import Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
 from .extrapolation_error import HERMITE
 from .linearisation import Linearisation, Point, linearise_points, select_participants
-from .macro_step import SampledCourse, predict_errors, sample_course
+from .macro_step import SampledTrajectory, predict_errors, sample_trajectory
 from .partition import Partition
 from .trajectory import ParticipantLinearisation, solve_course
 
@@ -65,8 +65,8 @@ class AssessedMethod:
 class Survey:
     """A scenario's methods, cheapest first; `own` is the scenario's, `best` the advised one, if any.
 
-    Errors are predicted along the course up to `until`, with the point at `typical` (s). `participants` were
-    linearised as participants, the others as components; `left_out` says why instants were left out.
+    Errors are predicted along the trajectory up to `until`, with the point at `typical` (s). `participants`
+    were linearised as participants, the others as components; `left_out` says why instants were left out.
     """
 
     scenario: Scenario
@@ -87,10 +87,10 @@ class Survey:
         return list(dict.fromkeys(kink for point in self.points for kink in point.kinks))
 
 
-# Course: instants per macro step, most instants, and the integrator's tolerance; differences of fourth order
-# amplify its error by sixteen.
+# Trajectory: instants per macro step, most instants, and the integrator's tolerance; differences of fourth
+# order amplify its error by sixteen.
 FINER, INSTANTS, COURSE_TOLERANCE = 2, 60_000, 1e-9
-# Instants of the course at which the system is linearised.
+# Instants of the trajectory at which the system is linearised.
 POINTS = 12
 # The range of steps: from the scenario's step over DOWN to the scenario's step times UP.
 DOWN, UP = 8.0, 256.0
@@ -116,13 +116,13 @@ def survey(
     watched = [parse_port(n, system.instances, "output") for n in scenario.tolerance]
     interval = scenario.macro_step / FINER
     count = min(INSTANTS, round(scenario.stop_time / interval))
-    course = solve_course(
+    trajectory = solve_course(
         system, np.arange(count + 1) * np.float64(interval), COURSE_TOLERANCE, lambda s: progress(0.2 * s)
     )
     rows = np.linspace(0, count, POINTS, endpoint=False).astype(int)
     rows = np.unique([*rows, *(round(min(max(t / interval, 0.0), count)) for t in at)])
-    points, left = linearise_points(system, course, rows.tolist(), watched, linearisations)
-    surveyor = _Surveyor(scenario, system, course, watched, points)
+    points, left = linearise_points(system, trajectory, rows.tolist(), watched, linearisations)
+    surveyor = _Surveyor(scenario, system, trajectory, watched, points)
     methods = []
     masters = _list_masters(scenario, system, surveyor)
     for i, master in enumerate(masters):
@@ -134,7 +134,7 @@ def survey(
     methods.sort(key=lambda m: m.cost)
     return Survey(
         scenario, system, surveyor.partition, surveyor.points, methods, own,
-        min(usable, key=lambda m: m.cost, default=None), float(course.times[-1]), surveyor.typical.time,
+        min(usable, key=lambda m: m.cost, default=None), float(trajectory.times[-1]), surveyor.typical.time,
         select_participants(linearisations or {}), left,
     )  # fmt: skip
 
@@ -162,7 +162,12 @@ def _list_masters(scenario: Scenario, system: System, surveyor: _Surveyor) -> li
 
 class _Surveyor:
     def __init__(
-        self, scenario: Scenario, system: System, course: Course, watched: list[Port], points: list[Point]
+        self,
+        scenario: Scenario,
+        system: System,
+        trajectory: Trajectory,
+        watched: list[Port],
+        points: list[Point],
     ) -> None:
         self.scenario, self.system, self.points = scenario, system, points
         self._converged: dict[tuple[Any, ...], AssessedMethod] = {}
@@ -177,7 +182,7 @@ class _Surveyor:
         probe = MASTERS["jacobi"]()
         self.hardest_point, _ = find_hardest_point(points, probe, self._first, self._longest, self._couplings)
         sources = Behaviour(points[0], probe, self._couplings).sources
-        self._sampled: SampledCourse = sample_course(course, system, sources)
+        self._sampled: SampledTrajectory = sample_trajectory(trajectory, system, sources)
         self._names = {str(port): sources.index(port) for port in watched}
         self.typical = self._find_typical_point()
 
@@ -250,7 +255,7 @@ class _Surveyor:
         return found
 
     def _predict_errors(self, behaviour: Behaviour, factor: int) -> dict[str, float]:
-        """Predicted errors for macro steps of `factor` intervals of the course."""
+        """Predicted errors for macro steps of `factor` intervals of the trajectory."""
         operator = behaviour.macro_step(factor * self._sampled.interval)
         if operator is None:
             return dict.fromkeys(self._names, math.inf)

@@ -1,4 +1,4 @@
-"""The course that a system takes, rates along it, and a participant advanced along it for linearisation."""
+"""The trajectory of a system, rates along it, and a participant advanced along it for linearisation."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from models.core.quantities import Vector
 from models.core.system import ModelError, System
-from models.monolithic.trajectory import Course, course
+from models.monolithic.trajectory import Trajectory, compute_trajectory
 
 from ...engine.step import Step
 from ...masters import MASTERS
@@ -25,25 +25,25 @@ CONVERGED = 1e-9
 
 def solve_course(
     system: System, times: Vector, tolerance: float, progress: Callable[[float], None]
-) -> Course:
+) -> Trajectory:
     """Solve the system at equally spaced `times`, from its start values.
 
     If a component has no ODE form, the components are coupled in this process instead, by an iterated master
     with a macro step from each instant to the next. Raises ModelError or RunError.
     """
     if all(instance.component.ode for instance in system.instances.values()):
-        return course(system, times, tolerance, progress)
+        return compute_trajectory(system, times, tolerance, progress)
     recorder = _CourseRecorder(system, times, progress)
     master = MASTERS["iterated"](extrapolation="hermite", tolerance=CONVERGED)
     steps = FixedSteps(float(times[1] - times[0]))
     simulate(system, recorder.units, master, steps, float(times[-1]), [recorder], float(times[0]))
     inputs = np.tile(system.u0, (len(times), 1))
     inputs[:, system.target_index] = recorder.outputs[:, system.source_index]
-    return Course(times, recorder.states, inputs, recorder.outputs, recorder.rates)
+    return Trajectory(times, recorder.states, inputs, recorder.outputs, recorder.rates)
 
 
 class _CourseRecorder:
-    """An observer that records a course."""
+    """An observer that records a trajectory."""
 
     def __init__(self, system: System, times: Vector, progress: Callable[[float], None]) -> None:
         self.units = {name: in_process(name, instance) for name, instance in system.instances.items()}
@@ -88,20 +88,20 @@ def differentiate(values: Vector) -> Vector:
     return found / 12.0
 
 
-def compute_rates(course: Course, system: System) -> Vector:
-    """Time derivatives of all outputs, as `course.outputs`.
+def compute_rates(trajectory: Trajectory, system: System) -> Vector:
+    """Time derivatives of all outputs, as `trajectory.outputs`.
 
     They are the participants' own rates: differences would smooth corners, such as that of a film whose
     entrainment reverses.
     """
-    found = _derive_rates(course, system) if course.rates is None else course.rates
+    found = _derive_rates(trajectory, system) if trajectory.rates is None else trajectory.rates
     return np.asarray(np.nan_to_num(found))
 
 
-def _derive_rates(course: Course, system: System) -> Vector:
+def _derive_rates(trajectory: Trajectory, system: System) -> Vector:
     """Rates by the components' equations."""
-    found = np.zeros_like(course.outputs)
-    driven = np.zeros_like(course.inputs)
+    found = np.zeros_like(trajectory.outputs)
+    driven = np.zeros_like(trajectory.inputs)
     # A cut algebraic loop starts with zero rates; a second pass corrects them.
     for name in system.order * (2 if system.torn else 1):
         driven[:, system.target_index] = found[:, system.source_index]
@@ -109,18 +109,18 @@ def _derive_rates(course: Course, system: System) -> Vector:
         c, inputs = instance.component, system.inputs.of(name)
         x, u, du = (
             np.ascontiguousarray(part)
-            for part in (course.states[name], course.inputs[:, inputs], driven[:, inputs])
+            for part in (trajectory.states[name], trajectory.inputs[:, inputs], driven[:, inputs])
         )
         p, work = c.parameters.vector(instance.parameters), np.zeros(c.rates_work_size)
-        rates = np.zeros((len(course.times), c.outputs.size))
+        rates = np.zeros((len(trajectory.times), c.outputs.size))
         give = c.flat_rates
-        for k, t in enumerate(course.times):
+        for k, t in enumerate(trajectory.times):
             give(t, x[k], u[k], du[k], p, work, rates[k])
         found[:, own] = np.nan_to_num(rates)
     return found
 
 
-# Intervals of the course in each step of a participant along it.
+# Intervals of the trajectory in each step of a participant along it.
 STRIDE = 2
 
 
@@ -141,12 +141,12 @@ def list_continuous_outputs(name: str, system: System) -> list[str]:
 
 
 class ParticipantLinearisation(ABC):
-    """Base of `Linearisation`s of a participant: advances it with the inputs of a course.
+    """Base of `Linearisation`s of a participant: advances it with the inputs of a trajectory.
 
     Subclasses implement `about`. The caller closes the participant.
     """
 
-    _beyond = 0.0  # time (s) that it is stepped beyond an instant of the course
+    _beyond = 0.0  # time (s) that it is stepped beyond an instant of the trajectory
 
     def __init__(self, name: str, participant: Participant, system: System) -> None:
         component = system.instances[name].component
@@ -164,19 +164,24 @@ class ParticipantLinearisation(ABC):
         self._at: int | None = None
         self.held_inputs: list[str] = []
 
-    def _advance_to(self, course: Course, row: int) -> None:
-        """Advance along the course to a row."""
+    def _advance_to(self, trajectory: Trajectory, row: int) -> None:
+        """Advance along the trajectory to a row."""
         if self._at is None:
-            self._values = course.inputs[:, self._slots][:, self._columns]
-            self._slopes = differentiate(self._values) / float(course.times[1] - course.times[0])
-            self._participant.initialise(float(course.times[0]), float(course.times[-1]) + self._beyond)
+            self._values = trajectory.inputs[:, self._slots][:, self._columns]
+            self._slopes = differentiate(self._values) / float(trajectory.times[1] - trajectory.times[0])
+            self._participant.initialise(
+                float(trajectory.times[0]), float(trajectory.times[-1]) + self._beyond
+            )
             self._inputs[0], self._at = self._values[0], 0
             self._participant.write()
             self._participant.read()
             self._participant.finish_initialisation()
         while self._at < row:
             end = min(self._at + STRIDE, row)
-            t, h = float(course.times[self._at]), float(course.times[end] - course.times[self._at])
+            t, h = (
+                float(trajectory.times[self._at]),
+                float(trajectory.times[end] - trajectory.times[self._at]),
+            )
             value, rate = self._values[[self._at, end]], self._slopes[[self._at, end]]
             mean = (value[1] - value[0]) / h
             self._inputs[:2] = value[0], rate[0]

@@ -3,8 +3,8 @@
 Everything is accumulated at every macro step, whatever is recorded.
 """
 
-from .course import Course, Courses, courses_of_rows
+from .contact_summary import ContactSummaries, ContactSummary, summarise_rows
 from .lines import lines
 from .observer import ContactObserver, with_angles
 
-__all__ = ["ContactObserver", "Course", "Courses", "courses_of_rows", "lines", "with_angles"]
+__all__ = ["ContactObserver", "ContactSummaries", "ContactSummary", "lines", "summarise_rows", "with_angles"]

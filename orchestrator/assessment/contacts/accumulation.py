@@ -1,4 +1,4 @@
-"""The course of contacts, accumulated from macro step to macro step by compiled code."""
+"""The summary of contacts, accumulated from macro step to macro step by compiled code."""
 
 from __future__ import annotations
 
@@ -51,38 +51,38 @@ FIRST_INPUT = len(OUTPUTS)
 
 
 def make_records(count: int) -> tuple[Any, Any]:
-    """Courses and ranges of contacts of which nothing is known yet."""
-    courses = np.zeros(count, dtype=COURSE)
-    courses["least_load"] = courses["film"] = courses["film_ratio"] = np.inf
-    courses["time"] = courses["since"] = courses["touched"] = np.nan
+    """ContactSummaries and ranges of contacts of which nothing is known yet."""
+    summaries = np.zeros(count, dtype=COURSE)
+    summaries["least_load"] = summaries["film"] = summaries["film_ratio"] = np.inf
+    summaries["time"] = summaries["since"] = summaries["touched"] = np.nan
     ranges = np.zeros((count, 4 * 4))
     ranges[:, LEAST::4], ranges[:, MOST::4] = np.inf, -np.inf
-    return courses, ranges
+    return summaries, ranges
 
 
 @numba.njit(cache=True)
-def observe(fmus: Any, memory: Any, courses: Any, time: float) -> tuple[int, int, int]:
+def observe(fmus: Any, memory: Any, summaries: Any, time: float) -> tuple[int, int, int]:
     """Read the contacts that are FMUs, then `accumulate`. Returns the FMU, the call and the status that
     failed; FINE where none did."""
     for i in range(len(fmus)):
         call, status = take(fmus[i])
         if call != FINE:
             return i, call, status
-    accumulate(memory, courses, time)
+    accumulate(memory, summaries, time)
     return 0, FINE, 0
 
 
 @numba.njit(cache=True)
-def replay(memory: Any, courses: Any, times: Any, rows: Any) -> None:
+def replay(memory: Any, summaries: Any, times: Any, rows: Any) -> None:
     """`accumulate` recorded rows (records x SEEN) of one contact."""
     seen = table(memory[0].seen)
     for k in range(len(times)):
         seen[0, :] = rows[k]
-        accumulate(memory, courses, times[k])
+        accumulate(memory, summaries, times[k])
 
 
 @numba.njit(cache=True)
-def accumulate(memory: Any, courses: Any, time: float) -> None:
+def accumulate(memory: Any, summaries: Any, time: float) -> None:
     """Add the macro step that ends at `time`.
 
     `memory` has `seen` (contacts x SEEN); `origins`, where each contact's INPUTS are among `values` (-1: they
@@ -92,8 +92,8 @@ def accumulate(memory: Any, courses: Any, time: float) -> None:
     m = memory[0]
     seen, values, origins = table(m.seen), numbers(m.values), integers(m.origins)
     scales, bounds, ranges = table(m.scales), table(m.bounds), table(m.ranges)
-    for i in range(len(courses)):
-        c, row, scale = courses[i], seen[i], scales[i]
+    for i in range(len(summaries)):
+        c, row, scale = summaries[i], seen[i], scales[i]
         for j in range(2):
             if origins[2 * i + j] >= 0:
                 row[FIRST_INPUT + j] = values[origins[2 * i + j]]

@@ -4,60 +4,60 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from .course import RESOLVED, Course, Courses
+from .contact_summary import RESOLVED, ContactSummaries, ContactSummary
 
 SYMBOLS = {"material": "G", "squeeze": "w_s", "load": "W", "speed": "U"}
 # More contacts are not told one by one: those with the thinnest films are.
 SHOWN = 4
 
 
-def lines(courses: Courses, source: str, fixed_steps: bool) -> list[str]:
+def lines(summaries: ContactSummaries, source: str, fixed_steps: bool) -> list[str]:
     """Contacts, of many those with the thinnest films, then warnings of all.
 
     `source` says where the extremes are from. With `fixed_steps` landings that macro steps do not resolve are
     warned of; step control resolves them.
     """
     names = (
-        sorted(courses, key=lambda name: courses[name].film)[:SHOWN]
-        if len(courses) > SHOWN
-        else list(courses)
+        sorted(summaries, key=lambda name: summaries[name].film)[:SHOWN]
+        if len(summaries) > SHOWN
+        else list(summaries)
     )
-    told = [f"{name}: {text}" for name in names for text in _texts(courses[name])]
-    if len(courses) > SHOWN:
-        told.append(f"{len(courses) - SHOWN} more contacts with thicker films: see summary.json")
-    if courses:
-        longest = max(course.longest_step for course in courses.values())
+    told = [f"{name}: {text}" for name in names for text in _write_lines(summaries[name])]
+    if len(summaries) > SHOWN:
+        told.append(f"{len(summaries) - SHOWN} more contacts with thicker films: see summary.json")
+    if summaries:
+        longest = max(summary.longest_step for summary in summaries.values())
         told.append(f"extremes of contacts are those of {source}, {longest:.3g} s apart at most")
-    for name, course in courses.items():
-        told += [f"{name}: {text}" for text in _warnings(name, course, fixed_steps)]
+    for name, summary in summaries.items():
+        told += [f"{name}: {text}" for text in _warnings(name, summary, fixed_steps)]
     return told
 
 
-def _texts(course: Course) -> Iterator[str]:
+def _write_lines(summary: ContactSummary) -> Iterator[str]:
     def at(key: str) -> str:
-        time = f"at t = {course.times()[key]:.6g} s"
-        shaft = "cam" if course.angle_of.endswith("cam_angle") else "crank"
-        return f"{time} ({shaft} {course.angles[key]:.1f} deg)" if key in course.angles else time
+        time = f"at t = {summary.times()[key]:.6g} s"
+        shaft = "cam" if summary.angle_of.endswith("cam_angle") else "crank"
+        return f"{time} ({shaft} {summary.angles[key]:.1f} deg)" if key in summary.angles else time
 
-    text = f"load {course.least_load:.4g} to {course.largest_load:.4g} N, the largest {at('largest_load')}"
-    text += f"; highest pressure {1e-9 * course.pressure:.3g} GPa {at('pressure')}"
-    text += " (spikes at a reversal grow with the nodes)" if course.solved else ""
-    if course.film > 0.0:
-        text += f"; least film {1e6 * course.film:.3g} µm {at('film')}, "
-        which = "least ratio of the central film to roughness" if course.solved else "least film ratio"
-        text += f"{which} {course.film_ratio:.2g}" if course.film_ratio > 0.0 else "smooth surfaces"
-    yield text if course.separation else f"{text}; contact kept"
-    if s := course.separation:
+    text = f"load {summary.least_load:.4g} to {summary.largest_load:.4g} N, the largest {at('largest_load')}"
+    text += f"; highest pressure {1e-9 * summary.pressure:.3g} GPa {at('pressure')}"
+    text += " (spikes at a reversal grow with the nodes)" if summary.solved else ""
+    if summary.film > 0.0:
+        text += f"; least film {1e6 * summary.film:.3g} µm {at('film')}, "
+        which = "least ratio of the central film to roughness" if summary.solved else "least film ratio"
+        text += f"{which} {summary.film_ratio:.2g}" if summary.film_ratio > 0.0 else "smooth surfaces"
+    yield text if summary.separation else f"{text}; contact kept"
+    if s := summary.separation:
         plural = "s" * (s.count > 1)
         text = (
-            f"no contact in {100.0 * course.lost:.2g} % of the time, {s.count} separation{plural}, the "
+            f"no contact in {100.0 * summary.lost:.2g} % of the time, {s.count} separation{plural}, the "
             f"longest {1e3 * s.longest:.3g} ms from {at('separation').removeprefix('at ')}"
         )
         yield text + (f"; largest gap {1e6 * s.gap:.3g} µm {at('gap')}" if s.gap > 0.0 else "")
-    if i := course.impact:
+    if i := summary.impact:
         speed = f" with {i.speed:.3g} m/s" if i.speed > 0.0 else ""
         yield f"hardest landing {at('impact')}{speed}: {i.load:.4g} N, impulse {i.impulse:.3g} N s"
-    if excursions := course.ranges:
+    if excursions := summary.ranges:
         yield "film formula outside its ranges (Kushwaha 2000, Table 3) under load: " + ", ".join(
             f"{SYMBOLS[group]} {_percent(one.share)} % of the time ({one.least:.2g} to {one.most:.2g}, range "
             f"{one.low:g} to {one.high:g})"
@@ -65,16 +65,16 @@ def _texts(course: Course) -> Iterator[str]:
         )
 
 
-def _warnings(name: str, course: Course, fixed_steps: bool) -> Iterator[str]:
-    if course.pressure > course.elastic_limit:
-        pressure, limit = f"{course.pressure / 1e9:.3g} GPa", f"{course.elastic_limit / 1e9:.3g} GPa"
+def _warnings(name: str, summary: ContactSummary, fixed_steps: bool) -> Iterator[str]:
+    if summary.pressure > summary.elastic_limit:
+        pressure, limit = f"{summary.pressure / 1e9:.3g} GPa", f"{summary.elastic_limit / 1e9:.3g} GPa"
         yield (
-            f"the pressure reaches {pressure} at t = {course.pressure_time:.6g} s, above the elastic limit "
-            f"of {limit} ({100.0 * course.yielding:.2g} % of the time): the bodies yield, which is not "
+            f"the pressure reaches {pressure} at t = {summary.pressure_time:.6g} s, above the elastic limit "
+            f"of {limit} ({100.0 * summary.yielding:.2g} % of the time): the bodies yield, which is not "
             f"computed; lower the load, or set components.{name}.parameters.elastic_limit to the material's"
         )
-    impact = course.impact
-    if fixed_steps and impact and not impact.resolved and impact.load >= 0.5 * course.largest_load:
+    impact = summary.impact
+    if fixed_steps and impact and not impact.resolved and impact.load >= 0.5 * summary.largest_load:
         count = "one macro step" if impact.steps == 1 else f"{impact.steps} macro steps"
         yield (
             f"the hardest landing reaches its {impact.load:.4g} N within {count}, fewer than {RESOLVED}: "

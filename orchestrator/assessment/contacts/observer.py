@@ -17,11 +17,11 @@ from ...participants import Participant
 from ...participants.compiled import CALLS, FINE, CompiledCalls
 from ...store.json_codec import Plain
 from .accumulation import INPUTS, OUTPUTS, observe
-from .course import Accumulator, Courses, contacts
+from .contact_summary import Accumulator, ContactSummaries, contacts
 
 
 class ContactObserver:
-    """Accumulates the courses of all contacts, whatever is recorded.
+    """Accumulates the summaries of all contacts, whatever is recorded.
 
     Compiled code reads contacts that are FMUs of this process; others give all their outputs.
     """
@@ -67,11 +67,11 @@ class ContactObserver:
             unit.read_all(values)
             np.take(values, index, out=row)
         a = self._accumulator
-        failed, call, status = observe(self._records, a.memory.record, a.courses, time)
+        failed, call, status = observe(self._records, a.memory.record, a.summaries, time)
         if call != FINE:
             self._calls[failed].fail(call, status, time, step.length)
 
-    def courses(self) -> Courses:
+    def summaries(self) -> ContactSummaries:
         """What is known so far."""
         return self._accumulator.found()
 
@@ -86,17 +86,17 @@ class ContactObserver:
 
 
 def with_angles(
-    system: System, courses: Courses, read: Callable[[Sequence[str]], Mapping[str, Vector]]
-) -> Courses:
-    """The courses with the angles (deg) of their cams or cranks at the times of what they tell.
+    system: System, summaries: ContactSummaries, read: Callable[[Sequence[str]], Mapping[str, Vector]]
+) -> ContactSummaries:
+    """The summaries with the angles (deg) of their cams or cranks at the times of what they tell.
 
     Angles are read between recorded rows, through which shafts turn evenly.
     """
     found = {}
-    for name, course in courses.items():
+    for name, summary in summaries.items():
         variable = angle_of(system, name)
         if not variable:
-            found[name] = course
+            found[name] = summary
             continue
         columns = read(["time", variable])
         turned = np.degrees(columns[variable])
@@ -105,7 +105,7 @@ def with_angles(
             return float(np.interp(time, columns["time"], turned) % 360.0)
 
         found[name] = replace(
-            course, angle_of=variable, angles={key: at(time) for key, time in course.times().items()}
+            summary, angle_of=variable, angles={key: at(time) for key, time in summary.times().items()}
         )
     return found
 

@@ -16,7 +16,7 @@ from models.core.component import Component
 from models.core.system import Instance, ModelError, System
 from models.monolithic import check_ode, check_solvable, difference, equilibrium, solve
 from models.monolithic.implicit import ImplicitProblem
-from models.monolithic.implicit_methods import Bdf3, Course, Sdirk4, march_implicit, step_lengths
+from models.monolithic.implicit_methods import Bdf3, Sdirk4, Trajectory, march_implicit, step_lengths
 from models.oscillators import exact
 from tests.models.systems import column, valve_train
 from tests.models.test_benchmark_oscillators import quarter_car
@@ -47,13 +47,13 @@ def ringing() -> System:
 
 
 @cache
-def course(method: type, longest: float) -> Course:
+def course(method: type, longest: float) -> Trajectory:
     """Of the ringing valve."""
     problem = ImplicitProblem(ringing())
     return march_implicit(problem, method(problem), ringing().x0, 0.0, TIMES, longest)
 
 
-def apart(first: Course, second: Course, name: str) -> float:
+def apart(first: Trajectory, second: Trajectory, name: str) -> float:
     system = ringing()
     return difference(*(column(system, c.outputs, name) for c in (first, second))).relative_rms
 

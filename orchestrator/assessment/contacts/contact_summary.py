@@ -78,7 +78,7 @@ class Impact:
 
 
 @dataclass(frozen=True)
-class Course:
+class ContactSummary:
     """Extremes, each with its time (s): load (N), pressure (Pa), film (m) under load, film over roughness
     (0: smooth), which of a film that is `solved` for is that of its central film. A dry contact's films are
     0.
@@ -121,7 +121,7 @@ class Course:
         return times
 
 
-Courses = dict[str, Course]
+ContactSummaries = dict[str, ContactSummary]
 
 
 def contacts(system: System) -> dict[str, dict[str, float]]:
@@ -134,7 +134,7 @@ def contacts(system: System) -> dict[str, dict[str, float]]:
 
 
 class Accumulator:
-    """The courses of a system's contacts while a run goes on.
+    """The summaries of a system's contacts while a run goes on.
 
     `seen` (contacts x SEEN) is to be filled before each step is added; inputs with an origin in `values` are
     taken from there.
@@ -158,7 +158,7 @@ class Accumulator:
             for j, variable in enumerate(INPUTS):
                 self.seen[i, len(OUTPUTS) + j] = constant[variable]
                 places[2 * i + j] = (origins or {}).get(f"{name}.{variable}", -1)
-        self.courses, self.ranges = make_records(count)
+        self.summaries, self.ranges = make_records(count)
         self.memory = ArrayPointers(
             seen=self.seen,
             values=np.zeros(1) if values is None else values,
@@ -170,23 +170,23 @@ class Accumulator:
 
     def add(self, time: float) -> None:
         """The step that ends at `time`."""
-        accumulate(self.memory.record, self.courses, time)
+        accumulate(self.memory.record, self.summaries, time)
 
     def state(self) -> dict[str, Vector]:
-        return {"courses": self.courses.view(np.float64).copy(), "ranges": self.ranges.copy()}
+        return {"summaries": self.summaries.view(np.float64).copy(), "ranges": self.ranges.copy()}
 
     def resume(self, state: Mapping[str, Vector]) -> None:
-        self.courses.view(np.float64)[:] = state["courses"]
+        self.summaries.view(np.float64)[:] = state["summaries"]
         self.ranges[:] = state["ranges"]
 
-    def found(self) -> Courses:
-        """The courses so far of all contacts that were ever loaded."""
-        courses = {}
+    def found(self) -> ContactSummaries:
+        """The summaries so far of all contacts that were ever loaded."""
+        summaries = {}
         for i, (name, parameters) in enumerate(self._parameters.items()):
-            c = self.courses[i : i + 1].copy()[0]
+            c = self.summaries[i : i + 1].copy()[0]
             if c.largest_load > 0.0:
-                courses[name] = _course(c, self.ranges[i].reshape(4, 4), parameters)
-        return courses
+                summaries[name] = _course(c, self.ranges[i].reshape(4, 4), parameters)
+        return summaries
 
 
 def _scales(p: Mapping[str, float]) -> list[float]:
@@ -199,7 +199,7 @@ def _scales(p: Mapping[str, float]) -> list[float]:
     return [p["elastic_limit"], unit.material, unit.load, unit.speed]
 
 
-def _course(c: Any, ranges: Vector, parameters: Mapping[str, float]) -> Course:
+def _course(c: Any, ranges: Vector, parameters: Mapping[str, float]) -> ContactSummary:
     if not np.isnan(c.since) and c.time - c.since > c.longest_separation:
         c.longest_separation, c.separation_time = c.time - c.since, c.since
     finish(c)
@@ -229,12 +229,12 @@ def _course(c: Any, ranges: Vector, parameters: Mapping[str, float]) -> Course:
     if formula.startswith("kushwaha") and c.loaded_duration:
         excursions = {
             group: Excursion(
-                float(r[DURATION] / c.loaded_duration), *_known(r[LEAST], r[MOST]), *TABLE_3[group]
+                float(r[DURATION] / c.loaded_duration), *_order_or_nan(r[LEAST], r[MOST]), *TABLE_3[group]
             )
             for group, r in zip(TABLE_3, ranges, strict=True)
             if r[DURATION] > 0.0
         }
-    return Course(
+    return ContactSummary(
         least_load=float(c.least_load),
         largest_load=float(c.largest_load),
         largest_load_time=float(c.load_time),
@@ -254,14 +254,14 @@ def _course(c: Any, ranges: Vector, parameters: Mapping[str, float]) -> Course:
     )
 
 
-def _known(least: float, most: float) -> tuple[float, float]:
+def _order_or_nan(least: float, most: float) -> tuple[float, float]:
     return (float(least), float(most)) if least <= most else (np.nan, np.nan)
 
 
-def courses_of_rows(system: System, read: Read) -> Courses:
-    """The courses as recorded rows have them, where nothing else is left of a run."""
+def summarise_rows(system: System, read: Read) -> ContactSummaries:
+    """The summaries as recorded rows have them, where nothing else is left of a run."""
     drivers = {str(c.target): str(c.source) for c in system.connections if c.target.variable in INPUTS}
-    found: Courses = {}
+    found: ContactSummaries = {}
     for name in contacts(system):
         # One contact at a time: there may be millions of records.
         accumulator = Accumulator(system, [name])
@@ -272,6 +272,6 @@ def courses_of_rows(system: System, read: Read) -> Courses:
         for j, one in enumerate(own):
             if driven[one] in columns:
                 rows[:, j] = columns[driven[one]]
-        replay(accumulator.memory.record, accumulator.courses, columns["time"], rows)
+        replay(accumulator.memory.record, accumulator.summaries, columns["time"], rows)
         found |= accumulator.found()
     return found
