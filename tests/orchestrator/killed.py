@@ -32,7 +32,7 @@ from orchestrator.store import csv_file, journal
 from orchestrator.store import result_file as results
 from orchestrator.store.output_folder import CHECKPOINT, find_run_state
 
-STEPPING, STARTING = 0.2, 2.0  # s
+STEPPING, STARTING = 0.1, 0.4  # s, a part of what the runs take
 EVERY = "checkpoint_every=1e-9"
 
 
