@@ -154,7 +154,7 @@ def collect_files(
     files["resources/slavemodule.txt"] = stem.encode()
     licence = metadata.distribution("pythonfmu").read_text("licenses/LICENSE") or ""
     files["documentation/licenses/pythonfmu.txt"] = licence.encode()
-    files |= _binaries(name, libpython) | documents(name, component)
+    files |= collect_binaries(name, libpython) | documents(name, component)
     if has_reference(name, component):
         files |= references(name, exchange=False)
     made_by = origin(f"PythonFMU {pythonfmu.__version__}")
@@ -206,7 +206,7 @@ def _license() -> str:
     return metadata.distribution("tribocosim").read_text("licenses/LICENSE") or ""
 
 
-def _binaries(name: str, libpython: str | None) -> dict[str, bytes]:
+def collect_binaries(name: str, libpython: str | None) -> dict[str, bytes]:
     """pythonfmu's C layer for each of its platforms."""
     folder = Path(pythonfmu.__file__).parent / "resources" / "binaries"
     found = sorted(path for path in folder.rglob("*") if path.suffix in (".so", ".dll", ".dylib"))

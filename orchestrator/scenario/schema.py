@@ -35,7 +35,7 @@ def build_schema() -> dict[str, Any]:
     table["allOf"] = [
         {
             "if": {"properties": {"component": {"const": name}}, "required": ["component"]},
-            "then": _describe_component(name),
+            "then": describe_component(name),
         }
         for name in CATALOGUE
     ]
@@ -48,7 +48,7 @@ def write_schema() -> str:
     return json.dumps(build_schema(), indent=2, ensure_ascii=False) + "\n"
 
 
-def _describe_component(name: str) -> dict[str, Any]:
+def describe_component(name: str) -> dict[str, Any]:
     component = build_component(name)
     layouts = {"parameters": component.parameters, "start": component.state, "inputs": component.inputs}
     return {

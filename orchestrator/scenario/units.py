@@ -67,7 +67,7 @@ def to_unit(text: str, unit: str) -> float:
         return number
     if not unit:
         raise UnitError(f"{text!r}: the FMU states no unit; write a plain number")
-    factor = FACTORS.get((given, unit)) or _find_factor(text, given, unit)
+    factor = FACTORS.get((given, unit)) or find_factor(text, given, unit)
     parts = round(1.0 / factor) if factor < 1.0 else 0
     # 5 us is 5e-6 s and not 4.9999999999999996e-06: divide where the factor is one over a whole number.
     if parts and abs(factor * parts - 1.0) < 1e-14:
@@ -75,7 +75,7 @@ def to_unit(text: str, unit: str) -> float:
     return number * factor
 
 
-def _find_factor(text: str, given: str, unit: str) -> float:
+def find_factor(text: str, given: str, unit: str) -> float:
     """The factor from the unit `given` to `unit`; UnitError if they do not fit."""
     try:
         units = _load_registry().Unit(_to_pint(given))

@@ -7,7 +7,7 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
-from fmus.build import _binaries, origin
+from fmus.build import collect_binaries, origin
 from fmus.fmi.description import GUID_PLACE, PYTHON, Experiment, model_description
 from models.core.component import Component
 
@@ -40,6 +40,6 @@ def pack_component(factory: Callable[..., Component], folder: Path, **sizes: int
         archive.writestr("modelDescription.xml", xml.replace(GUID_PLACE, f"{{{stem}}}"))
         archive.writestr(f"resources/{stem}.py", script)
         archive.writestr("resources/slavemodule.txt", stem)
-        for place, content in _binaries(name, None).items():
+        for place, content in collect_binaries(name, None).items():
             archive.writestr(place, content)
     return path

@@ -31,7 +31,7 @@ from .faulty import Faulty
 from .faulty_runs import simulated
 from .recorder import Recorder
 from .small_fmus import small_fmu
-from .test_fmu_commands import _tampered
+from .test_fmu_commands import write_tampered
 from .two_masses import two_masses
 
 FIXED = 1e-2
@@ -111,7 +111,7 @@ camshaft.do_step = do_step
 
 @pytest.mark.parametrize("retries", [1, 2])
 def test_a_camshaft_that_needs_a_quarter_of_the_step_gets_it_with_two_retries(retries, tmp_path):
-    file = _tampered(build("camshaft", tmp_path), tmp_path / "limited.fmu", LIMITED.format(step=5e-6))
+    file = write_tampered(build("camshaft", tmp_path), tmp_path / "limited.fmu", LIMITED.format(step=5e-6))
     others = [text for text in SHORT if "camshaft" not in text]
     out = tmp_path / "out"
     done = tribocosim(

@@ -60,7 +60,7 @@ def test_the_build_of_a_native_fmu_says_what_it_waits_for(
     ]
 
 
-def _tampered(fmu: Path, target: Path, code: str) -> Path:
+def write_tampered(fmu: Path, target: Path, code: str) -> Path:
     """The FMU with code added to its script."""
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(target, "w") as new:
         stem = old.read("resources/slavemodule.txt").decode().strip()
@@ -113,7 +113,7 @@ camshaft.do_step, camshaft.get_real = do_step, get_real
 @pytest.mark.parametrize("kind", BROKEN)
 def test_an_fmu_that_fails_in_mid_run_is_named(kind: str, fmu: Path, tmp_path: Path) -> None:
     code, words = BROKEN[kind]
-    file, out = _tampered(fmu, tmp_path / f"{kind}.fmu", code), tmp_path / "out"
+    file, out = write_tampered(fmu, tmp_path / f"{kind}.fmu", code), tmp_path / "out"
     others = [text for text in SHORT if "camshaft" not in text]
     arguments = [*others, f"--set=components.camshaft.participant={file}", "--no-figures"]
     done = tribocosim("run", "valve-train", "--out", str(out), *arguments)

@@ -7,7 +7,7 @@ import pytest
 from models.catalogue import CATALOGUE
 from orchestrator.scenario import Scenario, ScenarioError, build_scenario
 from orchestrator.scenario.checks import list_required_variables
-from orchestrator.scenario.schema import _describe_component
+from orchestrator.scenario.schema import describe_component
 from orchestrator.scenario.system import build_system, resolve_start
 from tests.models.fluid_layer import fluid_layer
 
@@ -53,11 +53,11 @@ def test_a_wrong_name_is_not_answered_with_internal_ones(tables: dict) -> None:
 
 
 def test_the_schema_knows_no_internal_state_and_the_least_size_of_each_component() -> None:
-    table = _describe_component("fluid_layer")["properties"]
+    table = describe_component("fluid_layer")["properties"]
     assert list(table["start"]["properties"]) == ["impulse"]
     assert "patternProperties" not in table["start"]
     assert table["structure"]["properties"]["sheets"]["minimum"] == 0
-    spring = _describe_component("valve_spring")["properties"]["structure"]["properties"]
+    spring = describe_component("valve_spring")["properties"]["structure"]["properties"]
     assert spring["coil_masses"]["minimum"] == 1
 
 

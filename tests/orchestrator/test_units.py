@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from orchestrator.scenario.units import FACTORS, UnitError, _find_factor, to_unit
+from orchestrator.scenario.units import FACTORS, UnitError, find_factor, to_unit
 
 
 @pytest.mark.parametrize(
@@ -56,4 +56,4 @@ def test_what_does_not_fit_is_named(text: str, unit: str, named: tuple[str, ...]
 
 @pytest.mark.parametrize("pair", FACTORS, ids=" to ".join)
 def test_factors_without_pint_are_pints(pair: tuple[str, str]) -> None:
-    assert FACTORS[pair] == _find_factor("1", *pair)
+    assert FACTORS[pair] == find_factor("1", *pair)

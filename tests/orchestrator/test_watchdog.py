@@ -28,7 +28,7 @@ from .commands import ROOT, SHORT, tribocosim
 from .faulty import Faulty, once_after
 from .recorder import Recorder
 from .small_fmus import small_fmu
-from .test_fmu_commands import _tampered
+from .test_fmu_commands import write_tampered
 from .two_masses import two_masses
 
 STEP, STOP = 1e-2, 1.0
@@ -267,7 +267,7 @@ def arguments(file, out):
     "kind", ["sleeps", pytest.param("waits in C", marks=pytest.mark.long), "holds the interpreter"]
 )
 def test_a_stalled_run_ends_with_status_3_and_its_results(kind, camshaft, tmp_path):
-    file = _tampered(camshaft, tmp_path / "stalls.fmu", STALLING.format(stall=STALLS[kind]))
+    file = write_tampered(camshaft, tmp_path / "stalls.fmu", STALLING.format(stall=STALLS[kind]))
     out = tmp_path / "out"
     done = tribocosim(*arguments(file, out))
     assert done.returncode == 3
@@ -284,7 +284,7 @@ def test_a_stalled_run_ends_with_status_3_and_its_results(kind, camshaft, tmp_pa
 
 
 def test_a_killed_run_leaves_no_watching_process(camshaft, tmp_path):
-    file = _tampered(camshaft, tmp_path / "waits.fmu", STALLING.format(stall=STALLS["sleeps"]))
+    file = write_tampered(camshaft, tmp_path / "waits.fmu", STALLING.format(stall=STALLS["sleeps"]))
     code = "from orchestrator.command_line import main; main()"
     started = subprocess.Popen(
         [sys.executable, "-c", code, *arguments(file, tmp_path / "out"), "--set=call_time_limit=100 s"],

@@ -55,7 +55,7 @@ def corner_moment(x: float, y: float) -> float:
 
 
 @kernel
-def _fill_near(x: Any, low: float, high: float, block: Any) -> None:
+def fill_near(x: Any, low: float, high: float, block: Any) -> None:
     """block[i, k]: integral of node k's hat over r from node i, on a strip from low to high along y."""
     n = len(x)
     for i in range(n):
@@ -182,7 +182,7 @@ class HalfSpace:
             if mirrored >= 0 and mirrored != place:
                 self._blocks[place] = self._blocks[mirrored]
             else:
-                _fill_near(x, faces[l] - y[j], faces[l + 1] - y[j], block)
+                fill_near(x, faces[l] - y[j], faces[l + 1] - y[j], block)
                 self._blocks[place] = scale * block.T
         self.own = self._blocks[np.diagonal(self._near)]
         """own[j, k, i]: of a line's own pressure at node k on its node i."""

@@ -17,7 +17,7 @@ from models.contact.analysis.finite_line.grid import (
     even_nodes,
     graded_nodes,
 )
-from models.contact.analysis.finite_line.half_space import HalfSpace, _fill_near, corner
+from models.contact.analysis.finite_line.half_space import HalfSpace, corner, fill_near
 
 GRID = Grid(even_nodes(-1.0, 1.2, 0.2), axial_faces(6.0, 1.0, (2.0,), Resolution(5, 0.3, 0.4, 6)))
 
@@ -59,7 +59,7 @@ def test_a_smooth_pressure_on_the_grid_of_a_film():
     block, exact = np.empty((len(x), len(x))), np.zeros(grid.shape)
     for j, y in enumerate(grid.y):
         for l in range(grid.shape[1]):
-            _fill_near(x, grid.faces[l] - y, grid.faces[l + 1] - y, block)
+            fill_near(x, grid.faces[l] - y, grid.faces[l + 1] - y, block)
             exact[:, j] += block @ p[:, l]
     # Pressures that are smooth on the mesh leave less than the bound for one line.
     np.testing.assert_allclose(space.deflection(p), exact, rtol=1e-5)
