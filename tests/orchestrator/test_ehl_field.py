@@ -32,6 +32,7 @@ def valve_train() -> System:
     return resolve_start(scenario, build_system(scenario))
 
 
+@pytest.mark.long
 def test_a_coupled_run_comes_to_the_monolithic_one() -> None:
     """Whose own uncertainty is far smaller; halved steps leave about a quarter of the error (measured 0.25:
     explicit signals, and a field whose own steps are of order 2)."""

@@ -158,6 +158,7 @@ def test_the_film_ratio_before_the_first_step_is_that_of_the_film_shown(roughnes
     assert shown["film_ratio"] == shown["film_thickness"] / roughness > 0.0
 
 
+@pytest.mark.long
 def test_the_engines_walls_run_with_solved_films() -> None:
     """Sliding on the upper wall: its film under the wall's force; the lower one shows no load over a film of
     the least load; both within the clearance; half the step gives the same films."""

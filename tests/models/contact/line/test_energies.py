@@ -25,6 +25,10 @@ STORED, GAINED, DISSIPATED, SOURCED = (
 BONDS = ("energy_by_load_approach_rate", "energy_by_load_retreat_rate")
 RUNNING = {"entraining_velocity": 1.5, "sliding_velocity": 2.0, "radius_of_curvature": 0.02}
 FREQUENCY, STOP, COARSEST = 2000.0, 6e-4, 2e-5
+LOAD_IS_GIVEN = [
+    pytest.param(False, marks=pytest.mark.long, id="approach given"),
+    pytest.param(True, id="load given"),
+]
 
 
 def counting(nodes: int = 51, energies: int = 1, **parameters: float) -> Unit:
@@ -96,7 +100,7 @@ def test_asperities_store_the_work_of_their_pressure(separation: float) -> None:
     assert (low.energy - high.energy) / (2.0 * step * sigma) == pytest.approx(here.pressure, rel=1e-3)
 
 
-@pytest.mark.parametrize("load_is_given", [False, True], ids=["approach given", "load given"])
+@pytest.mark.parametrize("load_is_given", LOAD_IS_GIVEN)
 def test_the_account_closes_with_the_order_of_the_steps(load_is_given: bool, record) -> None:
     """What is left over differs from step to half the step by a quarter each time (measured 0.24, 0.25)."""
     lefts = [courses(51, COARSEST / 2**k, load_is_given)[0] for k in range(4)]
@@ -106,7 +110,7 @@ def test_the_account_closes_with_the_order_of_the_steps(load_is_given: bool, rec
     record("Field", quantity, orders, 2.0, "second-order steps", tolerance=0.3)
 
 
-@pytest.mark.parametrize("load_is_given", [False, True], ids=["approach given", "load given"])
+@pytest.mark.parametrize("load_is_given", LOAD_IS_GIVEN)
 def test_the_account_closes_better_with_more_nodes(load_is_given: bool) -> None:
     """The deflection's matrix is symmetric only in the limit (measured 3.5e-4 and 2.4e-3 here)."""
     coarse, fine = (courses(nodes, 5e-6, load_is_given) for nodes in (51, 101))
