@@ -10,49 +10,31 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..plausible import ANGLE, CAM_LIFT, CAM_RADIUS, PART_LENGTH, PART_MASS, YOUNGS_MODULUS
-from .cam_profile import (
-    PROFILE_REQUIREMENTS,
-    Lift,
-    breaks_about,
-    cycloidal_lift,
+from ..plausible import ANGLE, CAM_RADIUS, PART_LENGTH, PART_MASS, YOUNGS_MODULUS
+from .cams.law import LAW, LawParameters
+from .cams.lift import Lift
+from .cams.profile import (
+    CamProfile,
     entraining_velocity,
     radius_of_curvature,
+    require_convexity,
     sliding_velocity,
     time_to_break,
 )
+from .cams.table import TABLE, TableParameters
 
 
 @dataclass
-class CamshaftParameters:
+class ShaftParameters:
     """Defaults: the set `kushwaha2000`."""
 
-    lift: Annotated[
-        float,
-        Quantity("m", "largest lift S", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_LIFT),
-    ] = 8e-3
-    base_radius: Annotated[
-        float,
-        Quantity(
-            "m", "base circle radius R0", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
-        ),
-    ] = 2.610272395869072 * 8e-3
-    rise_angle: Annotated[
-        float, Quantity("rad", "cam angle of the rise B", positive=True, maximum=math.pi, display_unit="deg")
-    ] = math.radians(88.66608103115016)
-    dwell_half_width: Annotated[
-        float,
-        Quantity(
-            "rad", "half width d of the dwell at the nose", minimum=0.0, maximum=math.pi, display_unit="deg"
-        ),
-    ] = math.radians(1.333918968849847)
     drive_ratio: Annotated[
         float, Quantity("1", "cam angle over drive angle (0.5 behind a four-stroke crankshaft)")
     ] = 1.0
@@ -100,6 +82,16 @@ class CamshaftParameters:
         float,
         Quantity("1", "damping ratio of every mode of the shaft", nominal=1e-2, minimum=0.0, maximum=1.0),
     ] = 0.02
+
+
+@dataclass
+class CamshaftParameters(ShaftParameters, LawParameters):
+    """A cam by a law on its shaft element."""
+
+
+@dataclass
+class TableCamshaftParameters(ShaftParameters, TableParameters):
+    """A cam through points on its shaft element."""
 
 
 @dataclass
@@ -180,7 +172,7 @@ class Shaft(NamedTuple):
 
 
 @kernel
-def shaft_element(p: CamshaftParameters) -> Shaft:
+def shaft_element(p: ShaftParameters) -> Shaft:
     """K (33) at the cam's node, and a damping matrix that gives every mode the same ratio.
 
     Bending: C = 2 zeta sqrt(M) sqrt(A) sqrt(M) with A = M^-1/2 K M^-1/2; the root of a 2 x 2 matrix is
@@ -205,7 +197,7 @@ def shaft_element(p: CamshaftParameters) -> Shaft:
 
 
 @kernel
-def static_slope(load: float, p: CamshaftParameters) -> float:
+def static_slope(load: float, p: ShaftParameters) -> float:
     """Slope of the shaft at the cam under a steady load W (N): K (bending, slope) = (-W, 0), -W l^2/(2 E J).
 
     A flat follower or a roller is misaligned by it: the gap opens towards the shaft's free end.
@@ -215,47 +207,39 @@ def static_slope(load: float, p: CamshaftParameters) -> float:
 
 
 @kernel
-def cam_angle(x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters) -> float:
+def cam_angle(x: CamshaftState, u: CamshaftInputs, p: ShaftParameters) -> float:
     """psi = ratio * drive angle + phase + twist (wind-up)."""
     return p.drive_ratio * u.drive_angle + p.phase + x.twist
 
 
 @kernel
-def cam_speed(x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters) -> float:
+def cam_speed(x: CamshaftState, u: CamshaftInputs, p: ShaftParameters) -> float:
     """psi' = ratio * drive speed + twist rate: the twist rate is K's "fictitious" velocity."""
     return p.drive_ratio * u.drive_speed + x.twist_rate
 
 
 @kernel
-def cam_lift(x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters) -> Lift:
-    return cycloidal_lift(cam_angle(x, u, p), p.lift, p.rise_angle, p.dwell_half_width)
-
-
-@kernel
-def load_torque(cam: Lift, u: CamshaftInputs, p: CamshaftParameters) -> float:
+def load_torque(cam: Lift, u: CamshaftInputs, p: Any) -> float:
     """Torque of the contact against the rotation: W s' + F (R0 + s)."""
     return u.contact_load * cam.ds + u.friction_force * (p.base_radius + cam.s)
 
 
 @kernel
-def twist_acceleration(e: Shaft, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters) -> float:
+def twist_acceleration(cam: Lift, e: Shaft, x: CamshaftState, u: CamshaftInputs, p: Any) -> float:
     """I (theta'' + psi_d'') = -k theta - c theta' - W s' ..."""
-    cam = cam_lift(x, u, p)
     torque = e.twist_stiffness * x.twist + e.twist_damping * x.twist_rate + load_torque(cam, u, p)
     return -torque / p.polar_inertia - p.drive_ratio * u.drive_acceleration
 
 
 @kernel
-def derivative(
-    t: float, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters, dx: CamshaftState
-) -> None:
+def move_shaft(cam: Lift, x: CamshaftState, u: CamshaftInputs, p: Any, dx: CamshaftState) -> None:
     """M q'' = -K q - C q' - (W, 0) for q = (bending, slope), and the twist's."""
     if p.flexible == 0.0:
         dx.twist = dx.twist_rate = dx.bending = dx.bending_rate = dx.slope = dx.slope_rate = 0.0
         return
     e = shaft_element(p)
     dx.twist = x.twist_rate
-    dx.twist_rate = twist_acceleration(e, x, u, p)
+    dx.twist_rate = twist_acceleration(cam, e, x, u, p)
     force = e.k11 * x.bending + e.k12 * x.slope + e.c11 * x.bending_rate + e.c12 * x.slope_rate
     moment = e.k12 * x.bending + e.k22 * x.slope + e.c12 * x.bending_rate + e.c22 * x.slope_rate
     dx.bending = x.bending_rate
@@ -265,32 +249,13 @@ def derivative(
 
 
 @kernel
-def next_event(t: float, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters) -> float:
-    """Time at which the profile breaks next, by angle, speed and acceleration of the drive.
-
-    Of a flexible shaft the twist as it is; within a radian of its own oscillation, which rate and
-    acceleration tell, as it goes on.
-    """
-    breaks = breaks_about(cam_angle(x, u, p), p.rise_angle, p.dwell_half_width)
-    speed, acceleration = p.drive_ratio * u.drive_speed, p.drive_ratio * u.drive_acceleration
-    wait = time_to_break(breaks, speed, acceleration)
-    if p.flexible != 0.0:
-        e = shaft_element(p)
-        if wait < math.sqrt(p.polar_inertia / e.twist_stiffness):
-            acceleration += twist_acceleration(e, x, u, p)
-            wait = time_to_break(breaks, speed + x.twist_rate, acceleration)
-    return min(t + wait, NO_EVENT)
-
-
-@kernel
-def output(t: float, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters, y: CamshaftOutputs) -> None:
+def show_surface(cam: Lift, x: CamshaftState, u: CamshaftInputs, p: Any, y: CamshaftOutputs) -> None:
+    """All outputs but the next event."""
     speed = cam_speed(x, u, p)
-    cam = cam_lift(x, u, p)
     y.cam_angle = cam_angle(x, u, p)
     y.cam_speed = speed
     y.cam_lift = cam.s
     y.contact_offset = cam.ds
-    y.next_event = next_event(t, x, u, p)
     y.surface_position = cam.s + x.bending
     y.surface_velocity = cam.ds * speed + x.bending_rate
     y.radius_of_curvature = radius_of_curvature(p.base_radius, cam)
@@ -305,7 +270,7 @@ def output(t: float, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters,
 
 
 @kernel
-def energy(t: float, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters, e: Vector) -> None:
+def energy(t: float, x: CamshaftState, u: CamshaftInputs, p: ShaftParameters, e: Vector) -> None:
     s = shaft_element(p)
     elastic = s.twist_stiffness * x.twist**2 + s.k11 * x.bending**2 + s.k22 * x.slope**2
     elastic += 2.0 * s.k12 * x.bending * x.slope
@@ -317,16 +282,59 @@ def energy(t: float, x: CamshaftState, u: CamshaftInputs, p: CamshaftParameters,
     e[2] = 0.0
 
 
+def make_next_event(profile: CamProfile) -> Any:
+    """A kernel (cam, t, x, u, p) -> the time at which the profile breaks next.
+
+    By angle, speed and acceleration of the drive, and of a flexible shaft by the twist as it is; within a radian of
+    the twist's own oscillation also by its rate and acceleration.
+    """
+    find_breaks = profile.find_breaks
+
+    @kernel
+    def next_event(cam: Lift, t: float, x: CamshaftState, u: CamshaftInputs, p: Any) -> float:
+        breaks = find_breaks(cam_angle(x, u, p), p)
+        speed, acceleration = p.drive_ratio * u.drive_speed, p.drive_ratio * u.drive_acceleration
+        wait = time_to_break(breaks, speed, acceleration)
+        if p.flexible != 0.0:
+            e = shaft_element(p)
+            if wait < math.sqrt(p.polar_inertia / e.twist_stiffness):
+                acceleration += twist_acceleration(cam, e, x, u, p)
+                wait = time_to_break(breaks, speed + x.twist_rate, acceleration)
+        return min(t + wait, NO_EVENT)
+
+    return next_event
+
+
+def make_motion(profile: CamProfile) -> tuple[Any, Any]:
+    """The kernels `derivative` and `output` of a camshaft with this profile."""
+    lift, next_event = profile.lift, make_next_event(profile)
+
+    @kernel
+    def derivative(t: float, x: CamshaftState, u: CamshaftInputs, p: Any, dx: CamshaftState) -> None:
+        move_shaft(lift(cam_angle(x, u, p), p), x, u, p, dx)
+
+    @kernel
+    def output(t: float, x: CamshaftState, u: CamshaftInputs, p: Any, y: CamshaftOutputs) -> None:
+        cam = lift(cam_angle(x, u, p), p)
+        show_surface(cam, x, u, p, y)
+        y.next_event = next_event(cam, t, x, u, p)
+
+    return derivative, output
+
+
 @counts_energies
-def camshaft() -> Component:
-    """One cam on its shaft element."""
+def camshaft(table_points: int = 0) -> Component:
+    """One cam on its shaft element: by a law, or through `table_points` points."""
+    profile, parameters = (TABLE, TableCamshaftParameters) if table_points else (LAW, CamshaftParameters)
+    sizes = {"table_points": table_points}
+    derivative, output = make_motion(profile)
     inputs = Layout(CamshaftInputs)
     angle, speed = ("drive_angle",), ("drive_angle", "drive_speed")
     return Component(
         tolerance=FINE_TOLERANCE,
         name="camshaft",
-        description="Cycloidal cam for a flat follower on a rigid or flexible shaft",
-        parameters=Layout(CamshaftParameters),
+        description="Cam for a flat follower on a rigid or flexible shaft",
+        parameters=Layout(parameters, sizes),
         state=Layout(CamshaftState),
         inputs=inputs,
         outputs=Layout(CamshaftOutputs),
@@ -351,7 +359,8 @@ def camshaft() -> Component:
             PowerBond("contact_load", "surface_velocity", -1),
             PowerBond("friction_force", "sliding_velocity", -1),
         ),
-        requirements=PROFILE_REQUIREMENTS,
+        requirements=(*profile.requirements, require_convexity(profile)),
+        structure=sizes,
         # Where the entrainment reverses, film formulas have a kink: they know |u|.
         event_indicators=("entraining_velocity",),
         next_event="next_event",

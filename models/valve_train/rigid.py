@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from .cam_profile import cycloidal_lift, entraining_velocity, radius_of_curvature
+from .cams.law import law_lift
+from .cams.profile import entraining_velocity, radius_of_curvature
 from .camshaft import CamshaftParameters
 from .valve_spring import ValveSpringParameters
 
@@ -21,7 +22,7 @@ def contact_conditions(
     angle: float, speed: float, cam: CamshaftParameters, spring: ValveSpringParameters
 ) -> ContactConditions:
     """At a cam angle (rad, nose at pi) and speed (rad/s): W = f_p + k0 s + m3 s'' omega^2."""
-    lift = cycloidal_lift(angle, cam.lift, cam.rise_angle, cam.dwell_half_width)
+    lift = law_lift(angle, cam)
     return ContactConditions(
         spring.preload + spring.spring_rate * lift.s + spring.valve_mass * lift.dds * speed**2,
         entraining_velocity(cam.base_radius, lift, speed),

@@ -1,0 +1,1 @@
+"""Cam profiles: by a law, or through points."""

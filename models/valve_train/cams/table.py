@@ -1,0 +1,126 @@
+"""Cam profile through points: lift, slope and curvature at cam angles, with a polynomial of degree 5 in between.
+
+Quintic splines, and all piecewise polynomials up to degree 5 with continuous s'', are such profiles exactly.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple
+
+from ...compile.kernel import kernel
+from ...core.quantities import Quantity, Vector, per_element
+from ...core.requirements import Requirement
+from ...plausible import CAM_RADIUS
+from .lift import Lift
+from .profile import Breaks, CamProfile, turn_to_break
+
+TURN = 2.0 * math.pi
+
+
+@dataclass
+class TableParameters:
+    """Angles ascend within one turn; the profile goes on periodically from the last point to the first one."""
+
+    base_radius: Annotated[
+        float,
+        Quantity(
+            "m", "base circle radius R0", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
+        ),
+    ] = 20e-3
+    smooth: Annotated[
+        float, Quantity("1", "s''' is continuous, as of a spline; false: it jumps at every point", boolean=True)
+    ] = 1.0
+    table_angle: Annotated[
+        Vector, Quantity("rad", "cam angle of a point", display_unit="deg", size="table_points")
+    ] = per_element()
+    table_lift: Annotated[
+        Vector, Quantity("m", "lift s at a point", nominal=1e-3, display_unit="mm", size="table_points")
+    ] = per_element()
+    table_slope: Annotated[
+        Vector, Quantity("m", "s' at a point, by radian", nominal=1e-2, display_unit="mm", size="table_points")
+    ] = per_element()
+    table_curvature: Annotated[
+        Vector, Quantity("m", "s'' at a point, by radian squared", nominal=1e-2, display_unit="mm", size="table_points")
+    ] = per_element()
+
+
+class Segment(NamedTuple):
+    """Between two points: the first one's index, the angle from it, the angle to the second, its index."""
+
+    first: int
+    into: float
+    length: float
+    last: int
+
+
+@kernel
+def find_segment(angle: float, p: Any) -> Segment:
+    """By bisection; the last segment closes the turn."""
+    n = p.table_angle.size
+    into = angle - p.table_angle[0]
+    into -= TURN * math.floor(into / TURN)
+    low, high = 0, n
+    while high - low > 1:
+        middle = (low + high) // 2
+        if p.table_angle[middle] - p.table_angle[0] <= into:
+            low = middle
+        else:
+            high = middle
+    begin = p.table_angle[low] - p.table_angle[0]
+    end = p.table_angle[high] - p.table_angle[0] if high < n else TURN
+    return Segment(low, into - begin, end - begin, high if high < n else 0)
+
+
+@kernel
+def table_lift(angle: float, p: Any) -> Lift:
+    """The polynomial of degree 5 that has s, s' and s'' of both ends of its segment."""
+    segment = find_segment(angle, p)
+    i, j, h = segment.first, segment.last, segment.length
+    x = segment.into / h
+    c0, c1, c2 = p.table_lift[i], h * p.table_slope[i], 0.5 * h * h * p.table_curvature[i]
+    rest = p.table_lift[j] - (c0 + c1 + c2)
+    slope_rest = h * p.table_slope[j] - (c1 + 2.0 * c2)
+    curvature_rest = h * h * p.table_curvature[j] - 2.0 * c2
+    c3 = 10.0 * rest - 4.0 * slope_rest + 0.5 * curvature_rest
+    c4 = -15.0 * rest + 7.0 * slope_rest - curvature_rest
+    c5 = 6.0 * rest - 3.0 * slope_rest + 0.5 * curvature_rest
+    return Lift(
+        c0 + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5)))),
+        (c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))) / h,
+        (2.0 * c2 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))) / (h * h),
+    )
+
+
+@kernel
+def find_table_breaks(angle: float, p: Any) -> Breaks:
+    """The nearest points, where the table is not smooth."""
+    breaks = Breaks(math.inf, math.inf)
+    if p.smooth != 0.0:
+        return breaks
+    n, i = p.table_angle.size, find_segment(angle, p).first
+    for near in range(i - 1, i + 3):
+        breaks = turn_to_break(p.table_angle[near % n], angle, breaks)
+    return breaks
+
+
+@kernel
+def angles_ascend(p: Any, told: Vector) -> bool:
+    """Within one turn."""
+    n = p.table_angle.size
+    for i in range(n):
+        following = p.table_angle[i + 1] if i + 1 < n else p.table_angle[0] + TURN
+        if not p.table_angle[i] < following:
+            told[0], told[1], told[2] = i + 1.0, math.degrees(p.table_angle[i]), math.degrees(following)
+            return False
+    return True
+
+
+ANGLES_ASCEND = Requirement(
+    angles_ascend,
+    "table_angle[{0:.0f}] = {1:g} deg: must be less than the next one, {2:g} deg (of the last point: the first one a "
+    "turn later)",
+)
+
+TABLE = CamProfile(TableParameters, table_lift, find_table_breaks, (ANGLES_ASCEND,))
