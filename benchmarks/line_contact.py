@@ -26,6 +26,7 @@ from models.contact.line.transient import (
     wanted_scale,
 )
 from models.contact.line.workspace import Workspace, workspace_in, workspace_size
+from models.core.quantities import Layout
 from models.valve_train.camshaft import CamshaftParameters
 from models.valve_train.rigid import contact_conditions
 from models.valve_train.valve_spring import ValveSpringParameters
@@ -34,7 +35,8 @@ from .measure import measure_medians
 
 NODES = (101, 301, 701, 1501, 3001)
 SPEED = 1000.0 * math.pi / 30.0
-CAM, SPRING, CONTACT = CamshaftParameters(), ValveSpringParameters(), ContactParameters()
+CAM = Layout(CamshaftParameters).defaults()
+SPRING, CONTACT = ValveSpringParameters(), ContactParameters()
 LENGTH = 12e-3
 BODIES = Bodies(elastic_compliance(207e9, 0.3, 207e9, 0.3), LENGTH)
 FLUID = Lubricant(0.036, 1.8e-8)

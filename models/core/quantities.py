@@ -203,6 +203,10 @@ class Layout:
         """The record that shares the vector's memory."""
         return vector.view(self.dtype)[0]
 
+    def defaults(self) -> Any:
+        """The record of the start values."""
+        return self.view(self.start.copy())
+
     def faults(self, vector: Vector) -> list[str]:
         """Messages for every element outside its allowed range."""
         found = (f.quantity.fault(f.name, float(v)) for f, v in zip(self.fields, vector, strict=True))

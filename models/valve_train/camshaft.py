@@ -285,8 +285,8 @@ def energy(t: float, x: CamshaftState, u: CamshaftInputs, p: ShaftParameters, e:
 def make_next_event(profile: CamProfile) -> Any:
     """A kernel (cam, t, x, u, p) -> the time at which the profile breaks next.
 
-    By angle, speed and acceleration of the drive, and of a flexible shaft by the twist as it is; within a radian of
-    the twist's own oscillation also by its rate and acceleration.
+    By angle, speed and acceleration of the drive, and of a flexible shaft by the twist as it is; within a
+    radian of the twist's own oscillation also by its rate and acceleration.
     """
     find_breaks = profile.find_breaks
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .cams.law import law_lift
 from .cams.profile import entraining_velocity, radius_of_curvature
-from .camshaft import CamshaftParameters
 from .valve_spring import ValveSpringParameters
 
 
@@ -19,9 +18,12 @@ class ContactConditions(NamedTuple):
 
 
 def contact_conditions(
-    angle: float, speed: float, cam: CamshaftParameters, spring: ValveSpringParameters
+    angle: float, speed: float, cam: Any, spring: ValveSpringParameters
 ) -> ContactConditions:
-    """At a cam angle (rad, nose at pi) and speed (rad/s): W = f_p + k0 s + m3 s'' omega^2."""
+    """At a cam angle (rad, nose at pi) and speed (rad/s): W = f_p + k0 s + m3 s'' omega^2.
+
+    `cam` is a record of parameters of a cam by a law.
+    """
     lift = law_lift(angle, cam)
     return ContactConditions(
         spring.preload + spring.spring_rate * lift.s + spring.valve_mass * lift.dds * speed**2,

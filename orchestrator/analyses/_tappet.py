@@ -27,7 +27,8 @@ from models.valve_train.valve_spring import ValveSpringParameters
 from .protocol import Parameter
 
 PROFILES = ("straight", "chamfered", "crowned", "logarithmic")
-CONTACT, CAM, SPRING = ContactParameters(), CamshaftParameters(), ValveSpringParameters()
+CAM = Layout(CamshaftParameters).defaults()
+CONTACT, SPRING = ContactParameters(), ValveSpringParameters()
 COMPLIANCE = elastic_compliance(
     CONTACT.youngs_modulus_1, CONTACT.poissons_ratio_1, CONTACT.youngs_modulus_2, CONTACT.poissons_ratio_2
 )

@@ -13,7 +13,9 @@ from scipy.optimize import brentq
 from models.core.quantities import Vector
 from models.core.system import System
 from models.monolithic import Reference
-from models.valve_train.cam_profile import Lift, cycloidal_lift, entraining_velocity
+from models.valve_train.cams.law import law_lift
+from models.valve_train.cams.lift import Lift
+from models.valve_train.cams.profile import entraining_velocity
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 
@@ -135,8 +137,7 @@ class Runs:
 
     def lift(self, angle_deg: float) -> Lift:
         """Lift and its derivatives by the cam angle."""
-        p = self.parameters("camshaft")
-        return cycloidal_lift(math.radians(angle_deg), p.lift, p.rise_angle, p.dwell_half_width)
+        return law_lift(math.radians(angle_deg), self.parameters("camshaft"))
 
     def entraining(self, angle_deg: float, speed_rpm: float = KINEMATIC_SPEED) -> float:
         """Entraining velocity of the rigid cam (m/s)."""

@@ -13,7 +13,8 @@ from models.core.component import NO_EVENT
 from models.monolithic import equilibrium, solve
 from models.slider_crank.motions.histories import LIFT
 from models.slider_crank.motions.machine import Machine, Motion
-from models.valve_train.cam_profile import REACHED, cycloidal_lift
+from models.valve_train.cams.law import law_lift
+from models.valve_train.cams.profile import REACHED
 
 from .slider_cranks import CRANK, DRIVEN, STATE, advance, thesis_parameters, turn
 from .systems import column, outputs_of, valve_train
@@ -42,7 +43,7 @@ def jump_of_third_derivative(angle):
     h = 1e-4
 
     def bend(a):
-        return cycloidal_lift(a, PROFILE.lift, PROFILE.rise_angle, PROFILE.dwell_half_width).dds
+        return law_lift(a, PROFILE).dds
 
     after, before = (bend(angle + h) - bend(angle)) / h, (bend(angle) - bend(angle - h)) / h
     return (after - before) / (PROFILE.lift / PROFILE.rise_angle * (TURN / PROFILE.rise_angle) ** 2)

@@ -60,9 +60,9 @@ MUTATIONS = {
         "p.spring_rate / (math.pi**2 * p.surge_frequency)",
     ),
     "s' off by 1 %": (
-        "valve_train/cam_profile.py",
-        "side * lift / rise_angle",
-        "1.01 * side * lift / rise_angle",
+        "valve_train/cams/rises.py",
+        "p.lift / rise_angle * (1.0 - math.cos(w * a))",
+        "1.01 * p.lift / rise_angle * (1.0 - math.cos(w * a))",
     ),
     "Hertz's term left out": (
         "contact/hertz.py",
@@ -70,7 +70,7 @@ MUTATIONS = {
         "half_width(1.0, radius, length, compliance))",
     ),
     "entrainment with s'' for 2 s''": (
-        "valve_train/cam_profile.py",
+        "valve_train/cams/profile.py",
         "base_radius + cam.s + 2.0 * cam.dds",
         "base_radius + cam.s + cam.dds",
     ),

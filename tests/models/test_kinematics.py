@@ -8,23 +8,22 @@ from decimal import Decimal, getcontext
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.valve_train.cam_profile import (
-    cycloidal_lift,
-    entraining_velocity,
-    radius_of_curvature,
-    smallest_radius_of_curvature,
-)
+from models.core.quantities import Layout
+from models.valve_train.cams.law import LAW, law_lift
+from models.valve_train.cams.profile import entraining_velocity, find_smallest_radius, radius_of_curvature
+from models.valve_train.camshaft import CamshaftParameters
 
 from .systems import outputs_of
 
 S, R0 = 8e-3, 2.610272395869072 * 8e-3
 B, DWELL = math.radians(88.66608103115016), math.radians(1.333918968849847)
+KUSHWAHA_CAM = Layout(CamshaftParameters).defaults()
 SPEED = 1000.0 * math.pi / 30.0
 KUSHWAHA, EVALUATION = "zeros stated by Kushwaha et al. (2000)", "independent evaluation"
 
 
 def cam(degrees: float):
-    return cycloidal_lift(math.radians(degrees), S, B, DWELL)
+    return law_lift(math.radians(degrees), KUSHWAHA_CAM)
 
 
 def decimal_sine(x: Decimal) -> Decimal:
@@ -97,7 +96,7 @@ def test_numbers_at_120_degrees_and_1000_rpm(record):
 
 
 def test_smallest_radius_is_7_125_mm(record):
-    smallest = smallest_radius_of_curvature(R0, S, B, DWELL)
+    smallest = find_smallest_radius(LAW)(KUSHWAHA_CAM)
     record("Cam", "smallest radius of curvature", smallest, 7.125e-3, EVALUATION, tolerance=0.5e-6)
     assert radius_of_curvature(R0, cam(180 + 24.4)) == pytest.approx(7.125e-3, abs=1e-6)
 

@@ -10,8 +10,10 @@ import pytest
 
 from models.catalogue import CATALOGUE
 from models.core.evaluation import Evaluation, Interpreted
+from models.core.quantities import Layout
 from models.core.system import Instance, ModelError, Port, System
-from models.valve_train.cam_profile import cycloidal_lift
+from models.valve_train.cams.law import law_lift
+from models.valve_train.camshaft import CamshaftParameters
 
 from .systems import VALVE_TRAIN, valve_train
 
@@ -105,9 +107,7 @@ def test_algebraic_loop_of_free_flywheel_and_rigid_camshaft(degrees):
         [c for c in VALVE_TRAIN if c[0].split(".")[0] in ("flywheel", "camshaft") and "contact" not in c[1]],
     )
     assert system.torn
-    offset = cycloidal_lift(
-        math.radians(degrees), 8e-3, math.radians(88.66608103115016), math.radians(1.333918968849847)
-    ).ds
+    offset = law_lift(math.radians(degrees), Layout(CamshaftParameters).defaults()).ds
     exact = (torque - ratio * load * offset) / (inertia + 3.0e-4 * ratio**2)
     evaluation = Evaluation(system)
     y = evaluation.outputs(0.0, system.x0)

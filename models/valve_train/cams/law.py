@@ -31,7 +31,12 @@ class LawParameters:
     lift: Annotated[
         float,
         Quantity(
-            "m", "lift S of the law, without ramps", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_LIFT
+            "m",
+            "lift S of the law, without ramps",
+            nominal=1e-2,
+            positive=True,
+            display_unit="mm",
+            plausible=CAM_LIFT,
         ),
     ] = 8e-3
     base_radius: Annotated[
@@ -40,10 +45,12 @@ class LawParameters:
             "m", "base circle radius R0", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
         ),
     ] = 2.610272395869072 * 8e-3
-    rise_angle: Annotated[float, _angle("cam angle of the rise B", positive=True)] = math.radians(88.66608103115016)
+    rise_angle: Annotated[float, _angle("cam angle of the rise B", positive=True)] = math.radians(
+        88.66608103115016
+    )
     fall_angle: Annotated[float, _angle("cam angle of the fall; 0: as the rise", minimum=0.0)] = 0.0
-    dwell_half_width: Annotated[float, _angle("half width d of the dwell at the nose", minimum=0.0)] = math.radians(
-        1.333918968849847
+    dwell_half_width: Annotated[float, _angle("half width d of the dwell at the nose", minimum=0.0)] = (
+        math.radians(1.333918968849847)
     )
     power_p: Annotated[float, Quantity("1", "power p of the law high_powers", minimum=4.0)] = 8.0
     power_q: Annotated[float, Quantity("1", "power q of the law high_powers", minimum=4.0)] = 14.0
@@ -51,17 +58,19 @@ class LawParameters:
     power_t: Annotated[float, Quantity("1", "power t of the law high_powers", minimum=4.0)] = 26.0
     ramp_height: Annotated[
         float,
-        Quantity("m", "lift of the ramps; 0: none", nominal=1e-4, minimum=0.0, display_unit="mm", plausible=LASH),
+        Quantity(
+            "m", "lift of the ramps; 0: none", nominal=1e-4, minimum=0.0, display_unit="mm", plausible=LASH
+        ),
     ] = 0.0
-    opening_ramp_angle: Annotated[float, _angle("cam angle of constant velocity before the rise", minimum=0.0)] = (
-        math.radians(20.0)
-    )
-    closing_ramp_angle: Annotated[float, _angle("cam angle of constant velocity after the fall", minimum=0.0)] = (
-        math.radians(20.0)
-    )
-    ramp_blend_angle: Annotated[float, _angle("cam angle in which a ramp's velocity blends", positive=True)] = (
-        math.radians(5.0)
-    )
+    opening_ramp_angle: Annotated[
+        float, _angle("cam angle of constant velocity before the rise", minimum=0.0)
+    ] = math.radians(20.0)
+    closing_ramp_angle: Annotated[
+        float, _angle("cam angle of constant velocity after the fall", minimum=0.0)
+    ] = math.radians(20.0)
+    ramp_blend_angle: Annotated[
+        float, _angle("cam angle in which a ramp's velocity blends", positive=True)
+    ] = math.radians(5.0)
 
 
 @kernel
@@ -160,10 +169,11 @@ def powers_differ(p: Any, told: Vector) -> bool:
 
 EVENT_FITS = Requirement(
     event_fits,
-    "rise_angle + dwell_half_width with the ramps = {0:g} deg before the nose, {1:g} deg after it: must be at most "
-    "180 deg each",
+    "rise_angle + dwell_half_width with the ramps = {0:g} deg before the nose, {1:g} deg after it: must be at "
+    "most 180 deg each",
 )
 POWERS_DIFFER = Requirement(
-    powers_differ, "power_p, power_q, power_r, power_t = {0:g}, {1:g}, {2:g}, {3:g}: must ascend, e.g. 8, 14, 20, 26"
+    powers_differ,
+    "power_p, power_q, power_r, power_t = {0:g}, {1:g}, {2:g}, {3:g}: must ascend, e.g. 8, 14, 20, 26",
 )
 LAW = CamProfile(LawParameters, law_lift, find_law_breaks, (EVENT_FITS, POWERS_DIFFER))

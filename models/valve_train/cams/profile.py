@@ -1,7 +1,7 @@
 """What a cam shaft or a follower needs of a cam profile, and the kinematics of a flat follower on it.
 
-Kushwaha et al. 2000 (K), section 4.6; the entraining velocity with the speed that K's own formula lacks. Angles
-in rad; a prime is d/d(cam angle).
+Kushwaha et al. 2000 (K), section 4.6; the entraining velocity with the speed that K's own formula lacks.
+Angles in rad; a prime is d/d(cam angle).
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class Breaks(NamedTuple):
 class CamProfile:
     """A kind of cam profile.
 
-    `parameters` is the record class that describes one, with `base_radius` among its fields; other records take
-    over its fields. Kernels take such a record p:
-    `lift(angle, p)` is a Lift, for any real angle (rad); `find_breaks(angle, p)` are the Breaks, where s'' or
+    `parameters` is the record class that describes one, with `base_radius` among its fields. Components take
+    over its fields. Kernels take such a record p: `lift(angle, p)` is a Lift,
+    for any real angle (rad); `find_breaks(angle, p)` are the Breaks, where s'' or
     s''' jumps.
     """
 
@@ -89,8 +89,8 @@ def require_convexity(profile: CamProfile) -> Requirement:
 
     return Requirement(
         is_convex,
-        "base_radius: the smallest radius of curvature is {0:.3f} mm; it must be > 0 for a flat follower (undercut); "
-        "increase base_radius, or take a profile with less |s''|",
+        "base_radius: the smallest radius of curvature is {0:.3f} mm; it must be > 0 for a flat follower "
+        "(undercut); increase base_radius, or take a profile with less |s''|",
     )
 
 

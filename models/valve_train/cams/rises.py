@@ -1,7 +1,7 @@
 """Laws of the rise of a cam: the lift s and its derivatives over the cam angle a in (0, B).
 
 To add one: a kernel, listed in `RISES`. All laws but the harmonic one begin and end with s'' = 0.
-Norton, Cam Design and Manufacturing Handbook, chapters 2 to 4; polynomials with high powers: Qin and Zuo 2000.
+Norton, Cam Design and Manufacturing Handbook, chapters 2 to 4.
 """
 
 from __future__ import annotations
@@ -87,12 +87,17 @@ def coefficient(power: float, a: float, b: float, c: float, d: float) -> float:
 @kernel
 def power_terms(c: float, n: float, x: float, rise_angle: float) -> Lift:
     """c x^n and its derivatives by the cam angle, for x = 1 - a/B."""
-    return Lift(c * x**n, -c * n * x ** (n - 1.0) / rise_angle, c * n * (n - 1.0) * x ** (n - 2.0) / rise_angle**2)
+    return Lift(
+        c * x**n, -c * n * x ** (n - 1.0) / rise_angle, c * n * (n - 1.0) * x ** (n - 2.0) / rise_angle**2
+    )
 
 
 @kernel
 def high_powers(a: float, rise_angle: float, p: Any) -> Lift:
-    """s = S (1 + C_2 x^2 + C_p x^p + C_q x^q + C_r x^r + C_t x^t), x = 1 - a/B: s to s'''' vanish at its foot."""
+    """s = S (1 + C_2 x^2 + C_p x^p + C_q x^q + C_r x^r + C_t x^t), x = 1 - a/B.
+
+    At its foot s and four derivatives vanish.
+    """
     x = 1.0 - a / rise_angle
     s, ds, dds = 1.0, 0.0, 0.0
     for n, o, q, r, t in (

@@ -1,4 +1,4 @@
-"""Cam profile through points: lift, slope and curvature at cam angles, with a polynomial of degree 5 in between.
+"""Cam profile through points: lift, slope and curvature at cam angles, polynomials of degree 5 in between.
 
 Quintic splines, and all piecewise polynomials up to degree 5 with continuous s'', are such profiles exactly.
 """
@@ -21,7 +21,7 @@ TURN = 2.0 * math.pi
 
 @dataclass
 class TableParameters:
-    """Angles ascend within one turn; the profile goes on periodically from the last point to the first one."""
+    """Angles ascend within one turn. After the last point the profile goes on to the first one."""
 
     base_radius: Annotated[
         float,
@@ -30,7 +30,8 @@ class TableParameters:
         ),
     ] = 20e-3
     smooth: Annotated[
-        float, Quantity("1", "s''' is continuous, as of a spline; false: it jumps at every point", boolean=True)
+        float,
+        Quantity("1", "s''' is continuous, as of a spline; false: it jumps at every point", boolean=True),
     ] = 1.0
     table_angle: Annotated[
         Vector, Quantity("rad", "cam angle of a point", display_unit="deg", size="table_points")
@@ -39,10 +40,14 @@ class TableParameters:
         Vector, Quantity("m", "lift s at a point", nominal=1e-3, display_unit="mm", size="table_points")
     ] = per_element()
     table_slope: Annotated[
-        Vector, Quantity("m", "s' at a point, by radian", nominal=1e-2, display_unit="mm", size="table_points")
+        Vector,
+        Quantity("m", "s' at a point, by radian", nominal=1e-2, display_unit="mm", size="table_points"),
     ] = per_element()
     table_curvature: Annotated[
-        Vector, Quantity("m", "s'' at a point, by radian squared", nominal=1e-2, display_unit="mm", size="table_points")
+        Vector,
+        Quantity(
+            "m", "s'' at a point, by radian squared", nominal=1e-2, display_unit="mm", size="table_points"
+        ),
     ] = per_element()
 
 
@@ -119,8 +124,8 @@ def angles_ascend(p: Any, told: Vector) -> bool:
 
 ANGLES_ASCEND = Requirement(
     angles_ascend,
-    "table_angle[{0:.0f}] = {1:g} deg: must be less than the next one, {2:g} deg (of the last point: the first one a "
-    "turn later)",
+    "table_angle[{0:.0f}] = {1:g} deg: must be less than the next one, {2:g} deg (of the last point: the "
+    "first one a turn later)",
 )
 
 TABLE = CamProfile(TableParameters, table_lift, find_table_breaks, (ANGLES_ASCEND,))

@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.line_contact import Turn
 from models.contact.analysis.line.history import FilmHistory, film_history
 from models.contact.line.grid import REACH, fill_kernel_matrix, place_nodes
-from models.core.quantities import Vector
+from models.core.quantities import Layout, Vector
 from models.valve_train.camshaft import CamshaftParameters
 from models.valve_train.rigid import contact_conditions
 from models.valve_train.valve_spring import ValveSpringParameters
@@ -26,7 +26,7 @@ class Motion(NamedTuple):
 def motion(degrees: Vector, revolutions_per_minute: float) -> Motion:
     """Load, entraining velocity and radius at these cam angles (nose at 180)."""
     speed = revolutions_per_minute * math.pi / 30.0
-    cam, spring = CamshaftParameters(), ValveSpringParameters()
+    cam, spring = Layout(CamshaftParameters).defaults(), ValveSpringParameters()
     conditions = np.array([contact_conditions(a, speed, cam, spring) for a in np.radians(degrees)])
     return Motion(np.radians(degrees) / speed, *conditions.T)
 
