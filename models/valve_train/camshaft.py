@@ -28,7 +28,7 @@ from .cams.profile import (
     sliding_velocity,
     time_to_break,
 )
-from .cams.table import TABLE, TableParameters
+from .cams.table import TABLE, TableParameters, check_table
 
 
 @dataclass
@@ -325,6 +325,7 @@ def make_motion(profile: CamProfile) -> tuple[Any, Any]:
 @counts_energies
 def camshaft(table_points: int = 0) -> Component:
     """One cam on its shaft element: by a law, or through `table_points` points."""
+    check_table(table_points)
     profile, parameters = (TABLE, TableCamshaftParameters) if table_points else (LAW, CamshaftParameters)
     sizes = {"table_points": table_points}
     derivative, output = make_motion(profile)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
+from models.catalogue import CATALOGUE
 from models.core.component import Component
 
 from ..errors import one_of
 from ..participants import ThirdPartyComponent, is_made_here, read_component
 from .fields import Table, Written
+from .lift_table import LiftTableError, insert_lift_table
 from .third_party_values import convert_enumerations, select_strings
 from .values import Faults, Value, build_component, parse_values
 
@@ -38,6 +41,11 @@ class ComponentTable(Table):
         description="Name of the component in the catalogue; left out for an .fmu file that stands for "
         "itself",
         validate_default=True,
+    )
+    lift_table: str | None = Field(
+        None,
+        description="CSV file of cam angles and lifts, for a cam through points; it becomes `structure` and "
+        "`parameters`",
     )
     structure: dict[str, int] = Field({}, description="Structural sizes, e.g. coil_masses")
     substeps: int = Field(
@@ -66,6 +74,20 @@ class ComponentTable(Table):
                 except ValueError as error:
                     raise Faults(("participant", f": {error}")) from None
         return table
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_lift_table(cls, table: Any) -> Any:
+        """Replace a lift table by the points of the cam profile."""
+        if not isinstance(table, dict) or table.get("lift_table") is None:
+            return table
+        component = CATALOGUE.get(str(table.get("component")))
+        if component is None or "table_points" not in inspect.signature(component).parameters:
+            raise Faults(("lift_table", f": {table.get('component')} has no cam profile; leave it out"))
+        try:
+            return insert_lift_table(table)
+        except LiftTableError as error:
+            raise Faults(("lift_table", f": {error}")) from None
 
     @field_validator("participant")
     @classmethod

@@ -106,8 +106,8 @@ def add_ramp(base: Lift, a: float, constant: float, p: Any) -> Lift:
 
 @kernel
 def rise_and_dwell(a: float, rise_angle: float, p: Any) -> Lift:
-    """One side without ramp; a runs from 0 at the foot to B at the dwell."""
-    if a >= rise_angle:
+    """One side without ramp; a runs from 0 at the foot to B at the dwell, or the nose without dwell."""
+    if a >= rise_angle and p.dwell_half_width > 0.0:
         return Lift(p.lift, 0.0, 0.0)
     if a <= 0.0:
         return Lift(0.0, 0.0, 0.0)
@@ -169,8 +169,8 @@ def powers_differ(p: Any, told: Vector) -> bool:
 
 EVENT_FITS = Requirement(
     event_fits,
-    "rise_angle + dwell_half_width with the ramps = {0:g} deg before the nose, {1:g} deg after it: must be at "
-    "most 180 deg each",
+    "rise_angle + dwell_half_width with the ramps = {0:g} deg before the nose, {1:g} deg after it: must be "
+    "at most 180 deg each",
 )
 POWERS_DIFFER = Requirement(
     powers_differ,

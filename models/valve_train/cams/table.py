@@ -17,6 +17,8 @@ from .lift import Lift
 from .profile import Breaks, CamProfile, turn_to_break
 
 TURN = 2.0 * math.pi
+# The description of an FMU has four variables for each point.
+LEAST_POINTS, MOST_POINTS = 3, 2000
 
 
 @dataclass
@@ -49,6 +51,38 @@ class TableParameters:
             "m", "s'' at a point, by radian squared", nominal=1e-2, display_unit="mm", size="table_points"
         ),
     ] = per_element()
+
+
+@dataclass(frozen=True)
+class Points:
+    """The points of a profile: `angle` (rad), `lift` (m), `slope` (m/rad), `curvature` (m/rad^2)."""
+
+    angle: Vector
+    lift: Vector
+    slope: Vector
+    curvature: Vector
+    smooth: bool = True
+
+    def parameters(self) -> dict[str, float]:
+        """As parameters of a component with a table of so many points."""
+        columns = {
+            "table_angle": self.angle,
+            "table_lift": self.lift,
+            "table_slope": self.slope,
+            "table_curvature": self.curvature,
+        }
+        values = {
+            f"{name}[{i + 1}]": float(v) for name, column in columns.items() for i, v in enumerate(column)
+        }
+        return {"smooth": float(self.smooth)} | values
+
+
+def check_table(points: int) -> None:
+    """ValueError for a number of points out of range; 0 is none."""
+    if points and not LEAST_POINTS <= points <= MOST_POINTS:
+        raise ValueError(
+            f"table_points = {points}: must be 0 (a cam by a law) or from {LEAST_POINTS} to {MOST_POINTS}"
+        )
 
 
 class Segment(NamedTuple):

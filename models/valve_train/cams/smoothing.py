@@ -1,0 +1,133 @@
+"""A cam profile through measured or rounded lifts: the periodic quintic smoothing spline.
+
+It minimises sum (y_i - s(a_i))^2 + lambda * integral s'''^2 da over the turn, with lambda by generalised
+cross-validation (Craven and Wahba 1979), which needs no knowledge of the noise. The third derivative in the
+penalty makes s'' continuous to its own second derivative.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BSpline
+from scipy.linalg import cholesky, eigh, solve_triangular
+from scipy.optimize import minimize_scalar
+
+from ...core.quantities import Vector
+from .table import TURN, Points
+
+DEGREE = 5
+# More samples than this share knots: the matrices are dense.
+MOST_KNOTS = 720
+# Fewer leave nothing to smooth.
+LEAST_SAMPLES = 12
+
+
+@dataclass(frozen=True)
+class SmoothedLift:
+    """The spline at its knots, with what it says of the samples.
+
+    `residual`: rms of the samples' differences from the spline (m). `noise`: standard deviation of the
+    samples' errors (m). `curvature_error`: largest standard deviation of s'' (m/rad^2).
+    """
+
+    points: Points
+    residual: float
+    noise: float
+    curvature_error: float
+
+    @property
+    def resolution(self) -> float:
+        """The rounding step with such errors (m): sqrt(12) noise, as they are spread evenly over a step."""
+        return math.sqrt(12.0) * self.noise
+
+
+def interpolate_lift(angle: Vector, lift: Vector) -> Points:
+    """The periodic quintic spline through exact lifts (m) at ascending angles (rad) within one turn."""
+    basis = _PeriodicBasis(angle)
+    return basis.points(np.asarray(np.linalg.solve(basis.at(angle), lift)))
+
+
+def smooth_lift(angle: Vector, lift: Vector, rounding: float = 0.0) -> SmoothedLift:
+    """The smoothing spline of samples: ascending angles (rad) within one turn, lifts (m).
+
+    `rounding` is the step of the lifts (m), where it is known. It has no influence on the spline, but the
+    samples' noise is at least that of the step.
+    ValueError for fewer than 12 samples, and for angles that do not ascend within a turn.
+    """
+    if angle.size < LEAST_SAMPLES:
+        raise ValueError(f"{angle.size} samples: a lift table needs at least {LEAST_SAMPLES}")
+    if not (np.all(np.diff(angle) > 0.0) and angle[-1] - angle[0] < TURN):
+        raise ValueError("the angles must ascend, and span less than a turn")
+    knots = angle if angle.size <= MOST_KNOTS else angle[0] + TURN / MOST_KNOTS * np.arange(MOST_KNOTS)
+    basis = _PeriodicBasis(knots)
+    matrix = basis.at(angle)
+    # In the coordinates z the sum of squares and the penalty are diagonal.
+    lower = cholesky(matrix.T @ matrix, lower=True)
+    half = solve_triangular(lower, basis.penalty(), lower=True)
+    roughness, vectors = eigh(solve_triangular(lower, half.T, lower=True).T)
+    roughness = np.maximum(roughness, 0.0)
+    z = vectors.T @ solve_triangular(lower, matrix.T @ lift, lower=True)
+    to_coefficients = solve_triangular(lower.T, vectors, lower=False)
+    beyond = float(np.sum((lift - matrix @ (to_coefficients @ z)) ** 2)) if knots.size < angle.size else 0.0
+
+    def remainder(log_lambda: float) -> tuple[float, float]:
+        """Sum of squares of the residuals, and degrees of freedom left."""
+        kept = 1.0 / (1.0 + 10.0**log_lambda * roughness)
+        return beyond + float(np.sum(((1.0 - kept) * z) ** 2)), angle.size - float(kept.sum())
+
+    def score(log_lambda: float) -> float:
+        squares, left = remainder(log_lambda)
+        return squares / max(left, 1e-6) ** 2
+
+    grid = np.linspace(-18.0, 2.0, 81)
+    best = grid[int(np.argmin([score(g) for g in grid]))]
+    found = minimize_scalar(score, bounds=(best - 0.25, best + 0.25), method="bounded")
+    squares, left = remainder(float(found.x))
+    noise = max(math.sqrt(squares / left), rounding / math.sqrt(12.0))
+    kept = 1.0 / (1.0 + 10.0 ** float(found.x) * roughness)
+    coefficients = to_coefficients @ (kept * z)
+    bends = basis.at(knots, 2)
+    # Wahba's posterior covariance, noise^2 (B^T B + lambda Omega)^-1, of s'' at the knots.
+    spread = np.sqrt(np.sum((bends @ to_coefficients) ** 2 * kept, axis=1))
+    return SmoothedLift(
+        basis.points(coefficients),
+        residual=math.sqrt(squares / angle.size),
+        noise=noise,
+        curvature_error=noise * float(spread.max()),
+    )
+
+
+class _PeriodicBasis:
+    """Periodic B-splines of degree 5 on these knots (rad), one for each."""
+
+    def __init__(self, knots: Vector) -> None:
+        n = self._size = knots.size
+        turns = np.arange(-DEGREE, n + DEGREE + 1)
+        self._extended = knots[turns % n] + TURN * (turns // n)
+        self._knots = knots
+
+    def at(self, angles: Vector, derivative: int = 0) -> Vector:
+        """Values of all splines (columns) or of a derivative, at angles (rows)."""
+        into = self._knots[0] + (angles - self._knots[0]) % TURN
+        count = self._size + DEGREE
+        splines = BSpline(self._extended, np.eye(count), DEGREE)
+        values = splines(into, nu=derivative)
+        values[:, :DEGREE] += values[:, self._size :]
+        return np.asarray(values[:, : self._size])
+
+    def points(self, coefficients: Vector) -> Points:
+        """The spline with these coefficients, at the knots."""
+        lift, slope, curvature = (self.at(self._knots, nu) @ coefficients for nu in range(3))
+        return Points(self._knots, lift, slope, curvature)
+
+    def penalty(self) -> Vector:
+        """Integrals of the products of third derivatives: of degree 4, exact by three points."""
+        points, weights = np.polynomial.legendre.leggauss(DEGREE - 2)
+        begins = self._extended[DEGREE : DEGREE + self._size]
+        lengths = np.diff(self._extended[DEGREE : DEGREE + self._size + 1])
+        angles = (begins[:, None] + 0.5 * lengths[:, None] * (1.0 + points)).ravel()
+        thirds = self.at(angles, 3)
+        return np.asarray(thirds.T @ (thirds * (0.5 * lengths[:, None] * weights).ravel()[:, None]))

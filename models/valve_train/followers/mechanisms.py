@@ -1,0 +1,78 @@
+"""Where the arc of a follower stands for a lift: translating followers, and fingers about an end pivot."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ...compile.kernel import kernel
+from ..cams.lift import Lift
+from .arc import ArcMotion
+
+
+class Translating(NamedTuple):
+    """Base circle radius of the cam, radius of the roller or pad, offset of its path from the cam's axis (m)."""
+
+    base_radius: float
+    radius: float
+    offset: float
+
+
+@kernel
+def move_translating(cam: Lift, g: Translating) -> ArcMotion:
+    """The centre at (e, Y), Y = sqrt((R0 + r)^2 - e^2) + s."""
+    pitch = g.base_radius + g.radius
+    y = math.sqrt(pitch * pitch - g.offset * g.offset) + cam.s
+    return ArcMotion(g.offset, y, 0.0, cam.ds, 0.0, cam.dds, 0.0)
+
+
+class Finger(NamedTuple):
+    """A finger on its end pivot.
+
+    Base circle radius of the cam; radius of the roller or pad; distance from the pivot to the centre of the arc
+    (m); angle by which that line falls from the pivot, valve closed (rad); distance from the pivot to the centre
+    of the pad on the valve (m); angle by which that line falls further (rad). The cam's surface moves towards
+    the pivot; negative distances put the pivot on the other side.
+    """
+
+    base_radius: float
+    radius: float
+    cam_arm: float
+    pivot_angle: float
+    valve_arm: float
+    valve_angle: float
+
+
+@kernel
+def turn_finger(cam: Lift, g: Finger) -> Lift:
+    """Rotation of the finger (rad) with its derivatives, for a lift of the valve.
+
+    s = L_v (sin(beta - alpha) + sin(alpha)), as the tip of the valve is flat and normal to y.
+    """
+    closed = g.pivot_angle + g.valve_angle
+    sine = cam.s / g.valve_arm - math.sin(closed)
+    cosine = math.sqrt(1.0 - sine * sine)
+    rate = cam.ds / (g.valve_arm * cosine)
+    return Lift(
+        closed + math.asin(sine), rate, cam.dds / (g.valve_arm * cosine) + sine / cosine * rate * rate
+    )
+
+
+@kernel
+def move_finger(cam: Lift, g: Finger) -> ArcMotion:
+    """The centre on its circle about the pivot; valve closed it is at (0, R0 + r)."""
+    beta = turn_finger(cam, g)
+    angle = beta.s - g.pivot_angle
+    x, y = g.cam_arm * math.cos(angle), g.cam_arm * math.sin(angle)
+    pivot_x = -g.cam_arm * math.cos(g.pivot_angle)
+    pivot_y = g.base_radius + g.radius + g.cam_arm * math.sin(g.pivot_angle)
+    square = beta.ds * beta.ds
+    return ArcMotion(
+        pivot_x + x,
+        pivot_y + y,
+        -y * beta.ds,
+        x * beta.ds,
+        -y * beta.dds - x * square,
+        x * beta.dds - y * square,
+        beta.ds,
+    )

@@ -1,0 +1,162 @@
+"""The shape of a cam from the lift of any follower, and the lift of another follower on that shape.
+
+A shape is a curve in the cam's own frame. The cam turns anticlockwise, so that a flat follower touches the normal
+at phi, clockwise from y, at the cam angle phi. A prime is d/d(cam angle), q the coordinate of a follower.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...core.quantities import Vector
+from ..cams.lift import Lift
+from ..cams.table import TURN, Points
+from .arc import ArcMotion, touch_arc
+from .mechanisms import Finger, Translating
+
+LiftLaw = Callable[[float], Lift]
+
+
+@dataclass(frozen=True)
+class CamShape:
+    """Contour (m) with its unit normals and its radii of curvature (m, negative where hollow)."""
+
+    x: Vector
+    y: Vector
+    normal_x: Vector
+    normal_y: Vector
+    radius: Vector
+
+
+def shape_of_flat(angles: Vector, lift: LiftLaw, base_radius: float) -> CamShape:
+    """Of the lift of a flat follower: p n + p' t with p = R0 + s, and rho = p + s''."""
+    s, ds, dds = np.array([lift(a) for a in angles]).T
+    p, n_x, n_y = base_radius + s, np.sin(angles), np.cos(angles)
+    return CamShape(p * n_x + ds * n_y, p * n_y - ds * n_x, n_x, n_y, p + dds)
+
+
+def shape_of_arc(angles: Vector, motion: Callable[[float], ArcMotion], radius: float) -> CamShape:
+    """Of the motion of a roller or pad of this radius (m) over the cam angle."""
+    motions = [motion(a) for a in angles]
+    contacts = [touch_arc(m, radius) for m in motions]
+    n_x, n_y = np.array([(c.normal_x, c.normal_y) for c in contacts]).T
+    x, y = np.array([(m.x, m.y) for m in motions]).T
+    contour = _turn(x - radius * n_x, y - radius * n_y, -angles)
+    return CamShape(*contour, *_turn(n_x, n_y, -angles), np.array([c.radius for c in contacts]))
+
+
+class Pose(NamedTuple):
+    """Cam angle and coordinate q of a follower, its centre's dC/dq and d2C/dq2 (both components), all arrays."""
+
+    angle: Vector
+    q: Vector
+    rate_x: Vector
+    rate_y: Vector
+    bend_x: Vector
+    bend_y: Vector
+
+
+class Path(NamedTuple):
+    """How a follower moves: radius of its arc, its pose from the centre in the cam's frame, its lift of q."""
+
+    radius: float
+    pose: Callable[[Vector, Vector], Pose]
+    lift: Callable[[Vector, Vector, Vector], tuple[Vector, Vector, Vector]]
+
+
+def path_of_translating(g: Translating) -> Path:
+    """q = Y; the lift is what Y is above its rest."""
+    rest = math.sqrt((g.base_radius + g.radius) ** 2 - g.offset**2)
+
+    def pose(x: Vector, y: Vector) -> Pose:
+        height = np.sqrt(x * x + y * y - g.offset**2)
+        zero = np.zeros_like(x)
+        return Pose(
+            np.arctan2(height, g.offset) - np.arctan2(y, x), height, zero, zero + 1.0, zero, zero
+        )
+
+    return Path(g.radius, pose, lambda q, dq, ddq: (q - rest, dq, ddq))
+
+
+def path_of_finger(g: Finger) -> Path:
+    """q = rotation; the lift is the valve's, which is closed at q = 0."""
+    pivot_x = -g.cam_arm * math.cos(g.pivot_angle)
+    pivot_y = g.base_radius + g.radius + g.cam_arm * math.sin(g.pivot_angle)
+    distance, closed = math.hypot(pivot_x, pivot_y), g.pivot_angle + g.valve_angle
+
+    def pose(x: Vector, y: Vector) -> Pose:
+        away = np.hypot(x, y)
+        cosine = (away**2 + distance**2 - g.cam_arm**2) / (2.0 * away * distance)
+        side = math.copysign(1.0, g.cam_arm)
+        direction = math.atan2(pivot_y, pivot_x) - side * np.arccos(cosine)
+        from_x, from_y = away * np.cos(direction) - pivot_x, away * np.sin(direction) - pivot_y
+        turned = np.arctan2(side * from_y, side * from_x) + g.pivot_angle
+        return Pose(direction - np.arctan2(y, x), turned, -from_y, from_x, -from_x, -from_y)
+
+    def lift(q: Vector, dq: Vector, ddq: Vector) -> tuple[Vector, Vector, Vector]:
+        sine, cosine = np.sin(q - closed), np.cos(q - closed)
+        return (
+            g.valve_arm * (sine + math.sin(closed)),
+            g.valve_arm * cosine * dq,
+            g.valve_arm * (cosine * ddq - sine * dq * dq),
+        )
+
+    return Path(g.radius, pose, lift)
+
+
+def follow(shape: CamShape, path: Path) -> Points:
+    """The lift of a follower on the cam, at the cam angles at which it touches the shape's points.
+
+    The normal is perpendicular to the centre's motion in the cam's frame, n . (q' C_q - z x C) = 0, which gives q';
+    its derivative gives q'', with the normal's turn by the curvature. ValueError, with the angle, where the
+    follower does not touch all points one after the other: the arc is larger than a hollow, or the cam undercut.
+    """
+    centre_x, centre_y = shape.x + path.radius * shape.normal_x, shape.y + path.radius * shape.normal_y
+    pose = path.pose(centre_x, centre_y)
+    x, y = _turn(centre_x, centre_y, pose.angle)
+    n_x, n_y = _turn(shape.normal_x, shape.normal_y, pose.angle)
+    along = n_x * pose.rate_x + n_y * pose.rate_y
+    dq = (n_y * x - n_x * y) / along
+    v_x, v_y = dq * pose.rate_x + y, dq * pose.rate_y - x
+    tangent = n_y * v_x - n_x * v_y
+    turn = tangent / (shape.radius + path.radius) - 1.0
+    bend_x, bend_y = dq**2 * pose.bend_x + dq * pose.rate_y, dq**2 * pose.bend_y - dq * pose.rate_x
+    ddq = -(turn * tangent + n_x * bend_x + n_y * bend_y) / along
+    angle = np.unwrap(pose.angle)
+    _check_progress(angle, shape.radius + path.radius)
+    return _order(angle, path.lift(pose.q, dq, ddq))
+
+
+def sample_angles(count: int, breaks: Sequence[float] = ()) -> Vector:
+    """Equally spaced cam angles (rad) over a turn, and these breaks of a profile among them."""
+    even = TURN * np.arange(count) / count
+    wanted = np.array([b % TURN for b in breaks])
+    far = [a for a in even if not wanted.size or np.abs(wanted - a).min() > 1e-3 * TURN / count]
+    return np.unique(np.concatenate([far, wanted]))
+
+
+def _turn(x: Vector, y: Vector, angle: Vector) -> tuple[Vector, Vector]:
+    """Vectors turned anticlockwise by these angles."""
+    c, s = np.cos(angle), np.sin(angle)
+    return c * x - s * y, s * x + c * y
+
+
+def _check_progress(angle: Vector, radius: Vector) -> None:
+    wrong = np.flatnonzero((np.diff(angle) <= 0.0) | (radius[:-1] <= 0.0) | ~np.isfinite(angle[:-1]))
+    if wrong.size:
+        raise ValueError(
+            f"the follower cannot touch the cam at {math.degrees(angle[wrong[0]]):.1f} deg: its radius and that of "
+            f"the cam there make {1e3 * radius[wrong[0]]:.3g} mm; take a smaller radius or a larger base circle"
+        )
+
+
+def _order(angle: Vector, lift: tuple[Vector, Vector, Vector]) -> Points:
+    """From the smallest angle in [0, 2 pi)."""
+    within = angle % TURN
+    order: Any = np.argsort(within)
+    return Points(within[order], *(column[order] for column in lift))
