@@ -1,7 +1,7 @@
 """Contact of a cam with a follower whose surface is a circular arc: a roller, or a pad fixed to its body.
 
-The cam turns about the origin, anticlockwise by the cam angle; its follower lies in the direction of y. A prime
-is d/d(cam angle). The arc's centre moves as the cam's pitch curve asks.
+The cam turns about the origin, anticlockwise by the cam angle; its follower lies in the direction of y. A
+prime is d/d(cam angle). The arc's centre moves as the cam's pitch curve asks.
 """
 
 from __future__ import annotations
@@ -24,15 +24,17 @@ class ArcMotion(NamedTuple):
     turn: float
 
 
-class ArcContact(NamedTuple):
-    """Where a cam touches an arc.
+class CamContact(NamedTuple):
+    """Where a cam touches its follower.
 
-    `normal_x`, `normal_y`: unit normal out of the cam. `arm`: of the load about the cam's axis (m): the torque
-    against the rotation is load * arm. `radius`: of curvature of the cam (m, negative where hollow).
-    `cam_rate`, `follower_rate`: distances by which the contact moves along both surfaces, per cam angle (m).
-    `normal_turn`: turning rate of the normal, clockwise.
+    `x`, `y`: the point (m). `normal_x`, `normal_y`: unit normal out of the cam. `arm`: of the load about the
+    cam's axis (m): the torque against the rotation is load * arm. `radius`: of curvature of the cam (m,
+    negative where hollow). `cam_rate`, `follower_rate`: distances by which the contact moves along both
+    surfaces, per cam angle (m). `normal_turn`: turning rate of the normal, clockwise.
     """
 
+    x: float
+    y: float
     normal_x: float
     normal_y: float
     arm: float
@@ -43,7 +45,7 @@ class ArcContact(NamedTuple):
 
 
 @kernel
-def touch_arc(m: ArcMotion, radius: float) -> ArcContact:
+def touch_arc(m: ArcMotion, radius: float) -> CamContact:
     """The contact of the cam that moves the centre of an arc of this radius so.
 
     In the cam's frame the centre has the velocity v = C' - z x C and the acceleration
@@ -56,7 +58,9 @@ def touch_arc(m: ArcMotion, radius: float) -> ArcContact:
     # Turning rate of the normal in the cam's frame: |v| over the pitch curve's radius.
     turn = (vy * ax - vx * ay) / (speed * speed)
     cam_rate = speed - radius * turn
-    return ArcContact(
+    return CamContact(
+        m.x - radius * normal_x,
+        m.y - radius * normal_y,
         normal_x,
         normal_y,
         normal_x * m.dx + normal_y * m.dy,

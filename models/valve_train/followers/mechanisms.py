@@ -1,4 +1,4 @@
-"""Where the arc of a follower stands for a lift: translating followers, and fingers about an end pivot."""
+"""Contact of a cam with flat and translating followers and with fingers about an end pivot, for a lift."""
 
 from __future__ import annotations
 
@@ -7,11 +7,24 @@ from typing import NamedTuple
 
 from ...compile.kernel import kernel
 from ..cams.lift import Lift
-from .arc import ArcMotion
+from .arc import ArcMotion, CamContact, touch_arc
+
+
+class Flat(NamedTuple):
+    """Base circle radius of the cam (m)."""
+
+    base_radius: float
+
+
+@kernel
+def touch_flat(cam: Lift, g: Flat) -> CamContact:
+    """The contact is s' beside the axis; rho = R0 + s + s''."""
+    radius = g.base_radius + cam.s + cam.dds
+    return CamContact(cam.ds, g.base_radius + cam.s, 0.0, 1.0, cam.ds, radius, radius, cam.dds, 0.0)
 
 
 class Translating(NamedTuple):
-    """Base circle radius of the cam, radius of the roller or pad, offset of its path from the cam's axis (m)."""
+    """Base circle radius of the cam, radius of the roller or pad, offset of its path from the axis (m)."""
 
     base_radius: float
     radius: float
@@ -26,13 +39,18 @@ def move_translating(cam: Lift, g: Translating) -> ArcMotion:
     return ArcMotion(g.offset, y, 0.0, cam.ds, 0.0, cam.dds, 0.0)
 
 
+@kernel
+def touch_translating(cam: Lift, g: Translating) -> CamContact:
+    return touch_arc(move_translating(cam, g), g.radius)
+
+
 class Finger(NamedTuple):
     """A finger on its end pivot.
 
-    Base circle radius of the cam; radius of the roller or pad; distance from the pivot to the centre of the arc
-    (m); angle by which that line falls from the pivot, valve closed (rad); distance from the pivot to the centre
-    of the pad on the valve (m); angle by which that line falls further (rad). The cam's surface moves towards
-    the pivot; negative distances put the pivot on the other side.
+    Base circle radius of the cam; radius of the roller or pad; distance from the pivot to the centre of the
+    arc (m); angle by which that line falls from the pivot, valve closed (rad); distance from the pivot to
+    the centre of the pad on the valve (m); angle by which that line falls further (rad). The cam's surface
+    moves towards the pivot; negative distances put the pivot on the other side.
     """
 
     base_radius: float
@@ -76,3 +94,8 @@ def move_finger(cam: Lift, g: Finger) -> ArcMotion:
         x * beta.dds - y * square,
         beta.ds,
     )
+
+
+@kernel
+def touch_finger(cam: Lift, g: Finger) -> CamContact:
+    return touch_arc(move_finger(cam, g), g.radius)

@@ -1,7 +1,8 @@
 """The shape of a cam from the lift of any follower, and the lift of another follower on that shape.
 
-A shape is a curve in the cam's own frame. The cam turns anticlockwise, so that a flat follower touches the normal
-at phi, clockwise from y, at the cam angle phi. A prime is d/d(cam angle), q the coordinate of a follower.
+A shape is a curve in the cam's own frame. The cam turns anticlockwise, so that a flat follower touches the
+normal at phi, clockwise from y, at the cam angle phi. A prime is d/d(cam angle), q the coordinate of a
+follower.
 """
 
 from __future__ import annotations
@@ -16,10 +17,24 @@ import numpy as np
 from ...core.quantities import Vector
 from ..cams.lift import Lift
 from ..cams.table import TURN, Points
-from .arc import ArcMotion, touch_arc
-from .mechanisms import Finger, Translating
+from .arc import CamContact
+from .mechanisms import Finger, Flat, Translating, touch_finger, touch_flat, touch_translating
 
 LiftLaw = Callable[[float], Lift]
+
+
+class Follower(NamedTuple):
+    """A kind of follower.
+
+    `geometry` is its record; `touch(lift, geometry)` is its contact; `follow(shape, geometry)` its lift on a
+    shape. A rolling one has the cam's surface velocity.
+    """
+
+    description: str
+    geometry: type
+    touch: Callable[[Lift, Any], CamContact]
+    follow: Callable[[CamShape, Any], Points]
+    rolling: bool = False
 
 
 @dataclass(frozen=True)
@@ -33,25 +48,24 @@ class CamShape:
     radius: Vector
 
 
-def shape_of_flat(angles: Vector, lift: LiftLaw, base_radius: float) -> CamShape:
-    """Of the lift of a flat follower: p n + p' t with p = R0 + s, and rho = p + s''."""
-    s, ds, dds = np.array([lift(a) for a in angles]).T
-    p, n_x, n_y = base_radius + s, np.sin(angles), np.cos(angles)
-    return CamShape(p * n_x + ds * n_y, p * n_y - ds * n_x, n_x, n_y, p + dds)
+def trace_shape(angles: Vector, lift: LiftLaw, follower: Follower, geometry: Any) -> CamShape:
+    """The shape that lifts this follower so, at these cam angles (rad)."""
+    contacts = [follower.touch(lift(a), geometry) for a in angles]
+    x, y, n_x, n_y, _, radius, *_ = np.array(contacts).T
+    return CamShape(*_turn(x, y, -angles), *_turn(n_x, n_y, -angles), radius)
 
 
-def shape_of_arc(angles: Vector, motion: Callable[[float], ArcMotion], radius: float) -> CamShape:
-    """Of the motion of a roller or pad of this radius (m) over the cam angle."""
-    motions = [motion(a) for a in angles]
-    contacts = [touch_arc(m, radius) for m in motions]
-    n_x, n_y = np.array([(c.normal_x, c.normal_y) for c in contacts]).T
-    x, y = np.array([(m.x, m.y) for m in motions]).T
-    contour = _turn(x - radius * n_x, y - radius * n_y, -angles)
-    return CamShape(*contour, *_turn(n_x, n_y, -angles), np.array([c.radius for c in contacts]))
+def follow_flat(shape: CamShape, g: Flat) -> Points:
+    """p = point . normal, p' along the tangent, p'' = rho - p, at the angle of the normal."""
+    angle = np.unwrap(np.arctan2(shape.normal_x, shape.normal_y))
+    _check_progress(angle, shape.radius)
+    p = shape.x * shape.normal_x + shape.y * shape.normal_y
+    slope = shape.x * shape.normal_y - shape.y * shape.normal_x
+    return _order(angle, (p - g.base_radius, slope, shape.radius - p))
 
 
 class Pose(NamedTuple):
-    """Cam angle and coordinate q of a follower, its centre's dC/dq and d2C/dq2 (both components), all arrays."""
+    """Cam angles and coordinates q of a follower, with its centre's dC/dq and d2C/dq2."""
 
     angle: Vector
     q: Vector
@@ -69,21 +83,19 @@ class Path(NamedTuple):
     lift: Callable[[Vector, Vector, Vector], tuple[Vector, Vector, Vector]]
 
 
-def path_of_translating(g: Translating) -> Path:
+def follow_translating(shape: CamShape, g: Translating) -> Points:
     """q = Y; the lift is what Y is above its rest."""
     rest = math.sqrt((g.base_radius + g.radius) ** 2 - g.offset**2)
 
     def pose(x: Vector, y: Vector) -> Pose:
         height = np.sqrt(x * x + y * y - g.offset**2)
         zero = np.zeros_like(x)
-        return Pose(
-            np.arctan2(height, g.offset) - np.arctan2(y, x), height, zero, zero + 1.0, zero, zero
-        )
+        return Pose(np.arctan2(height, g.offset) - np.arctan2(y, x), height, zero, zero + 1.0, zero, zero)
 
-    return Path(g.radius, pose, lambda q, dq, ddq: (q - rest, dq, ddq))
+    return _follow_arc(shape, Path(g.radius, pose, lambda q, dq, ddq: (q - rest, dq, ddq)))
 
 
-def path_of_finger(g: Finger) -> Path:
+def follow_finger(shape: CamShape, g: Finger) -> Points:
     """q = rotation; the lift is the valve's, which is closed at q = 0."""
     pivot_x = -g.cam_arm * math.cos(g.pivot_angle)
     pivot_y = g.base_radius + g.radius + g.cam_arm * math.sin(g.pivot_angle)
@@ -106,15 +118,16 @@ def path_of_finger(g: Finger) -> Path:
             g.valve_arm * (cosine * ddq - sine * dq * dq),
         )
 
-    return Path(g.radius, pose, lift)
+    return _follow_arc(shape, Path(g.radius, pose, lift))
 
 
-def follow(shape: CamShape, path: Path) -> Points:
-    """The lift of a follower on the cam, at the cam angles at which it touches the shape's points.
+def _follow_arc(shape: CamShape, path: Path) -> Points:
+    """The lift of an arc on the cam, at the cam angles at which it touches the shape's points.
 
-    The normal is perpendicular to the centre's motion in the cam's frame, n . (q' C_q - z x C) = 0, which gives q';
-    its derivative gives q'', with the normal's turn by the curvature. ValueError, with the angle, where the
-    follower does not touch all points one after the other: the arc is larger than a hollow, or the cam undercut.
+    The normal is perpendicular to the centre's motion in the cam's frame, n . (q' C_q - z x C) = 0, which
+    gives q'; its derivative gives q'', with the normal's turn by the curvature. ValueError, with the angle,
+    where the follower does not touch all points one after the other: the arc is larger than a hollow, or the
+    cam undercut.
     """
     centre_x, centre_y = shape.x + path.radius * shape.normal_x, shape.y + path.radius * shape.normal_y
     pose = path.pose(centre_x, centre_y)
@@ -150,8 +163,9 @@ def _check_progress(angle: Vector, radius: Vector) -> None:
     wrong = np.flatnonzero((np.diff(angle) <= 0.0) | (radius[:-1] <= 0.0) | ~np.isfinite(angle[:-1]))
     if wrong.size:
         raise ValueError(
-            f"the follower cannot touch the cam at {math.degrees(angle[wrong[0]]):.1f} deg: its radius and that of "
-            f"the cam there make {1e3 * radius[wrong[0]]:.3g} mm; take a smaller radius or a larger base circle"
+            f"the follower cannot touch the cam at {math.degrees(angle[wrong[0]]):.1f} deg: its radius and that "
+            f"of the cam there add up to {1e3 * radius[wrong[0]]:.3g} mm; take a smaller radius or a larger "
+            "base circle"
         )
 
 
@@ -160,3 +174,14 @@ def _order(angle: Vector, lift: tuple[Vector, Vector, Vector]) -> Points:
     within = angle % TURN
     order: Any = np.argsort(within)
     return Points(within[order], *(column[order] for column in lift))
+
+
+FOLLOWERS: dict[str, Follower] = {
+    "flat": Follower("flat tappet or bucket", Flat, touch_flat, follow_flat),
+    "roller": Follower(
+        "translating roller", Translating, touch_translating, follow_translating, rolling=True
+    ),
+    "pad": Follower("translating pad of circular arc", Translating, touch_translating, follow_translating),
+    "finger_roller": Follower("roller on a finger", Finger, touch_finger, follow_finger, rolling=True),
+    "finger_pad": Follower("pad on a finger", Finger, touch_finger, follow_finger),
+}
