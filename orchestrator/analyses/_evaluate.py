@@ -17,9 +17,10 @@ from rich.text import Text
 
 from ..errors import MistakeError
 from ..reporter import Reporter
+from ..scenario.units import to_unit
 from ..scenario.values import Value
 from ..store.output_folder import OutputFolderError
-from . import Analysis, list_analyses, load
+from . import Analysis, Result, list_analyses, load
 
 if TYPE_CHECKING:
     import xarray
@@ -134,7 +135,7 @@ def write_results(
 def build_results_table(analysis: Analysis, results: Mapping[str, float | str]) -> Table:
     """The results with their units."""
     rows = (
-        (name, _format_value(results[name]), _format_unit(result.unit), result.description)
+        (name, *_format_result(results[name], result), result.description)
         for name, result in analysis.results.items()
     )
     return _build_table(("result", "value", "unit", "meaning"), rows)
@@ -163,6 +164,13 @@ def _build_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Table
     for row in rows:
         table.add_row(*map(Text, row))
     return table
+
+
+def _format_result(value: float | str, result: Result) -> tuple[str, str]:
+    """Value and unit, in the unit that the result is shown in."""
+    if isinstance(value, str) or not result.display_unit:
+        return _format_value(value), _format_unit(result.unit)
+    return _format_value(value / to_unit(f"1 {result.display_unit}", result.unit)), result.display_unit
 
 
 def _format_value(value: Value) -> str:

@@ -58,7 +58,7 @@ def trace_shape(angles: Vector, lift: LiftLaw, follower: Follower, geometry: Any
 def follow_flat(shape: CamShape, g: Flat) -> Points:
     """p = point . normal, p' along the tangent, p'' = rho - p, at the angle of the normal."""
     angle = np.unwrap(np.arctan2(shape.normal_x, shape.normal_y))
-    _check_progress(angle, shape.radius)
+    _check_progress(angle, shape, math.inf)
     p = shape.x * shape.normal_x + shape.y * shape.normal_y
     slope = shape.x * shape.normal_y - shape.y * shape.normal_x
     return _order(angle, (p - g.base_radius, slope, shape.radius - p))
@@ -141,7 +141,7 @@ def _follow_arc(shape: CamShape, path: Path) -> Points:
     bend_x, bend_y = dq**2 * pose.bend_x + dq * pose.rate_y, dq**2 * pose.bend_y - dq * pose.rate_x
     ddq = -(turn * tangent + n_x * bend_x + n_y * bend_y) / along
     angle = np.unwrap(pose.angle)
-    _check_progress(angle, shape.radius + path.radius)
+    _check_progress(angle, shape, path.radius)
     return _order(angle, path.lift(pose.q, dq, ddq))
 
 
@@ -159,13 +159,15 @@ def _turn(x: Vector, y: Vector, angle: Vector) -> tuple[Vector, Vector]:
     return c * x - s * y, s * x + c * y
 
 
-def _check_progress(angle: Vector, radius: Vector) -> None:
-    wrong = np.flatnonzero((np.diff(angle) <= 0.0) | (radius[:-1] <= 0.0) | ~np.isfinite(angle[:-1]))
+def _check_progress(angle: Vector, shape: CamShape, radius: float) -> None:
+    """A hollow of the cam must be wider than the arc, and contacts must follow one another."""
+    narrow = (shape.radius <= 0.0) & (shape.radius + radius >= 0.0)
+    wrong = np.flatnonzero(narrow[:-1] | ~(np.diff(angle) > 0.0))
     if wrong.size:
+        degrees, curved = math.degrees(angle[wrong[0]]), 1e3 * shape.radius[wrong[0]]
         raise ValueError(
-            f"the follower cannot touch the cam at {math.degrees(angle[wrong[0]]):.1f} deg: its radius and that "
-            f"of the cam there add up to {1e3 * radius[wrong[0]]:.3g} mm; take a smaller radius or a larger "
-            "base circle"
+            f"the follower cannot touch the cam at {degrees:.1f} deg, where the cam's radius of curvature is "
+            f"{curved:.3g} mm; take a smaller roller or pad, or a larger base circle"
         )
 
 

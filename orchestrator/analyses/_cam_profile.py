@@ -1,0 +1,145 @@
+"""The profile and the followers that the analysis of a cam is asked for, from its parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, NamedTuple, get_args, get_type_hints
+
+import numpy as np
+
+from models.core.quantities import Quantity
+from models.valve_train.cams.law import LAW, LawParameters, law_lift
+from models.valve_train.cams.lift import Lift
+from models.valve_train.cams.smoothing import SmoothedLift
+from models.valve_train.cams.table import Points, table_lift
+from models.valve_train.camshaft import camshaft
+from models.valve_train.followers.shape import FOLLOWERS, Follower
+
+from ..errors import MistakeError
+from ..scenario.lift_table import LiftTableError, read_lift_table
+from .protocol import Parameter
+
+# Of a follower: the geometry's field, and the parameter with its default.
+GEOMETRY = {
+    "radius": Parameter(10e-3, "m", "radius of roller or pad", positive=True),
+    "offset": Parameter(0.0, "m", "offset of a translating follower's path from the cam's axis"),
+    "cam_arm": Parameter(28e-3, "m", "finger: from the pivot to the centre of roller or pad"),
+    "pivot_angle": Parameter(
+        math.radians(8.0), "rad", "finger: fall of that line from the pivot, valve closed"
+    ),
+    "valve_arm": Parameter(40e-3, "m", "finger: from the pivot to the centre of the pad on the valve"),
+    "valve_angle": Parameter(math.radians(2.0), "rad", "finger: further fall of that line"),
+}
+NONE = "none"
+FIELDS = {name: tuple(get_type_hints(one.geometry)) for name, one in FOLLOWERS.items()}
+# Lifts of a table above this part of the largest belong to the event.
+EVENT = 1e-3
+
+
+def list_law_parameters() -> dict[str, Parameter]:
+    """The parameters of a cam by a law, as those of an analysis."""
+    hints = get_type_hints(LawParameters, include_extras=True)
+    return {
+        field.name: _convert(get_args(hints[field.name])[1], field.default) for field in fields(LawParameters)
+    }
+
+
+def _convert(quantity: Quantity, default: Any) -> Parameter:
+    return Parameter(
+        quantity.choices[int(default)] if quantity.choices else default,
+        quantity.unit,
+        quantity.description,
+        minimum=quantity.minimum if math.isfinite(quantity.minimum) else None,
+        maximum=quantity.maximum if math.isfinite(quantity.maximum) else None,
+        choices=quantity.choices,
+        positive=quantity.positive,
+    )
+
+
+class Profile(NamedTuple):
+    """A lift over the cam angle, its event and breaks (rad), and the smoothing of a table."""
+
+    lift: Callable[[float], Lift]
+    event: tuple[float, float]
+    breaks: list[float]
+    smoothing: SmoothedLift | None
+
+
+def build_profile(values: Mapping[str, Any]) -> Profile:
+    """By the law, or through the lift table; MistakeError for a fault."""
+    if values["lift_table"]:
+        try:
+            smoothed = read_lift_table(Path(values["lift_table"]).expanduser()).smooth()
+        except LiftTableError as error:
+            raise MistakeError(f"lift_table: {error}") from None
+        return Profile(interpolate(smoothed.points), _find_event(smoothed), [], smoothed)
+    layout = camshaft().parameters
+    given = {name: values[name] for name in list_law_parameters()}
+    given["law"] = float(layout.field("law").quantity.choices.index(given["law"]))
+    record = layout.view(layout.vector(given))
+    for requirement in LAW.requirements:
+        if fault := requirement.fault(record):
+            raise MistakeError(fault)
+    breaks = _list_breaks(record)
+    return Profile(lambda angle: law_lift(angle, record), (breaks[0], breaks[-1]), breaks, None)
+
+
+def interpolate(points: Points) -> Callable[[float], Lift]:
+    """The lift between points."""
+    layout = camshaft(table_points=points.angle.size).parameters
+    record = layout.view(layout.vector(points.parameters()))
+    return lambda angle: table_lift(angle, record)
+
+
+def _find_event(smoothed: SmoothedLift) -> tuple[float, float]:
+    """Where the lift is more than a thousandth of the largest, and more than its noise."""
+    points = smoothed.points
+    lifted = np.flatnonzero(points.lift > max(EVENT * points.lift.max(), 3.0 * smoothed.noise))
+    return float(points.angle[lifted[0]]), float(points.angle[lifted[-1]])
+
+
+def _list_breaks(record: Any) -> list[float]:
+    """All over a turn, each from the one before."""
+    found, angle = [], 0.0
+    while (angle := angle + LAW.find_breaks(angle, record).ahead) < 2.0 * math.pi:
+        found.append(float(angle))
+    return found
+
+
+def build_follower(name: str, values: Mapping[str, Any], prefix: str = "") -> tuple[Follower, Any]:
+    """The kind of that name, and its geometry from the parameters that begin with `prefix`."""
+    follower = FOLLOWERS[name]
+    given = {
+        field: values["base_radius"] if field == "base_radius" else values[prefix + field]
+        for field in FIELDS[name]
+    }
+    pitch = given["base_radius"] + given.get("radius", 0.0)
+    if abs(given.get("offset", 0.0)) >= pitch:
+        raise MistakeError(
+            f"{prefix}offset = {1e3 * given['offset']:g} mm: must be less than base_radius + radius = "
+            f"{1e3 * pitch:g} mm"
+        )
+    for arm in ("cam_arm", "valve_arm"):
+        if given.get(arm) == 0.0:
+            raise MistakeError(
+                f"{prefix}{arm} = 0 mm: must not be zero; < 0 puts the pivot on the other side"
+            )
+    return follower, follower.geometry(**given)
+
+
+def check_reach(name: str, geometry: Any, profile: Profile, values: Mapping[str, Any]) -> None:
+    """MistakeError, with the angle, where a finger cannot reach the lift."""
+    if not name.startswith("finger"):
+        return
+    for angle in np.radians(np.arange(0.0, 360.0)):
+        sine = profile.lift(angle).s / geometry.valve_arm - math.sin(
+            geometry.pivot_angle + geometry.valve_angle
+        )
+        if not -1.0 < sine < 1.0:
+            raise MistakeError(
+                f"valve_arm = {1e3 * geometry.valve_arm:g} mm: the finger cannot lift the valve by "
+                f"{1e3 * profile.lift(angle).s:g} mm, at {math.degrees(angle):g} deg; make it longer"
+            )

@@ -1,0 +1,194 @@
+"""A cam with its follower: shape, curvature, pressure angle, entrainment and derivatives of the lift."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray
+
+from models.core.quantities import Vector
+from models.valve_train.followers.shape import FOLLOWERS, Follower, sample_angles, trace_shape
+
+from ..errors import MistakeError
+from ._cam_profile import (
+    GEOMETRY,
+    NONE,
+    Profile,
+    build_follower,
+    build_profile,
+    check_reach,
+    interpolate,
+    list_law_parameters,
+)
+from ._table import column, draw_by
+from .protocol import Analysis, Parameter, Result
+
+POINTS = 720
+# Half a step of differences (rad) for the jerk.
+STEP = 1e-5
+
+
+def _tabulate(values: Mapping[str, Any]) -> xarray.Dataset:
+    profile = build_profile(values)
+    follower, geometry = build_follower(values["follower"], values)
+    check_reach(values["follower"], geometry, profile, values)
+    angles = sample_angles(POINTS, profile.breaks)
+    s, ds, dds = np.array([profile.lift(a) for a in angles]).T
+    _, _, n_x, n_y, arm, radius, cam_rate, follower_rate, _ = _touch(angles, profile, follower, geometry)
+    if follower.rolling:
+        follower_rate = cam_rate
+    shape = trace_shape(angles, profile.lift, follower, geometry)
+    columns = {
+        "lift": column("angle", s, "m", "lift"),
+        "slope": column("angle", ds, "m", "derivative of the lift by the cam angle (rad)"),
+        "curvature": column("angle", dds, "m", "second derivative of the lift"),
+        "jerk": column("angle", _differentiate(profile, angles), "m", "third derivative of the lift"),
+        "pressure_angle": column("angle", np.arctan2(n_x, n_y), "rad", "angle of the contact's normal"),
+        "radius_of_curvature": column("angle", radius, "m", "of the cam; negative where hollow"),
+        "entraining_velocity": column(
+            "angle", 0.5 * (cam_rate + follower_rate), "m", "entraining velocity over the cam's speed"
+        ),
+        "sliding_velocity": column(
+            "angle", cam_rate - follower_rate, "m", "sliding velocity over the cam's speed"
+        ),
+        "load_ratio": column("angle", _divide(ds, arm), "1", "contact load over the force on what is lifted"),
+        "contour_x": column("angle", shape.x, "m", "contour of the cam, x, with the cam angle at zero"),
+        "contour_y": column("angle", shape.y, "m", "contour of the cam, y"),
+    }
+    if values["other"] != NONE:
+        columns |= _follow(angles, profile, follower, geometry, values)
+    table = xarray.Dataset(columns, coords={"angle": column("angle", angles, "rad", "cam angle")})
+    return table.assign({**_evaluate_table(table, profile, values)})
+
+
+def _touch(angles: Vector, profile: Profile, follower: Follower, geometry: Any) -> Vector:
+    return np.asarray([follower.touch(profile.lift(a), geometry) for a in angles]).T
+
+
+def _differentiate(profile: Profile, angles: Vector) -> Vector:
+    """s''' by central differences of s''."""
+    after, before = (np.array([profile.lift(a + d).dds for a in angles]) for d in (STEP, -STEP))
+    return (after - before) / (2.0 * STEP)
+
+
+def _divide(part: Vector, whole: Vector) -> Vector:
+    """The quotient; not a number where the cam is round."""
+    round_there = np.abs(whole) < 1e-12
+    return np.where(round_there, np.nan, part / np.where(round_there, 1.0, whole))
+
+
+def _follow(
+    angles: Vector, profile: Profile, follower: Follower, geometry: Any, values: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The lift of the other follower on this cam."""
+    other, other_geometry = build_follower(values["other"], values, "other_")
+    shape = trace_shape(angles, profile.lift, follower, geometry)
+    try:
+        lift = interpolate(other.follow(shape, other_geometry))
+    except ValueError as error:
+        raise MistakeError(f"other = {values['other']}: {error}") from None
+    s, ds, dds = np.array([lift(a) for a in angles]).T
+    return {
+        "other_lift": column("angle", s, "m", "lift of the other follower on this cam"),
+        "other_slope": column("angle", ds, "m", "its derivative by the cam angle"),
+        "other_curvature": column("angle", dds, "m", "its second derivative"),
+    }
+
+
+def _evaluate_table(
+    table: xarray.Dataset, profile: Profile, values: Mapping[str, Any]
+) -> dict[str, float | str]:
+    """The results."""
+    angle, lift, speed = table["angle"].values, table["lift"].values, values["speed"]
+    slope, bend, jerk = (table[name].values for name in ("slope", "curvature", "jerk"))
+    radius, pressure = table["radius_of_curvature"].values, table["pressure_angle"].values
+    begin, end = profile.event
+    convex = np.where(radius > 0.0, radius, np.inf)
+    zeros, slopes = _find_reversals(angle, table["entraining_velocity"].values)
+    smoothing = profile.smoothing
+    return {
+        "largest_lift": float(lift.max()),
+        "at_angle": float(angle[np.argmax(lift)]),
+        "event": float(end - begin),
+        "ample_factor": float(np.trapezoid(lift, angle) / (lift.max() * (end - begin))),
+        "largest_velocity": float(np.abs(slope).max() * speed),
+        "largest_acceleration": float(bend.max() * speed**2),
+        "least_acceleration": float(bend.min() * speed**2),
+        "largest_jerk": float(np.abs(jerk).max() * speed**3),
+        "least_radius": float(convex.min()),
+        "least_radius_at": float(angle[np.argmin(convex)]),
+        "shape": _describe_shape(radius, values),
+        "largest_pressure_angle": float(np.abs(pressure).max()),
+        "reversals": ", ".join(f"{math.degrees(a):.2f}" for a in zeros) or "none",
+        "slope_at_reversals": float(max(slopes, default=math.nan)),
+        "table_residual": smoothing.residual if smoothing else math.nan,
+        "table_resolution": smoothing.resolution if smoothing else math.nan,
+        "curvature_uncertainty": smoothing.curvature_error if smoothing else math.nan,
+    }
+
+
+def _find_reversals(angle: Vector, entraining: Vector) -> tuple[list[float], list[float]]:
+    """Cam angles at which the entraining velocity vanishes, and the slopes of the lubrication characteristic,
+    2 u/omega, there (m/rad)."""
+    after = np.flatnonzero(entraining[:-1] * entraining[1:] < 0.0)
+    slopes = np.diff(entraining)[after] / np.diff(angle)[after]
+    zeros = angle[after] - entraining[after] / slopes
+    return [float(a) for a in zeros], [float(abs(2.0 * s)) for s in slopes]
+
+
+def _describe_shape(radius: Vector, values: Mapping[str, Any]) -> str:
+    """Whether the cam can be made: the pitch curve's radius rho + r must not be between 0 and r."""
+    follower = 0.0 if values["follower"] == "flat" else values["radius"]
+    if np.any((radius <= 0.0) & (radius + follower >= 0.0)):
+        return "undercut: the contour crosses itself; enlarge base_radius, or take a smaller radius"
+    if np.any(radius < 0.0):
+        return f"hollow flank: takes a grinding wheel of at most {-1e3 * radius[radius < 0.0].max():.4g} mm"
+    return "convex"
+
+
+def _evaluate(values: Mapping[str, Any]) -> dict[str, float | str]:
+    table = _tabulate(values)
+    return {name: table[name].item() for name in ANALYSIS.results}
+
+
+_FOLLOWERS = tuple(FOLLOWERS)
+ANALYSIS = Analysis(
+    name="cam",
+    description="A cam by a law or lift table: shape, curvature, pressure angle, entrainment, derivatives",
+    parameters={
+        "lift_table": Parameter("", "1", "CSV file of cam angle and lift, instead of a law"),
+        **list_law_parameters(),
+        "speed": Parameter(1000.0 * math.pi / 30.0, "rad/s", "speed of the cam", positive=True),
+        "follower": Parameter("flat", "1", "the follower that has the lift", choices=_FOLLOWERS),
+        **GEOMETRY,
+        "other": Parameter(
+            NONE, "1", "another follower, of which the lift is found", choices=(NONE, *_FOLLOWERS)
+        ),
+        **{f"other_{name}": parameter for name, parameter in GEOMETRY.items()},
+    },
+    results={
+        "largest_lift": Result("m", "largest lift", display_unit="mm"),
+        "at_angle": Result("rad", "cam angle of the largest lift", display_unit="deg"),
+        "event": Result("rad", "cam angle over which the valve is lifted", display_unit="deg"),
+        "ample_factor": Result("1", "mean lift of the event over the largest"),
+        "largest_velocity": Result("m/s", "largest velocity of the lift at this speed"),
+        "largest_acceleration": Result("m/s2", "largest acceleration"),
+        "least_acceleration": Result("m/s2", "largest deceleration"),
+        "largest_jerk": Result("m/s3", "largest jerk"),
+        "least_radius": Result("m", "least radius of curvature where the cam is convex", display_unit="mm"),
+        "least_radius_at": Result("rad", "cam angle there", display_unit="deg"),
+        "shape": Result("1", "what the radii say", text=True),
+        "largest_pressure_angle": Result("rad", "largest pressure angle", display_unit="deg"),
+        "reversals": Result("deg", "cam angles at which the entraining velocity vanishes", text=True),
+        "slope_at_reversals": Result("m/rad", "slope of the lubrication characteristic 2 u/omega there"),
+        "table_residual": Result("m", "lift table: rms of its differences from the smoothed lift"),
+        "table_resolution": Result("m", "lift table: resolution found"),
+        "curvature_uncertainty": Result("m", "lift table: standard deviation of s'', per rad^2"),
+    },
+    evaluate=_evaluate,
+    table=_tabulate,
+    draw=draw_by("cam", "draw_cam"),
+)
