@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import xarray
+from scipy.optimize import brentq
 
 from models.core.quantities import Vector
+from models.valve_train.cams.lift import Lift
 from models.valve_train.followers.shape import FOLLOWERS, Follower, sample_angles, trace_shape
 
 from ..errors import MistakeError
@@ -61,7 +63,13 @@ def _tabulate(values: Mapping[str, Any]) -> xarray.Dataset:
     if values["other"] != NONE:
         columns |= _follow(angles, profile, follower, geometry, values)
     table = xarray.Dataset(columns, coords={"angle": column("angle", angles, "rad", "cam angle")})
-    return table.assign({**_evaluate_table(table, profile, values)})
+    return table.assign(_evaluate_table(table, profile, follower, geometry, values))
+
+
+def _entrain(lift: Lift, follower: Follower, geometry: Any) -> float:
+    """u/omega."""
+    contact = follower.touch(lift, geometry)
+    return contact.cam_rate if follower.rolling else 0.5 * (contact.cam_rate + contact.follower_rate)
 
 
 def _touch(angles: Vector, profile: Profile, follower: Follower, geometry: Any) -> Vector:
@@ -99,7 +107,7 @@ def _follow(
 
 
 def _evaluate_table(
-    table: xarray.Dataset, profile: Profile, values: Mapping[str, Any]
+    table: xarray.Dataset, profile: Profile, follower: Follower, geometry: Any, values: Mapping[str, Any]
 ) -> dict[str, float | str]:
     """The results."""
     angle, lift, speed = table["angle"].values, table["lift"].values, values["speed"]
@@ -107,7 +115,7 @@ def _evaluate_table(
     radius, pressure = table["radius_of_curvature"].values, table["pressure_angle"].values
     begin, end = profile.event
     convex = np.where(radius > 0.0, radius, np.inf)
-    zeros, slopes = _find_reversals(angle, table["entraining_velocity"].values)
+    zeros, slopes = _find_reversals(angle, lambda a: _entrain(profile.lift(a), follower, geometry))
     smoothing = profile.smoothing
     return {
         "largest_lift": float(lift.max()),
@@ -130,13 +138,17 @@ def _evaluate_table(
     }
 
 
-def _find_reversals(angle: Vector, entraining: Vector) -> tuple[list[float], list[float]]:
+def _find_reversals(angles: Vector, entraining: Callable[[float], float]) -> tuple[list[float], list[float]]:
     """Cam angles at which the entraining velocity vanishes, and the slopes of the lubrication characteristic,
     2 u/omega, there (m/rad)."""
-    after = np.flatnonzero(entraining[:-1] * entraining[1:] < 0.0)
-    slopes = np.diff(entraining)[after] / np.diff(angle)[after]
-    zeros = angle[after] - entraining[after] / slopes
-    return [float(a) for a in zeros], [float(abs(2.0 * s)) for s in slopes]
+    found = [entraining(a) for a in angles]
+    zeros = [
+        float(brentq(entraining, angles[i], angles[i + 1]))
+        for i in range(len(found) - 1)
+        if found[i] * found[i + 1] < 0.0 or found[i] == 0.0
+    ]
+    slopes = [abs(entraining(a + STEP) - entraining(a - STEP)) / STEP for a in zeros]
+    return zeros, slopes
 
 
 def _describe_shape(radius: Vector, values: Mapping[str, Any]) -> str:

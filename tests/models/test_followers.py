@@ -156,13 +156,12 @@ def test_the_cam_for_a_followers_lift_gives_that_lift_back(kind, radius, offset,
 
 
 def test_what_cannot_be_assembled_is_refused_with_its_angle():
-    """A hollow flank of 12 mm takes no roller of 20 mm."""
-    small = Translating(R0, 5e-3, 0.0)
-    hollow = trace_shape(
-        ANGLES, lambda a: law_lift(a, CAM)._replace(), FOLLOWERS["roller"], Translating(12e-3, 5e-3, 0.0)
-    )
-    assert hollow.radius.min() < 0.0
+    """A hollow flank takes rollers that are smaller than it, and no flat follower."""
+    geometry = Translating(12e-3, 5e-3, 0.0)
+    hollow = trace_shape(ANGLES, flat_lift, FOLLOWERS["roller"], geometry)
+    tightest = -hollow.radius[hollow.radius < 0.0].max()
+    FOLLOWERS["roller"].follow(hollow, geometry._replace(radius=0.9 * tightest))
     with pytest.raises(ValueError, match=r"cannot touch the cam at .* deg"):
-        FOLLOWERS["roller"].follow(hollow, small._replace(radius=60e-3, base_radius=12e-3))
+        FOLLOWERS["roller"].follow(hollow, geometry._replace(radius=1.1 * tightest))
     with pytest.raises(ValueError, match="cannot touch the cam"):
-        FOLLOWERS["flat"].follow(hollow, FLAT)
+        FOLLOWERS["flat"].follow(hollow, Flat(12e-3))

@@ -1,0 +1,149 @@
+"""Lift tables: what is read from a file, what is refused, and that a run takes it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.analyses import load as load_analysis
+from orchestrator.errors import MistakeError
+from orchestrator.scenario.files import SHIPPED, load
+from orchestrator.scenario.lift_table import LiftTableError, read_lift_table
+
+ANGLES = np.arange(100.0, 261.0)
+
+
+def lift(degrees):
+    """A bell of 8 mm and 160 degrees."""
+    return 8.0 * np.cos(math.pi * (degrees - 180.0) / 160.0) ** 6
+
+
+def write(
+    path: Path, header: str = "angle [deg], lift [mm]", row: str = "{0:g}, {1:.4f}", angles=ANGLES
+) -> Path:
+    rows = [row.format(a, s) for a, s in zip(angles, lift(angles), strict=True)]
+    path.write_text("\n".join([header, *rows]), encoding="utf-8")
+    return path
+
+
+def test_units_separators_comments_and_order_make_no_difference(tmp_path):
+    plain = read_lift_table(write(tmp_path / "plain.csv"))
+    np.testing.assert_allclose(plain.angle, np.radians(ANGLES), rtol=1e-15)
+    assert plain.rounding == pytest.approx(1e-7)
+    others = (
+        write(tmp_path / "metres.csv", "# a comment\nangle (rad); lift (m)", "{0:g}; {1:.4f}e-3"),
+        write(tmp_path / "backwards.csv", angles=ANGLES[::-1]),
+    )
+    others[0].write_text(
+        "# a comment\nangle (rad);lift (m)\n"
+        + "\n".join(f"{math.radians(a)!r};{s:.4f}e-3" for a, s in zip(ANGLES, lift(ANGLES), strict=True))
+    )
+    german = tmp_path / "german.csv"
+    german.write_text(write(german, "Winkel [deg];Hub [mm]", "{0:g};{1:.4f}").read_text().replace(".", ","))
+    for path in (*others, german):
+        table = read_lift_table(path)
+        np.testing.assert_allclose(table.angle, plain.angle, rtol=1e-14)
+        np.testing.assert_allclose(table.lift, plain.lift, atol=1e-17)
+        assert table.rounding == pytest.approx(1e-7)
+
+
+def test_a_table_of_the_event_and_one_of_the_turn_give_the_same_cam(tmp_path):
+    event = read_lift_table(write(tmp_path / "event.csv")).smooth().points
+    turn = tmp_path / "turn.csv"
+    angles = np.arange(0.0, 361.0)
+    rows = [
+        f"{a:g}, {s:.4f}"
+        for a, s in zip(angles, np.where(abs(angles - 180) < 80, lift(angles), 0), strict=True)
+    ]
+    turn.write_text("\n".join(["angle [deg], lift [mm]", *rows]))
+    whole = read_lift_table(turn).smooth().points
+    assert event.angle.size == whole.angle.size == 360
+    order = np.argsort(event.angle % (2.0 * math.pi))
+    np.testing.assert_allclose(event.lift[order], whole.lift, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "is empty"),
+        ("angle, lift\n1, 2", "has no unit"),
+        ("lift [mm], angle [deg]\n1, 2", "is no angle"),
+        ("angle [deg], lift [mm]\n1, 2\n2, x", "line 3"),
+        ("angle [deg], lift [mm]\n1, 2\n2, 3\n2, 4", "line 4"),
+        ("angle [deg], lift [mm]\n1, 2\n400, 3", "spans 399 deg"),
+        ("angle [deg], lift [mm]\n1, 2", "1 rows"),
+        ("angle lift\n1 2", "one column"),
+    ],
+)
+def test_what_is_no_lift_table_is_named_with_its_place(tmp_path, text, message):
+    path = tmp_path / "cam.csv"
+    path.write_text(text)
+    with pytest.raises(LiftTableError, match=message) as raised:
+        read_lift_table(path)
+    assert str(path) in str(raised.value)
+
+
+def test_a_table_that_ends_above_the_base_circle_is_refused(tmp_path):
+    with pytest.raises(LiftTableError, match="base circle"):
+        read_lift_table(write(tmp_path / "cut.csv", angles=np.arange(120.0, 240.0))).smooth()
+
+
+def test_a_scenario_takes_the_table_beside_it_and_needs_it_no_more(tmp_path):
+    write(tmp_path / "cam.csv")
+    file = tmp_path / "own.toml"
+    file.write_text('extends = "my-cam"\n[components.camshaft]\nlift_table = "cam.csv"\n')
+    scenario = load(file)
+    table = scenario.components["camshaft"]
+    assert table.lift_table is None
+    assert table.structure == {"table_points": 360}
+    peak = max(value for name, value in table.parameters.items() if name.startswith("table_lift"))
+    assert peak == pytest.approx(8e-3, abs=1e-7)
+    assert load(SHIPPED / "my-cam.toml").components["camshaft"].parameters["base_radius"] == 24e-3
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ('[components.camshaft]\nlift_table = "absent.csv"', "cannot be read"),
+        ('[components.contact]\nlift_table = "absent.csv"', "has no cam profile"),
+    ],
+)
+def test_a_scenario_names_a_table_that_it_cannot_take(tmp_path, line, message):
+    file = tmp_path / "own.toml"
+    file.write_text(f'extends = "valve-train"\n{line}\n')
+    with pytest.raises(MistakeError, match=message):
+        load(file)
+
+
+def test_the_analysis_of_a_cam_agrees_with_the_closed_forms_of_the_default(record):
+    analysis = load_analysis("cam")
+    found = analysis.evaluate(analysis.complete({}))
+    # (B + 2d) / (2 (B + d)) for cycloidal flanks; the trapezoidal rule between 720 points.
+    record("Cam", "ample factor", found["ample_factor"], 0.507410661, "closed form", tolerance=1e-6)
+    slope = 1e3 * math.radians(found["slope_at_reversals"])
+    source = "independent evaluation"
+    record("Cam", "slope of the lubrication characteristic (mm/deg)", slope, 2.1893, source, tolerance=5e-5)
+    assert found["reversals"] == "144.00, 168.00, 192.00, 216.00"
+    assert found["shape"] == "convex"
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"follower": "roller", "offset": 0.1}, "offset"),
+        ({"follower": "finger_pad", "valve_arm": 5e-3}, "cannot lift the valve"),
+        ({"follower": "finger_pad", "cam_arm": 0.0}, "must not be zero"),
+        ({"lift_table": "absent.csv"}, "cannot be read"),
+        (
+            {"base_radius": 12e-3, "follower": "roller", "radius": 5e-3, "other": "flat"},
+            "cannot touch the cam",
+        ),
+    ],
+)
+def test_the_analysis_of_a_cam_names_what_it_cannot_take(values, message):
+    analysis = load_analysis("cam")
+    with pytest.raises(MistakeError, match=message):
+        analysis.evaluate(analysis.complete(values))
