@@ -128,20 +128,24 @@ def law_lift(angle: float, p: Any) -> Lift:
 
 
 @kernel
+def add_side_breaks(rising: bool, angle: float, breaks: Breaks, p: Any) -> Breaks:
+    """Those of the rise, or of the fall."""
+    side = -1.0 if rising else 1.0
+    foot = p.dwell_half_width + side_angle(rising, p)
+    breaks = turn_to_break(math.pi + side * p.dwell_half_width, angle, breaks)
+    breaks = turn_to_break(math.pi + side * foot, angle, breaks)
+    if p.ramp_height > 0.0:
+        constant, blend = p.opening_ramp_angle if rising else p.closing_ramp_angle, p.ramp_blend_angle
+        breaks = turn_to_break(math.pi + side * (foot - blend), angle, breaks)
+        breaks = turn_to_break(math.pi + side * (foot + constant), angle, breaks)
+        breaks = turn_to_break(math.pi + side * (foot + constant + blend), angle, breaks)
+    return breaks
+
+
+@kernel
 def find_law_breaks(angle: float, p: Any) -> Breaks:
     """Both ends of rise, dwell and fall, and of every part of the ramps."""
-    breaks = Breaks(math.inf, math.inf)
-    for i in range(2):
-        rising = i == 0
-        side = -1.0 if rising else 1.0
-        foot = p.dwell_half_width + side_angle(rising, p)
-        breaks = turn_to_break(math.pi + side * p.dwell_half_width, angle, breaks)
-        breaks = turn_to_break(math.pi + side * foot, angle, breaks)
-        if p.ramp_height > 0.0:
-            constant, blend = p.opening_ramp_angle if rising else p.closing_ramp_angle, p.ramp_blend_angle
-            for before in (-blend, constant, constant + blend):
-                breaks = turn_to_break(math.pi + side * (foot + before), angle, breaks)
-    return breaks
+    return add_side_breaks(False, angle, add_side_breaks(True, angle, Breaks(math.inf, math.inf), p), p)
 
 
 @kernel

@@ -79,16 +79,16 @@ def harmonic(a: float, rise_angle: float, p: Any) -> Lift:
 
 
 @kernel
-def coefficient(power: float, a: float, b: float, c: float, d: float) -> float:
-    """C_n = -prod_{m != n} m/(m - n) of the power n among the others a to d."""
-    return -(a / (a - power)) * (b / (b - power)) * (c / (c - power)) * (d / (d - power))
-
-
-@kernel
-def power_terms(c: float, n: float, x: float, rise_angle: float) -> Lift:
-    """c x^n and its derivatives by the cam angle, for x = 1 - a/B."""
+def add_power(
+    total: Lift, n: float, others: tuple[float, float, float, float], x: float, rise: float
+) -> Lift:
+    """The total with C_n x^n, x = 1 - a/B; C_n = -prod m/(m - n) over the other powers m."""
+    k, l, m, o = others
+    c = -(k / (k - n)) * (l / (l - n)) * (m / (m - n)) * (o / (o - n))
     return Lift(
-        c * x**n, -c * n * x ** (n - 1.0) / rise_angle, c * n * (n - 1.0) * x ** (n - 2.0) / rise_angle**2
+        total.s + c * x**n,
+        total.ds - c * n * x ** (n - 1.0) / rise,
+        total.dds + c * n * (n - 1.0) * x ** (n - 2.0) / (rise * rise),
     )
 
 
@@ -99,19 +99,13 @@ def high_powers(a: float, rise_angle: float, p: Any) -> Lift:
     At its foot s and four derivatives vanish.
     """
     x = 1.0 - a / rise_angle
-    s, ds, dds = 1.0, 0.0, 0.0
-    for n, o, q, r, t in (
-        (2.0, p.power_p, p.power_q, p.power_r, p.power_t),
-        (p.power_p, 2.0, p.power_q, p.power_r, p.power_t),
-        (p.power_q, 2.0, p.power_p, p.power_r, p.power_t),
-        (p.power_r, 2.0, p.power_p, p.power_q, p.power_t),
-        (p.power_t, 2.0, p.power_p, p.power_q, p.power_r),
-    ):
-        term = power_terms(coefficient(n, o, q, r, t), n, x, rise_angle)
-        s += term.s
-        ds += term.ds
-        dds += term.dds
-    return Lift(p.lift * s, p.lift * ds, p.lift * dds)
+    n, q, r, t = p.power_p, p.power_q, p.power_r, p.power_t
+    cam = add_power(Lift(1.0, 0.0, 0.0), 2.0, (n, q, r, t), x, rise_angle)
+    cam = add_power(cam, n, (2.0, q, r, t), x, rise_angle)
+    cam = add_power(cam, q, (2.0, n, r, t), x, rise_angle)
+    cam = add_power(cam, r, (2.0, n, q, t), x, rise_angle)
+    cam = add_power(cam, t, (2.0, n, q, r), x, rise_angle)
+    return Lift(p.lift * cam.s, p.lift * cam.ds, p.lift * cam.dds)
 
 
 # The order is the number of the law in FMUs: append only.

@@ -40,7 +40,12 @@ PISTON = (
 )
 # Parameters, start states and inputs that break a requirement, by name.
 WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
-    "camshaft": ({"dwell_half_width": 2.0}, {"base_radius": 10e-3}, {"lift": 0.03, "rise_angle": 1.0}),
+    "camshaft": (
+        {"dwell_half_width": 2.0},
+        {"base_radius": 10e-3},
+        {"lift": 0.03, "rise_angle": 1.0},
+        {"power_p": 15.0},
+    ),
     "valve_spring": ({"lash": 2e-4}, {"lash": -1e-3}),
     "ehl_contact": ({"film_model": 8.0},),
     "slider_crank": (
