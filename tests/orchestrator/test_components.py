@@ -32,7 +32,7 @@ def test_every_variable_of_a_component_has_a_row_with_its_unit(name: str) -> Non
 
 def test_defaults_are_given_as_a_scenario_takes_them() -> None:
     text = write_page(["camshaft", "ehl_contact"])
-    assert "| `lift` | m | 0.008 (8 mm) | > 0 | largest lift S |" in text
+    assert "| `lift` | m | 0.008 (8 mm) | > 0 | lift S of the law, without ramps |" in text
     assert "| `flexible` |  | false | true or false |" in text
     assert "| `film_model` |  | kushwaha | one of kushwaha, " in text
 

@@ -68,7 +68,7 @@ BAD = {
     "components.valve_spring.structure.coils=3": ("coils", "did you mean coil_masses?"),
     "components.valve_spring.structure.coil_masses=0": ("coil_masses", "0", "from 1 to 500"),
     "components.valve_spring.structure.coil_masses=2.5": ("coil_masses", "2.5", "integer"),
-    "components.camshaft.structure.cams=2": ("cams", "no structural sizes"),
+    "components.contact.structure.cams=2": ("cams", "no structural sizes"),
     "macro_step": ("macro_step", "path=value"),
     "master.order=[1]": ("--set master.order[0] = 1: must be a string",),
     "tolerance.contact.load=nan": ("--set tolerance.contact.load = nan: must be a finite number > 0",),
