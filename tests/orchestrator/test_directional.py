@@ -65,7 +65,7 @@ def build_native(component, fmi):
     return build(component.name, structure=component.structure, platforms=[this_platform()], fmi=fmi)
 
 
-@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.long), 3])
 @pytest.mark.parametrize(
     "system", [quarter_car(), two_masses(damping=2.0)], ids=["quarter car", "two masses"]
 )

@@ -118,11 +118,8 @@ def open_third_party(system, tmp_path_factory):
     return open_fmu("second", path, system.instances["second"])
 
 
-@pytest.mark.parametrize(
-    "master",
-    [Jacobi("linear"), pytest.param(GaussSeidel("quadratic"), marks=pytest.mark.long)],
-    ids=str,
-)
+@pytest.mark.long
+@pytest.mark.parametrize("master", [Jacobi("linear"), GaussSeidel("quadratic")], ids=str)
 def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_responses(
     master, tmp_path_factory
 ):

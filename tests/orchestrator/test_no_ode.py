@@ -77,6 +77,7 @@ def test_the_course_of_a_coupled_system_is_that_of_its_equations() -> None:
         assert np.all(np.abs(first - second)[:, columns].max(axis=0) <= 1e-9 * size)
 
 
+@pytest.mark.long
 def test_a_survey_goes_by_the_responses_of_what_has_no_equations() -> None:
     """And finds what one by the equations finds: the limit of stability, and the error at the step."""
     found = []

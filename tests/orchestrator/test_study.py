@@ -161,6 +161,7 @@ async def list_answers(ports: set[int]) -> list[str]:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads the kernel's list of ports")
+@pytest.mark.long
 def test_a_local_study_answers_nobody_else(tmp_path: Path) -> None:
     """Another user of this machine, who can reach its ports, cannot have it run code."""
     store, waits = tmp_path / "store.zarr", tmp_path / "waits"
@@ -255,6 +256,7 @@ def test_killed_and_continued_ends_with_the_same_store(
     assert read_files(store) == read_files(undisturbed / "store.zarr")
 
 
+@pytest.mark.long
 def test_a_running_scheduler_gives_the_same_store(cluster: str, undisturbed: Path, tmp_path: Path) -> None:
     store = tmp_path / "store.zarr"
     done = tribocosim("study", str(undisturbed / "test.toml"), "--out", str(store), "--scheduler", cluster)
@@ -324,6 +326,7 @@ def test_workers_of_another_source_are_refused(cluster: str, tmp_path: Path) -> 
 
 
 @pytest.mark.skipif(not shutil.which("openssl"), reason="needs openssl")
+@pytest.mark.long
 def test_the_documented_certificate_keeps_others_from_a_scheduler(tmp_path: Path) -> None:
     """Who has it can study there; who has none cannot."""
     (command,) = re.findall(r"^openssl .+?[^\\]$", DOCS, re.DOTALL | re.MULTILINE)

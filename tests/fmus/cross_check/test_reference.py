@@ -47,7 +47,11 @@ def apart(found: Table, wanted: Table) -> dict[str, float]:
     return {o: float(np.max(np.abs(found.columns[o] - values))) / largest(values) for o, values in columns}
 
 
-@pytest.mark.parametrize("name", REFERENCED)
+# Those of the tilting pistons compile longest.
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.long) if n.endswith("piston_crank") else n for n in REFERENCED],
+)
 def test_shipped_results_are_what_the_physics_gives(name: str, record) -> None:
     """A change of an equation or a default fails here, by the component's and the output's name.
 

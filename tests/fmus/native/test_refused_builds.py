@@ -24,6 +24,7 @@ def test_a_run_with_it_is_refused_before_anything_is_written(tmp_path: Path) -> 
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.long
 def test_what_the_compiler_says_is_one_line_without_colours(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its error and the first line of the explanation, not the last line of all."""
     monkeypatch.setenv("FORCE_COLOR", "1")

@@ -96,6 +96,7 @@ def test_a_formula_is_solved_as_an_ode_and_a_field_is_not() -> None:
         check_ode(ringing())
 
 
+@pytest.mark.long
 def test_both_methods_tend_to_one_course() -> None:
     """BDF3 with its order, as far as pressures that are right to 1e-6 let it be seen: the spread of load and
     film here is a fiftieth and a twentieth of their size."""

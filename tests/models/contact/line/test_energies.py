@@ -111,6 +111,7 @@ def test_the_account_closes_with_the_order_of_the_steps(load_is_given: bool, rec
 
 
 @pytest.mark.parametrize("load_is_given", LOAD_IS_GIVEN)
+@pytest.mark.long
 def test_the_account_closes_better_with_more_nodes(load_is_given: bool) -> None:
     """The deflection's matrix is symmetric only in the limit (measured 3.5e-4 and 2.4e-3 here)."""
     coarse, fine = (courses(nodes, 5e-6, load_is_given) for nodes in (51, 101))
@@ -180,6 +181,7 @@ def test_a_jump_of_the_approach_is_told_beside_what_steps_gain() -> None:
     assert unit[STORED] - stored == pytest.approx(load * jump, rel=1e-6)
 
 
+@pytest.mark.long
 def test_the_motion_of_a_field_does_not_see_that_energies_are_counted() -> None:
     """Nor do the rates of outputs; that of the stored energy is what it changes by."""
     plain, counts = counting(energies=0), counting()

@@ -249,6 +249,7 @@ def test_load_and_friction_are_counted_once():
     assert contact["viscous_friction"] <= 0.05 * oil * (1.0 + 2e-3)
 
 
+@pytest.mark.long
 def test_it_settles_to_the_steady_film():
     contact = mixed(201)
     film = steady(RUNNING["entraining_velocity"], COARSE)
