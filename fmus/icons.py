@@ -37,6 +37,50 @@ def valve_spring(axes: Axes) -> None:
     axes.add_patch(Polygon([(2.4, 0.9), (7.6, 0.9), (5.3, 2.6), (4.7, 2.6)], facecolor=STEEL, **_LINE))
 
 
+def tappet(axes: Axes) -> None:
+    """A cam under a roller in its guide."""
+    angle = np.linspace(0.0, 2.0 * math.pi, 200)
+    radius = 1.7 + 1.1 * np.exp(-(((angle - math.pi / 2.0) / 0.6) ** 2))
+    axes.add_patch(
+        Polygon(np.c_[5 + radius * np.cos(angle), 2.4 + radius * np.sin(angle)], facecolor=STEEL, **_LINE)
+    )
+    axes.add_patch(Rectangle((4.3, 6.2), 1.4, 3.2, facecolor=OIL, **_LINE))
+    axes.add_patch(Circle((5, 6.3), 1.1, facecolor="white", **_LINE))
+
+
+def finger(axes: Axes) -> None:
+    """A lever from its pivot over the cam to the valve."""
+    axes.add_patch(Polygon([(1.2, 6.2), (8.8, 6.9), (8.8, 7.9), (1.2, 7.6)], facecolor=OIL, **_LINE))
+    axes.add_patch(Circle((1.8, 8.0), 0.9, facecolor="white", **_LINE))
+    axes.add_patch(Circle((4.8, 5.5), 1.2, facecolor="white", **_LINE))
+    axes.add_patch(Circle((4.8, 2.5), 1.8, facecolor=STEEL, **_LINE))
+    axes.plot([8.4, 8.4], [7.9, 9.6], color=INK, linewidth=5)
+
+
+def rod(axes: Axes) -> None:
+    axes.add_patch(Rectangle((4.4, 1.6), 1.2, 6.8, facecolor=OIL, **_LINE))
+    for height in (3.3, 5.0, 6.7):
+        axes.plot([4.4, 5.6], [height, height], color=INK, linewidth=2.0)
+    axes.add_patch(Circle((5, 1.3), 0.8, facecolor=STEEL, **_LINE))
+    axes.add_patch(Circle((5, 8.7), 0.8, facecolor=STEEL, **_LINE))
+
+
+def rocker(axes: Axes) -> None:
+    axes.add_patch(
+        Polygon([(0.9, 4.9), (5, 6.6), (9.1, 4.9), (9.1, 6.0), (5, 7.9), (0.9, 6.0)], facecolor=OIL, **_LINE)
+    )
+    axes.add_patch(Circle((5, 6.3), 0.8, facecolor="white", **_LINE))
+    axes.plot([1.5, 1.5], [0.8, 4.9], color=INK, linewidth=5)
+    axes.plot([8.5, 8.5], [0.8, 4.9], color=INK, linewidth=3)
+
+
+def lash_adjuster(axes: Axes) -> None:
+    axes.add_patch(Rectangle((2.6, 0.8), 4.8, 6.4, facecolor=STEEL, **_LINE))
+    axes.add_patch(Rectangle((3.4, 1.6), 3.2, 2.0, facecolor=OIL, **_LINE))
+    axes.add_patch(Rectangle((3.4, 3.6), 3.2, 5.2, facecolor="white", **_LINE))
+    axes.add_patch(Circle((5, 3.6), 0.6, facecolor=INK, **_LINE))
+
+
 def ehl_contact(axes: Axes) -> None:
     axes.add_patch(Circle((5, 7.4), 3.1, facecolor=STEEL, **_LINE))
     axes.add_patch(Rectangle((0.7, 0.8), 8.6, 2.7, facecolor=STEEL, **_LINE))
@@ -163,6 +207,11 @@ def spring_stop(axes: Axes) -> None:
 ICONS: tuple[Callable[[Axes], None], ...] = (
     camshaft,
     valve_spring,
+    tappet,
+    finger,
+    rod,
+    rocker,
+    lash_adjuster,
     ehl_contact,
     ehl_line_contact,
     flywheel,

@@ -109,6 +109,9 @@ class ValveSpringState:
 @dataclass
 class ValveSpringInputs:
     load: Annotated[float, Quantity("N", "contact load W on the follower", nominal=500.0)] = 0.0
+    gas_force: Annotated[
+        float, Quantity("N", "force of the gas on the valve's head, closing it", nominal=500.0)
+    ] = 0.0
 
 
 @dataclass
@@ -125,6 +128,13 @@ class ValveSpringOutputs:
         float, Quantity("N", "force of the spring on the follower, preload included", nominal=500.0)
     ] = 0.0
     seat_force: Annotated[float, Quantity("N", "force of the seat on the valve", nominal=500.0)] = 0.0
+    seat_dip: Annotated[
+        float, Quantity("m", "dip of the valve into its seat", nominal=1e-5, display_unit="um")
+    ] = 0.0
+    least_gap: Annotated[
+        float,
+        Quantity("m", "least gap between coils, negative in a clash", nominal=1e-3, display_unit="mm"),
+    ] = 0.0
     coil_position: Annotated[
         Vector, Quantity("m", "coil displacement y5, y6, ... from rest", nominal=1e-3, size="coil_masses")
     ] = per_element()
@@ -179,7 +189,7 @@ def spring_frequencies(parameters: ValveSpringParameters, coil_masses: int) -> V
 def valve_spring(coil_masses: int = 2) -> Component:
     """Valve and spring with `coil_masses` coil masses.
 
-    m3 y3'' = W - f_p - [k_e (y3-y5) + c_e (y3'-y5')] + seat force, and for every coil mass
+    m3 y3'' = W - f_p - f_gas - [k_e (y3-y5) + c_e (y3'-y5')] + seat force, and for every coil mass
     m y'' = (force of the segment above) - (force of the segment below); the last segment ends on the
     fixed head. W is the input `load`.
     """
@@ -203,13 +213,22 @@ def valve_spring(coil_masses: int = 2) -> Component:
         return max(0.0, p.seat_stiffness * dip - p.seat_damping * velocity)
 
     @kernel
+    def least_gap(p: ValveSpringParameters, x: ValveSpringState) -> float:
+        """A segment's gap is its share of the clearance less its compression."""
+        least = p.clash_clearance / end_share - (x.position - x.coil_position[0])
+        for i in range(n - 1):
+            compression = x.coil_position[i] - x.coil_position[i + 1]
+            least = min(least, p.clash_clearance / inner_share - compression)
+        return min(least, p.clash_clearance / end_share - x.coil_position[n - 1])
+
+    @kernel
     def spring_on_follower(p: ValveSpringParameters, x: ValveSpringState) -> float:
         return segment_force(p, end_share, x.position - x.coil_position[0], x.velocity - x.coil_velocity[0])
 
     @kernel
     def acceleration(x: ValveSpringState, u: ValveSpringInputs, p: ValveSpringParameters) -> float:
         seat = seat_force(p, x.position, x.velocity)
-        return (u.load - p.preload - spring_on_follower(p, x) + seat) / p.valve_mass
+        return (u.load - u.gas_force - p.preload - spring_on_follower(p, x) + seat) / p.valve_mass
 
     @kernel
     def derivative(
@@ -240,6 +259,8 @@ def valve_spring(coil_masses: int = 2) -> Component:
         y.valve_lift = x.position - p.lash
         y.spring_force = p.preload + spring_on_follower(p, x)
         y.seat_force = seat_force(p, x.position, x.velocity)
+        y.seat_dip = p.lash - x.position
+        y.least_gap = least_gap(p, x)
         for i in range(n):
             y.coil_position[i] = x.coil_position[i]
 
@@ -280,8 +301,9 @@ def valve_spring(coil_masses: int = 2) -> Component:
         derivative=derivative,
         output=output,
         energy=energy,
-        feedthrough={"acceleration": ("load",)},
-        bonds=(PowerBond("load", "velocity", +1),),
+        feedthrough={"acceleration": ("load", "gas_force")},
+        bonds=(PowerBond("load", "velocity", +1), PowerBond("gas_force", "velocity", -1)),
         requirements=(LASH_NEEDS_A_SEAT,),
         structure=sizes,
+        event_indicators=("seat_dip", "least_gap"),
     )

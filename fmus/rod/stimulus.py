@@ -1,0 +1,25 @@
+"""The rod's reference run."""
+
+import numpy as np
+
+from ..cross_check.stimulus import Stimulus
+
+TIMES = np.arange(21) * 1e-4
+SQUEEZE, LENGTH = 20e-6, 2e-3
+
+
+def _lower(t: np.ndarray) -> np.ndarray:
+    return np.asarray(SQUEEZE * np.sin(np.pi * t / LENGTH) ** 2)
+
+
+STIMULUS = Stimulus(
+    says=(
+        "The body below presses the rod by 20 um against one at rest and goes back, as a broken line whose corners "
+        "excite waves; then the ends part and touch again."
+    ),
+    corners=TIMES,
+    inputs={"lower_position": _lower(TIMES), "lower_velocity": np.gradient(_lower(TIMES), TIMES)},
+    step_size=2e-6,
+    interval=2e-5,
+    outputs=("lower_force", "upper_force", "lower_compression", "upper_compression"),
+)

@@ -1,0 +1,366 @@
+"""Finger: a lever with its pivot at one end, the valve at the other, and the cam in between, with its cam.
+
+The pivot stands on the engine's head, elastically, or on a lash adjuster, and moves along the valve's path.
+All positions count away from the cam, also those of valve and pivot.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple
+
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import NO_EVENT, Component, PowerBond
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector
+from ..core.requirements import Requirement
+from ..plausible import ANGLE, CURVATURE, PART_LENGTH, PART_MASS, SEAT_STIFFNESS
+from .cams.law import LAW, LawParameters
+from .cams.lift import Lift
+from .cams.profile import CamProfile, time_to_break
+from .cams.table import TABLE, TableParameters, check_table
+from .followers.arc import CamContact, touch_arc
+from .followers.mechanisms import Finger, move_finger, touch_finger
+from .followers.overlap import (
+    CAM_BONDS,
+    CAM_FEEDTHROUGH,
+    CamInputs,
+    CamOutputs,
+    Centre,
+    Overlap,
+    find_overlap,
+    require_contact,
+    show_cam,
+)
+from .followers.tip import TIP_BONDS, Tip, TipInputs, TipOutputs, TipParameters, place_tip, show_tip
+
+
+@dataclass
+class LeverParameters(TipParameters):
+    """Defaults: a finger of 28 and 40 mm with a pad. The lift of the profile is the valve's."""
+
+    phase: Annotated[
+        float,
+        Quantity(
+            "rad", "cam angle at shaft angle zero; the nose is at pi", display_unit="deg", plausible=ANGLE
+        ),
+    ] = 0.0
+    rolls: Annotated[
+        float, Quantity("1", "a roller on the cam; false: a pad, which slides", boolean=True)
+    ] = 0.0
+    follower_radius: Annotated[
+        float,
+        Quantity(
+            "m",
+            "radius of roller or pad",
+            nominal=1e-2,
+            positive=True,
+            display_unit="mm",
+            plausible=CURVATURE,
+        ),
+    ] = 20e-3
+    cam_arm: Annotated[
+        float,
+        Quantity(
+            "m",
+            "distance from the pivot to the centre of roller or pad; the cam's surface moves towards it, "
+            "away from it where this is negative",
+            nominal=1e-2,
+            display_unit="mm",
+            plausible=PART_LENGTH,
+        ),
+    ] = 28e-3
+    pivot_angle: Annotated[
+        float,
+        Quantity("rad", "angle by which that line falls, valve closed", display_unit="deg", plausible=ANGLE),
+    ] = math.radians(8.0)
+    valve_arm: Annotated[
+        float,
+        Quantity(
+            "m",
+            "distance from the pivot to the centre of the pad on the valve; the sign of cam_arm",
+            nominal=1e-2,
+            display_unit="mm",
+            plausible=PART_LENGTH,
+        ),
+    ] = 40e-3
+    valve_angle: Annotated[
+        float,
+        Quantity("rad", "angle by which that line falls further", display_unit="deg", plausible=ANGLE),
+    ] = math.radians(2.0)
+    mass: Annotated[
+        float, Quantity("kg", "mass of the finger", nominal=0.1, positive=True, plausible=PART_MASS)
+    ] = 0.05
+    inertia: Annotated[
+        float, Quantity("kg.m2", "moment of inertia about the pivot", nominal=1e-5, positive=True)
+    ] = 3e-5
+    mass_arm: Annotated[
+        float,
+        Quantity(
+            "m",
+            "distance from the pivot to the centre of mass, on the line to roller or pad",
+            nominal=1e-2,
+            display_unit="mm",
+        ),
+    ] = 18e-3
+    pivot_stiffness: Annotated[
+        float,
+        Quantity(
+            "N/m",
+            "stiffness of the pivot's support; 0: a lash adjuster bears it",
+            nominal=1e8,
+            minimum=0.0,
+            plausible=SEAT_STIFFNESS,
+        ),
+    ] = 0.0
+    pivot_damping: Annotated[
+        float, Quantity("N.s/m", "damping of the pivot's support", nominal=1e2, minimum=0.0)
+    ] = 0.0
+
+
+@dataclass
+class FingerParameters(LeverParameters, LawParameters):
+    """A cam by a law."""
+
+
+@dataclass
+class TableFingerParameters(LeverParameters, TableParameters):
+    """A cam through points."""
+
+
+@dataclass
+class FingerState:
+    rotation: Annotated[
+        float, Quantity("rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg")
+    ] = 0.0
+    rotation_rate: Annotated[float, Quantity("rad/s", "rate of the rotation", nominal=10.0)] = 0.0
+    pivot_position: Annotated[
+        float, Quantity("m", "position of the pivot away from the cam", nominal=1e-5, display_unit="um")
+    ] = 0.0
+    pivot_velocity: Annotated[float, Quantity("m/s", "velocity of the pivot", nominal=1e-2)] = 0.0
+
+
+@dataclass
+class FingerInputs(CamInputs, TipInputs):
+    pivot_force: Annotated[
+        float, Quantity("N", "force of a lash adjuster on the pivot, towards the cam", nominal=500.0)
+    ] = 0.0
+
+
+@dataclass
+class FingerOutputs(CamOutputs, TipOutputs):
+    rotation: Annotated[
+        float, Quantity("rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg")
+    ] = 0.0
+    pivot_position: Annotated[
+        float, Quantity("m", "position of the pivot away from the cam", nominal=1e-5, display_unit="um")
+    ] = 0.0
+    pivot_velocity: Annotated[float, Quantity("m/s", "velocity of the pivot", nominal=1e-2)] = 0.0
+    ratio: Annotated[float, Quantity("1", "load on the cam over that on the valve, slowly turned")] = 1.0
+    support_force: Annotated[float, Quantity("N", "force of the pivot on its support", nominal=500.0)] = 0.0
+
+
+class Arm(NamedTuple):
+    """From the pivot to the centre of roller or pad (m), and that centre as the cam asks for it."""
+
+    x: float
+    y: float
+    wished_x: float
+    wished_y: float
+
+
+class Lever(NamedTuple):
+    """What the state and the cam say of a finger."""
+
+    contact: CamContact
+    arm: Arm
+    overlap: Overlap
+    tip: Tip
+
+
+class Forces(NamedTuple):
+    """Accelerations of rotation (rad/s2) and pivot (m/s2), and the force on the pivot's support (N)."""
+
+    rotation: float
+    pivot: float
+    support: float
+
+
+@kernel
+def lever_geometry(p: Any) -> Finger:
+    return Finger(p.base_radius, p.follower_radius, p.cam_arm, p.pivot_angle, p.valve_arm, p.valve_angle)
+
+
+@kernel
+def touch(cam: Lift, p: Any) -> CamContact:
+    """The contact at this lift of the valve."""
+    return touch_finger(cam, lever_geometry(p))
+
+
+@kernel
+def place_lever(cam: Lift, x: FingerState, u: FingerInputs, p: Any) -> Lever:
+    """Origin: the cam's axis. Closed, the centre is at (0, R0 + r)."""
+    wished = move_finger(cam, lever_geometry(p))
+    k = touch_arc(wished, p.follower_radius)
+    angle = x.rotation - p.pivot_angle
+    arm_x, arm_y = p.cam_arm * math.cos(angle), p.cam_arm * math.sin(angle)
+    pivot_x = -p.cam_arm * math.cos(p.pivot_angle)
+    pivot_y = p.base_radius + p.follower_radius + p.cam_arm * math.sin(p.pivot_angle) + x.pivot_position
+    rate = x.rotation_rate
+    centre = Centre(
+        pivot_x + arm_x,
+        pivot_y + arm_y,
+        -arm_y * rate,
+        arm_x * rate + x.pivot_velocity,
+        -(k.y - pivot_y) * rate,
+        (k.x - pivot_x) * rate + x.pivot_velocity,
+    )
+    overlap = find_overlap(k, wished.x, wished.y, centre, u)
+    tip = place_tip(x.rotation, p.valve_arm, p.pivot_angle + p.valve_angle, p.tip_radius)
+    return Lever(k, Arm(arm_x, arm_y, k.x - pivot_x, k.y - pivot_y), overlap, tip)
+
+
+@kernel
+def accelerate(lever: Lever, x: FingerState, u: FingerInputs, p: Any) -> Forces:
+    """J b'' + S cos(d) y'' = moment, m y'' + S cos(d) b'' - S sin(d) b'^2 = force, with S = m e.
+
+    The friction F acts on roller or pad along t = (-n_y, n_x), at the contact.
+    """
+    k, arm, tip = lever.contact, lever.arm, lever.tip
+    support = p.pivot_stiffness * x.pivot_position + p.pivot_damping * x.pivot_velocity + u.pivot_force
+    moment = u.cam_load * (arm.x * k.normal_y - arm.y * k.normal_x)
+    force = u.cam_load * k.normal_y - support - u.tip_load
+    moment -= u.tip_load * tip.by_rotation + u.tip_friction * tip.sliding
+    if p.rolls == 0.0:
+        moment += u.cam_friction * (arm.wished_x * k.normal_x + arm.wished_y * k.normal_y)
+        force += u.cam_friction * k.normal_x
+    angle = x.rotation - p.pivot_angle
+    static = p.mass * p.mass_arm
+    coupling = static * math.cos(angle)
+    force += static * math.sin(angle) * x.rotation_rate**2
+    determinant = p.inertia * p.mass - coupling * coupling
+    return Forces(
+        (p.mass * moment - coupling * force) / determinant,
+        (p.inertia * force - coupling * moment) / determinant,
+        support,
+    )
+
+
+@kernel
+def energy(t: float, x: FingerState, u: FingerInputs, p: Any, e: Vector) -> None:
+    coupling = p.mass * p.mass_arm * math.cos(x.rotation - p.pivot_angle)
+    e[0] = 0.5 * (
+        p.inertia * x.rotation_rate**2
+        + p.mass * x.pivot_velocity**2
+        + 2.0 * coupling * x.rotation_rate * x.pivot_velocity
+        + p.pivot_stiffness * x.pivot_position**2
+    )
+    e[1] = p.pivot_damping * x.pivot_velocity**2
+    e[2] = 0.0
+
+
+@kernel
+def inertia_is_of_its_mass(p: Any, told: Vector) -> bool:
+    told[0], told[1] = p.inertia, p.mass * p.mass_arm**2
+    return p.inertia > p.mass * p.mass_arm**2
+
+
+@kernel
+def arms_have_one_side(p: Any, told: Vector) -> bool:
+    told[0], told[1] = 1e3 * p.cam_arm, 1e3 * p.valve_arm
+    return p.cam_arm * p.valve_arm > 0.0
+
+
+INERTIA_IS_OF_ITS_MASS = Requirement(
+    inertia_is_of_its_mass,
+    "inertia = {0:g} kg.m2: must be > mass mass_arm^2 = {1:g} kg.m2, which the centre of mass alone has",
+)
+ARMS_HAVE_ONE_SIDE = Requirement(
+    arms_have_one_side,
+    "cam_arm = {0:g} mm, valve_arm = {1:g} mm: must not be zero and must have one sign",
+)
+
+
+def require_reach(profile: CamProfile) -> Requirement:
+    """The finger can lift the valve as far as the profile asks; 360 cam angles are looked at."""
+    lift = profile.lift
+
+    @kernel
+    def reaches(p: Any, told: Vector) -> bool:
+        rest = math.sin(p.pivot_angle + p.valve_angle)
+        for i in range(360):
+            lifted = lift(math.pi * i / 180.0, p).s
+            told[0], told[1], told[2] = 1e3 * p.valve_arm, 1e3 * lifted, float(i)
+            if p.valve_arm != 0.0 and not abs(lifted / p.valve_arm - rest) < 1.0:
+                return False
+        return True
+
+    return Requirement(
+        reaches,
+        "valve_arm = {0:g} mm: the finger cannot lift the valve by {1:g} mm, at the cam angle {2:.0f} deg; "
+        "make it longer",
+    )
+
+
+def make_motion(profile: CamProfile) -> tuple[Any, Any]:
+    """The kernels `derivative` and `output` of a finger on a cam with this profile."""
+    lift, find_breaks = profile.lift, profile.find_breaks
+
+    @kernel
+    def derivative(t: float, x: FingerState, u: FingerInputs, p: Any, dx: FingerState) -> None:
+        lever = place_lever(lift(u.cam_angle + p.phase, p), x, u, p)
+        forces = accelerate(lever, x, u, p)
+        dx.rotation, dx.rotation_rate = x.rotation_rate, forces.rotation
+        dx.pivot_position, dx.pivot_velocity = x.pivot_velocity, forces.pivot
+
+    @kernel
+    def output(t: float, x: FingerState, u: FingerInputs, p: Any, y: FingerOutputs) -> None:
+        angle = u.cam_angle + p.phase
+        cam = lift(angle, p)
+        lever = place_lever(cam, x, u, p)
+        k, arm = lever.contact, lever.arm
+        show_cam(k, lever.overlap, 1.0 / p.follower_radius, p.rolls != 0.0, u, y)
+        show_tip(lever.tip, x.rotation_rate, x.pivot_position, x.pivot_velocity, p, y)
+        y.rotation = x.rotation
+        y.pivot_position, y.pivot_velocity = x.pivot_position, x.pivot_velocity
+        y.ratio = lever.tip.by_rotation / (arm.x * k.normal_y - arm.y * k.normal_x)
+        y.support_force = accelerate(lever, x, u, p).support
+        y.cam_lift = cam.s
+        y.next_event = min(t + time_to_break(find_breaks(angle, p), u.cam_speed, 0.0), NO_EVENT)
+
+    return derivative, output
+
+
+@counts_energies
+def finger(table_points: int = 0) -> Component:
+    """A finger on a cam by a law, or through `table_points` points."""
+    check_table(table_points)
+    profile, parameters = (TABLE, TableFingerParameters) if table_points else (LAW, FingerParameters)
+    sizes = {"table_points": table_points}
+    derivative, output = make_motion(profile)
+    return Component(
+        tolerance=FINE_TOLERANCE,
+        name="finger",
+        description="Lever on an end pivot, with a roller or pad on its cam",
+        parameters=Layout(parameters, sizes),
+        state=Layout(FingerState),
+        inputs=Layout(FingerInputs),
+        outputs=Layout(FingerOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={**CAM_FEEDTHROUGH, "ratio": ("cam_angle",), "support_force": ("pivot_force",)},
+        bonds=(*CAM_BONDS, *TIP_BONDS, PowerBond("pivot_force", "pivot_velocity", -1)),
+        requirements=(
+            INERTIA_IS_OF_ITS_MASS,
+            ARMS_HAVE_ONE_SIDE,
+            *profile.requirements,
+            require_reach(profile),
+            require_contact(profile, touch),
+        ),
+        structure=sizes,
+        event_indicators=("entraining_velocity", "tip_entraining_velocity"),
+        next_event="next_event",
+    )

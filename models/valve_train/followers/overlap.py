@@ -1,0 +1,171 @@
+"""A cam that presses on its follower: how far both overlap, and what load and friction do to them.
+
+The follower's arc (a flat one: its face) has its centre at C, the cam's shape asks it to be at C_w, and the
+cam's axis is displaced by a. The overlap is d = n . (C_w + a - C) with the normal n of the contact. Load and
+torque act along the gradients of d, so that no energy is lost between them. A prime is d/d(cam angle).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple
+
+from ...compile.kernel import kernel
+from ...core.component import NO_EVENT, PowerBond
+from ...core.quantities import Quantity, Vector
+from ...core.requirements import Requirement
+from ..cams.profile import CamProfile
+from .arc import CamContact
+
+
+@dataclass
+class CamInputs:
+    """What a follower feels of its cam. The cam's axis stays in place where its displacement is not given."""
+
+    cam_angle: Annotated[float, Quantity("rad", "angle of the shaft at the cam", display_unit="deg")] = 0.0
+    cam_speed: Annotated[
+        float, Quantity("rad/s", "speed of the shaft at the cam", nominal=100.0, display_unit="rpm")
+    ] = 0.0
+    axis_x: Annotated[
+        float, Quantity("m", "displacement of the cam's axis across the follower's path", nominal=1e-4)
+    ] = 0.0
+    axis_y: Annotated[
+        float, Quantity("m", "displacement of the cam's axis towards the follower", nominal=1e-4)
+    ] = 0.0
+    axis_velocity_x: Annotated[float, Quantity("m/s", "rate of axis_x", nominal=0.1)] = 0.0
+    axis_velocity_y: Annotated[float, Quantity("m/s", "rate of axis_y", nominal=0.1)] = 0.0
+    cam_load: Annotated[float, Quantity("N", "load W of the cam on the follower", nominal=500.0)] = 0.0
+    cam_friction: Annotated[float, Quantity("N", "friction on the cam against its sliding", nominal=10.0)] = (
+        0.0
+    )
+
+
+@dataclass
+class CamOutputs:
+    """What the contact and the shaft feel of a follower."""
+
+    overlap: Annotated[
+        float,
+        Quantity("m", "cam into follower along the normal", nominal=1e-6, display_unit="um"),
+    ] = 0.0
+    overlap_rate: Annotated[float, Quantity("m/s", "rate of the overlap", nominal=1e-2)] = 0.0
+    entraining_velocity: Annotated[
+        float, Quantity("m/s", "mean surface velocity relative to the contact")
+    ] = 0.0
+    sliding_velocity: Annotated[float, Quantity("m/s", "velocity of cam over follower surface")] = 0.0
+    radius_of_curvature: Annotated[
+        float, Quantity("m", "reduced radius of cam and follower", nominal=1e-2, display_unit="mm")
+    ] = 0.02
+    pressure_angle: Annotated[
+        float, Quantity("rad", "angle of the contact's normal to the follower's path", display_unit="deg")
+    ] = 0.0
+    cam_torque: Annotated[float, Quantity("N.m", "torque taken from the shaft", nominal=10.0)] = 0.0
+    cam_force_x: Annotated[float, Quantity("N", "force on the cam's axis along axis_x", nominal=500.0)] = 0.0
+    cam_force_y: Annotated[float, Quantity("N", "force on the cam's axis along axis_y", nominal=500.0)] = 0.0
+    cam_lift: Annotated[float, Quantity("m", "lift s of the profile", nominal=1e-3, display_unit="mm")] = 0.0
+    next_event: Annotated[
+        float, Quantity("s", "time at which the cam next reaches a jump of s''' (jerk); 1e30 if it rests")
+    ] = NO_EVENT
+
+
+ANGLE = ("cam_angle",)
+PLACE = ("cam_angle", "axis_x", "axis_y")
+MOTION = (*PLACE, "cam_speed", "axis_velocity_x", "axis_velocity_y")
+FORCES = (*PLACE, "cam_load", "cam_friction")
+
+CAM_FEEDTHROUGH = {
+    "overlap": PLACE,
+    "overlap_rate": MOTION,
+    "entraining_velocity": (*ANGLE, "cam_speed"),
+    "sliding_velocity": MOTION,
+    "radius_of_curvature": ANGLE,
+    "pressure_angle": ANGLE,
+    "cam_torque": FORCES,
+    "cam_force_x": FORCES,
+    "cam_force_y": FORCES,
+    "cam_lift": ANGLE,
+    "next_event": (*ANGLE, "cam_speed"),
+}
+
+CAM_BONDS = (
+    PowerBond("cam_load", "overlap_rate", -1),
+    PowerBond("cam_friction", "sliding_velocity", -1),
+    PowerBond("cam_torque", "cam_speed", +1),
+    PowerBond("cam_force_x", "axis_velocity_x", -1),
+    PowerBond("cam_force_y", "axis_velocity_y", -1),
+)
+
+
+class Centre(NamedTuple):
+    """Centre (x, y) of a follower's arc (m), its velocity, and that of the follower at the contact (m/s)."""
+
+    x: float
+    y: float
+    velocity_x: float
+    velocity_y: float
+    surface_velocity_x: float
+    surface_velocity_y: float
+
+
+class Overlap(NamedTuple):
+    """The overlap (m), its derivatives by cam angle (m) and time (m/s), and the sliding velocity (m/s)."""
+
+    value: float
+    by_angle: float
+    rate: float
+    sliding: float
+
+
+@kernel
+def find_overlap(k: CamContact, wished_x: float, wished_y: float, c: Centre, u: Any) -> Overlap:
+    """d = n . g with g = C_w + a - C; n' = normal_turn (n_y, -n_x). Sliding is along t = (-n_y, n_x)."""
+    gap_x, gap_y = wished_x + u.axis_x - c.x, wished_y + u.axis_y - c.y
+    by_angle = k.arm + k.normal_turn * (k.normal_y * gap_x - k.normal_x * gap_y)
+    rate = by_angle * u.cam_speed
+    rate += k.normal_x * (u.axis_velocity_x - c.velocity_x) + k.normal_y * (u.axis_velocity_y - c.velocity_y)
+    sliding = u.cam_speed * (k.x * k.normal_x + k.y * k.normal_y)
+    sliding -= k.normal_y * (u.axis_velocity_x - c.surface_velocity_x)
+    sliding += k.normal_x * (u.axis_velocity_y - c.surface_velocity_y)
+    return Overlap(k.normal_x * gap_x + k.normal_y * gap_y, by_angle, rate, sliding)
+
+
+@kernel
+def show_cam(k: CamContact, o: Overlap, arc_curvature: float, rolls: bool, u: Any, y: Any) -> None:
+    """The outputs of a contact, but lift and event. A roller has the surface velocity of its cam."""
+    y.overlap, y.overlap_rate = o.value, o.rate
+    y.sliding_velocity = 0.0 if rolls else o.sliding
+    follower_rate = k.cam_rate if rolls else k.follower_rate
+    y.entraining_velocity = 0.5 * u.cam_speed * (k.cam_rate + follower_rate)
+    y.radius_of_curvature = 1.0 / (1.0 / k.radius + arc_curvature)
+    y.pressure_angle = math.atan2(k.normal_x, k.normal_y)
+    y.cam_torque = u.cam_load * o.by_angle
+    y.cam_force_x = -u.cam_load * k.normal_x
+    y.cam_force_y = -u.cam_load * k.normal_y
+    if not rolls:
+        y.cam_torque += u.cam_friction * (k.x * k.normal_x + k.y * k.normal_y)
+        y.cam_force_x += u.cam_friction * k.normal_y
+        y.cam_force_y -= u.cam_friction * k.normal_x
+
+
+def require_contact(profile: CamProfile, touch_at: Any) -> Requirement:
+    """The follower touches every point of the cam, one after the other.
+
+    `touch_at(lift, p)` is a kernel that gives the contact. 2000 cam angles are looked at.
+    """
+    lift = profile.lift
+
+    @kernel
+    def touches(p: Any, told: Vector) -> bool:
+        for i in range(2000):
+            angle = 2.0 * math.pi * i / 2000.0
+            told[0] = math.degrees(angle)
+            if not touch_at(lift(angle, p), p).cam_rate > 0.0:
+                return False
+        return True
+
+    return Requirement(
+        touches,
+        "base_radius: at the cam angle {0:.1f} deg the cam undercuts, its contour crosses itself; increase "
+        "base_radius, or take a smaller radius of the follower or a profile with less |s''|",
+    )

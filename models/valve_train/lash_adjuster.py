@@ -1,0 +1,260 @@
+"""Hydraulic lash adjuster: an oil chamber between two bodies, with leak-down, check valve and air.
+
+The bodies compress the chamber by x = lower - upper position. The oil in it is compressed by the volume
+w = A x - q, where q has left by the plunger's clearance (laminar, concentric) and come back through the check
+valve. The pressure p over the supply's follows from w; the force on both bodies is A p + F_spring.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector
+from ..plausible import CAM_RADIUS, GAS_PRESSURE, PART_LENGTH, PLAY, VISCOSITY
+
+# Newton's steps for the pressure of oil with air end at this part of a volume; they converge from below.
+STEPS, CLOSE = 60, 1e-15
+
+
+@dataclass
+class LashAdjusterParameters:
+    """Defaults: an adjuster of 9 mm with a chamber of 600 mm3, without air."""
+
+    plunger_diameter: Annotated[
+        float,
+        Quantity(
+            "m",
+            "diameter of the plunger",
+            nominal=1e-2,
+            positive=True,
+            display_unit="mm",
+            plausible=CAM_RADIUS,
+        ),
+    ] = 9e-3
+    chamber_volume: Annotated[
+        float, Quantity("m3", "volume of the chamber", nominal=1e-6, positive=True, display_unit="mm3")
+    ] = 600e-9
+    bulk_modulus: Annotated[
+        float, Quantity("Pa", "bulk modulus of the oil", nominal=1e9, positive=True, display_unit="MPa")
+    ] = 1.5e9
+    air_content: Annotated[
+        float, Quantity("1", "volume of air in the oil at supply pressure", minimum=0.0, maximum=0.5)
+    ] = 0.0
+    air_exponent: Annotated[
+        float, Quantity("1", "polytropic exponent of the air", minimum=1.0, maximum=2.0)
+    ] = 1.4
+    supply_pressure: Annotated[
+        float,
+        Quantity(
+            "Pa", "absolute pressure of the oil supply", nominal=1e5, positive=True, display_unit="bar",
+            plausible=GAS_PRESSURE,
+        ),
+    ] = 5e5  # fmt: skip
+    leak_clearance: Annotated[
+        float,
+        Quantity(
+            "m",
+            "radial clearance of the plunger",
+            nominal=1e-6,
+            minimum=0.0,
+            display_unit="um",
+            plausible=PLAY,
+        ),
+    ] = 6e-6
+    leak_length: Annotated[
+        float,
+        Quantity(
+            "m", "length of the clearance", nominal=1e-3, positive=True, display_unit="mm",
+            plausible=PART_LENGTH,
+        ),
+    ] = 5e-3  # fmt: skip
+    viscosity: Annotated[
+        float,
+        Quantity("Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY),
+    ] = 0.01
+    valve_opening_pressure: Annotated[
+        float, Quantity("Pa", "pressure below the supply's at which the check valve opens", minimum=0.0)
+    ] = 3e3
+    valve_conductance: Annotated[
+        float, Quantity("m3/(s.Pa)", "flow through the check valve over pressure", nominal=1e-10, minimum=0.0)
+    ] = 1e-10
+    spring_force: Annotated[
+        float, Quantity("N", "force of the plunger's spring", nominal=10.0, minimum=0.0)
+    ] = 20.0
+
+
+@dataclass
+class LashAdjusterState:
+    leaked_volume: Annotated[
+        float, Quantity("m3", "oil that has left the chamber, less what came in", nominal=1e-9)
+    ] = 0.0
+
+
+@dataclass
+class LashAdjusterInputs:
+    lower_position: Annotated[
+        float, Quantity("m", "position of the body below", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    lower_velocity: Annotated[float, Quantity("m/s", "velocity of the body below")] = 0.0
+    upper_position: Annotated[
+        float, Quantity("m", "position of the body above", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    upper_velocity: Annotated[float, Quantity("m/s", "velocity of the body above")] = 0.0
+
+
+@dataclass
+class LashAdjusterOutputs:
+    force: Annotated[float, Quantity("N", "force that parts both bodies", nominal=500.0)] = 0.0
+    pressure: Annotated[
+        float, Quantity("Pa", "pressure of the chamber over the supply's", nominal=1e6, display_unit="MPa")
+    ] = 0.0
+    extension: Annotated[
+        float, Quantity("m", "length over that of the start", nominal=1e-5, display_unit="um")
+    ] = 0.0
+    leak_flow: Annotated[float, Quantity("m3/s", "flow out by the clearance", nominal=1e-7)] = 0.0
+    valve_flow: Annotated[float, Quantity("m3/s", "flow in through the check valve", nominal=1e-7)] = 0.0
+    valve_excess: Annotated[
+        float, Quantity("Pa", "pressure above that at which the check valve opens", nominal=1e6)
+    ] = 0.0
+    cavitates: Annotated[float, Quantity("1", "the oil is torn, at no absolute pressure", boolean=True)] = 0.0
+
+
+@kernel
+def plunger_area(p: LashAdjusterParameters) -> float:
+    return 0.25 * math.pi * p.plunger_diameter**2
+
+
+@kernel
+def compressed_volume(absolute: float, p: LashAdjusterParameters) -> float:
+    """w = V0 [(1-a) (p - p_s)/beta + a (1 - (p_s/p)^(1/n))]."""
+    oil = (1.0 - p.air_content) * (absolute - p.supply_pressure) / p.bulk_modulus
+    air = p.air_content * (1.0 - (p.supply_pressure / absolute) ** (1.0 / p.air_exponent))
+    return p.chamber_volume * (oil + air)
+
+
+@kernel
+def absolute_pressure(w: float, p: LashAdjusterParameters) -> float:
+    """The pressure that compresses the oil by w; not below zero, where oil without air is torn.
+
+    compressed_volume is concave, so that Newton's steps ascend to the root from any point below it. Where
+    there is air, it begins with the air alone, which is stretched as much at a lower pressure.
+    """
+    stretched = w / p.chamber_volume
+    if p.air_content == 0.0:
+        return max(0.0, p.supply_pressure + stretched * p.bulk_modulus)
+    alone = 1.0 - min(stretched, 0.0) / p.air_content
+    absolute = p.supply_pressure * alone ** (-p.air_exponent)
+    for _ in range(STEPS):
+        ratio = (p.supply_pressure / absolute) ** (1.0 / p.air_exponent)
+        slope = (1.0 - p.air_content) / p.bulk_modulus
+        slope += p.air_content * ratio / (p.air_exponent * absolute)
+        excess = stretched - compressed_volume(absolute, p) / p.chamber_volume
+        absolute += excess / slope
+        if abs(excess) <= CLOSE:
+            break
+    return absolute
+
+
+@kernel
+def leak_conductance(p: LashAdjusterParameters) -> float:
+    """G = pi d h^3/(12 mu L)."""
+    return math.pi * p.plunger_diameter * p.leak_clearance**3 / (12.0 * p.viscosity * p.leak_length)
+
+
+@kernel
+def chamber_pressure(x: LashAdjusterState, u: LashAdjusterInputs, p: LashAdjusterParameters) -> float:
+    """Over the supply's."""
+    w = plunger_area(p) * (u.lower_position - u.upper_position) - x.leaked_volume
+    return absolute_pressure(w, p) - p.supply_pressure
+
+
+@kernel
+def valve_flow(pressure: float, p: LashAdjusterParameters) -> float:
+    return p.valve_conductance * max(0.0, -pressure - p.valve_opening_pressure)
+
+
+@kernel
+def derivative(
+    t: float,
+    x: LashAdjusterState,
+    u: LashAdjusterInputs,
+    p: LashAdjusterParameters,
+    dx: LashAdjusterState,
+) -> None:
+    pressure = chamber_pressure(x, u, p)
+    dx.leaked_volume = leak_conductance(p) * pressure - valve_flow(pressure, p)
+
+
+@kernel
+def output(
+    t: float,
+    x: LashAdjusterState,
+    u: LashAdjusterInputs,
+    p: LashAdjusterParameters,
+    y: LashAdjusterOutputs,
+) -> None:
+    pressure = chamber_pressure(x, u, p)
+    y.pressure = pressure
+    y.force = plunger_area(p) * pressure + p.spring_force
+    y.extension = u.upper_position - u.lower_position
+    y.leak_flow = leak_conductance(p) * pressure
+    y.valve_flow = valve_flow(pressure, p)
+    y.valve_excess = pressure + p.valve_opening_pressure
+    y.cavitates = 1.0 if pressure + p.supply_pressure <= 0.0 else 0.0
+
+
+@kernel
+def energy(
+    t: float,
+    x: LashAdjusterState,
+    u: LashAdjusterInputs,
+    p: LashAdjusterParameters,
+    e: Vector,
+) -> None:
+    """Stored: the integral of p dw and the plunger's spring. Lost: in leak and check valve."""
+    pressure = chamber_pressure(x, u, p)
+    absolute, supply, a, n = pressure + p.supply_pressure, p.supply_pressure, p.air_content, p.air_exponent
+    stored = (1.0 - a) * pressure * pressure / (2.0 * p.bulk_modulus)
+    if absolute <= 0.0:
+        # Torn: the hollow grows against the supply's pressure.
+        w = plunger_area(p) * (u.lower_position - u.upper_position) - x.leaked_volume
+        stored -= supply * (w / p.chamber_volume + supply / p.bulk_modulus)
+    if a > 0.0:
+        ratio = (supply / absolute) ** (1.0 / n)
+        bent = math.log(absolute / supply) if n == 1.0 else (1.0 - absolute / supply * ratio) / (1.0 - n)
+        stored += a * supply * (bent - (1.0 - ratio))
+    e[0] = p.chamber_volume * stored + p.spring_force * (u.lower_position - u.upper_position)
+    e[1] = pressure * (leak_conductance(p) * pressure - valve_flow(pressure, p))
+    e[2] = 0.0
+
+
+@counts_energies
+def lash_adjuster() -> Component:
+    """A p + F_spring between two bodies; dq/dt = G p - K max(0, -p - p_valve)."""
+    places = ("lower_position", "upper_position")
+    return Component(
+        tolerance=FINE_TOLERANCE,
+        name="lash_adjuster",
+        description="Hydraulic lash adjuster: oil chamber with leak, check valve and air",
+        parameters=Layout(LashAdjusterParameters),
+        state=Layout(LashAdjusterState),
+        inputs=Layout(LashAdjusterInputs),
+        outputs=Layout(LashAdjusterOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough=dict.fromkeys(
+            ("force", "pressure", "extension", "leak_flow", "valve_flow", "valve_excess", "cavitates"), places
+        ),
+        bonds=(
+            PowerBond("force", "lower_velocity", +1),
+            PowerBond("force", "upper_velocity", -1),
+        ),
+        event_indicators=("valve_excess",),
+    )

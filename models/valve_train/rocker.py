@@ -1,0 +1,155 @@
+"""Rocker: a lever on a fixed pivot in its middle, with a pushrod at one end and a valve at the other."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, NamedTuple
+
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector
+from ..plausible import ANGLE, PART_LENGTH
+from .followers.tip import TIP_BONDS, Tip, TipInputs, TipOutputs, TipParameters, place_tip, show_tip
+
+
+@dataclass
+class RockerParameters(TipParameters):
+    """Angles are those of the closed valve. An arm at angle zero is normal to the motion of its end."""
+
+    rod_arm: Annotated[
+        float,
+        Quantity(
+            "m",
+            "distance from the pivot to the pushrod's end",
+            nominal=1e-2,
+            positive=True,
+            display_unit="mm",
+            plausible=PART_LENGTH,
+        ),
+    ] = 32e-3
+    rod_angle: Annotated[
+        float, Quantity("rad", "angle by which the pushrod's arm falls", display_unit="deg", plausible=ANGLE)
+    ] = 0.0
+    valve_arm: Annotated[
+        float,
+        Quantity(
+            "m",
+            "distance from the pivot to the centre of the pad",
+            nominal=1e-2,
+            positive=True,
+            display_unit="mm",
+            plausible=PART_LENGTH,
+        ),
+    ] = 40e-3
+    valve_angle: Annotated[
+        float, Quantity("rad", "angle by which the valve's arm falls", display_unit="deg", plausible=ANGLE)
+    ] = 0.0
+    small_motion: Annotated[
+        float,
+        Quantity("1", "constant lever ratio, that of the closed valve; false: true geometry", boolean=True),
+    ] = 0.0
+    inertia: Annotated[
+        float, Quantity("kg.m2", "moment of inertia about the pivot", nominal=1e-4, positive=True)
+    ] = 6e-5
+    pivot_damping: Annotated[
+        float, Quantity("N.m.s", "viscous friction of the pivot", nominal=1e-3, minimum=0.0)
+    ] = 0.0
+
+
+@dataclass
+class RockerState:
+    rotation: Annotated[
+        float, Quantity("rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg")
+    ] = 0.0
+    rotation_rate: Annotated[float, Quantity("rad/s", "rate of the rotation", nominal=10.0)] = 0.0
+
+
+@dataclass
+class RockerInputs(TipInputs):
+    rod_force: Annotated[float, Quantity("N", "force of the pushrod", nominal=500.0)] = 0.0
+
+
+@dataclass
+class RockerOutputs(TipOutputs):
+    rotation: Annotated[
+        float, Quantity("rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg")
+    ] = 0.0
+    rod_position: Annotated[
+        float, Quantity("m", "position of the pushrod's end", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    rod_velocity: Annotated[float, Quantity("m/s", "velocity of the pushrod's end")] = 0.0
+    ratio: Annotated[float, Quantity("1", "velocity of the pad over that of the pushrod's end")] = 1.0
+    pivot_force: Annotated[float, Quantity("N", "force on the pivot, along the rod", nominal=500.0)] = 0.0
+
+
+class Ends(NamedTuple):
+    """The pushrod's end (m; m per rotation), and the pad."""
+
+    rod: float
+    rod_by_rotation: float
+    tip: Tip
+
+
+@kernel
+def place_ends(x: RockerState, p: RockerParameters) -> Ends:
+    """a (sin(rotation - alpha) + sin alpha); with small motion the directions stay."""
+    turned = 0.0 if p.small_motion != 0.0 else x.rotation
+    tip = place_tip(turned, p.valve_arm, p.valve_angle, p.tip_radius)
+    a = turned - p.rod_angle
+    by_rotation = p.rod_arm * math.cos(a)
+    rod = p.rod_arm * (math.sin(a) + math.sin(p.rod_angle))
+    if p.small_motion != 0.0:
+        rod = by_rotation * x.rotation
+        tip = Tip(tip.by_rotation * x.rotation, tip.by_rotation, tip.sliding, tip.entraining)
+    return Ends(rod, by_rotation, tip)
+
+
+@kernel
+def derivative(t: float, x: RockerState, u: RockerInputs, p: RockerParameters, dx: RockerState) -> None:
+    """J phi'' = the moments of rod, valve, friction on the valve, and of the pivot."""
+    ends = place_ends(x, p)
+    moment = u.rod_force * ends.rod_by_rotation - u.tip_load * ends.tip.by_rotation
+    moment -= u.tip_friction * ends.tip.sliding + p.pivot_damping * x.rotation_rate
+    dx.rotation = x.rotation_rate
+    dx.rotation_rate = moment / p.inertia
+
+
+@kernel
+def output(t: float, x: RockerState, u: RockerInputs, p: RockerParameters, y: RockerOutputs) -> None:
+    ends = place_ends(x, p)
+    show_tip(ends.tip, x.rotation_rate, 0.0, 0.0, p, y)
+    y.rotation = x.rotation
+    y.rod_position = ends.rod
+    y.rod_velocity = ends.rod_by_rotation * x.rotation_rate
+    y.ratio = ends.tip.by_rotation / ends.rod_by_rotation
+    y.pivot_force = u.rod_force + u.tip_load
+
+
+@kernel
+def energy(t: float, x: RockerState, u: RockerInputs, p: RockerParameters, e: Vector) -> None:
+    e[0] = 0.5 * p.inertia * x.rotation_rate**2
+    e[1] = p.pivot_damping * x.rotation_rate**2
+    e[2] = 0.0
+
+
+@counts_energies
+def rocker() -> Component:
+    """J phi'' = F_rod a cos(..) - W L cos(..) - friction."""
+    return Component(
+        tolerance=FINE_TOLERANCE,
+        name="rocker",
+        description="Lever on a fixed pivot between pushrod and valve",
+        parameters=Layout(RockerParameters),
+        state=Layout(RockerState),
+        inputs=Layout(RockerInputs),
+        outputs=Layout(RockerOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={"pivot_force": ("rod_force", "tip_load")},
+        bonds=(*TIP_BONDS, PowerBond("rod_force", "rod_velocity", +1)),
+        event_indicators=("tip_entraining_velocity",),
+    )

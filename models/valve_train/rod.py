@@ -1,0 +1,191 @@
+"""Slender rod between two bodies: pushrod or valve stem, as finite segments.
+
+Qin and Zuo 2000: N equal rigid segments of mass m/N, springs of rate A E/l between neighbours at the
+distance l, and springs of twice that rate at both ends. So the static rate A E/L is exact for every N.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond, check_sizes
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector, per_element
+from ..plausible import PART_LENGTH, YOUNGS_MODULUS
+
+
+@dataclass
+class RodParameters:
+    """Defaults: a steel pushrod of 200 mm."""
+
+    length: Annotated[
+        float,
+        Quantity(
+            "m", "length of the rod", nominal=0.1, positive=True, display_unit="mm", plausible=PART_LENGTH
+        ),
+    ] = 0.2
+    area: Annotated[
+        float,
+        Quantity("m2", "cross-section of the rod", nominal=5e-5, positive=True, display_unit="mm2"),
+    ] = 50e-6
+    youngs_modulus: Annotated[
+        float,
+        Quantity("Pa", "Young's modulus of the rod", nominal=1e11, positive=True, plausible=YOUNGS_MODULUS),
+    ] = 207e9
+    density: Annotated[float, Quantity("kg/m3", "density of the rod", nominal=7850.0, positive=True)] = 7850.0
+    damping_time: Annotated[
+        float, Quantity("s", "damping of the rod over its stiffness", nominal=5e-6, minimum=0.0)
+    ] = 5e-6
+    bonded: Annotated[
+        float, Quantity("1", "the ends also pull; false: they only push, and may part", boolean=True)
+    ] = 0.0
+    clearance: Annotated[
+        float, Quantity("m", "gap at the upper end, at rest", nominal=1e-4, minimum=0.0, display_unit="mm")
+    ] = 0.0
+
+
+@dataclass
+class RodState:
+    displacement: Annotated[
+        Vector,
+        Quantity(
+            "m", "displacement of a segment, from the lower end", nominal=1e-3, size="segments",
+            display_unit="mm",
+        ),
+    ] = per_element()  # fmt: skip
+    velocity: Annotated[Vector, Quantity("m/s", "velocity of a segment", size="segments")] = per_element()
+
+
+@dataclass
+class RodInputs:
+    lower_position: Annotated[
+        float, Quantity("m", "position of the body below", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    lower_velocity: Annotated[float, Quantity("m/s", "velocity of the body below")] = 0.0
+    upper_position: Annotated[
+        float, Quantity("m", "position of the body above", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    upper_velocity: Annotated[float, Quantity("m/s", "velocity of the body above")] = 0.0
+
+
+@dataclass
+class RodOutputs:
+    lower_force: Annotated[
+        float, Quantity("N", "force on the body below, which it presses down", nominal=500.0)
+    ] = 0.0
+    upper_force: Annotated[
+        float, Quantity("N", "force on the body above, which it presses up", nominal=500.0)
+    ] = 0.0
+    lower_compression: Annotated[
+        float, Quantity("m", "compression of the lower end", nominal=1e-5, display_unit="um")
+    ] = 0.0
+    upper_compression: Annotated[
+        float, Quantity("m", "compression of the upper end", nominal=1e-5, display_unit="um")
+    ] = 0.0
+
+
+@kernel
+def end_force(stiffness: float, compression: float, rate: float, p: RodParameters) -> float:
+    """k (e + tau e'); an end that is not bonded never pulls."""
+    force = stiffness * (compression + p.damping_time * rate)
+    if p.bonded == 0.0 and (compression <= 0.0 or force < 0.0):
+        return 0.0
+    return force
+
+
+@counts_energies
+def rod(segments: int = 4) -> Component:
+    """A rod of `segments` segments."""
+    check_sizes(segments=segments)
+    n = segments
+
+    @kernel
+    def inner_stiffness(p: RodParameters) -> float:
+        return p.youngs_modulus * p.area * n / p.length
+
+    @kernel
+    def lower_compression(x: RodState, u: RodInputs) -> float:
+        return u.lower_position - x.displacement[0]
+
+    @kernel
+    def upper_compression(x: RodState, u: RodInputs, p: RodParameters) -> float:
+        return x.displacement[n - 1] - u.upper_position - p.clearance
+
+    @kernel
+    def lower_force(x: RodState, u: RodInputs, p: RodParameters) -> float:
+        rate = u.lower_velocity - x.velocity[0]
+        return end_force(2.0 * inner_stiffness(p), lower_compression(x, u), rate, p)
+
+    @kernel
+    def upper_force(x: RodState, u: RodInputs, p: RodParameters) -> float:
+        rate = x.velocity[n - 1] - u.upper_velocity
+        return end_force(2.0 * inner_stiffness(p), upper_compression(x, u, p), rate, p)
+
+    @kernel
+    def derivative(t: float, x: RodState, u: RodInputs, p: RodParameters, dx: RodState) -> None:
+        mass, stiffness = p.density * p.area * p.length / n, inner_stiffness(p)
+        below = lower_force(x, u, p)
+        for i in range(n):
+            if i < n - 1:
+                compression = x.displacement[i] - x.displacement[i + 1]
+                above = stiffness * (compression + p.damping_time * (x.velocity[i] - x.velocity[i + 1]))
+            else:
+                above = upper_force(x, u, p)
+            dx.displacement[i] = x.velocity[i]
+            dx.velocity[i] = (below - above) / mass
+            below = above
+
+    @kernel
+    def output(t: float, x: RodState, u: RodInputs, p: RodParameters, y: RodOutputs) -> None:
+        y.lower_force = lower_force(x, u, p)
+        y.upper_force = upper_force(x, u, p)
+        y.lower_compression = lower_compression(x, u)
+        y.upper_compression = upper_compression(x, u, p)
+
+    @kernel
+    def energy(t: float, x: RodState, u: RodInputs, p: RodParameters, e: Vector) -> None:
+        """What an end that is not bonded does not give back of k e^2/2 is lost."""
+        mass, stiffness = p.density * p.area * p.length / n, inner_stiffness(p)
+        stored, lost = 0.0, 0.0
+        for i in range(n):
+            stored += 0.5 * mass * x.velocity[i] ** 2
+            if i < n - 1:
+                rate = x.velocity[i] - x.velocity[i + 1]
+                stored += 0.5 * stiffness * (x.displacement[i] - x.displacement[i + 1]) ** 2
+                lost += stiffness * p.damping_time * rate * rate
+        low, high = lower_compression(x, u), upper_compression(x, u, p)
+        if p.bonded == 0.0:
+            low, high = max(0.0, low), max(0.0, high)
+        stored += stiffness * (low * low + high * high)
+        lost += (lower_force(x, u, p) - 2.0 * stiffness * low) * (u.lower_velocity - x.velocity[0])
+        lost += (upper_force(x, u, p) - 2.0 * stiffness * high) * (x.velocity[n - 1] - u.upper_velocity)
+        e[0], e[1], e[2] = stored, lost, 0.0
+
+    sizes = {"segments": n}
+    return Component(
+        tolerance=FINE_TOLERANCE,
+        name="rod",
+        description="Slender rod of finite segments: pushrod or valve stem",
+        parameters=Layout(RodParameters),
+        state=Layout(RodState, sizes),
+        inputs=Layout(RodInputs),
+        outputs=Layout(RodOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            "lower_force": ("lower_position", "lower_velocity"),
+            "upper_force": ("upper_position", "upper_velocity"),
+            "lower_compression": ("lower_position",),
+            "upper_compression": ("upper_position",),
+        },
+        bonds=(
+            PowerBond("lower_force", "lower_velocity", +1),
+            PowerBond("upper_force", "upper_velocity", -1),
+        ),
+        structure=sizes,
+        event_indicators=("lower_compression", "upper_compression"),
+    )

@@ -1,0 +1,213 @@
+"""Tappet: a cam and the follower that it moves along a line, flat, roller or pad.
+
+The follower is a body of its own, so that a pushrod, a lash adjuster or a valve may stand on it. The contact
+with the cam is another component, which takes the overlap and gives the load back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import NO_EVENT, Component, PowerBond
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector
+from ..core.requirements import Requirement
+from ..plausible import ANGLE, CURVATURE, OFFSET, PART_MASS
+from .cams.law import LAW, LawParameters
+from .cams.lift import Lift
+from .cams.profile import CamProfile, time_to_break
+from .cams.table import TABLE, TableParameters, check_table
+from .followers.arc import CamContact
+from .followers.mechanisms import Flat, Translating, touch_flat, touch_translating
+from .followers.overlap import (
+    CAM_BONDS,
+    CAM_FEEDTHROUGH,
+    FORCES,
+    CamInputs,
+    CamOutputs,
+    Centre,
+    Overlap,
+    find_overlap,
+    require_contact,
+    show_cam,
+)
+
+FLAT, ROLLER, PAD = 0.0, 1.0, 2.0
+
+
+@dataclass
+class FollowerParameters:
+    phase: Annotated[
+        float,
+        Quantity(
+            "rad", "cam angle at shaft angle zero; the nose is at pi", display_unit="deg", plausible=ANGLE
+        ),
+    ] = 0.0
+    follower: Annotated[float, Quantity("1", "surface on the cam", choices=("flat", "roller", "pad"))] = FLAT
+    follower_radius: Annotated[
+        float,
+        Quantity(
+            "m",
+            "radius of roller or pad",
+            nominal=1e-2,
+            positive=True,
+            display_unit="mm",
+            plausible=CURVATURE,
+        ),
+    ] = 10e-3
+    offset: Annotated[
+        float,
+        Quantity(
+            "m",
+            "offset of the path of roller or pad from the cam's axis, along axis_x",
+            nominal=1e-3,
+            display_unit="mm",
+            plausible=OFFSET,
+        ),
+    ] = 0.0
+    mass: Annotated[
+        float, Quantity("kg", "mass of the follower", nominal=0.1, positive=True, plausible=PART_MASS)
+    ] = 0.1
+    guide_damping: Annotated[
+        float, Quantity("N.s/m", "viscous friction in the guide", nominal=10.0, minimum=0.0)
+    ] = 0.0
+
+
+@dataclass
+class TappetParameters(FollowerParameters, LawParameters):
+    """A cam by a law."""
+
+
+@dataclass
+class TableTappetParameters(FollowerParameters, TableParameters):
+    """A cam through points."""
+
+
+@dataclass
+class TappetState:
+    position: Annotated[
+        float, Quantity("m", "position y, zero on the base circle", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    velocity: Annotated[float, Quantity("m/s", "velocity of the follower")] = 0.0
+
+
+@dataclass
+class TappetInputs(CamInputs):
+    load: Annotated[float, Quantity("N", "force of the train on the follower", nominal=500.0)] = 0.0
+
+
+@dataclass
+class TappetOutputs(CamOutputs):
+    position: Annotated[
+        float, Quantity("m", "position y, zero on the base circle", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    velocity: Annotated[float, Quantity("m/s", "velocity of the follower")] = 0.0
+    acceleration: Annotated[float, Quantity("m/s2", "acceleration of the follower", nominal=1e3)] = 0.0
+    side_force: Annotated[
+        float, Quantity("N", "force of the follower on its guide along axis_x", nominal=100.0)
+    ] = 0.0
+
+
+@kernel
+def touch(cam: Lift, p: Any) -> CamContact:
+    """The contact at this lift."""
+    if p.follower == FLAT:
+        return touch_flat(cam, Flat(p.base_radius))
+    return touch_translating(cam, Translating(p.base_radius, p.follower_radius, p.offset))
+
+
+@kernel
+def overlap(k: CamContact, cam: Lift, x: TappetState, u: TappetInputs) -> Overlap:
+    """The centre is at the position y; the cam asks for the lift s."""
+    return find_overlap(k, 0.0, cam.s, Centre(0.0, x.position, 0.0, x.velocity, 0.0, x.velocity), u)
+
+
+@kernel
+def accelerate(k: CamContact, x: TappetState, u: TappetInputs, p: Any) -> float:
+    """m y'' = W n_y - load - c y', and of a sliding follower the friction F t_y."""
+    force = u.cam_load * k.normal_y - u.load - p.guide_damping * x.velocity
+    if p.follower != ROLLER:
+        force += u.cam_friction * k.normal_x
+    return force / p.mass
+
+
+@kernel
+def energy(t: float, x: TappetState, u: TappetInputs, p: Any, e: Vector) -> None:
+    e[0] = 0.5 * p.mass * x.velocity**2
+    e[1] = p.guide_damping * x.velocity**2
+    e[2] = 0.0
+
+
+@kernel
+def path_is_near(p: Any, told: Vector) -> bool:
+    told[0], told[1] = 1e3 * p.offset, 1e3 * (p.base_radius + p.follower_radius)
+    return p.follower == FLAT or abs(p.offset) < p.base_radius + p.follower_radius
+
+
+PATH_IS_NEAR = Requirement(
+    path_is_near, "offset = {0:g} mm: must be less than base_radius + follower_radius = {1:g} mm"
+)
+
+
+def make_motion(profile: CamProfile) -> tuple[Any, Any]:
+    """The kernels `derivative` and `output` of a tappet on a cam with this profile."""
+    lift, find_breaks = profile.lift, profile.find_breaks
+
+    @kernel
+    def derivative(t: float, x: TappetState, u: TappetInputs, p: Any, dx: TappetState) -> None:
+        k = touch(lift(u.cam_angle + p.phase, p), p)
+        dx.position = x.velocity
+        dx.velocity = accelerate(k, x, u, p)
+
+    @kernel
+    def output(t: float, x: TappetState, u: TappetInputs, p: Any, y: TappetOutputs) -> None:
+        angle = u.cam_angle + p.phase
+        cam = lift(angle, p)
+        k = touch(cam, p)
+        curvature = 0.0 if p.follower == FLAT else 1.0 / p.follower_radius
+        show_cam(k, overlap(k, cam, x, u), curvature, p.follower == ROLLER, u, y)
+        y.position = x.position
+        y.velocity = x.velocity
+        y.acceleration = accelerate(k, x, u, p)
+        y.side_force = u.cam_load * k.normal_x
+        if p.follower != ROLLER:
+            y.side_force -= u.cam_friction * k.normal_y
+        y.cam_lift = cam.s
+        y.next_event = min(t + time_to_break(find_breaks(angle, p), u.cam_speed, 0.0), NO_EVENT)
+
+    return derivative, output
+
+
+@counts_energies
+def tappet(table_points: int = 0) -> Component:
+    """A follower in its guide, on a cam by a law, or through `table_points` points."""
+    check_table(table_points)
+    profile, parameters = (TABLE, TableTappetParameters) if table_points else (LAW, TappetParameters)
+    sizes = {"table_points": table_points}
+    derivative, output = make_motion(profile)
+    return Component(
+        tolerance=FINE_TOLERANCE,
+        name="tappet",
+        description="Flat, roller or pad follower in its guide, with its cam",
+        parameters=Layout(parameters, sizes),
+        state=Layout(TappetState),
+        inputs=Layout(TappetInputs),
+        outputs=Layout(TappetOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            **CAM_FEEDTHROUGH,
+            "acceleration": (*FORCES, "load"),
+            "side_force": FORCES,
+        },
+        bonds=(*CAM_BONDS, PowerBond("load", "velocity", -1)),
+        requirements=(PATH_IS_NEAR, *profile.requirements, require_contact(profile, touch)),
+        structure=sizes,
+        # Where the entrainment reverses, film formulas have a kink: they know |u|.
+        event_indicators=("entraining_velocity",),
+        next_event="next_event",
+    )
