@@ -12,6 +12,8 @@ from ..core.system import ModelError, System
 # The Newton step that remains, in nominal sizes, at which an equilibrium counts as found.
 CLOSE = 1e-9
 POLISHING_STEPS = 4
+# A positive state that changes by less of itself in a second is at rest.
+SLOW = 1e-6
 
 
 def equilibrium(system: System, t: float = 0.0) -> Vector:
@@ -23,14 +25,10 @@ def equilibrium(system: System, t: float = 0.0) -> Vector:
     is no equilibrium.
     """
     rest = _Rest(system, t)
+    rest.keep_slow()
     if rest.index.size == 0:
         return system.x0.copy()
-    guess = np.zeros(rest.index.size)
-    found = root(rest.residual, guess, method="hybr", tol=1e-13).x
-    if not rest.is_close(found):
-        found = least_squares(rest.residual, guess, xtol=1e-15, ftol=1e-15, gtol=1e-15).x
-    for _ in range(POLISHING_STEPS):
-        found = found - rest.newton_step(found)
+    found = rest.solve()
     if not rest.is_close(found):
         what = f"no equilibrium found at t = {t:g} s: {rest.worst(found)}."
         raise ModelError(" ".join([what, *implausible(system)]))
@@ -67,6 +65,10 @@ class _Rest:
             resting[part] = [item in names for item in component.state.names]
             self.positive[part] = [item.quantity.positive for item in component.state.fields]
         self.index = np.flatnonzero(resting)
+        self.keep_undetermined()
+
+    def keep_undetermined(self) -> None:
+        """Leave out the states whose rates nothing changes."""
         while self.index.size:
             self.scale = np.ones(self.index.size)
             effect = np.max(np.abs(self.jacobian(np.zeros(self.index.size))), axis=1)
@@ -76,6 +78,32 @@ class _Rest:
                 break
             # Without these states others may lose what determines them (a rigid shaft's twist the film).
             self.index = self.index[effect > 0.0]
+
+    def keep_slow(self) -> None:
+        """Leave out positive states that rest wherever they are, once the others do: a film without entrainment.
+
+        On the way to the rest of a lever its film would otherwise follow a velocity that is rounding.
+        """
+        every, positive = self.index, self.positive[self.index]
+        if not positive.any() or positive.all():
+            return
+        self.index = every[~positive]
+        self.keep_undetermined()
+        x = self.state(self.solve())
+        rates = np.abs(self.evaluation.derivative(self.t, x))
+        slow = self.positive & (rates <= SLOW * np.abs(x))
+        self.index = every[~slow[every]]
+        self.keep_undetermined()
+
+    def solve(self) -> Vector:
+        """The scaled states at rest, as far as they are found."""
+        guess = np.zeros(self.index.size)
+        found = root(self.residual, guess, method="hybr", tol=1e-13).x
+        if not self.is_close(found):
+            found = least_squares(self.residual, guess, xtol=1e-15, ftol=1e-15, gtol=1e-15).x
+        for _ in range(POLISHING_STEPS):
+            found = found - self.newton_step(found)
+        return np.asarray(found)
 
     def state(self, scaled: Vector) -> Vector:
         x = self.x0.copy()

@@ -52,7 +52,7 @@ class LashAdjusterParameters:
     supply_pressure: Annotated[
         float,
         Quantity(
-            "Pa", "absolute pressure of the oil supply", nominal=1e5, positive=True, display_unit="bar",
+            "Pa", "absolute pressure of the oil supply", nominal=1e5, positive=True, display_unit="MPa",
             plausible=GAS_PRESSURE,
         ),
     ] = 5e5  # fmt: skip
@@ -82,7 +82,7 @@ class LashAdjusterParameters:
         float, Quantity("Pa", "pressure below the supply's at which the check valve opens", minimum=0.0)
     ] = 3e3
     valve_conductance: Annotated[
-        float, Quantity("m3/(s.Pa)", "flow through the check valve over pressure", nominal=1e-10, minimum=0.0)
+        float, Quantity("m3/s.Pa", "flow through the check valve over pressure", nominal=1e-10, minimum=0.0)
     ] = 1e-10
     spring_force: Annotated[
         float, Quantity("N", "force of the plunger's spring", nominal=10.0, minimum=0.0)
