@@ -20,7 +20,7 @@ import pytest
 TESTS = Path(__file__).parent
 PAGE = TESTS.parent / "docs" / "validation.md"
 LIMITS = TESTS / "known_limits.toml"
-SUBJECTS = ("Cam", "Spring", "Contact", "Film", "Field", "Slider-crank", "Coupling", "FMUs", "Tools")
+SUBJECTS = ("Cam", "Spring", "Train", "Contact", "Film", "Field", "Slider-crank", "Coupling", "FMUs", "Tools")
 COLUMNS = ("quantity", "computed", "reference", "difference", "tolerance", "source", "test")
 INTRODUCTION = """# Validation manual
 

@@ -17,8 +17,8 @@ def _turning(t: np.ndarray) -> np.ndarray:
 
 STIMULUS = Stimulus(
     says=(
-        "A little more than one turn of the cam at 50 rad/s under the pad. The load on the cam goes to and fro "
-        "about what balances 300 N on the valve, and the pivot carries the rest on its adjuster."
+        "A little more than one turn of the cam at 50 rad/s under the pad. The load on the cam goes to and "
+        "fro about what balances 300 N on the valve; the pivot bears the rest."
     ),
     corners=TIMES,
     inputs={

@@ -10,7 +10,7 @@ RATE = np.array([0.0, 5e-3, 5e-3, 0.0, 0.0, 0.0])
 
 STIMULUS = Stimulus(
     says=(
-        "The chamber is compressed by 40 um within 4 ms, leaks down, is released again, draws oil through its "
+        "The chamber is compressed by 40 um within 4 ms, leaks down, is released, draws oil through its "
         "check valve, and fills up."
     ),
     corners=CORNERS,

@@ -16,8 +16,8 @@ def _force(t: np.ndarray) -> np.ndarray:
 
 STIMULUS = Stimulus(
     says=(
-        "A pushrod's force that swings the lever by 12 deg twice, against 400 N on the valve with friction of 5 %, "
-        "as broken lines."
+        "A pushrod's force that swings the lever by 12 deg twice, against 400 N on the valve, whose "
+        "friction is 5 % of it, as broken lines."
     ),
     corners=TIMES,
     inputs={

@@ -14,8 +14,8 @@ def _lower(t: np.ndarray) -> np.ndarray:
 
 STIMULUS = Stimulus(
     says=(
-        "The body below presses the rod by 20 um against one at rest and goes back, as a broken line whose corners "
-        "excite waves; then the ends part and touch again."
+        "The body below presses the rod by 20 um against one at rest and goes back, as a broken line "
+        "whose corners excite waves. Then the ends part and touch again."
     ),
     corners=TIMES,
     inputs={"lower_position": _lower(TIMES), "lower_velocity": np.gradient(_lower(TIMES), TIMES)},

@@ -80,7 +80,7 @@ class _Rest:
             self.index = self.index[effect > 0.0]
 
     def keep_slow(self) -> None:
-        """Leave out positive states that rest wherever they are, once the others do: a film without entrainment.
+        """Leave out positive states that then rest wherever they are: films without entrainment.
 
         On the way to the rest of a lever its film would otherwise follow a velocity that is rounding.
         """

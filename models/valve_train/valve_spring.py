@@ -185,6 +185,30 @@ def spring_frequencies(parameters: ValveSpringParameters, coil_masses: int) -> V
     return np.asarray(parameters.surge_frequency * np.sqrt(np.linalg.eigvalsh(matrix / share.mass) / 4.0))
 
 
+@kernel
+def segment_force(p: ValveSpringParameters, share: float, compression: float, rate: float) -> float:
+    """k e + c e', and the clash rate where the segment's share of the travel is used up."""
+    stiffness = share * p.spring_rate
+    damping = 2.0 * p.damping_ratio / (2.0 * math.pi * p.surge_frequency) * stiffness
+    clash = max(0.0, compression - p.clash_clearance / share)
+    return stiffness * compression + damping * rate + p.clash_stiffness * clash
+
+
+@kernel
+def seat_force(p: ValveSpringParameters, position: float, velocity: float) -> float:
+    """Unilateral: pushes the valve open while it dips below the seat, never pulls."""
+    dip = p.lash - position
+    if dip <= 0.0:
+        return 0.0
+    return max(0.0, p.seat_stiffness * dip - p.seat_damping * velocity)
+
+
+@kernel
+def segment_energy(p: ValveSpringParameters, share: float, compression: float) -> float:
+    clash = max(0.0, compression - p.clash_clearance / share)
+    return 0.5 * share * p.spring_rate * compression**2 + 0.5 * p.clash_stiffness * clash**2
+
+
 @counts_energies
 def valve_spring(coil_masses: int = 2) -> Component:
     """Valve and spring with `coil_masses` coil masses.
@@ -195,22 +219,6 @@ def valve_spring(coil_masses: int = 2) -> Component:
     """
     n = coil_masses
     end_share, inner_share, mass_share = lumping(n)
-
-    @kernel
-    def segment_force(p: ValveSpringParameters, share: float, compression: float, rate: float) -> float:
-        """k e + c e', and the clash rate where the segment's share of the travel is used up."""
-        stiffness = share * p.spring_rate
-        damping = 2.0 * p.damping_ratio / (2.0 * math.pi * p.surge_frequency) * stiffness
-        clash = max(0.0, compression - p.clash_clearance / share)
-        return stiffness * compression + damping * rate + p.clash_stiffness * clash
-
-    @kernel
-    def seat_force(p: ValveSpringParameters, position: float, velocity: float) -> float:
-        """Unilateral: pushes the valve open while it dips below the seat, never pulls."""
-        dip = p.lash - position
-        if dip <= 0.0:
-            return 0.0
-        return max(0.0, p.seat_stiffness * dip - p.seat_damping * velocity)
 
     @kernel
     def least_gap(p: ValveSpringParameters, x: ValveSpringState) -> float:
@@ -263,11 +271,6 @@ def valve_spring(coil_masses: int = 2) -> Component:
         y.least_gap = least_gap(p, x)
         for i in range(n):
             y.coil_position[i] = x.coil_position[i]
-
-    @kernel
-    def segment_energy(p: ValveSpringParameters, share: float, compression: float) -> float:
-        clash = max(0.0, compression - p.clash_clearance / share)
-        return 0.5 * share * p.spring_rate * compression**2 + 0.5 * p.clash_stiffness * clash**2
 
     @kernel
     def energy(
