@@ -7,18 +7,18 @@ from ..cross_check.stimulus import Stimulus
 SPEED = 50.0  # rad/s, of the cam
 TIMES = np.arange(66) * 2e-3
 # Load on the valve, and the ratio of the lever when closed (N, 1).
-TIP, RATIO = 300.0, 1.42069
+TIP, RATIO = 2.0, 1.42069
 
 
 def _turning(t: np.ndarray) -> np.ndarray:
     """A small part of the load on the cam, to and fro; N."""
-    return 2.0 * np.sin(100.0 * t)
+    return 0.1 * np.sin(100.0 * t)
 
 
 STIMULUS = Stimulus(
     says=(
         "A little more than one turn of the cam at 50 rad/s under the pad. The load on the cam goes to and "
-        "fro about what balances 300 N on the valve; the pivot bears the rest."
+        "fro about what balances 2 N on the valve; the pivot bears the rest."
     ),
     corners=TIMES,
     inputs={

@@ -35,7 +35,6 @@ STIMULUS = Stimulus(
         "tip_velocity",
         "tip_entraining_velocity",
         "tip_sliding_velocity",
-        "ratio",
         "pivot_force",
     ),
 )

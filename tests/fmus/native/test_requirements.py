@@ -47,6 +47,20 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
         {"power_p": 15.0},
     ),
     "valve_spring": ({"lash": 2e-4}, {"lash": -1e-3}),
+    "tappet": (
+        {"base_radius": 10e-3},
+        {"follower": 1.0, "offset": 0.05},
+        {"dwell_half_width": 2.0},
+        {"power_p": 15.0},
+    ),
+    "finger": (
+        {"inertia": 1e-6},
+        {"cam_arm": -28e-3},
+        {"valve_arm": 5e-3},
+        {"base_radius": 1e-3, "follower_radius": 60e-3},
+        {"dwell_half_width": 2.0},
+        {"power_p": 15.0},
+    ),
     "ehl_contact": ({"film_model": 8.0},),
     "slider_crank": (
         {"crank_radius": 0.2},
