@@ -17,6 +17,7 @@ from .fmu import fmu_build, fmu_compare, fmu_cross_check, fmu_info, fmu_validate
 from .friction import print_friction
 from .run import resume_run, run_scenario
 from .scenarios import list_scenarios
+from .speeds import run_speeds
 from .ssp import ssp_export, ssp_import
 from .study import run_study
 
@@ -33,6 +34,7 @@ app.command("components")(print_components)
 app.command("diagnose")(print_diagnosis)
 app.command("friction")(print_friction)
 app.command("analyse")(run_analysis)
+app.command("speeds")(run_speeds)
 app.command("study")(run_study)
 
 fmus = typer.Typer(help="Build, inspect and check FMUs.", no_args_is_help=True)

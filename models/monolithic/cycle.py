@@ -1,0 +1,127 @@
+"""Steady cycles: motions of a system that repeat themselves after a period."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.quantities import Vector
+from ..core.system import System
+from .cvode import Cvode
+from .march import march
+from .problem import SystemProblem
+from .reference import observe, stiffness
+
+# Of the integrator, over nominal + |value|. What a period changes is found to a hundred times that.
+TOLERANCE = 1e-8
+STEADY = 1e-5
+MOST_PERIODS = 60
+# Periods that Anderson's method combines.
+MEMORY = 6
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """One period of a motion, sampled at equal distances, both ends included.
+
+    `inputs` and `outputs` are (n, variables of the system), `end` is the last state. `change` is the largest
+    change of a state over the period, relative to nominal + |value|. `periods` were computed.
+    """
+
+    system: System
+    times: Vector
+    inputs: Vector
+    outputs: Vector
+    end: Vector
+    change: float
+    periods: int
+
+    @property
+    def steady(self) -> bool:
+        return self.change <= STEADY
+
+    def __getitem__(self, name: str) -> Vector:
+        """The input or output called "instance.variable", (n,). KeyError for other names."""
+        for layout, table in ((self.system.outputs, self.outputs), (self.system.inputs, self.inputs)):
+            if name in layout.names:
+                return np.asarray(table[:, layout.names.index(name)])
+        raise KeyError(f"{name!r} is no input or output of the system")
+
+
+def find_cycle(
+    system: System,
+    period: float,
+    turning: Sequence[str],
+    start: Vector | None = None,
+    samples: int = 720,
+    most_periods: int = MOST_PERIODS,
+) -> Cycle:
+    """The cycle of that period (s), from the state `start` (default: the system's start).
+
+    Each period begins at time 0 with the states `turning` at their starts. All others go on from where the
+    last period ended, extrapolated by Anderson's method. Where that does not settle in `most_periods`, as of
+    chaotic motion, the last period is returned. ModelError if a method fails.
+    """
+    problem = SystemProblem(system)
+    times = np.linspace(0.0, period, samples + 1)
+    n = system.state.size
+    held = np.isin(system.state.names, list(turning))
+    scaling = _Scaling(system, held)
+    x = np.array(system.x0 if start is None else start, dtype=np.float64)
+    x[held] = system.x0[held]
+    begun, ended = list[Vector](), list[Vector]()
+    for periods in range(1, most_periods + 1):
+        z = problem.start(x)
+        stiff, longest = stiffness(problem, 0.0, z, times)
+        states, _ = march(problem, Cvode(problem, TOLERANCE, stiff, longest), z, 0.0, times)
+        end = states[-1, :n]
+        change = np.abs(end - x)[~held] / (system.state.nominal + np.abs(x))[~held]
+        if (worst := float(np.max(change, initial=0.0))) <= STEADY or periods == most_periods:
+            break
+        begun.append(scaling.flat(x))
+        ended.append(scaling.flat(end))
+        x = scaling.state(_extrapolate(begun[-MEMORY:], ended[-MEMORY:]), x)
+    inputs, outputs, _ = observe(problem, times, states)
+    return Cycle(system, times, inputs, outputs, end.copy(), worst, periods)
+
+
+class _Scaling:
+    """States as numbers of size 1 that may take any value: positive ones by their logarithm."""
+
+    def __init__(self, system: System, held: NDArray[np.bool_]) -> None:
+        fields = [f for instance in system.instances.values() for f in instance.component.state.fields]
+        self.free = ~held
+        self.positive = np.array([f.quantity.positive for f in fields])[self.free]
+        self.nominal = system.state.nominal[self.free]
+
+    def flat(self, x: Vector) -> Vector:
+        free = x[self.free]
+        scaled: Vector = free / self.nominal
+        scaled[self.positive] = np.log(scaled[self.positive])
+        return scaled
+
+    def state(self, scaled: Vector, before: Vector) -> Vector:
+        values = scaled.copy()
+        values[self.positive] = np.exp(values[self.positive])
+        x = before.copy()
+        x[self.free] = values * self.nominal
+        return x
+
+
+def _extrapolate(begun: Sequence[Vector], ended: Sequence[Vector]) -> Vector:
+    """Anderson's method: the combination of the last periods whose change would be least.
+
+    The first two periods only settle; a combination that is larger than the last change is not believed.
+    """
+    change = ended[-1] - begun[-1]
+    if len(begun) < 3:
+        return ended[-1]
+    changes = np.array([e - b for b, e in zip(begun, ended, strict=True)])
+    shares = np.linalg.lstsq(np.diff(changes, axis=0).T, change, rcond=1e-6)[0]
+    step = shares @ np.diff(np.array(ended), axis=0)
+    if not np.all(np.isfinite(step)) or np.linalg.norm(step) > 10.0 * np.linalg.norm(change):
+        return ended[-1]
+    return np.asarray(ended[-1] - step)

@@ -1,0 +1,215 @@
+"""What an engineer asks of a steady cycle, by the parts that a train has.
+
+To add a number: a row in the table of its part.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.contact.records import CONTACTS
+from models.core.quantities import Vector
+from models.core.system import Instance, System
+from models.monolithic.cycle import Cycle
+
+from ..analyses import Result
+from ..scenario import Scenario
+
+# Of the largest lift, above which a cam lifts.
+LIFTED = 0.1
+DEGREES, MILLIMETRES, MICROMETRES, MEGAPASCAL = "deg", "mm", "um", "MPa"
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part in a cycle: its variables by their own names, the cam angle (rad), and where the cam lifts."""
+
+    cycle: Cycle
+    name: str
+    angle: Vector
+    lifted: NDArray[np.bool_]
+
+    def __getitem__(self, variable: str) -> Vector:
+        return self.cycle[f"{self.name}.{variable}"]
+
+    def parameter(self, name: str) -> float:
+        return parameter_of(self.cycle.system.instances[self.name], name)
+
+    def mean(self, values: Vector | NDArray[np.bool_]) -> float:
+        """Over the cycle."""
+        return float(np.trapezoid(values, self.cycle.times) / self.cycle.times[-1])
+
+
+Number = tuple[Result, Callable[[Part], float]]
+
+
+def _landing(part: Part) -> int | None:
+    """The first sample on the seat after the valve was open; None: it does not land."""
+    dip = part["seat_dip"]
+    found = np.flatnonzero((dip[:-1] < 0.0) & (dip[1:] >= 0.0))
+    if part.parameter("seat_stiffness") == 0.0 or not found.size:
+        return None
+    highest = int(np.argmax(part["position"]))
+    return int(next((i for i in found if i >= highest), found[0]))
+
+
+def _seating_velocity(part: Part) -> float:
+    """As it enters the seat."""
+    landing = _landing(part)
+    return -float(part["velocity"][landing]) if landing is not None else math.nan
+
+
+def _bounce(part: Part) -> float:
+    """How far the valve leaves its seat again within 60 deg after landing."""
+    landing = _landing(part)
+    if landing is None:
+        return math.nan
+    turned = (part.angle - part.angle[landing]) % (2.0 * math.pi)
+    after = (turned > 0.0) & (turned < math.radians(60.0)) & (np.arange(turned.size) > landing + 1)
+    return max(0.0, float(np.max(-part["seat_dip"][after], initial=0.0)))
+
+
+def _spring_margin(part: Part) -> float:
+    """Least load that opens the valve over the spring's force, while it is off its seat."""
+    opened = part["position"] > 0.05 * np.max(part["position"])
+    return float(np.min(part["load"][opened] / part["spring_force"][opened]))
+
+
+def _surge(part: Part) -> float:
+    """Largest force of the coils' own motion: the spring's less that of its static rate."""
+    static = part.parameter("preload") + part.parameter("spring_rate") * part["position"]
+    return float(np.max(np.abs(part["spring_force"] - static)))
+
+
+def _twist(shaft: Part) -> float:
+    driven = shaft.parameter("drive_ratio") * shaft["drive_angle"] + shaft.parameter("phase")
+    return float(np.max(np.abs(shaft["cam_angle"] - driven)))
+
+
+def _at(part: Part, i: int) -> float:
+    return float(part.angle[i] % (2.0 * math.pi))
+
+
+def lost_share(contact: Part) -> float:
+    """Of the cycle, while the cam lifts: a train with lash has no load on the base circle."""
+    return contact.mean((contact["load"] <= 0.0) & contact.lifted)
+
+
+def _friction_power(part: Part) -> float:
+    return part.mean(part["friction_force"] * part["sliding_velocity"])
+
+
+CONTACT: Mapping[str, Number] = {
+    "least_load": (Result("N", "least load"), lambda c: float(np.min(c["load"]))),
+    "least_load_angle": (
+        Result("rad", "cam angle of the least load", display_unit=DEGREES),
+        lambda c: _at(c, int(np.argmin(c["load"]))),
+    ),
+    "largest_load": (Result("N", "largest load"), lambda c: float(np.max(c["load"]))),
+    "lost": (Result("1", "share of the cycle that lifts without load"), lost_share),
+    "peak_pressure": (
+        Result("Pa", "largest Hertz pressure", display_unit=MEGAPASCAL),
+        lambda c: float(np.max(c["maximum_pressure"])),
+    ),
+    "least_film": (
+        Result("m", "least film thickness", display_unit=MICROMETRES),
+        lambda c: float(np.min(c["minimum_film_thickness"])),
+    ),
+    "least_film_ratio": (
+        Result("1", "least film thickness over roughness"),
+        lambda c: float(np.min(c["film_ratio"])),
+    ),
+    "friction_power": (Result("W", "mean friction power"), _friction_power),
+}
+VALVE: Mapping[str, Number] = {
+    "largest_lift": (
+        Result("m", "largest lift", display_unit=MILLIMETRES),
+        lambda v: float(np.max(v["valve_lift"])),
+    ),
+    "seating_velocity": (Result("m/s", "velocity of landing"), _seating_velocity),
+    "bounce": (Result("m", "bounce after landing", display_unit=MICROMETRES), _bounce),
+    "spring_margin": (Result("1", "least load on the open valve over the spring's force"), _spring_margin),
+    "surge_force": (Result("N", "largest force by surge"), _surge),
+    "least_gap": (
+        Result("m", "least gap between coils", display_unit=MILLIMETRES),
+        lambda v: float(np.min(v["least_gap"])),
+    ),
+}
+DRIVE: Mapping[str, Number] = {
+    "least_torque": (Result("N.m", "least torque"), lambda d: float(np.min(d["supplied_torque"]))),
+    "largest_torque": (Result("N.m", "largest torque"), lambda d: float(np.max(d["supplied_torque"]))),
+    "mean_torque": (Result("N.m", "mean torque"), lambda d: d.mean(d["supplied_torque"])),
+}
+SHAFT: Mapping[str, Number] = {
+    "largest_twist": (Result("rad", "largest twist", display_unit=DEGREES), _twist),
+}
+ADJUSTER: Mapping[str, Number] = {
+    "peak_pressure": (
+        Result("Pa", "largest pressure of the chamber", display_unit=MEGAPASCAL),
+        lambda a: float(np.max(a["pressure"])),
+    ),
+    "largest_extension": (
+        Result("m", "largest length over that of the start", display_unit=MICROMETRES),
+        lambda a: float(np.max(a["extension"])),
+    ),
+}
+# By component.
+TABLES: Mapping[str, Mapping[str, Number]] = {
+    "flywheel": DRIVE,
+    "camshaft": SHAFT,
+    "valve_spring": VALVE,
+    "lash_adjuster": ADJUSTER,
+    **dict.fromkeys(CONTACTS, CONTACT),
+}
+
+
+def _list_numbers(components: Mapping[str, str]) -> Iterator[tuple[str, str, Number]]:
+    """Part, name and number of all that these parts have, by the component of each."""
+    for part, component in components.items():
+        for name, number in TABLES.get(component, {}).items():
+            yield part, name, number
+
+
+def describe_numbers(scenario: Scenario) -> dict[str, Result]:
+    """The results of every cycle of the scenario, by "part.number"."""
+    kinds = {name: str(table.component) for name, table in scenario.components.items()}
+    return {f"{part}.{name}": number[0] for part, name, number in _list_numbers(kinds)}
+
+
+def measure(cycle: Cycle, angle: Vector) -> dict[str, float]:
+    """The numbers of a cycle, whose samples are at these cam angles (rad)."""
+    lifted = find_lifted(cycle)
+    return {
+        f"{part}.{name}": measured(Part(cycle, part, angle, lifted))
+        for part, name, (_, measured) in _list_numbers(kinds_of(cycle.system))
+    }
+
+
+def parameter_of(instance: Instance, name: str) -> float:
+    """As given, or its default."""
+    return instance.parameters.get(name, instance.component.parameters.field(name).start)
+
+
+def find_lifted(cycle: Cycle) -> NDArray[np.bool_]:
+    """Where the one cam lifts by a tenth of its lift; everywhere, if there are several or none."""
+    lifts = [name for name in cycle.system.outputs.names if name.endswith(".cam_lift")]
+    if len(lifts) != 1:
+        return np.ones(cycle.times.size, dtype=np.bool_)
+    lift = cycle[lifts[0]]
+    return np.asarray(lift > LIFTED * np.max(lift))
+
+
+def is_separated(cycle: Cycle) -> bool:
+    """Whether a contact is lost while the cam lifts."""
+    lifted = find_lifted(cycle)
+    contacts = [name for name, kind in kinds_of(cycle.system).items() if kind in CONTACTS]
+    return any(bool(np.any((cycle[f"{name}.load"] <= 0.0) & lifted)) for name in contacts)
+
+
+def kinds_of(system: System) -> dict[str, str]:
+    return {name: instance.component.name for name, instance in system.instances.items()}

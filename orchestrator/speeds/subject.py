@@ -1,0 +1,152 @@
+"""The steady cycle of a scenario at a speed, as the subject of a study."""
+
+from __future__ import annotations
+
+import copy
+import functools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import xarray
+
+from models.core.quantities import Vector
+from models.core.system import ModelError, System
+from models.monolithic.cycle import Cycle, find_cycle
+
+from ..analyses import Parameter, Result
+from ..errors import MistakeError
+from ..scenario import Scenario, build_scenario
+from ..scenario.files import put, to_full_toml
+from ..scenario.system import build_system, resolve_start
+from ..scenario.values import Value
+from ..scenario.warnings import list_warnings
+from .figures_of_merit import describe_numbers, kinds_of, measure, parameter_of
+
+SPEED = Parameter(1000.0 * math.pi / 30.0, "rad/s", "speed of the flywheel", positive=True)
+STEADY = {
+    "change": Result("1", "largest change of a state over the cycle, relative; steady below 1e-5"),
+    "periods": Result("1", "periods that were computed until the cycle was steady"),
+}
+# Of outputs that a cycle's file keeps.
+KEPT = (
+    "load", "film_thickness", "maximum_pressure", "position", "velocity", "valve_lift", "spring_force",
+    "seat_force", "supplied_torque", "pressure", "extension", "cam_lift",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class SpeedSubject:
+    """The tables of a scenario, the name of its flywheel, and the folder for the cycles (None: not kept)."""
+
+    tables: Mapping[str, Any]
+    flywheel: str
+    folder: str | None = None
+
+    @functools.cached_property
+    def scenario(self) -> Scenario:
+        return build_scenario(dict(self.tables))
+
+    @property
+    def results(self) -> Mapping[str, Result]:
+        return {**describe_numbers(self.scenario), **STEADY}
+
+    def resolve(self, name: str, value: Value) -> Value:
+        return SPEED.check_value(name, value)
+
+    def describe(self, name: str) -> Result:
+        return Result(SPEED.unit, SPEED.description, display_unit="rpm")
+
+    @property
+    def default_figure(self) -> Sequence[str]:
+        return ()
+
+    def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
+        return list_warnings(self.scenario)
+
+    def content(self) -> str:
+        return to_full_toml(self.scenario)
+
+    def system_at(self, speed: float) -> System:
+        """The system that turns at this speed (rad/s), in balance; ModelError if it has none."""
+        tables = copy.deepcopy(dict(self.tables))
+        for name in ("initial_speed", "final_speed"):
+            put(tables, f"components.{self.flywheel}.parameters.{name}", speed)
+        scenario = build_scenario(tables)
+        return resolve_start(scenario, build_system(scenario))
+
+    def find_cycle_at(self, speed: float) -> Cycle:
+        system = self.system_at(speed)
+        period = count_turns(system) * 2.0 * math.pi / speed
+        return find_cycle(system, period, [f"{self.flywheel}.angle"])
+
+    def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
+        speed = float(values["speed"])
+        cycle = self.find_cycle_at(speed)
+        angle = find_cam_angle(cycle, self.flywheel)
+        if self.folder is not None:
+            save_cycle(cycle, angle, cycle_path(Path(self.folder), speed))
+        return measure(cycle, angle) | {"change": cycle.change, "periods": float(cycle.periods)}
+
+
+def find_flywheel(scenario: Scenario) -> str:
+    """The one that prescribes the speed; MistakeError if there is none."""
+    for name, table in scenario.components.items():
+        if table.component == "flywheel" and table.parameters.get("motion", "prescribed") == "prescribed":
+            return name
+    raise MistakeError(
+        f"{scenario.name}: no flywheel prescribes the speed; a sweep over speed needs one with "
+        'motion = "prescribed"'
+    )
+
+
+def count_turns(system: System) -> int:
+    """Turns of the drive in a period: two where a camshaft turns at half its speed."""
+    ratios = [
+        parameter_of(instance, "drive_ratio")
+        for instance in system.instances.values()
+        if "drive_ratio" in instance.component.parameters.names
+    ]
+    turns = round(1.0 / min(ratios, default=1.0))
+    if any(
+        not math.isclose(ratio * turns, round(ratio * turns)) or round(ratio * turns) < 1 for ratio in ratios
+    ):
+        raise ModelError(f"drive ratios {', '.join(f'{r:g}' for r in ratios)}: have no common period")
+    return max(1, turns)
+
+
+def find_cam_angle(cycle: Cycle, flywheel: str) -> Vector:
+    """Of the first cam (rad); of a train without one the flywheel's."""
+    for name, kind in kinds_of(cycle.system).items():
+        if kind == "camshaft":
+            return cycle[f"{name}.cam_angle"]
+        if kind in ("tappet", "finger"):
+            instance = cycle.system.instances[name]
+            return cycle[f"{name}.cam_angle"] + parameter_of(instance, "phase")
+    return cycle[f"{flywheel}.angle"]
+
+
+def cycle_path(folder: Path, speed: float) -> Path:
+    return folder / f"{speed * 30.0 / math.pi:09.3f}rpm.nc"
+
+
+def save_cycle(cycle: Cycle, angle: Vector, path: Path) -> None:
+    """The angle and the main outputs, in SI units."""
+    fields = {
+        f"{part}.{field.name}": field.quantity
+        for part, instance in cycle.system.instances.items()
+        for field in instance.component.outputs.fields
+        if field.name in KEPT
+    }
+    data = xarray.Dataset(
+        {
+            name: ("time", cycle[name], {"units": quantity.unit, "long_name": quantity.description})
+            for name, quantity in fields.items()
+        },
+        {"time": ("time", cycle.times, {"units": "s"}), "cam_angle": ("time", angle, {"units": "rad"})},
+        {"steady": int(cycle.steady)},
+    )
+    path.parent.mkdir(parents=True, exist_ok=True)
+    data.to_netcdf(path, engine="h5netcdf")

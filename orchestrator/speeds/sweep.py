@@ -1,0 +1,182 @@
+"""A sweep over speed: a study of steady cycles, its tables and figures."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import xarray
+from rich.table import Table
+
+from models.core.system import ModelError
+from models.monolithic.cycle import STEADY
+
+from ..plots.speeds import draw_map, draw_orders, draw_summary
+from ..plots.style import save_figure
+from ..reporter import Reporter
+from ..scenario.files import find, load, override, read_contents
+from ..study.files import Plan, parse_study
+from ..study.points import expand_points
+from ..study.run import Where, run
+from .figures_of_merit import is_separated, parameter_of
+from .separation import bisect_separation
+from .subject import SpeedSubject, count_turns, cycle_path, find_flywheel
+
+STORE, CYCLES, ALL = "speeds.zarr", "cycles", "cycles.nc"
+RPM = 30.0 / math.pi
+
+
+@dataclass(frozen=True)
+class Range:
+    """Speeds of the flywheel (rad/s) at equal distances."""
+
+    low: float
+    high: float
+    count: int
+
+
+def sweep(
+    name: str, overrides: list[str], speeds: Range, out: Path, where: Where, overwrite: bool = False
+) -> int:
+    """Find the cycles that are missing in the folder `out`, then the speed of separation; draw all.
+
+    Returns the command's exit status. MistakeError before anything is written.
+    """
+    reporter = Reporter()
+    plan, subject = make_plan(name, overrides, speeds, out)
+    status = run(plan, out / STORE, where, reporter, overwrite)
+    with xarray.open_zarr(out / STORE) as stored:
+        table = stored.load()
+    table = table.isel(speed=np.flatnonzero(table["status"].values == 1))
+    if not table.sizes["speed"]:
+        return status
+    report_cycles(reporter, table)
+    for line in find_separation(subject, table):
+        reporter.line(line)
+    files = publish(subject, table, out)
+    reporter.line(f"results in {out}: {', '.join(path.relative_to(out).as_posix() for path in files)}")
+    return status
+
+
+def make_plan(name: str, overrides: list[str], speeds: Range, out: Path) -> tuple[Plan, SpeedSubject]:
+    """The study of a scenario's cycles; MistakeError for a fault of the scenario."""
+    scenario = load(name, overrides)
+    tables = read_contents(find(name))
+    for text in overrides:
+        override(tables, text)
+    subject = SpeedSubject(tables, find_flywheel(scenario), str((out / CYCLES).absolute()))
+    axis = {"start": speeds.low, "stop": speeds.high, "count": speeds.count}
+    study = parse_study(
+        {
+            "name": scenario.name,
+            "description": f"{scenario.name} over speed",
+            "scenario": name,
+            "points": {"kind": "grid", "axes": {"speed": axis}},
+        }
+    )
+    return Plan(study, subject, expand_points(study.points, subject.resolve)), subject
+
+
+def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
+    """A line for each speed, and how many cycles are not steady."""
+    columns = select_columns(table)
+    shown = Table("r/min", *(head for head, _, _ in columns), title="Steady cycles", title_justify="left")
+    for i, speed in enumerate(table["speed"].values):
+        cells = (f"{scale * float(table[name][i]):.4g}" for _, name, scale in columns)
+        shown.add_row(f"{speed * RPM:.0f}", *cells, "" if table["change"][i] <= STEADY else "not steady")
+    reporter.console.print(shown)
+    unsteady = int(np.sum(table["change"].values > STEADY))
+    if unsteady:
+        reporter.line(
+            f"{unsteady} of {table.sizes['speed']} cycles do not repeat themselves within 1e-5; their "
+            "numbers are of the last period"
+        )
+
+
+def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:
+    """Head, result and factor of what a line shows: of the first part that has it."""
+    wanted = (
+        ("least N", ".least_load", 1.0),
+        ("at deg", ".least_load_angle", math.degrees(1.0)),
+        ("largest N", ".largest_load", 1.0),
+        ("lost %", ".lost", 100.0),
+        ("film um", ".least_film", 1e6),
+        ("margin", ".spring_margin", 1.0),
+        ("seating m/s", ".seating_velocity", 1.0),
+        ("torque N m", ".largest_torque", 1.0),
+    )
+    found = []
+    for head, ending, scale in wanted:
+        name = next((str(n) for n in table.data_vars if str(n).endswith(ending)), None)
+        if name is not None and np.any(np.isfinite(table[name].values)):
+            found.append((head, name, scale))
+    return found
+
+
+def find_separation(subject: SpeedSubject, table: xarray.Dataset) -> list[str]:
+    """The lowest speed at which a contact is lost while the cam lifts, in words."""
+    names = [str(name) for name in table.data_vars if str(name).endswith(".lost")]
+    if not names:
+        return []
+    lost = np.max([table[name].values for name in names], axis=0) > 0.0
+    speeds = table["speed"].values
+    if not lost.any():
+        return [f"contact is kept up to {speeds[-1] * RPM:.0f} r/min"]
+    first = int(np.argmax(lost))
+    if first == 0:
+        return [f"contact is lost at {speeds[0] * RPM:.0f} r/min, the lowest speed"]
+
+    def separated(speed: float) -> bool:
+        return is_separated(subject.find_cycle_at(speed))
+
+    try:
+        found = bisect_separation(separated, float(speeds[first - 1]), float(speeds[first]))
+    except ModelError as error:
+        return [f"the speed of separation was not found: {error}"]
+    return [f"contact is lost from {found * RPM:.1f} r/min"]
+
+
+def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path) -> list[Path]:
+    """Figures, and all cycles over angle and speed in one file."""
+    files = [save_figure(lambda: draw_summary(table), out / "speeds.png")]
+    cycles = [
+        (float(speed), path)
+        for speed in table["speed"].values
+        if (path := cycle_path(Path(str(subject.folder)), float(speed))).exists()
+    ]
+    if len(cycles) < 2:
+        return files
+    system = subject.system_at(float(table["speed"][0]))
+    surges = {
+        parameter_of(instance, "surge_frequency")
+        for instance in system.instances.values()
+        if instance.component.name == "valve_spring"
+    }
+    joined = join_cycles(cycles).assign_attrs(
+        surge_frequencies=sorted(surges), cam_ratio=1.0 / count_turns(system)
+    )
+    joined.to_netcdf(out / ALL, engine="h5netcdf")
+    files.append(out / ALL)
+    loads = [str(name) for name in joined.data_vars if str(name).endswith(".load")]
+    for load_name in loads[:2]:
+        stem = load_name.replace(".", "-")
+        files.append(save_figure(partial(draw_map, joined, load_name), out / f"{stem}-map.png"))
+        files.append(save_figure(partial(draw_orders, joined, load_name), out / f"{stem}-orders.png"))
+    return files
+
+
+def join_cycles(cycles: list[tuple[float, Path]]) -> xarray.Dataset:
+    """All cycles over (speed, share of the period): the cam angle is a variable, as a shaft may twist."""
+    parts = []
+    for speed, path in cycles:
+        with xarray.open_dataset(path, engine="h5netcdf") as data:
+            part = data.load()
+        share = np.linspace(0.0, 1.0, part.sizes["time"])
+        part = part.reset_coords("cam_angle").assign_coords(time=share).rename(time="share")
+        parts.append(part.expand_dims(speed=[speed]))
+    joined = xarray.concat(parts, "speed", join="exact", combine_attrs="drop")
+    joined["speed"].attrs["units"] = "rad/s"
+    return joined

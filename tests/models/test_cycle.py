@@ -1,0 +1,89 @@
+"""Steady cycles: independent numbers over speed, the same motion waited for, and motions without a cycle."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from models.monolithic.cycle import STEADY, find_cycle
+from models.monolithic.equilibrium import equilibrium
+from models.monolithic.problem import SystemProblem
+from orchestrator.speeds.separation import bisect_separation
+
+from .systems import DRY, column, run, turn, valve_train
+
+TURNING = ["flywheel.angle"]
+# A dry contact of thirty times the modulus of steel, damped: nearly one without elasticity.
+STIFF = {
+    **DRY,
+    "youngs_modulus_1": 30.0 * 207e9,
+    "youngs_modulus_2": 30.0 * 207e9,
+    "contact_damping": 20e3,
+}
+# Least and largest contact load (N) of the train with two coil masses and a rigid contact, by speed (r/min).
+LOADS = {
+    500.0: (329.983, 610.015),
+    1500.0: (329.830, 610.209),
+    2500.0: (253.558, 686.415),
+    3000.0: (97.115, 838.523),
+}
+
+
+def cycle_at(speed, **changed):
+    system = valve_train(speed, **changed)
+    return find_cycle(system, turn(speed), TURNING, start=equilibrium(system), samples=3600)
+
+
+@pytest.mark.parametrize("speed", LOADS)
+def test_loads_of_steady_cycles(speed, record):
+    """The elasticity that is left shows in the least load; 1/30 of what it does with steel."""
+    cycle = cycle_at(speed, contact=STIFF)
+    assert cycle.steady
+    load = cycle["contact.load"]
+    found = {"least": load.min(), "largest": load.max()}
+    for (which, value), expected in zip(found.items(), LOADS[speed], strict=True):
+        quantity = f"direct train at {speed:g} r/min: {which} load (N)"
+        record("Train", quantity, float(value), expected, "independent evaluation", tolerance=0.15)
+
+
+def test_the_speed_of_separation(record):
+    """A rigid train with a spring without mass loses contact where W = f_p + k0 s + m s'' w^2 vanishes."""
+
+    def separated(omega):
+        cycle = cycle_at(omega * 30.0 / math.pi, contact=STIFF, valve_spring={"surge_frequency": 2e4})
+        return bool(np.any(cycle["contact.load"] <= 0.0))
+
+    low, high = (rpm * math.pi / 30.0 for rpm in (3300.0, 3500.0))
+    found = bisect_separation(separated, low, high) * 30.0 / math.pi
+    record("Train", "speed of separation (r/min)", found, 3392.258, "independent evaluation", tolerance=2.0)
+
+
+def test_a_cycle_is_the_motion_that_one_waits_for():
+    speed = 2000.0
+    cycle = cycle_at(speed)
+    system = valve_train(speed)
+    times = np.r_[0.0, np.linspace(14.0, 15.0, 3601) * turn(speed)]
+    waited = column(system, run(SystemProblem(system), equilibrium(system), times)[1:], "contact.load")
+    # Both integrators are good to 1e-8 of nominal sizes, the cycle to 1e-5 of the states: 0.05 N of load.
+    np.testing.assert_allclose(cycle["contact.load"], waited, atol=0.05)
+
+
+def test_fewer_periods_than_waiting():
+    """At 3000 r/min surge dies by 1/4 in a period: waiting takes nine periods to 1e-5, the search half."""
+    assert cycle_at(3000.0, contact=STIFF).periods <= 6
+
+
+def test_a_motion_that_does_not_settle_is_returned_as_such():
+    """Far above separation: the follower leaves its cam in each turn, and bounces chaotically."""
+    system = valve_train(3900.0)
+    cycle = find_cycle(system, turn(3900.0), TURNING, start=equilibrium(system), most_periods=3)
+    assert cycle.periods == 3
+    assert not cycle.steady
+    assert cycle.change > STEADY
+
+
+def test_an_unknown_variable_is_named():
+    with pytest.raises(KeyError, match=r"contact\.weight"):
+        cycle_at(1000.0)["contact.weight"]

@@ -1,0 +1,116 @@
+"""tribocosim speeds: cycles of a scenario over speed, continued where it stopped."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+
+from models.core.system import Instance, System
+from models.monolithic.cycle import Cycle
+from orchestrator.scenario.files import load
+from orchestrator.speeds.figures_of_merit import describe_numbers, measure
+from orchestrator.speeds.separation import CLOSE, bisect_separation
+
+from .commands import called, said
+
+SWEEP = ("speeds", "valve-train", "--from", "1000 rpm", "--to", "3400 rpm", "--count", "3", "--workers", "1")
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    out = tmp_path_factory.mktemp("speeds") / "train"
+    done = called(*SWEEP, "--out", str(out))
+    assert done.returncode == 0, done.stderr
+    return out, done.stdout
+
+
+def test_a_sweep_leaves_a_table_cycles_and_figures(swept: tuple[Path, str]) -> None:
+    out, _ = swept
+    rows = list(csv.DictReader((out / "speeds.csv").read_text("utf-8").splitlines()))
+    speeds = [float(row["speed [rad/s]"]) for row in rows]
+    np.testing.assert_allclose(speeds, np.array([1000.0, 2200.0, 3400.0]) * math.pi / 30.0)
+    assert set(describe_numbers(load("valve-train"))) <= {name.split(" ")[0] for name in rows[0]}
+    for name in ("speeds.png", "contact-load-map.png", "contact-load-orders.png"):
+        assert (out / name).stat().st_size > 10_000
+    with xarray.open_dataset(out / "cycles.nc", engine="h5netcdf") as cycles:
+        assert dict(cycles.sizes) == {"speed": 3, "share": 721}
+        least = cycles["contact.load"].min("share").values
+    np.testing.assert_allclose([float(row["contact.least_load [N]"]) for row in rows], least)
+
+
+def test_it_tells_the_speed_of_separation(swept: tuple[Path, str]) -> None:
+    """Between the last speed with contact and the first one without."""
+    _, said_text = swept
+    (line,) = (line for line in said_text.splitlines() if line.startswith("contact is lost from"))
+    assert 2200.0 < float(line.split()[4]) < 3400.0
+
+
+def test_the_same_command_takes_what_is_there(swept: tuple[Path, str]) -> None:
+    out, _ = swept
+    before = {path.name: path.stat().st_mtime_ns for path in (out / "cycles").iterdir()}
+    done = called(*SWEEP, "--out", str(out))
+    assert done.returncode == 0, done.stderr
+    assert {path.name: path.stat().st_mtime_ns for path in (out / "cycles").iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("quarter-car",), "no flywheel prescribes the speed"),
+        (("valve-train", "--from", "2000 rpm", "--to", "1000 rpm"), "--from 2000 rpm: must be less than"),
+        (("valve-train", "--from", "2 mm"), "--from = '2 mm'"),
+        (("valve-tran",), "did you mean valve-train"),
+    ],
+)
+def test_mistakes_are_named_before_anything_is_written(
+    arguments: tuple[str, ...], message: str, tmp_path: Path
+) -> None:
+    done = called("speeds", *arguments, "--out", str(tmp_path / "out"))
+    assert done.returncode == 2
+    assert message in said(done)
+    assert not (tmp_path / "out").exists()
+
+
+def test_bisection_ends_within_a_tenth_of_a_revolution() -> None:
+    found = bisect_separation(lambda speed: speed >= 123.4, 100.0, 200.0)
+    assert 0.0 <= found - 123.4 <= CLOSE
+
+
+def valve_cycle(position: np.ndarray) -> Cycle:
+    """A made cycle of a valve with a seat, by its positions over a turn."""
+    from models.catalogue import CATALOGUE
+
+    component = CATALOGUE["valve_spring"]()
+    system = System({"valve": Instance(component, {"seat_stiffness": 1e7})}, ())
+    times = np.linspace(0.0, 1.0, position.size)
+    outputs = np.zeros((position.size, component.outputs.size))
+
+    def put(name: str, values: np.ndarray | float) -> None:
+        outputs[:, component.outputs.index(name)] = values
+
+    put("position", position)
+    put("velocity", np.gradient(position, times))
+    put("valve_lift", position)
+    put("seat_dip", -position)
+    put("spring_force", 330.0 + 35e3 * position)
+    inputs = np.full((position.size, component.inputs.size), 165.0)
+    return Cycle(system, times, inputs, outputs, system.x0, 0.0, 1)
+
+
+def test_numbers_of_a_made_cycle() -> None:
+    """A valve that lands with 20 mm/s, bounces by 0.1 mm, and is pressed with half of its spring's force."""
+    share = np.linspace(0.0, 1.0, 3601)
+    lift = np.interp(
+        share, [0.0, 0.2, 0.5, 0.9, 0.92, 0.94, 1.0], [-1e-6, -1e-6, 8e-3, -1e-6, 1e-4, -1e-6, -1e-6]
+    )
+    found = measure(valve_cycle(lift), 2.0 * math.pi * share)
+    assert found["valve.largest_lift"] == pytest.approx(8e-3)
+    assert found["valve.seating_velocity"] == pytest.approx(8e-3 / 0.4, rel=1e-3)
+    assert found["valve.bounce"] == pytest.approx(1e-4, rel=1e-3)
+    assert found["valve.spring_margin"] == pytest.approx(165.0 / (330.0 + 35e3 * 8e-3))
+    assert found["valve.surge_force"] == pytest.approx(0.0, abs=1e-9)
