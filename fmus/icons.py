@@ -37,6 +37,14 @@ def valve_spring(axes: Axes) -> None:
     axes.add_patch(Polygon([(2.4, 0.9), (7.6, 0.9), (5.3, 2.6), (4.7, 2.6)], facecolor=STEEL, **_LINE))
 
 
+def shaft(axes: Axes) -> None:
+    """A shaft with four cams."""
+    axes.add_patch(Rectangle((0.5, 4.6), 9.0, 0.8, facecolor=STEEL, **_LINE))
+    for place, side in ((1.6, 1), (3.6, -1), (5.6, 1), (7.6, -1)):
+        low = 3.4 if side > 0 else 1.9
+        axes.add_patch(Rectangle((place, low), 1.1, 4.7, facecolor=OIL, **_LINE))
+
+
 def tappet(axes: Axes) -> None:
     """A cam under a roller in its guide."""
     angle = np.linspace(0.0, 2.0 * math.pi, 200)
@@ -207,6 +215,7 @@ def spring_stop(axes: Axes) -> None:
 ICONS: tuple[Callable[[Axes], None], ...] = (
     camshaft,
     valve_spring,
+    shaft,
     tappet,
     finger,
     rod,

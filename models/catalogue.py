@@ -20,6 +20,7 @@ from .valve_train.finger import finger
 from .valve_train.lash_adjuster import lash_adjuster
 from .valve_train.rocker import rocker
 from .valve_train.rod import rod
+from .valve_train.shaft import shaft
 from .valve_train.tappet import tappet
 from .valve_train.valve_spring import valve_spring
 
@@ -27,6 +28,7 @@ from .valve_train.valve_spring import valve_spring
 CATALOGUE: Mapping[str, Callable[..., Component]] = {
     "camshaft": camshaft,
     "valve_spring": valve_spring,
+    "shaft": shaft,
     "tappet": tappet,
     "finger": finger,
     "rod": rod,

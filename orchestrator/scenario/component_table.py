@@ -13,6 +13,7 @@ from models.core.component import Component
 
 from ..errors import one_of
 from ..participants import ThirdPartyComponent, is_made_here, read_component
+from .drawing import ShaftDrawing, insert_drawing
 from .fields import Table, Written
 from .lift_table import LiftTableError, insert_lift_table
 from .third_party_values import convert_enumerations, select_strings
@@ -45,6 +46,11 @@ class ComponentTable(Table):
     lift_table: str | None = Field(
         None,
         description="CSV file of cam angles and lifts, for a cam through points; it becomes `structure` and "
+        "`parameters`",
+    )
+    drawing: ShaftDrawing | None = Field(
+        None,
+        description="Drawing of a shaft; it becomes the modes of the component shaft, in `structure` and "
         "`parameters`",
     )
     structure: dict[str, int] = Field({}, description="Structural sizes, e.g. coil_masses")
@@ -88,6 +94,16 @@ class ComponentTable(Table):
             return insert_lift_table(table)
         except LiftTableError as error:
             raise Faults(("lift_table", f": {error}")) from None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_drawing(cls, table: Any) -> Any:
+        """Replace a drawing by the modes of its shaft."""
+        if not isinstance(table, dict) or table.get("drawing") is None:
+            return table
+        if table.get("component") != "shaft":
+            raise Faults(("drawing", f": {table.get('component')} has none; leave it out, or take a shaft"))
+        return insert_drawing(table)
 
     @field_validator("participant")
     @classmethod

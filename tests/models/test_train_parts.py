@@ -27,6 +27,7 @@ PARTS = {
     "roller finger": ("finger", {"rolls": 1.0, "cam_arm": -28e-3, "valve_arm": -40e-3}),
     "bonded rod": ("rod", {"bonded": 1.0}),
     "loose rod": ("rod", {"clearance": 1e-5}),
+    "shaft": ("shaft", {"gyroscopic[1]": 0.02, "direction[1]": 0.5, "drive_ratio": 0.5}),
     "rocker": ("rocker", {"rod_angle": 0.1, "valve_angle": 0.2, "pivot_damping": 1e-3}),
     "rocker of small motion": ("rocker", {"small_motion": 1.0, "valve_angle": 0.2}),
     "adjuster": ("lash_adjuster", {}),
@@ -39,9 +40,13 @@ BUILT = {name: CATALOGUE[name]() for name, _ in PARTS.values()}
 
 def rate_of(position: str) -> str:
     """The input that is the rate of another one."""
-    return {"axis_x": "axis_velocity_x", "axis_y": "axis_velocity_y", "cam_angle": "cam_speed"}.get(
-        position, position.replace("position", "velocity")
-    )
+    rates = {
+        "axis_x": "axis_velocity_x",
+        "axis_y": "axis_velocity_y",
+        "cam_angle": "cam_speed",
+        "drive_speed": "drive_acceleration",
+    }
+    return rates.get(position, position.replace("position", "velocity"))
 
 
 @settings(max_examples=150, deadline=None)

@@ -1,0 +1,337 @@
+"""Shaft with any number of cams: torsion, and bending in two planes, by modes.
+
+The modes are parameters: `beam` finds them for a round shaft, and those of any other program will do. The
+shaft turns about z, anticlockwise. Damping of bending turns with the shaft, as that of its material does.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, NamedTuple
+
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond, check_sizes
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector, per_element
+from ..plausible import ANGLE
+
+
+@dataclass
+class ShaftParameters:
+    """Defaults: one mode of torsion and one of bending, of the size of those of the set `kushwaha2000`."""
+
+    drive_ratio: Annotated[
+        float, Quantity("1", "shaft angle over drive angle (0.5 behind a four-stroke crankshaft)")
+    ] = 1.0
+    inertia: Annotated[
+        float, Quantity("kg.m2", "moment of inertia of the whole shaft", nominal=1e-4, positive=True)
+    ] = 3e-4
+    torsion_frequency: Annotated[
+        Vector,
+        Quantity("Hz", "frequency of a mode of torsion", nominal=1e3, positive=True, size="torsion_modes"),
+    ] = per_element(1000.0)
+    torsion_damping: Annotated[
+        Vector,
+        Quantity("1", "damping ratio of a mode of torsion", nominal=0.01, minimum=0.0, size="torsion_modes"),
+    ] = per_element(0.02)
+    torsion_inertia: Annotated[
+        Vector,
+        Quantity(
+            "kg.m2", "modal inertia of a mode of torsion", nominal=1e-4, positive=True, size="torsion_modes"
+        ),
+    ] = per_element(3e-4)
+    torsion_share: Annotated[
+        Vector,
+        Quantity(
+            "kg.m2",
+            "part of a mode of torsion in turning the whole shaft, phi^T M 1",
+            nominal=1e-4,
+            size="torsion_modes",
+        ),
+    ] = per_element(3e-4)
+    torsion_shape: Annotated[
+        Vector,
+        Quantity(
+            "1",
+            "twist at the cams in a mode of torsion: all cams in the first mode, then in the second ...",
+            size="torsion_shapes",
+        ),
+    ] = per_element(1.0)
+    bending_frequency: Annotated[
+        Vector,
+        Quantity("Hz", "frequency of a mode of bending", nominal=1e3, positive=True, size="bending_modes"),
+    ] = per_element(540.0)
+    bending_damping: Annotated[
+        Vector,
+        Quantity("1", "damping ratio of a mode of bending", nominal=0.01, minimum=0.0, size="bending_modes"),
+    ] = per_element(0.02)
+    bending_mass: Annotated[
+        Vector,
+        Quantity("kg", "modal mass of a mode of bending", nominal=0.1, positive=True, size="bending_modes"),
+    ] = per_element(0.425)
+    bending_shape: Annotated[
+        Vector,
+        Quantity(
+            "1",
+            "displacement of the cams in a mode of bending: all cams in the first, then in the second ...",
+            size="bending_shapes",
+        ),
+    ] = per_element(1.0)
+    gyroscopic: Annotated[
+        Vector,
+        Quantity("kg", "gyroscopic coupling of two modes of bending, row by row", size="bending_pairs"),
+    ] = per_element()
+    direction: Annotated[
+        Vector,
+        Quantity(
+            "rad",
+            "direction of a cam's follower, anticlockwise from y",
+            display_unit="deg",
+            size="cams",
+            plausible=ANGLE,
+        ),
+    ] = per_element()
+
+
+@dataclass
+class ShaftState:
+    """Coordinates of the modes."""
+
+    torsion: Annotated[
+        Vector, Quantity("rad", "coordinate of a mode of torsion", nominal=1e-4, size="torsion_modes")
+    ] = per_element()
+    torsion_rate: Annotated[Vector, Quantity("rad/s", "its rate", size="torsion_modes")] = per_element()
+    bending_x: Annotated[
+        Vector, Quantity("m", "coordinate of a mode of bending along x", nominal=1e-5, size="bending_modes")
+    ] = per_element()
+    bending_x_rate: Annotated[Vector, Quantity("m/s", "its rate", nominal=1e-2, size="bending_modes")] = (
+        per_element()
+    )
+    bending_y: Annotated[
+        Vector, Quantity("m", "coordinate of a mode of bending along y", nominal=1e-5, size="bending_modes")
+    ] = per_element()
+    bending_y_rate: Annotated[Vector, Quantity("m/s", "its rate", nominal=1e-2, size="bending_modes")] = (
+        per_element()
+    )
+
+
+@dataclass
+class ShaftInputs:
+    drive_angle: Annotated[float, Quantity("rad", "angle of the drive", display_unit="deg")] = 0.0
+    drive_speed: Annotated[
+        float, Quantity("rad/s", "speed of the drive", nominal=100.0, display_unit="rpm")
+    ] = 0.0
+    drive_acceleration: Annotated[
+        float, Quantity("rad/s2", "angular acceleration of the drive", nominal=100.0)
+    ] = 0.0
+    cam_torque: Annotated[
+        Vector, Quantity("N.m", "torque taken by a follower", nominal=10.0, size="cams")
+    ] = per_element()
+    cam_force_x: Annotated[
+        Vector, Quantity("N", "force on a cam across its follower's path", nominal=500.0, size="cams")
+    ] = per_element()
+    cam_force_y: Annotated[
+        Vector, Quantity("N", "force on a cam towards its follower", nominal=500.0, size="cams")
+    ] = per_element()
+
+
+@dataclass
+class ShaftOutputs:
+    cam_angle: Annotated[
+        Vector, Quantity("rad", "angle of the shaft at a cam", display_unit="deg", size="cams")
+    ] = per_element()
+    cam_speed: Annotated[
+        Vector,
+        Quantity("rad/s", "speed of the shaft at a cam", nominal=100.0, display_unit="rpm", size="cams"),
+    ] = per_element()
+    twist: Annotated[
+        Vector,
+        Quantity("rad", "twist of the shaft at a cam", nominal=1e-3, display_unit="deg", size="cams"),
+    ] = per_element()
+    axis_x: Annotated[
+        Vector,
+        Quantity("m", "displacement of a cam across its follower's path", nominal=1e-5, size="cams"),
+    ] = per_element()
+    axis_y: Annotated[
+        Vector, Quantity("m", "displacement of a cam towards its follower", nominal=1e-5, size="cams")
+    ] = per_element()
+    axis_velocity_x: Annotated[Vector, Quantity("m/s", "rate of axis_x", nominal=0.1, size="cams")] = (
+        per_element()
+    )
+    axis_velocity_y: Annotated[Vector, Quantity("m/s", "rate of axis_y", nominal=0.1, size="cams")] = (
+        per_element()
+    )
+    drive_torque: Annotated[float, Quantity("N.m", "torque taken from the drive", nominal=10.0)] = 0.0
+
+
+class Plane(NamedTuple):
+    """Along x and y."""
+
+    x: float
+    y: float
+
+
+@kernel
+def torsion_acceleration(j: int, x: ShaftState, u: ShaftInputs, p: ShaftParameters) -> float:
+    w, cams = 2.0 * math.pi * p.torsion_frequency[j], p.direction.size
+    torque = -p.torsion_share[j] * p.drive_ratio * u.drive_acceleration
+    for i in range(cams):
+        torque -= p.torsion_shape[j * cams + i] * u.cam_torque[i]
+    own = 2.0 * p.torsion_damping[j] * w * x.torsion_rate[j] + w * w * x.torsion[j]
+    return torque / p.torsion_inertia[j] - own
+
+
+@kernel
+def damp_bending(j: int, x: ShaftState, u: ShaftInputs, p: ShaftParameters) -> Plane:
+    """2 zeta w m (q' - i Omega q)."""
+    c = 4.0 * math.pi * p.bending_damping[j] * p.bending_frequency[j] * p.bending_mass[j]
+    turning = p.drive_ratio * u.drive_speed
+    return Plane(
+        c * (x.bending_x_rate[j] + turning * x.bending_y[j]),
+        c * (x.bending_y_rate[j] - turning * x.bending_x[j]),
+    )
+
+
+@kernel
+def load_bending(j: int, u: ShaftInputs, p: ShaftParameters) -> Plane:
+    """phi^T F: forces are given in the directions of the followers."""
+    force_x, force_y, cams = 0.0, 0.0, p.direction.size
+    for i in range(cams):
+        shape, c, s = p.bending_shape[j * cams + i], math.cos(p.direction[i]), math.sin(p.direction[i])
+        force_x += shape * (c * u.cam_force_x[i] - s * u.cam_force_y[i])
+        force_y += shape * (s * u.cam_force_x[i] + c * u.cam_force_y[i])
+    return Plane(force_x, force_y)
+
+
+@kernel
+def bending_acceleration(j: int, x: ShaftState, u: ShaftInputs, p: ShaftParameters) -> Plane:
+    modes = p.bending_frequency.size
+    stiffness = p.bending_mass[j] * (2.0 * math.pi * p.bending_frequency[j]) ** 2
+    load, damped = load_bending(j, u, p), damp_bending(j, x, u, p)
+    force_x = load.x - damped.x - stiffness * x.bending_x[j]
+    force_y = load.y - damped.y - stiffness * x.bending_y[j]
+    for k in range(modes):
+        coupling = p.drive_ratio * u.drive_speed * p.gyroscopic[j * modes + k]
+        force_x -= coupling * x.bending_y_rate[k]
+        force_y += coupling * x.bending_x_rate[k]
+    return Plane(force_x / p.bending_mass[j], force_y / p.bending_mass[j])
+
+
+@kernel
+def derivative(t: float, x: ShaftState, u: ShaftInputs, p: ShaftParameters, dx: ShaftState) -> None:
+    for j in range(p.torsion_frequency.size):
+        dx.torsion[j] = x.torsion_rate[j]
+        dx.torsion_rate[j] = torsion_acceleration(j, x, u, p)
+    for j in range(p.bending_frequency.size):
+        bent = bending_acceleration(j, x, u, p)
+        dx.bending_x[j], dx.bending_x_rate[j] = x.bending_x_rate[j], bent.x
+        dx.bending_y[j], dx.bending_y_rate[j] = x.bending_y_rate[j], bent.y
+
+
+@kernel
+def show_twist(i: int, x: ShaftState, u: ShaftInputs, p: ShaftParameters, y: ShaftOutputs) -> None:
+    twist, rate, cams = 0.0, 0.0, p.direction.size
+    for j in range(p.torsion_frequency.size):
+        twist += p.torsion_shape[j * cams + i] * x.torsion[j]
+        rate += p.torsion_shape[j * cams + i] * x.torsion_rate[j]
+    y.twist[i] = twist
+    y.cam_angle[i] = p.drive_ratio * u.drive_angle + twist
+    y.cam_speed[i] = p.drive_ratio * u.drive_speed + rate
+
+
+@kernel
+def show_axis(i: int, x: ShaftState, p: ShaftParameters, y: ShaftOutputs) -> None:
+    moved_x, moved_y, rate_x, rate_y, cams = 0.0, 0.0, 0.0, 0.0, p.direction.size
+    for j in range(p.bending_frequency.size):
+        shape = p.bending_shape[j * cams + i]
+        moved_x += shape * x.bending_x[j]
+        moved_y += shape * x.bending_y[j]
+        rate_x += shape * x.bending_x_rate[j]
+        rate_y += shape * x.bending_y_rate[j]
+    c, s = math.cos(p.direction[i]), math.sin(p.direction[i])
+    y.axis_x[i], y.axis_y[i] = c * moved_x + s * moved_y, c * moved_y - s * moved_x
+    y.axis_velocity_x[i], y.axis_velocity_y[i] = c * rate_x + s * rate_y, c * rate_y - s * rate_x
+
+
+@kernel
+def drive_torque(x: ShaftState, u: ShaftInputs, p: ShaftParameters) -> float:
+    """What the followers and the shaft's inertia take, and the damping that turns round the bent shaft."""
+    torque = p.inertia * p.drive_ratio * u.drive_acceleration
+    for i in range(p.direction.size):
+        torque += u.cam_torque[i]
+    for j in range(p.torsion_frequency.size):
+        torque += p.torsion_share[j] * torsion_acceleration(j, x, u, p)
+    for j in range(p.bending_frequency.size):
+        damped = damp_bending(j, x, u, p)
+        torque += damped.x * x.bending_y[j] - damped.y * x.bending_x[j]
+    return p.drive_ratio * torque
+
+
+@kernel
+def output(t: float, x: ShaftState, u: ShaftInputs, p: ShaftParameters, y: ShaftOutputs) -> None:
+    for i in range(p.direction.size):
+        show_twist(i, x, u, p, y)
+        show_axis(i, x, p, y)
+    y.drive_torque = drive_torque(x, u, p)
+
+
+@kernel
+def energy(t: float, x: ShaftState, u: ShaftInputs, p: ShaftParameters, e: Vector) -> None:
+    speed = p.drive_ratio * u.drive_speed
+    stored, lost = 0.5 * p.inertia * speed * speed, 0.0
+    for j in range(p.torsion_frequency.size):
+        w, inertia, rate = 2.0 * math.pi * p.torsion_frequency[j], p.torsion_inertia[j], x.torsion_rate[j]
+        stored += p.torsion_share[j] * speed * rate + 0.5 * inertia * rate * rate
+        stored += 0.5 * inertia * (w * x.torsion[j]) ** 2
+        lost += 2.0 * inertia * p.torsion_damping[j] * w * rate * rate
+    for j in range(p.bending_frequency.size):
+        w, damped = 2.0 * math.pi * p.bending_frequency[j], damp_bending(j, x, u, p)
+        moving = x.bending_x_rate[j] ** 2 + x.bending_y_rate[j] ** 2
+        stored += 0.5 * p.bending_mass[j] * (moving + w * w * (x.bending_x[j] ** 2 + x.bending_y[j] ** 2))
+        lost += damped.x * (x.bending_x_rate[j] + speed * x.bending_y[j])
+        lost += damped.y * (x.bending_y_rate[j] - speed * x.bending_x[j])
+    e[0], e[1], e[2] = stored, lost, 0.0
+
+
+@counts_energies
+def shaft(cams: int = 1, torsion_modes: int = 1, bending_modes: int = 1) -> Component:
+    """Torsion: I (t'' + 2 zeta w t' + w^2 t) = -phi^T T - (phi^T M 1) psi''. Bending, with q = x + i y:
+    m (q'' + 2 zeta w (q' - i Omega q) + w^2 q) = phi^T F + i Omega Gamma q'."""
+    check_sizes(cams=cams, torsion_modes=torsion_modes, bending_modes=bending_modes)
+    structure = {"cams": cams, "torsion_modes": torsion_modes, "bending_modes": bending_modes}
+    sizes = {
+        **structure,
+        "torsion_shapes": cams * torsion_modes,
+        "bending_shapes": cams * bending_modes,
+        "bending_pairs": bending_modes * bending_modes,
+    }
+
+    def each(name: str) -> list[str]:
+        return [f"{name}[{i + 1}]" for i in range(cams)]
+
+    return Component(
+        tolerance=FINE_TOLERANCE,
+        name="shaft",
+        description="Shaft with cams: torsion and bending by modes",
+        parameters=Layout(ShaftParameters, sizes),
+        state=Layout(ShaftState, sizes),
+        inputs=Layout(ShaftInputs, sizes),
+        outputs=Layout(ShaftOutputs, sizes),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            **dict.fromkeys(each("cam_angle"), ("drive_angle",)),
+            **dict.fromkeys(each("cam_speed"), ("drive_speed",)),
+            "drive_torque": ("drive_speed", "drive_acceleration", *each("cam_torque")),
+        },
+        bonds=(
+            PowerBond("drive_torque", "drive_speed", +1),
+            *(PowerBond(t, w, -1) for t, w in zip(each("cam_torque"), each("cam_speed"), strict=True)),
+            *(PowerBond(f, v, +1) for f, v in zip(each("cam_force_x"), each("axis_velocity_x"), strict=True)),
+            *(PowerBond(f, v, +1) for f, v in zip(each("cam_force_y"), each("axis_velocity_y"), strict=True)),
+        ),
+        structure=structure,
+    )

@@ -1,0 +1,150 @@
+"""Shafts with cams: modes against independent numbers, statics in closed form, whirl and its stability."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.catalogue import CATALOGUE
+from models.valve_train.beam import (
+    Bearing,
+    Disc,
+    Shaft,
+    find_bending,
+    find_torsion,
+    list_parameters,
+    rigid_bending,
+)
+
+from .systems import outputs_of, rates_of
+
+EVALUATION = "independent evaluation"
+PLACES = (0.03, 0.06, 0.12, 0.15, 0.21, 0.24, 0.30, 0.33)
+CAMS = [Disc(place, 0.1, 1.2e-4, 0.7e-4) for place in PLACES]
+SHAFT = Shaft(0.35, 0.02, CAMS, [Bearing(0.0), Bearing(0.35)])
+
+
+def build(shaft, bends=True, damping_time=0.0, damping_ratio=0.0):
+    """The component with this shaft's modes, and its parameters."""
+    torsion = find_torsion(shaft, 3)
+    bending = find_bending(shaft, 3) if bends else rigid_bending(len(shaft.discs))
+    sizes = {"torsion_modes": torsion.frequency.size, "bending_modes": bending.frequency.size}
+    component = CATALOGUE["shaft"](cams=len(shaft.discs), **sizes)
+    return component, list_parameters(torsion, bending, damping_time, damping_ratio)
+
+
+def test_modes_of_a_shaft_with_eight_cams(record):
+    """Elements of a quarter of the diameter: 5e-7 of the third frequency of torsion, 7e-6 of bending."""
+    torsion = find_torsion(SHAFT, 3).frequency[:3] / (2.0 * math.pi)
+    bending = find_bending(SHAFT, 3).frequency[:3] / (2.0 * math.pi)
+    for i, expected in enumerate((464.58727, 1370.85610, 2198.60528)):
+        quantity = f"camshaft with 8 cams: frequency {i + 1} of torsion (Hz)"
+        record("Train", quantity, float(torsion[i]), expected, EVALUATION, tolerance=1e-6 * expected)
+    for i, expected in enumerate((234.810913, 896.319914, 1882.38922)):
+        quantity = f"camshaft with 8 cams: frequency {i + 1} of bending (Hz)"
+        record("Train", quantity, float(bending[i]), expected, EVALUATION, tolerance=1e-5 * expected)
+
+
+@pytest.mark.parametrize(
+    ("length", "frequencies"),
+    [(0.4, (251.318, 996.450, 2210.33)), (0.35, (327.953561, 1296.890053, 2865.061822))],
+)
+def test_a_simply_supported_timoshenko_beam(length, frequencies, record):
+    """A disc without mass in the middle is only a place to look at."""
+    plain = Shaft(length, 0.02, [Disc(0.5 * length, 0.0, 0.0, 0.0)], [Bearing(0.0), Bearing(length)])
+    found = find_bending(plain, 3).frequency / (2.0 * math.pi)
+    for i, expected in enumerate(frequencies):
+        quantity = f"simply supported beam of {1e3 * length:g} mm: frequency {i + 1} (Hz)"
+        record("Train", quantity, float(found[i]), expected, EVALUATION, tolerance=5e-5 * expected)
+
+
+def matrix(component, parameters, inputs):
+    names = component.state.names
+    zero = rates_of(component, parameters, {}, inputs)
+    columns = []
+    for name in names:
+        moved = rates_of(component, parameters, {name: 1.0}, inputs)
+        columns.append([moved[n] - zero[n] for n in names])
+    return np.array(columns).T
+
+
+def test_whirl_of_the_turning_shaft(record):
+    """At 3000 r/min: forward and backward."""
+    component, parameters = build(SHAFT)
+    a = matrix(component, parameters, {"drive_speed": 3000.0 * math.pi / 30.0})
+    bending = [i for i, name in enumerate(component.state.names) if name.startswith("bending")]
+    rates = np.linalg.eigvals(a[np.ix_(bending, bending)])
+    found = np.sort(rates.imag[rates.imag > 0.0]) / (2.0 * math.pi)
+    for value, expected in zip(found, (233.595297, 236.03231, 891.889132, 900.765712), strict=False):
+        record("Train", "whirl at 3000 r/min (Hz)", float(value), expected, EVALUATION,
+               tolerance=5e-6 * expected)  # fmt: skip
+
+
+def deflection(component, parameters, force):
+    """Of the third cam (m) under this load on it, all others unloaded, from the modes at rest."""
+    shape = np.array(
+        [parameters[f"bending_shape[{8 * j + 3}]"] for j in range(component.structure["bending_modes"])]
+    )
+    mass = np.array([parameters[f"bending_mass[{j + 1}]"] for j in range(shape.size)])
+    omega = np.array([2.0 * math.pi * parameters[f"bending_frequency[{j + 1}]"] for j in range(shape.size)])
+    coordinates = shape * force / (mass * omega**2)
+    state = {f"bending_y[{j + 1}]": float(q) for j, q in enumerate(coordinates)}
+    loaded = {"cam_force_y[3]": force}
+    rest = rates_of(component, parameters, state, loaded)
+    assert max(abs(rest[f"bending_y_rate[{j + 1}]"]) for j in range(shape.size)) < 1e-8 * force / mass.min()
+    return outputs_of(component, parameters, state, loaded)["axis_y[3]"]
+
+
+def test_steady_loads_bend_the_shaft_exactly(record):
+    """The static shapes are among the modes."""
+    found = 1e6 * deflection(*build(SHAFT), 600.0)
+    record("Train", "deflection under 600 N at the third of 8 cams (um)", found, 269.84594, EVALUATION,
+           tolerance=1e-5)  # fmt: skip
+
+
+def test_steady_torques_twist_the_shaft_as_a_bar():
+    """psi = sum of T l/(G J), and the drive takes the sum of the torques."""
+    component, parameters = build(SHAFT, bends=False)
+    torques = {f"cam_torque[{i + 1}]": 0.5 + i for i in range(8)}
+    n = component.structure["torsion_modes"]
+    shape = np.array([[parameters[f"torsion_shape[{8 * j + i + 1}]"] for i in range(8)] for j in range(n)])
+    inertia = np.array([parameters[f"torsion_inertia[{j + 1}]"] for j in range(n)])
+    omega = np.array([2.0 * math.pi * parameters[f"torsion_frequency[{j + 1}]"] for j in range(n)])
+    at_rest = -(shape @ np.array(list(torques.values()))) / (inertia * omega**2)
+    state = {f"torsion[{j + 1}]": float(t) for j, t in enumerate(at_rest)}
+    found = outputs_of(component, parameters, state, torques)
+    compliance = 1.0 / (SHAFT.shear_modulus * 2.0 * SHAFT.second_moment)
+    for i, place in enumerate(PLACES):
+        expected = -sum(t * min(place, other) for t, other in zip(torques.values(), PLACES, strict=True))
+        assert found[f"twist[{i + 1}]"] == pytest.approx(compliance * expected, rel=1e-9)
+    assert found["drive_torque"] == pytest.approx(sum(torques.values()), rel=1e-9)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(0.2, 0.95), st.floats(0.01, 0.3))
+def test_damping_that_turns_drives_whirl_above_the_critical_speed(share, damping):
+    """One mode: damping of the material alone is stable below Omega = w, unstable above."""
+    component = CATALOGUE["shaft"]()
+    parameters = {"bending_damping[1]": damping}
+    critical = 2.0 * math.pi * 540.0
+    for speed, stable in ((share * critical, True), (critical / share, False)):
+        a = matrix(component, parameters, {"drive_speed": speed})
+        bending = [i for i, name in enumerate(component.state.names) if name.startswith("bending")]
+        growth = float(np.max(np.linalg.eigvals(a[np.ix_(bending, bending)]).real))
+        assert (growth < 0.0) == stable
+
+
+def test_a_soft_drive_lowers_the_first_frequency_to_that_of_a_rigid_shaft_on_it():
+    """f = sqrt(k/J)/(2 pi) for a drive much softer than the shaft."""
+    soft = Shaft(0.35, 0.02, CAMS, drive_stiffness=5.0)
+    modes = find_torsion(soft, 2)
+    assert modes.frequency[0] == pytest.approx(math.sqrt(5.0 / modes.inertia), rel=1e-3)
+
+
+def test_a_shaft_that_bends_needs_two_bearings():
+    with pytest.raises(ValueError, match="at least two"):
+        find_bending(Shaft(0.35, 0.02, CAMS, [Bearing(0.0)]), 3)

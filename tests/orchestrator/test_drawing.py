@@ -1,0 +1,67 @@
+"""Drawings of shafts in scenarios."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from models.valve_train.beam import Disc, Shaft, find_torsion
+from orchestrator.scenario import ScenarioError
+from orchestrator.scenario.files import load
+
+GOOD = (
+    'length = "100 mm"\ndiameter = "20 mm"\ncams = [{ place = "40 mm" }, { place = 0.08, inertia = 2e-4 }]\n'
+)
+
+
+def write(folder: Path, drawing: str, component: str = "shaft") -> Path:
+    file = folder / "shaft.toml"
+    file.write_text(
+        'stop_time = "1 ms"\nmacro_step = "10 us"\nconnections = []\n'
+        '[tolerance]\n"turning.twist[1]" = 1e-3\n'
+        f'[components.turning]\ncomponent = "{component}"\n[components.turning.drawing]\n{drawing}'
+    )
+    return file
+
+
+def test_a_drawing_becomes_modes(tmp_path: Path) -> None:
+    table = load(write(tmp_path, GOOD)).components["turning"]
+    assert table.drawing is None
+    modes = find_torsion(
+        Shaft(0.1, 0.02, [Disc(0.04, 0.1, 1.2e-4, 0.7e-4), Disc(0.08, 0.1, 2e-4, 0.7e-4)]), 3
+    )
+    assert table.structure == {"cams": 2, "torsion_modes": modes.frequency.size, "bending_modes": 1}
+    frequency = float(table.parameters["torsion_frequency[1]"])
+    assert frequency == pytest.approx(modes.frequency[0] / (2.0 * math.pi), rel=1e-12)
+    assert float(table.parameters["torsion_damping[1]"]) == 0.02
+    assert float(table.parameters["bending_shape[1]"]) == 0.0
+
+
+def test_bearings_let_it_bend(tmp_path: Path) -> None:
+    table = load(write(tmp_path, GOOD + 'bearings = [0.0, "100 mm"]\n')).components["turning"]
+    assert table.structure["bending_modes"] > 1
+    assert max(abs(float(v)) for n, v in table.parameters.items() if n.startswith("bending_shape")) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("drawing", "message"),
+    [
+        ("", r"drawing.length: field required"),
+        (GOOD.replace('"20 mm"', '"20 N"'), r"drawing.diameter: .*'20 N'"),
+        (GOOD.replace('"20 mm"', "-0.02"), r"drawing.diameter: -0.02: must be > 0"),
+        (GOOD.replace('"40 mm"', '"140 mm"'), r"drawing.cams\[1\].place = 0.14 m: must be <= length"),
+        (GOOD + "bearings = [0.05]\n", r"drawing.bearings: 1 bearings: .* at least two"),
+        (GOOD + 'bore = "30 mm"\n', r"drawing.bore = 0.03 m: must be < diameter"),
+        (GOOD + "colour = 3\n", r"drawing.colour"),
+    ],
+)
+def test_mistakes_in_a_drawing_are_named(tmp_path: Path, drawing: str, message: str) -> None:
+    with pytest.raises(ScenarioError, match=message):
+        load(write(tmp_path, drawing))
+
+
+def test_only_shafts_have_drawings(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"drawing: flywheel has none"):
+        load(write(tmp_path, GOOD, "flywheel"))
