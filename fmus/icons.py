@@ -37,6 +37,20 @@ def valve_spring(axes: Axes) -> None:
     axes.add_patch(Polygon([(2.4, 0.9), (7.6, 0.9), (5.3, 2.6), (4.7, 2.6)], facecolor=STEEL, **_LINE))
 
 
+def valve(axes: Axes) -> None:
+    axes.plot([5, 5], [3.0, 9.2], color=INK, linewidth=6)
+    axes.add_patch(Polygon([(2.2, 1.6), (7.8, 1.6), (5.4, 3.8), (4.6, 3.8)], facecolor=OIL, **_LINE))
+    axes.plot([0.8, 2.4], [3.4, 1.9], color=INK, linewidth=4)
+    axes.plot([9.2, 7.6], [3.4, 1.9], color=INK, linewidth=4)
+
+
+def coil_spring(axes: Axes) -> None:
+    turns = np.linspace(0.0, 1.0, 400)
+    axes.plot(5 + 2.6 * np.sin(turns * 12 * math.pi), 1.6 + 6.8 * turns**1.4, color=INK, linewidth=3)
+    axes.add_patch(Rectangle((2.0, 8.4), 6.0, 0.8, facecolor=OIL, **_LINE))
+    ground(axes, 1.6)
+
+
 def shaft(axes: Axes) -> None:
     """A shaft with four cams."""
     axes.add_patch(Rectangle((0.5, 4.6), 9.0, 0.8, facecolor=STEEL, **_LINE))
@@ -215,6 +229,8 @@ def spring_stop(axes: Axes) -> None:
 ICONS: tuple[Callable[[Axes], None], ...] = (
     camshaft,
     valve_spring,
+    valve,
+    coil_spring,
     shaft,
     tappet,
     finger,

@@ -16,18 +16,22 @@ from .slider_crank.piston.free_piston_crank import free_piston_crank
 from .slider_crank.piston.piston_crank import piston_crank
 from .slider_crank.slider_crank import slider_crank
 from .valve_train.camshaft import camshaft
+from .valve_train.coil_spring import coil_spring
 from .valve_train.finger import finger
 from .valve_train.lash_adjuster import lash_adjuster
 from .valve_train.rocker import rocker
 from .valve_train.rod import rod
 from .valve_train.shaft import shaft
 from .valve_train.tappet import tappet
+from .valve_train.valve import valve
 from .valve_train.valve_spring import valve_spring
 
 # Each factory takes its structural sizes by keyword, e.g. valve_spring(coil_masses=8).
 CATALOGUE: Mapping[str, Callable[..., Component]] = {
     "camshaft": camshaft,
     "valve_spring": valve_spring,
+    "valve": valve,
+    "coil_spring": coil_spring,
     "shaft": shaft,
     "tappet": tappet,
     "finger": finger,

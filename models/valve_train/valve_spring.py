@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -195,7 +195,7 @@ def segment_force(p: ValveSpringParameters, share: float, compression: float, ra
 
 
 @kernel
-def seat_force(p: ValveSpringParameters, position: float, velocity: float) -> float:
+def seat_force(p: Any, position: float, velocity: float) -> float:
     """Unilateral: pushes the valve open while it dips below the seat, never pulls."""
     dip = p.lash - position
     if dip <= 0.0:

@@ -148,6 +148,13 @@ DRIVE: Mapping[str, Number] = {
 SHAFT: Mapping[str, Number] = {
     "largest_twist": (Result("rad", "largest twist", display_unit=DEGREES), _twist),
 }
+SPRING: Mapping[str, Number] = {
+    "least_gap": VALVE["least_gap"],
+    "largest_clash_force": (
+        Result("N", "largest force between coils that clash"),
+        lambda s: float(np.max(s["clash_force"])),
+    ),
+}
 ADJUSTER: Mapping[str, Number] = {
     "peak_pressure": (
         Result("Pa", "largest pressure of the chamber", display_unit=MEGAPASCAL),
@@ -164,6 +171,8 @@ TABLES: Mapping[str, Mapping[str, Number]] = {
     "camshaft": SHAFT,
     "valve_spring": VALVE,
     "lash_adjuster": ADJUSTER,
+    "valve": {name: VALVE[name] for name in ("largest_lift", "seating_velocity", "bounce")},
+    "coil_spring": SPRING,
     **dict.fromkeys(CONTACTS, CONTACT),
 }
 

@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 from models.catalogue import CATALOGUE
 from models.core.evaluation import Evaluation
 from models.core.system import Instance, System
+from models.monolithic.cycle import find_cycle
 from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import SystemProblem
 
@@ -27,6 +28,8 @@ PARTS = {
     "roller finger": ("finger", {"rolls": 1.0, "cam_arm": -28e-3, "valve_arm": -40e-3}),
     "bonded rod": ("rod", {"bonded": 1.0}),
     "loose rod": ("rod", {"clearance": 1e-5}),
+    "valve body": ("valve", {"lash": 1e-4, "guide_damping": 3.0}),
+    "coil spring": ("coil_spring", {"gap[1]": 1e-4, "gap[9]": 2e-4}),
     "shaft": ("shaft", {"gyroscopic[1]": 0.02, "direction[1]": 0.5, "drive_ratio": 0.5}),
     "rocker": ("rocker", {"rod_angle": 0.1, "valve_angle": 0.2, "pivot_damping": 1e-3}),
     "rocker of small motion": ("rocker", {"small_motion": 1.0, "valve_angle": 0.2}),
@@ -306,6 +309,80 @@ def test_loads_of_a_pushrod_train(speed, record):
     for name, value, expected in zip(names, found, PUSHROD_LOADS[speed], strict=True):
         quantity = f"pushrod train at {speed:g} r/min: {name} (N)"
         record("Train", quantity, value, expected, EVALUATION, tolerance=3e-4 * expected)
+
+
+# Coil springs
+
+
+# A third of the coils, those at the head, closes at 6 mm.
+TWO_RATE = {"spring_rate": 30e3, "surge_frequency": 456.4355, "preload": 0.0, "stop_stiffness": 1e11}
+TWO_RATE |= {"damping_ratio": 0.0, "stop_damping": 0.0}
+TWO_RATE |= {f"gap[{i}]": 0.1e-3 if i > 40 else 1.0 for i in range(1, 61)}
+
+
+def compressed(position, closed=0.1e-3):
+    """Coils at rest: equal segments, or forty and twenty that are closed so far."""
+    if position < 6e-3:
+        return {f"coil_position[{i}]": position * (1.0 - i / 60) for i in range(1, 60)}
+    free = (position - 20 * closed) / 40
+    return {
+        f"coil_position[{i}]": position - i * free if i <= 40 else (60 - i) * closed for i in range(1, 60)
+    }
+
+
+def first_coil_frequency(coils, position):
+    """From the stiffness about these coils (Hz)."""
+    c, end = CATALOGUE["coil_spring"](segments=60), {"position": position}
+    rates = [f"coil_velocity[{i}]" for i in range(1, 60)]
+    base = rates_of(c, TWO_RATE, coils, end)
+    columns = []
+    for name, value in coils.items():
+        moved = rates_of(c, TWO_RATE, {**coils, name: value + 1e-9}, end)
+        columns.append([(moved[rate] - base[rate]) / 1e-9 for rate in rates])
+    return math.sqrt(np.min(np.linalg.eigvals(-np.array(columns)).real)) / (2.0 * math.pi)
+
+
+def test_a_spring_of_two_rates(record):
+    """30 N/mm to 6 mm, then 45: what is left of the spring is higher by 3/2 in rate and frequency."""
+    c = CATALOGUE["coil_spring"](segments=60)
+    for position, expected in ((4e-3, 120.0), (12e-3, 450.0)):
+        found = outputs_of(c, TWO_RATE, compressed(position), {"position": position})["force"]
+        quantity = f"two-rate spring: force at {1e3 * position:g} mm (N)"
+        record("Spring", quantity, found, expected, "closed form", tolerance=1e-9 * expected)
+    # Closed a little further, so that their stops bear. Sixty segments: 2e-4 below the continuous spring.
+    for position, expected in ((1e-3, 456.4355), (12e-3, 684.6532)):
+        found = first_coil_frequency(compressed(position, closed=0.1001e-3), position)
+        quantity = f"two-rate spring: natural frequency at {1e3 * position:g} mm (Hz)"
+        record("Spring", quantity, found, expected, "continuous spring", tolerance=2e-4 * expected)
+
+
+def test_coils_that_clash(record):
+    """A prescribed valve motion at 3400 r/min, nine segments with 0.92 mm of room each."""
+    omega = 3400.0 * math.pi / 30.0
+    turning = {"initial_speed": omega, "final_speed": omega}
+    room = {f"gap[{i + 1}]": 0.92e-3 for i in range(9)}
+    system = System(
+        {
+            "flywheel": Instance(CATALOGUE["flywheel"](), turning, start={"speed": omega}),
+            "camshaft": Instance(CATALOGUE["camshaft"](), {}),
+            "spring": Instance(BUILT["coil_spring"], room),
+        },
+        (
+            ("flywheel.angle", "camshaft.drive_angle"),
+            ("flywheel.speed", "camshaft.drive_speed"),
+            ("camshaft.surface_position", "spring.position"),
+            ("camshaft.surface_velocity", "spring.velocity"),
+        ),
+    )
+    cycle = find_cycle(system, turn(3400.0), ["flywheel.angle"], samples=18000)
+    assert cycle.steady
+    coils = [cycle["spring.position"], *(cycle[f"spring.coil_position[{i}]"] for i in range(1, 9))]
+    compression = -np.diff(np.column_stack([*coils, np.zeros_like(coils[0])]), axis=1)
+    closed = compression > 0.92e-3
+    clashes = int(np.sum(closed[1:] & ~closed[:-1]))
+    record("Spring", "clashes of coils in a turn", clashes, 12, EVALUATION, tolerance=0)
+    peak = float(cycle["spring.clash_force"].max())
+    record("Spring", "largest force of a clash (N)", peak, 33.26, EVALUATION, tolerance=0.05)
 
 
 # Lash adjusters

@@ -1,0 +1,209 @@
+"""Coil spring between a moving body and the fixed head: a chain of coils that surge, close and clash.
+
+The segments have equal rates, the masses between them are equal, and the chain has the static rate k0 and the
+first natural frequency f0 exactly. A segment whose gap is used up meets a stop: where gaps differ, coils close
+one after the other, and rate and natural frequency rise.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond, check_sizes
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector, per_element
+from ..plausible import SEAT_STIFFNESS, SPRING_RATE, SURGE_FREQUENCY
+
+
+@dataclass
+class CoilSpringParameters:
+    """Defaults: the spring of the set `kushwaha2000`, whose coils do not close within 20 mm."""
+
+    spring_rate: Annotated[
+        float,
+        Quantity(
+            "N/m",
+            "static rate k0 while no coil is closed",
+            nominal=3e4,
+            positive=True,
+            plausible=SPRING_RATE,
+        ),
+    ] = 35e3
+    surge_frequency: Annotated[
+        float,
+        Quantity(
+            "Hz",
+            "first natural frequency f0 of the clamped spring",
+            nominal=500.0,
+            positive=True,
+            plausible=SURGE_FREQUENCY,
+        ),
+    ] = 504.5
+    damping_ratio: Annotated[
+        float,
+        Quantity(
+            "1", "damping ratio of the spring at f0 (stiffness-proportional)", nominal=0.01, minimum=0.0
+        ),
+    ] = 0.02
+    preload: Annotated[float, Quantity("N", "force f_p at position zero", nominal=300.0, minimum=0.0)] = 330.0
+    gap: Annotated[
+        Vector,
+        Quantity(
+            "m",
+            "compression of a segment at which its coils close, from the moving end",
+            nominal=1e-3,
+            display_unit="mm",
+            positive=True,
+            size="segments",
+        ),
+    ] = per_element(2e-3)
+    stop_stiffness: Annotated[
+        float,
+        Quantity("N/m", "stiffness of closed coils", nominal=1e6, minimum=0.0, plausible=SEAT_STIFFNESS),
+    ] = 5e6
+    stop_damping: Annotated[
+        float, Quantity("N.s/m", "damping of closed coils", nominal=10.0, minimum=0.0)
+    ] = 20.0
+
+
+@dataclass
+class CoilSpringState:
+    coil_position: Annotated[
+        Vector,
+        Quantity("m", "displacement of a coil mass", nominal=1e-3, display_unit="mm", size="coil_masses"),
+    ] = per_element()
+    coil_velocity: Annotated[Vector, Quantity("m/s", "velocity of a coil mass", size="coil_masses")] = (
+        per_element()
+    )
+
+
+@dataclass
+class CoilSpringInputs:
+    position: Annotated[
+        float, Quantity("m", "position of the moving end", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    velocity: Annotated[float, Quantity("m/s", "velocity of the moving end")] = 0.0
+
+
+@dataclass
+class CoilSpringOutputs:
+    force: Annotated[float, Quantity("N", "force on the moving end, preload included", nominal=500.0)] = 0.0
+    least_gap: Annotated[
+        float, Quantity("m", "least gap between coils, negative in a clash", nominal=1e-3, display_unit="mm")
+    ] = 0.0
+    clash_force: Annotated[float, Quantity("N", "largest force of a stop", nominal=10.0)] = 0.0
+    coil_position: Annotated[
+        Vector,
+        Quantity("m", "displacement of a coil mass", nominal=1e-3, display_unit="mm", size="coil_masses"),
+    ] = per_element()
+
+
+@kernel
+def compress(i: int, x: CoilSpringState, u: CoilSpringInputs) -> tuple[float, float]:
+    """Compression (m) of segment i, and its rate."""
+    masses = x.coil_position.size
+    above = x.coil_position[i - 1] if i > 0 else u.position
+    above_rate = x.coil_velocity[i - 1] if i > 0 else u.velocity
+    below = x.coil_position[i] if i < masses else 0.0
+    below_rate = x.coil_velocity[i] if i < masses else 0.0
+    return above - below, above_rate - below_rate
+
+
+@kernel
+def coil_damping(p: CoilSpringParameters) -> float:
+    """Of a segment: c = 2 zeta/(2 pi f0) k."""
+    return p.damping_ratio / (math.pi * p.surge_frequency) * p.spring_rate * p.gap.size
+
+
+@kernel
+def stop_force(i: int, compression: float, rate: float, p: CoilSpringParameters) -> float:
+    """Only pushes."""
+    closed = compression - p.gap[i]
+    if closed <= 0.0:
+        return 0.0
+    return max(0.0, p.stop_stiffness * closed + p.stop_damping * rate)
+
+
+@kernel
+def segment_force(i: int, x: CoilSpringState, u: CoilSpringInputs, p: CoilSpringParameters) -> float:
+    compression, rate = compress(i, x, u)
+    own = p.spring_rate * p.gap.size * compression + coil_damping(p) * rate
+    return own + stop_force(i, compression, rate, p)
+
+
+@kernel
+def coil_mass(p: CoilSpringParameters) -> float:
+    """(N+1) k0 sin^2(pi/(2 (N+1)))/(pi f0)^2."""
+    segments = p.gap.size
+    sine = math.sin(0.5 * math.pi / segments)
+    return segments * p.spring_rate * (sine / (math.pi * p.surge_frequency)) ** 2
+
+
+@kernel
+def derivative(
+    t: float, x: CoilSpringState, u: CoilSpringInputs, p: CoilSpringParameters, dx: CoilSpringState
+) -> None:
+    mass, above = coil_mass(p), segment_force(0, x, u, p)
+    for i in range(x.coil_position.size):
+        below = segment_force(i + 1, x, u, p)
+        dx.coil_position[i] = x.coil_velocity[i]
+        dx.coil_velocity[i] = (above - below) / mass
+        above = below
+
+
+@kernel
+def output(
+    t: float, x: CoilSpringState, u: CoilSpringInputs, p: CoilSpringParameters, y: CoilSpringOutputs
+) -> None:
+    y.force = p.preload + segment_force(0, x, u, p)
+    compression, rate = compress(0, x, u)
+    y.least_gap, y.clash_force = p.gap[0] - compression, stop_force(0, compression, rate, p)
+    for i in range(x.coil_position.size):
+        compression, rate = compress(i + 1, x, u)
+        y.least_gap = min(y.least_gap, p.gap[i + 1] - compression)
+        y.clash_force = max(y.clash_force, stop_force(i + 1, compression, rate, p))
+        y.coil_position[i] = x.coil_position[i]
+
+
+@kernel
+def energy(t: float, x: CoilSpringState, u: CoilSpringInputs, p: CoilSpringParameters, e: Vector) -> None:
+    """Lost: in the coils, and what a stop does not give back of k e^2/2."""
+    mass, rate_of_coils = coil_mass(p), p.spring_rate * p.gap.size
+    stored, lost = p.preload * u.position, 0.0
+    for i in range(p.gap.size):
+        compression, rate = compress(i, x, u)
+        closed = max(0.0, compression - p.gap[i])
+        stored += 0.5 * rate_of_coils * compression**2 + 0.5 * p.stop_stiffness * closed**2
+        lost += coil_damping(p) * rate * rate
+        lost += rate * (stop_force(i, compression, rate, p) - p.stop_stiffness * closed)
+    for i in range(x.coil_position.size):
+        stored += 0.5 * mass * x.coil_velocity[i] ** 2
+    e[0], e[1], e[2] = stored, lost, 0.0
+
+
+@counts_energies
+def coil_spring(segments: int = 9) -> Component:
+    """A spring of `segments` segments with a mass between each two."""
+    check_sizes(segments=segments, coil_masses=segments - 1)
+    sizes = {"segments": segments, "coil_masses": segments - 1}
+    ends = ("position", "velocity")
+    return Component(
+        tolerance=FINE_TOLERANCE,
+        name="coil_spring",
+        description="Coil spring with surge, closing coils and clash",
+        parameters=Layout(CoilSpringParameters, sizes),
+        state=Layout(CoilSpringState, sizes),
+        inputs=Layout(CoilSpringInputs),
+        outputs=Layout(CoilSpringOutputs, sizes),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={"force": ends, "least_gap": ("position",), "clash_force": ends},
+        bonds=(PowerBond("force", "velocity", +1),),
+        structure={"segments": segments},
+        event_indicators=("least_gap",),
+    )
