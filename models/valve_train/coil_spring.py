@@ -1,8 +1,8 @@
 """Coil spring between a moving body and the fixed head: a chain of coils that surge, close and clash.
 
 The segments have equal rates, the masses between them are equal, and the chain has the static rate k0 and the
-first natural frequency f0 exactly. A segment whose gap is used up meets a stop: where gaps differ, coils close
-one after the other, and rate and natural frequency rise.
+first natural frequency f0 exactly. A segment whose gap is used up meets a stop. Where gaps differ, coils
+close one after the other, and rate and natural frequency rise.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ import typer
 
 from .analyse import run_analysis
 from .benchmark import benchmark_coupling
+from .compare import compare_sweeps
 from .components import print_components
 from .diagnose import print_diagnosis
 from .fmu import fmu_build, fmu_compare, fmu_cross_check, fmu_info, fmu_validate
@@ -35,6 +36,7 @@ app.command("diagnose")(print_diagnosis)
 app.command("friction")(print_friction)
 app.command("analyse")(run_analysis)
 app.command("speeds")(run_speeds)
+app.command("compare")(compare_sweeps)
 app.command("study")(run_study)
 
 fmus = typer.Typer(help="Build, inspect and check FMUs.", no_args_is_help=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import xarray
@@ -30,21 +31,23 @@ PANELS = (
 )
 
 
-def draw_summary(table: xarray.Dataset) -> Figure:
-    """The numbers of all cycles over speed."""
-    rpm = RPM * table["speed"].values
+def draw_summary(tables: Mapping[str, xarray.Dataset]) -> Figure:
+    """The numbers of all cycles over speed; of a second design in dashed lines."""
     shown = []
     for title, scale, endings in PANELS:
-        names = [str(n) for n in table.data_vars if str(n).endswith(endings)]
-        if names := [n for n in names if np.any(np.nan_to_num(table[n].values) != 0.0)]:
+        every = dict.fromkeys(
+            str(n) for t in tables.values() for n in t.data_vars if str(n).endswith(endings)
+        )
+        if names := [n for n in every if any(_has_values(table, n) for table in tables.values())]:
             shown.append((title, scale, names))
     rows = math.ceil(len(shown) / 3)
     figure, axes = create_subplots(rows, 3, figsize=(11.0, 2.6 * rows), squeeze=False, sharex=True)
-    add_title(figure, str(table.attrs.get("title", "Cycles over speed")))
+    add_title(figure, " and ".join(tables) + (" (dashed)" if len(tables) > 1 else " over speed"))
     for panel in axes.flat[len(shown) :]:
         panel.remove()
     for panel, (title, scale, names) in zip(axes.flat, shown, strict=False):
-        _draw_curves(panel, rpm, scale, names, table)
+        for table, line in zip(tables.values(), ("solid", "dashed"), strict=False):
+            _draw_curves(panel, scale, names, table, line)
         panel.set_title(title)
     for panel in axes.flat[max(0, len(shown) - 3) : len(shown)]:
         panel.set_xlabel("Speed (r/min)")
@@ -52,10 +55,17 @@ def draw_summary(table: xarray.Dataset) -> Figure:
     return figure
 
 
-def _draw_curves(axes: Axes, rpm: np.ndarray, scale: float, names: list[str], table: xarray.Dataset) -> None:
+def _has_values(table: xarray.Dataset, name: str) -> bool:
+    return name in table and bool(np.any(np.nan_to_num(table[name].values) != 0.0))
+
+
+def _draw_curves(axes: Axes, scale: float, names: list[str], table: xarray.Dataset, line: str) -> None:
+    rpm = RPM * table["speed"].values
     for i, name in enumerate(names):
-        label = name.replace("_", " ").replace(".", ": ")
-        axes.plot(rpm, scale * table[name].values, color=COLOURS[i % len(COLOURS)], label=label)
+        if name not in table:
+            continue
+        label = name.replace("_", " ").replace(".", ": ") if line == "solid" else None
+        axes.plot(rpm, scale * table[name].values, color=COLOURS[i % len(COLOURS)], ls=line, label=label)
     if len(names) > 1:
         axes.legend(fontsize=7)
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray
@@ -21,11 +23,12 @@ from ..scenario.files import find, load, override, read_contents
 from ..study.files import Plan, parse_study
 from ..study.points import expand_points
 from ..study.run import Where, run
+from ..study.store import DONE
 from .figures_of_merit import is_separated, parameter_of
 from .separation import bisect_separation
 from .subject import SpeedSubject, count_turns, cycle_path, find_flywheel
 
-STORE, CYCLES, ALL = "speeds.zarr", "cycles", "cycles.nc"
+STORE, CYCLES, ALL, SUMMARY = "speeds.zarr", "cycles", "cycles.nc", "summary.json"
 RPM = 30.0 / math.pi
 
 
@@ -48,17 +51,25 @@ def sweep(
     reporter = Reporter()
     plan, subject = make_plan(name, overrides, speeds, out)
     status = run(plan, out / STORE, where, reporter, overwrite)
-    with xarray.open_zarr(out / STORE) as stored:
-        table = stored.load()
-    table = table.isel(speed=np.flatnonzero(table["status"].values == 1))
+    table = read_table(out)
     if not table.sizes["speed"]:
         return status
     report_cycles(reporter, table)
-    for line in find_separation(subject, table):
-        reporter.line(line)
+    separation = find_separation(subject, table)
+    if separation is not None:
+        reporter.line(separation.text)
+    summary = {"scenario": subject.scenario.name, "separation": separation and separation._asdict()}
+    (out / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", "utf-8")
     files = publish(subject, table, out)
     reporter.line(f"results in {out}: {', '.join(path.relative_to(out).as_posix() for path in files)}")
     return status
+
+
+def read_table(out: Path) -> xarray.Dataset:
+    """The cycles that were found, by speed."""
+    with xarray.open_zarr(out / STORE) as stored:
+        table = stored.load()
+    return table.isel(speed=np.flatnonzero(table["status"].values == DONE))
 
 
 def make_plan(name: str, overrides: list[str], speeds: Range, out: Path) -> tuple[Plan, SpeedSubject]:
@@ -116,32 +127,39 @@ def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:
     return found
 
 
-def find_separation(subject: SpeedSubject, table: xarray.Dataset) -> list[str]:
-    """The lowest speed at which a contact is lost while the cam lifts, in words."""
+class Separation(NamedTuple):
+    """The lowest speed (r/min) at which a contact is lost while the cam lifts, or None; and in words."""
+
+    speed: float | None
+    text: str
+
+
+def find_separation(subject: SpeedSubject, table: xarray.Dataset) -> Separation | None:
+    """None for a train without contacts."""
     names = [str(name) for name in table.data_vars if str(name).endswith(".lost")]
     if not names:
-        return []
+        return None
     lost = np.max([table[name].values for name in names], axis=0) > 0.0
     speeds = table["speed"].values
     if not lost.any():
-        return [f"contact is kept up to {speeds[-1] * RPM:.0f} r/min"]
+        return Separation(None, f"contact is kept up to {speeds[-1] * RPM:.0f} r/min")
     first = int(np.argmax(lost))
     if first == 0:
-        return [f"contact is lost at {speeds[0] * RPM:.0f} r/min, the lowest speed"]
+        return Separation(None, f"contact is lost at {speeds[0] * RPM:.0f} r/min, the lowest speed")
 
     def separated(speed: float) -> bool:
         return is_separated(subject.find_cycle_at(speed))
 
     try:
-        found = bisect_separation(separated, float(speeds[first - 1]), float(speeds[first]))
+        found = RPM * bisect_separation(separated, float(speeds[first - 1]), float(speeds[first]))
     except ModelError as error:
-        return [f"the speed of separation was not found: {error}"]
-    return [f"contact is lost from {found * RPM:.1f} r/min"]
+        return Separation(None, f"the speed of separation was not found: {error}")
+    return Separation(round(found, 2), f"contact is lost from {found:.1f} r/min")
 
 
 def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path) -> list[Path]:
     """Figures, and all cycles over angle and speed in one file."""
-    files = [save_figure(lambda: draw_summary(table), out / "speeds.png")]
+    files = [save_figure(lambda: draw_summary({subject.scenario.name: table}), out / "speeds.png")]
     cycles = [
         (float(speed), path)
         for speed in table["speed"].values

@@ -58,6 +58,24 @@ def test_the_same_command_takes_what_is_there(swept: tuple[Path, str]) -> None:
     assert {path.name: path.stat().st_mtime_ns for path in (out / "cycles").iterdir()} == before
 
 
+def test_two_sweeps_are_compared(swept: tuple[Path, str], tmp_path: Path) -> None:
+    """With itself: all numbers twice."""
+    out, _ = swept
+    done = called("compare", str(out), str(out), "--out", str(tmp_path / "both.png"))
+    assert done.returncode == 0, done.stderr
+    (line,) = (line for line in done.stdout.splitlines() if "contact.largest_load" in line)
+    cells = [cell.strip() for cell in line.split("│")]
+    assert cells[3].endswith("at 3400")
+    assert done.stdout.count("contact is lost from") >= 1
+    assert (tmp_path / "both.png").stat().st_size > 10_000
+
+
+def test_a_folder_without_a_sweep_is_named(tmp_path: Path) -> None:
+    done = called("compare", str(tmp_path), str(tmp_path))
+    assert done.returncode == 2
+    assert "holds no finished sweep" in said(done)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -1,0 +1,90 @@
+"""Two designs side by side, from their sweeps over speed."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+from rich.table import Table
+
+from ..errors import MistakeError
+from ..plots.speeds import draw_summary
+from ..plots.style import save_figure
+from ..reporter import Reporter
+from .sweep import STORE, SUMMARY, read_table
+
+RPM = 30.0 / math.pi
+# Numbers of which the least is the worst; of the others it is the largest.
+LEAST_IS_WORST = (
+    "least_load",
+    "least_film",
+    "least_film_ratio",
+    "spring_margin",
+    "least_gap",
+    "largest_lift",
+    "least_torque",
+)
+# Numbers that are neither good nor bad.
+LEFT_OUT = ("change", "periods", "least_load_angle")
+# Units as people read them, with their factors.
+SHOWN = {"m": ("mm", 1e3), "Pa": ("MPa", 1e-6), "rad": ("deg", math.degrees(1.0))}
+
+
+def compare(first: Path, second: Path, out: Path) -> None:
+    """Print the worst of each number over the speeds that both sweeps span, and draw both."""
+    reporter = Reporter()
+    tables = dict(zip(label(first, second), map(read_sweep, (first, second)), strict=True))
+    low = max(float(table["speed"].min()) for table in tables.values())
+    high = min(float(table["speed"].max()) for table in tables.values())
+    if not low < high:
+        raise MistakeError(f"{first} and {second}: have no range of speed in common")
+    common = [table.sel(speed=slice(low * (1 - 1e-12), high * (1 + 1e-12))) for table in tables.values()]
+    title = f"{low * RPM:.0f} to {high * RPM:.0f} r/min"
+    shown = Table("worst", "unit", *tables, title=title, title_justify="left")
+    for name in map(str, common[0].data_vars):
+        values = common[0][name]
+        if name not in common[1] or values.dtype.kind != "f" or name.rpartition(".")[2] in LEFT_OUT:
+            continue
+        unit, scale = choose_unit(name, values.attrs.get("units", ""))
+        shown.add_row(name, unit, *(find_worst(table, name, scale) for table in common))
+    reporter.console.print(shown)
+    for name, folder in zip(tables, (first, second), strict=True):
+        separation: Any = json.loads((folder / SUMMARY).read_text("utf-8"))["separation"]
+        reporter.line(f"{name}: {separation['text'] if separation else 'has no contact'}")
+    drawn = save_figure(lambda: draw_summary(tables), out)
+    reporter.line(f"figure: {drawn}")
+
+
+def read_sweep(folder: Path) -> xarray.Dataset:
+    """The table of a sweep; MistakeError if there is none."""
+    if not (folder / STORE).exists() or not (folder / SUMMARY).exists():
+        raise MistakeError(
+            f"{folder}: holds no finished sweep; make one with: tribocosim speeds SCENARIO --out {folder}"
+        )
+    return read_table(folder)
+
+
+def choose_unit(name: str, unit: str) -> tuple[str, float]:
+    """The unit in which the number is shown, and its factor."""
+    return ("um", 1e6) if name.endswith(("_film", ".bounce")) else SHOWN.get(unit, (unit, 1.0))
+
+
+def label(first: Path, second: Path) -> tuple[str, str]:
+    """The folders' names; where both have the same, numbered."""
+    if first.name != second.name:
+        return first.name, second.name
+    return f"{first.name} (1)", f"{second.name} (2)"
+
+
+def find_worst(table: xarray.Dataset, name: str, scale: float) -> str:
+    """The worst value and its speed."""
+    values = table[name].values
+    if not np.any(np.isfinite(values)):
+        return "–"
+    least = name.rpartition(".")[2] in LEAST_IS_WORST
+    worst = int(np.nanargmin(values) if least else np.nanargmax(values))
+    return f"{scale * values[worst]:.5g} at {table['speed'].values[worst] * RPM:.0f}"
