@@ -327,6 +327,8 @@ def make_motion(profile: CamProfile) -> tuple[Any, Any]:
         y.pivot_position, y.pivot_velocity = x.pivot_position, x.pivot_velocity
         y.ratio = lever.tip.by_rotation / (arm.x * k.normal_y - arm.y * k.normal_x)
         y.support_force = accelerate(lever, x, u, p).support
+        y.contact_offset = -p.follower_radius * (y.pressure_angle + x.rotation)
+        y.profile_angle = angle
         y.cam_lift = cam.s
         y.next_event = min(t + time_to_break(find_breaks(angle, p), u.cam_speed, 0.0), NO_EVENT)
 

@@ -175,6 +175,8 @@ def make_motion(profile: CamProfile) -> tuple[Any, Any]:
         y.side_force = u.cam_load * k.normal_x
         if p.follower != ROLLER:
             y.side_force -= u.cam_friction * k.normal_y
+        y.contact_offset = k.x if p.follower == FLAT else -p.follower_radius * y.pressure_angle
+        y.profile_angle = angle
         y.cam_lift = cam.s
         y.next_event = min(t + time_to_break(find_breaks(angle, p), u.cam_speed, 0.0), NO_EVENT)
 

@@ -121,6 +121,32 @@ def test_force_ratio_of_a_finger_is_its_velocity_ratio(cam_arm, valve_arm, pivot
     assert found["cam_torque"] == pytest.approx(slope, abs=1e-9)
 
 
+@settings(max_examples=30, deadline=None)
+@given(st.floats(0.0, 360.0), st.floats(-200.0, 200.0))
+def test_a_flat_tappet_on_its_cam_is_the_follower_of_a_camshaft(degrees, speed):
+    """Where it stands at the lift of the cam: one contact, written twice."""
+    angle = math.radians(degrees)
+    driven = {"drive_angle": angle, "drive_speed": speed, "contact_load": 400.0, "friction_force": 20.0}
+    shaft = outputs_of(CATALOGUE["camshaft"](), {}, {}, driven)
+    place = {"position": shaft["cam_lift"], "velocity": shaft["surface_velocity"]}
+    turned = {"cam_angle": angle, "cam_speed": speed, "cam_load": 400.0, "cam_friction": 20.0}
+    tappet = outputs_of(BUILT["tappet"], {}, place, turned)
+    assert tappet["overlap"] == pytest.approx(0.0, abs=1e-17)
+    assert tappet["overlap_rate"] == pytest.approx(0.0, abs=1e-12)
+    same = {
+        "cam_radius": "radius_of_curvature",
+        "radius_of_curvature": "radius_of_curvature",
+        "entraining_velocity": "entraining_velocity",
+        "sliding_velocity": "sliding_velocity",
+        "contact_offset": "contact_offset",
+        "profile_angle": "cam_angle",
+        "cam_torque": "drive_torque",
+        "cam_lift": "cam_lift",
+    }
+    for own, other in same.items():
+        assert tappet[own] == pytest.approx(shaft[other], rel=1e-12, abs=1e-15)
+
+
 def test_a_cam_that_undercuts_is_refused_with_its_angle():
     c = BUILT["tappet"]
     faults = c.parameter_faults(c.parameters.vector({"base_radius": 10e-3}))

@@ -225,3 +225,33 @@ def test_every_contact_under_a_cam_is_found():
 def test_each_of_several_contacts_has_a_file_of_its_own():
     assert name_file(Path("a/f.csv"), "second", True) == Path("a/f-second.csv")
     assert name_file(Path("a/f.csv"), "second", False) == Path("a/f.csv")
+
+
+@pytest.mark.parametrize(
+    ("scenario", "cams"),
+    [
+        ("valve-train", {"contact": "camshaft"}),
+        ("pushrod-train", {"cam_contact": "tappet"}),
+        ("finger-follower-hla", {"cam_contact": "finger"}),
+        ("pushrod-engine", {f"cam_contact_{k}": f"tappet_{k}" for k in range(1, 9)}),
+    ],
+)
+def test_contacts_under_cams_are_found(scenario: str, cams: dict[str, str]) -> None:
+    """Not those of levers on valves."""
+    assert find_cams(load(scenario)) == cams
+
+
+def test_the_friction_of_a_tappet_is_what_its_shaft_feels(tmp_path: Path) -> None:
+    """Over a revolution the drive gives friction's work and what contacts, rod and spring lose besides."""
+    out = tmp_path / "out"
+    changed = ("--set", "reference.enabled=false", "--set", "stop_time=2 revolutions", "--native")
+    done = called("run", "pushrod-train", *changed, "--no-figures", "--out", str(out))
+    assert done.returncode == 4, done.stderr
+    found = called("friction", str(out))
+    assert found.returncode == 0, found.stderr
+    (line,) = (line for line in found.stdout.splitlines() if "mean friction torque" in line)
+    torque = float(line.split()[-1])
+    with xarray.open_dataset(out / "result.nc", group="coupled", engine="h5netcdf") as result:
+        last = result["time"].values > 0.06
+        drive = float(result["tappet.cam_torque"].values[last].mean())
+    assert 0.9 * drive < torque < drive

@@ -60,6 +60,15 @@ class CamOutputs:
     pressure_angle: Annotated[
         float, Quantity("rad", "angle of the contact's normal to the follower's path", display_unit="deg")
     ] = 0.0
+    cam_radius: Annotated[
+        float, Quantity("m", "radius of the cam at the contact", nominal=1e-2, display_unit="mm")
+    ] = 0.02
+    contact_offset: Annotated[
+        float, Quantity("m", "place of the contact along the follower", nominal=1e-2, display_unit="mm")
+    ] = 0.0
+    profile_angle: Annotated[
+        float, Quantity("rad", "angle of the cam at the contact; the nose is at pi", display_unit="deg")
+    ] = 0.0
     cam_torque: Annotated[float, Quantity("N.m", "torque taken from the shaft", nominal=10.0)] = 0.0
     cam_force_x: Annotated[float, Quantity("N", "force on the cam's axis along axis_x", nominal=500.0)] = 0.0
     cam_force_y: Annotated[float, Quantity("N", "force on the cam's axis along axis_y", nominal=500.0)] = 0.0
@@ -81,6 +90,9 @@ CAM_FEEDTHROUGH = {
     "sliding_velocity": MOTION,
     "radius_of_curvature": ANGLE,
     "pressure_angle": ANGLE,
+    "cam_radius": ANGLE,
+    "contact_offset": ANGLE,
+    "profile_angle": ANGLE,
     "cam_torque": FORCES,
     "cam_force_x": FORCES,
     "cam_force_y": FORCES,
@@ -139,6 +151,7 @@ def show_cam(k: CamContact, o: Overlap, arc_curvature: float, rolls: bool, u: An
     y.entraining_velocity = 0.5 * u.cam_speed * (k.cam_rate + follower_rate)
     y.radius_of_curvature = 1.0 / (1.0 / k.radius + arc_curvature)
     y.pressure_angle = math.atan2(k.normal_x, k.normal_y)
+    y.cam_radius = k.radius
     y.cam_torque = u.cam_load * o.by_angle
     y.cam_force_x = -u.cam_load * k.normal_x
     y.cam_force_y = -u.cam_load * k.normal_y

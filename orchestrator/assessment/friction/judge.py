@@ -18,6 +18,10 @@ from ...store.result_file import open_result
 from .cycle import OF_CAM, OF_CONTACT, last_revolution, wear
 from .report import Judged
 
+# Components with a cam, and what they call the variables of OF_CAM, where they call them otherwise.
+FOLLOWER = {"cam_angle": "profile_angle", "radius_of_curvature": "cam_radius"}
+CAMS: Mapping[str, Mapping[str, str]] = {"camshaft": {}, "tappet": FOLLOWER, "finger": FOLLOWER}
+
 
 def judge_friction(
     folder: Path, contact: str | None, coefficient: float, cycles: float
@@ -38,11 +42,12 @@ def judge_friction(
             f"--contact {contact}: must be one of {', '.join(cams) or 'none'}, which slide under a cam"
         )
     if not cams:
-        raise MistakeError(f"{folder}: no contact takes its sliding_velocity from a camshaft")
+        raise MistakeError(f"{folder}: no contact takes its sliding_velocity from a cam ({', '.join(CAMS)})")
     values = list_parameters(scenario)
     found = []
     for name in [contact] if contact else list(cams):
-        cycle = last_revolution(name, *_read(folder, name, cams[name]))
+        called = CAMS[str(scenario.components[cams[name]].component)]
+        cycle = last_revolution(name, *_read(folder, name, cams[name], called))
         worn = wear(cycle, "asperity_load", coefficient, values[f"{name}.length"])
         found.append(Judged(cycle, worn, coefficient, cycles, values[f"{name}.roughness"]))
     return scenario, found
@@ -63,16 +68,24 @@ def find_cams(scenario: Scenario) -> dict[str, str]:
     found = {}
     for source, target in map(parse_ends, scenario.connections):
         cam, contact = source.split(".")[0], target.split(".")[0]
-        if target.endswith(".sliding_velocity") and scenario.components[cam].component == "camshaft":
+        sliding = source.endswith(".sliding_velocity") and target.endswith(".sliding_velocity")
+        if sliding and scenario.components[cam].component in CAMS:
             found[contact] = cam
     return found
 
 
-def _read(folder: Path, contact: str, cam: str) -> tuple[Vector, Mapping[str, Vector]]:
-    wanted = [f"{contact}.{name}" for name in OF_CONTACT] + [f"{cam}.{name}" for name in OF_CAM]
+def _read(
+    folder: Path, contact: str, cam: str, called: Mapping[str, str]
+) -> tuple[Vector, Mapping[str, Vector]]:
+    wanted = {name: f"{contact}.{name}" for name in OF_CONTACT}
+    wanted |= {name: f"{cam}.{called.get(name, name)}" for name in OF_CAM}
+    if called:
+        # The speed is an input of a follower, and not among the results.
+        del wanted["cam_speed"]
     with open_result(folder) as result:
         group = result["coupled"].ds
-        if missing := [name for name in wanted if name not in group]:
+        if missing := [name for name in wanted.values() if name not in group]:
             raise MistakeError(f"{folder / RESULT}: has no {', '.join(missing)}; run the scenario again")
-        columns = {name.split(".")[1]: np.asarray(group[name].values, float) for name in wanted}
-        return np.asarray(group["time"].values, float), columns
+        columns = {name: np.asarray(group[place].values, float) for name, place in wanted.items()}
+        time = np.asarray(group["time"].values, float)
+    return time, {"cam_speed": np.gradient(columns["cam_angle"], time), **columns}
