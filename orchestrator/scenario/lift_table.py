@@ -10,15 +10,16 @@ from __future__ import annotations
 import functools
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from models.core.quantities import Vector
+from models.valve_train.cams.law import LawParameters
 from models.valve_train.cams.smoothing import SmoothedLift, smooth_lift
-from models.valve_train.cams.table import TURN
+from models.valve_train.cams.table import TURN, TableParameters
 
 from .units import UnitError, to_unit
 
@@ -95,15 +96,20 @@ def smooth_file(path: Path, changed: int) -> SmoothedLift:
         raise LiftTableError(f"{path}: {error}") from None
 
 
+# Parameters of a law, which a table replaces: a scenario that is extended may have them.
+OF_LAWS = {field.name for field in fields(LawParameters)} - {field.name for field in fields(TableParameters)}
+
+
 def insert_lift_table(table: dict[str, Any]) -> dict[str, Any]:
     """A component's table with the points of its `lift_table` among structure and parameters."""
     path = Path(table["lift_table"])
     changed = path.stat().st_mtime_ns if path.exists() else 0
     points = smooth_file(path, changed).points
     rest = {key: value for key, value in table.items() if key != "lift_table"}
+    kept = {name: value for name, value in table.get("parameters", {}).items() if name not in OF_LAWS}
     return rest | {
         "structure": {**table.get("structure", {}), "table_points": points.angle.size},
-        "parameters": {**points.parameters(), **table.get("parameters", {})},
+        "parameters": {**points.parameters(), **kept},
     }
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from orchestrator.analyses import load as load_analysis
 from orchestrator.errors import MistakeError
+from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import SHIPPED, load
 from orchestrator.scenario.lift_table import LiftTableError, read_lift_table
 
@@ -102,6 +103,22 @@ def test_a_scenario_takes_the_table_beside_it_and_needs_it_no_more(tmp_path):
     peak = max(value for name, value in table.parameters.items() if name.startswith("table_lift"))
     assert peak == pytest.approx(8e-3, abs=1e-7)
     assert load(SHIPPED / "my-cam.toml").components["camshaft"].parameters["base_radius"] == 24e-3
+
+
+def test_a_table_replaces_the_law_of_the_scenario_that_it_extends(tmp_path):
+    """Also in a finger and a tappet; other parameters stay, and unknown ones are named without all points."""
+    write(tmp_path / "cam.csv")
+    file = tmp_path / "own.toml"
+    text = 'extends = "finger-follower-hla"\n[components.finger]\nlift_table = "cam.csv"\n'
+    file.write_text(text)
+    parameters = load(file).components["finger"].parameters
+    assert parameters["base_radius"] == 20e-3
+    assert "lift" not in parameters
+    file.write_text(text + "[components.finger.parameters]\ncolour = 3\n")
+    with pytest.raises(
+        ScenarioError, match=r"known: base_radius, smooth, table_angle\[1\.\.360\], .*mass_arm"
+    ):
+        load(file)
 
 
 @pytest.mark.parametrize(
