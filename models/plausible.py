@@ -34,6 +34,8 @@ CAM_RADIUS = Plausible(1e-3, 0.5, _LENGTH, "cams and their shafts measure 1 to 5
 CURVATURE = Plausible(1e-4, 10.0, _LENGTH, "contacts have radii of 0.1 mm to 10 m")
 PLAY = Plausible(1e-7, 0.02, _LENGTH, "pistons have 0.1 um to 20 mm of play")
 OFFSET = Plausible(1e-5, 0.2, _LENGTH, "pins and centres of mass lie 0.01 to 200 mm off")
+AREA = Plausible(1e-8, 1e-2, (("mm2", 1e-6),), "sections of rods measure 0.01 to 10000 mm2")
+VOLUME = Plausible(1e-11, 1e-3, (("mm3", 1e-9),), "oil chambers hold 0.01 mm3 to a litre")
 FILM = Plausible(1e-10, 1e-4, (("um", 1e-6), ("nm", 1e-9)), "films have 0.1 nm to 100 um")
 
 YOUNGS_MODULUS = Plausible(1e6, 2e12, (("GPa", 1e9), ("MPa", 1e6)), "solids have 1 MPa to 2000 GPa")

@@ -5,7 +5,7 @@ import numpy as np
 from ..cross_check.stimulus import Stimulus
 
 TIMES = np.arange(41) * 0.5e-3
-LIFT, DURATION = 12e-3, 16e-3
+LIFT, DURATION = 17e-3, 8e-3
 
 
 def _position(t: np.ndarray) -> np.ndarray:
@@ -18,8 +18,8 @@ def _velocity(t: np.ndarray) -> np.ndarray:
 
 STIMULUS = Stimulus(
     says=(
-        "The moving end goes by 12 mm and back in 16 ms, as a broken line whose corners excite surge; some "
-        "coils touch at the largest lift. Then 4 ms of free vibration."
+        "The moving end goes by 17 mm and back in 8 ms, as a broken line whose corners excite surge; some "
+        "coils touch near the largest lift. Then 12 ms of free vibration."
     ),
     corners=TIMES,
     inputs={"position": _position(TIMES), "velocity": _velocity(TIMES)},

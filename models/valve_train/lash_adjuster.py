@@ -16,7 +16,7 @@ from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
-from ..plausible import CAM_RADIUS, GAS_PRESSURE, PART_LENGTH, PLAY, VISCOSITY
+from ..plausible import CAM_RADIUS, GAS_PRESSURE, PART_LENGTH, PLAY, VISCOSITY, VOLUME
 
 # Newton's steps for the pressure of oil with air end at this part of a volume; they converge from below.
 STEPS, CLOSE = 60, 1e-15
@@ -38,7 +38,10 @@ class LashAdjusterParameters:
         ),
     ] = 9e-3
     chamber_volume: Annotated[
-        float, Quantity("m3", "volume of the chamber", nominal=1e-6, positive=True, display_unit="mm3")
+        float,
+        Quantity(
+            "m3", "volume of the chamber", nominal=1e-6, positive=True, display_unit="mm3", plausible=VOLUME
+        ),
     ] = 600e-9
     bulk_modulus: Annotated[
         float, Quantity("Pa", "bulk modulus of the oil", nominal=1e9, positive=True, display_unit="MPa")

@@ -14,7 +14,7 @@ from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector, per_element
-from ..plausible import PART_LENGTH, YOUNGS_MODULUS
+from ..plausible import AREA, PART_LENGTH, YOUNGS_MODULUS
 
 
 @dataclass
@@ -29,7 +29,9 @@ class RodParameters:
     ] = 0.2
     area: Annotated[
         float,
-        Quantity("m2", "cross-section of the rod", nominal=5e-5, positive=True, display_unit="mm2"),
+        Quantity(
+            "m2", "cross-section of the rod", nominal=5e-5, positive=True, display_unit="mm2", plausible=AREA
+        ),
     ] = 50e-6
     youngs_modulus: Annotated[
         float,

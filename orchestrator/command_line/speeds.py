@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -46,7 +47,8 @@ def run_speeds(
 
     ends = [float(SPEED.check_value(name, value)) for name, value in (("--from", low), ("--to", high))]
     if not ends[0] < ends[1]:
-        raise MistakeError(f"--from {low}: must be less than --to {high}")
+        rpm = [f"{end * 30.0 / math.pi:.4g} rpm" for end in ends]
+        raise MistakeError(f"--from {low} ({rpm[0]}): must be less than --to {high} ({rpm[1]})")
     folder = out or Path("results") / f"{load(scenario).name}-speeds"
     return sweep(
         scenario, set_ or [], Range(ends[0], ends[1], count), folder, Where(workers=workers), overwrite

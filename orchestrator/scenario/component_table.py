@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -10,6 +11,7 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from models.catalogue import CATALOGUE
 from models.core.component import Component
+from models.core.quantities import Layout
 
 from ..errors import one_of
 from ..participants import ThirdPartyComponent, is_made_here, read_component
@@ -155,7 +157,7 @@ class ComponentTable(Table):
             )
             if info.field_name == "parameters":
                 told |= select_strings(component, values)
-        others = {key: value for key, value in values.items() if key not in told}
+        others = spread_arrays({key: value for key, value in values.items() if key not in told}, layout)
         return parse_values(layout, others, kinds[info.field_name], layouts) | told
 
     @property
@@ -183,6 +185,16 @@ class ComponentTable(Table):
     def resolve(self) -> Component:
         """The catalogue's component with these sizes, or the third-party FMU's."""
         return _resolve(self.participant, self.component, self.structure)
+
+
+def spread_arrays(values: Mapping[str, Value], layout: Layout) -> dict[str, Value]:
+    """With every element of an array that is given as a whole; elements given on their own come first."""
+    found: dict[str, Value] = {}
+    for name, value in values.items():
+        whole = name not in layout and f"{name}[1]" in layout
+        elements = [element for element in layout.names if element.partition("[")[0] == name] if whole else []
+        found |= dict.fromkeys(elements, value) or {name: value}
+    return found | {name: value for name, value in values.items() if name in layout}
 
 
 def _resolve(participant: str, component: str | None, structure: dict[str, int]) -> Component:

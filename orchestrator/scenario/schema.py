@@ -90,7 +90,7 @@ def _describe_variables(layout: Layout) -> dict[str, Any]:
         else:
             entry["type"] = ["number", "string"]
         if quantity.size:
-            patterns[rf"^{field.name.partition('[')[0]}\[[1-9][0-9]*\]$"] = entry
+            patterns[rf"^{field.name.partition('[')[0]}(\[[1-9][0-9]*\])?$"] = entry
         else:
             plain[field.name] = entry
     made: dict[str, Any] = {"properties": plain, "additionalProperties": False}

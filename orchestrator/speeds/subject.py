@@ -26,6 +26,8 @@ from ..scenario.warnings import list_warnings
 from .figures_of_merit import describe_numbers, kinds_of, measure, parameter_of
 
 SPEED = Parameter(1000.0 * math.pi / 30.0, "rad/s", "speed of the flywheel", positive=True)
+# Components with a cam.
+CAMS = ("camshaft", "tappet", "finger")
 STEADY = {
     "change": Result("1", "largest change of a state over the cycle, relative; steady below 1e-5"),
     "periods": Result("1", "periods that were computed until the cycle was steady"),
@@ -92,8 +94,13 @@ class SpeedSubject:
 
 
 def find_flywheel(scenario: Scenario) -> str:
-    """The one that prescribes the speed; MistakeError if there is none."""
+    """The one that prescribes the speed; MistakeError if there is none, or no cam that it drives."""
+    cams = [table for table in scenario.components.values() if table.component in CAMS]
     for name, table in scenario.components.items():
+        if table.component == "flywheel" and not cams:
+            raise MistakeError(
+                f"{scenario.name}: has no cam ({', '.join(CAMS)}); only cams have cycles over speed"
+            )
         if table.component == "flywheel" and table.parameters.get("motion", "prescribed") == "prescribed":
             return name
     raise MistakeError(

@@ -47,7 +47,7 @@ def test_schema_knows_every_key_and_variable() -> None:
     made = schema.build_schema()
     assert set(made["properties"]) == {*Scenario.model_fields, "extends"}
     text = schema.write_schema()
-    assert '"coil_position\\\\[' in text.replace("^", "")
+    assert '"coil_position(\\\\[' in text.replace("^", "")
     assert "kushwaha" in text
 
 
@@ -102,6 +102,16 @@ def test_overrides_have_the_meaning_of_the_file() -> None:
     assert scenario.tolerance["contact.load"] == 1e-4
     assert scenario.tolerance["camshaft.drive_torque"] == 1e-2
     build_system(scenario)
+
+
+def test_a_number_for_an_array_is_that_of_every_element_without_its_own() -> None:
+    """Both orders, with a unit, in any table of values."""
+    for values in (["gap=0.9 mm", "gap[2]=1 mm"], ["gap[2]=1 mm", "gap=0.9 mm"]):
+        spring = load("coil-clash", [f"components.spring.parameters.{value}" for value in values])
+        given = spring.components["spring"].parameters
+        assert [given[f"gap[{i}]"] for i in range(1, 10)] == [9e-4, 1e-3, *([9e-4] * 7)]
+    start = load("coil-clash", ["components.spring.start.coil_position=1 um"]).components["spring"].start
+    assert {start[f"coil_position[{i}]"] for i in range(1, 9)} == {1e-6}
 
 
 def test_the_speed_after_the_ramp_is_that_before_it_unless_given() -> None:
