@@ -10,17 +10,38 @@ from dataclasses import dataclass
 import numpy as np
 
 from fmus.build import build
-from models.core.system import System
+from models.core.system import Instance, System
 from orchestrator.masters import GaussSeidel
 from orchestrator.participants import in_process, open_fmu
 from orchestrator.run.simulation import simulate
+from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system, resolve_start
+from orchestrator.scenario.values import build_component
 
-from .many_valves import build_valve_trains
 from .measure import Clock
 
 SIZES = (1, 2, 4, 8, 16, 32, 64)
 STEPS, STEP = 500, 2e-6
 ROUNDS = 3
+
+
+def build_valve_trains(count: int) -> System:
+    """As many rigid valve trains on one crankshaft, all alike and at rest on their base circles."""
+    scenario = load("valve-train")
+    one = resolve_start(scenario, build_system(scenario))
+    crankshaft = build_component("flywheel", (("loads", count),))
+    instances = {"flywheel": Instance(crankshaft, one.instances["flywheel"].parameters)}
+    connections = []
+    for i in range(1, count + 1):
+        instances |= {f"{n}_{i}": one.instances[n] for n in ("camshaft", "valve_spring", "contact")}
+        connections += [(_rename(str(c.source), i), _rename(str(c.target), i)) for c in one.connections]
+    return System(instances, connections)
+
+
+def _rename(port: str, number: int) -> str:
+    if port.startswith("flywheel."):
+        return port.replace("[1]", f"[{number}]")
+    return port.replace(".", f"_{number}.", 1)
 
 
 def build_sized(count: int) -> System:

@@ -11,8 +11,8 @@ from orchestrator.scenario.files import list_shipped
 
 from .commands import called
 
-# Those with solved films or sixteen valves take many minutes.
-LENGTHY = {"engine-ehl", "valve-train-ehl", "valve-train-ehl-sweep", "engine-16v", "valve-train-16v"}
+# Those with solved films or sixteen valves and pistons take many minutes.
+LENGTHY = {"engine-ehl", "valve-train-ehl", "valve-train-ehl-sweep", "engine-16v"}
 
 
 @pytest.mark.long
