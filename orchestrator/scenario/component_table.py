@@ -191,8 +191,7 @@ def spread_arrays(values: Mapping[str, Value], layout: Layout) -> dict[str, Valu
     """With every element of an array that is given as a whole; elements given on their own come first."""
     found: dict[str, Value] = {}
     for name, value in values.items():
-        whole = name not in layout and f"{name}[1]" in layout.variables
-        elements = [element for element in layout.variables if element.partition("[")[0] == name] if whole else []
+        elements = [element for element in layout.variables if element.startswith(f"{name}[")]
         found |= dict.fromkeys(elements, value) or {name: value}
     return found | {name: value for name, value in values.items() if name in layout}
 
