@@ -13,5 +13,5 @@ STIMULUS = Stimulus(
     inputs={"crank_angle": [0.0, SPEED * STOP], "crank_speed": [SPEED, SPEED]},
     step_size=1e-4,
     interval=5e-4,
-    outputs=("gas_pressure", "indicated_work"),
+    outputs=("gas_pressure", "indicated_work", "valve_force[1]"),
 )

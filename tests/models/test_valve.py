@@ -7,6 +7,8 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
@@ -124,3 +126,25 @@ def test_equilibrium_keeps_a_film_that_nothing_determines():
     found = solve(system, np.array([0.0, 1e-3]), x0=x)
     assert found["contact.film_thickness"] == pytest.approx([1e-6, 1e-6], rel=1e-14)
     assert found["contact.load"] == pytest.approx(330.0 + 35e3 * found["valve_spring.position"], rel=1e-9)
+
+
+@given(angle=st.floats(-20.0, 20.0), areas=st.tuples(st.floats(1e-4, 2e-3), st.floats(1e-4, 2e-3)))
+def test_gas_presses_each_valve_by_its_area(angle, areas):
+    gas = CATALOGUE["cylinder_gas"](valves=2)
+    given_areas = {"valve_area[1]": areas[0], "valve_area[2]": areas[1]}
+    y = outputs_of(gas, given_areas, {}, {"crank_angle": angle})
+    for i, area in enumerate(areas, 1):
+        assert y[f"valve_force[{i}]"] == y["gas_pressure"] * area
+
+
+def test_gas_holds_a_valve_on_its_seat():
+    """k dip = preload + p A, less the spring's own give."""
+    valve, gas = dropped(0.0).instances["valve"], Instance(CATALOGUE["cylinder_gas"]())
+    found = solve(
+        (system := System({"valve": valve, "gas": gas}, [("gas.valve_force[1]", "valve.gas_force")])),
+        np.array([0.0, 1e-3]),
+        x0=equilibrium(system),
+    )
+    y, force = found["valve.position"], found["gas.valve_force[1]"]
+    assert force[0] == pytest.approx(3521360.445 * math.pi * 0.015**2, rel=1e-9)  # of the reference results
+    np.testing.assert_allclose(-2e7 * y, 330.0 + 35e3 * y + force, rtol=1e-9)

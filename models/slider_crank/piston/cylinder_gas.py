@@ -18,10 +18,10 @@ from typing import Annotated
 
 from ...compile.kernel import kernel
 from ...core.bonds import counts_energies
-from ...core.component import Component
-from ...core.quantities import Layout, Quantity, Vector
+from ...core.component import Component, check_sizes
+from ...core.quantities import Layout, Quantity, Vector, per_element
 from ...core.requirements import Requirement
-from ...plausible import ANGLE, GAS_PRESSURE, PART_LENGTH
+from ...plausible import ANGLE, AREA, GAS_PRESSURE, PART_LENGTH
 from ..crank import crank_turns
 
 TURN = 2.0 * math.pi
@@ -117,6 +117,18 @@ class CylinderGasParameters:
         float,
         Quantity("rad", "change to intake pressure, about dead centre", positive=True, display_unit="deg"),
     ] = 30.0 * _DEGREE
+    valve_area: Annotated[
+        Vector,
+        Quantity(
+            "m2",
+            "area of a valve's head",
+            nominal=1e-3,
+            positive=True,
+            display_unit="mm2",
+            plausible=AREA,
+            size="valves",
+        ),
+    ] = per_element(0.25 * math.pi * 0.030**2)
 
 
 @dataclass
@@ -142,6 +154,9 @@ class CylinderGasOutputs:
     indicated_work: Annotated[
         float, Quantity("J", "work given to a piston without clearance and pin offset", nominal=100.0)
     ] = 0.0
+    valve_force: Annotated[
+        Vector, Quantity("N", "force of the gas that closes a valve", nominal=500.0, size="valves")
+    ] = per_element()
 
 
 @kernel
@@ -200,6 +215,8 @@ def output(
     t: float, x: CylinderGasState, u: CylinderGasInputs, p: CylinderGasParameters, y: CylinderGasOutputs
 ) -> None:
     y.gas_pressure = gauge_pressure(u, p)
+    for i in range(p.valve_area.size):
+        y.valve_force[i] = p.valve_area[i] * y.gas_pressure
     y.indicated_work = x.indicated_work
 
 
@@ -234,19 +251,24 @@ REQUIREMENTS = (
 
 
 @counts_energies
-def cylinder_gas() -> Component:
-    """Gas pressure of a four-stroke cycle."""
+def cylinder_gas(valves: int = 1) -> Component:
+    """Gas pressure of a four-stroke cycle, and its forces on the heads of the valves."""
+    check_sizes(valves=valves)
+    sizes = {"valves": valves}
     return Component(
         name="cylinder_gas",
         description="Gas pressure of a four-stroke cycle by the crank angle",
-        parameters=Layout(CylinderGasParameters),
+        parameters=Layout(CylinderGasParameters, sizes),
         state=Layout(CylinderGasState),
         inputs=Layout(CylinderGasInputs),
-        outputs=Layout(CylinderGasOutputs),
+        outputs=Layout(CylinderGasOutputs, sizes),
         derivative=derivative,
         output=output,
         energy=energy,
-        feedthrough={"gas_pressure": ("crank_angle",)},
+        feedthrough=dict.fromkeys(
+            ("gas_pressure", *(f"valve_force[{i + 1}]" for i in range(valves))), ("crank_angle",)
+        ),
+        structure=sizes,
         requirements=REQUIREMENTS,
         resting=(),
     )
