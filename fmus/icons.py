@@ -59,6 +59,14 @@ def shaft(axes: Axes) -> None:
         axes.add_patch(Rectangle((place, low), 1.1, 4.7, facecolor=OIL, **_LINE))
 
 
+def journal_bearing(axes: Axes) -> None:
+    """A journal low in its bush."""
+    axes.add_patch(Circle((5, 5), 4.2, facecolor=STEEL, **_LINE))
+    axes.add_patch(Circle((5, 5), 3.2, facecolor=OIL, **_LINE))
+    axes.add_patch(Circle((5.3, 4.5), 2.5, facecolor="white", **_LINE))
+    axes.annotate("", (4.6, 5.9), (6.2, 5.6), arrowprops={"arrowstyle": "->", "color": INK, "lw": 2.5})
+
+
 def tappet(axes: Axes) -> None:
     """A cam under a roller in its guide."""
     angle = np.linspace(0.0, 2.0 * math.pi, 200)
@@ -232,6 +240,7 @@ ICONS: tuple[Callable[[Axes], None], ...] = (
     valve,
     coil_spring,
     shaft,
+    journal_bearing,
     tappet,
     finger,
     rod,

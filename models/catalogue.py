@@ -18,6 +18,7 @@ from .slider_crank.slider_crank import slider_crank
 from .valve_train.camshaft import camshaft
 from .valve_train.coil_spring import coil_spring
 from .valve_train.finger import finger
+from .valve_train.journal_bearing import journal_bearing
 from .valve_train.lash_adjuster import lash_adjuster
 from .valve_train.rocker import rocker
 from .valve_train.rod import rod
@@ -33,6 +34,7 @@ CATALOGUE: Mapping[str, Callable[..., Component]] = {
     "valve": valve,
     "coil_spring": coil_spring,
     "shaft": shaft,
+    "journal_bearing": journal_bearing,
     "tappet": tappet,
     "finger": finger,
     "rod": rod,

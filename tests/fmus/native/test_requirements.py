@@ -53,6 +53,11 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
         {"dwell_half_width": 2.0},
         {"power_p": 15.0},
     ),
+    "journal_bearing": (
+        {"width": 30e-3},
+        {"roughness": 5e-6},
+        {"eccentricity_x": 20e-6, "eccentricity_y": -20e-6},
+    ),
     "finger": (
         {"inertia": 1e-6},
         {"cam_arm": -28e-3},

@@ -1,0 +1,332 @@
+"""Journal bearing: the journal of a shaft in an elastically held bush, with film and asperities between.
+
+The film is Ocvirk's, half of it cavitated (`contact.short_bearing`). The bush has no mass, and its support is
+a spring. The eccentricity e of the journal in the bush is a state, and the force one of displacement:
+
+    F = -k (a - e)      on the journal, with its axis at a
+    e' = u + omega/2 k x e,      mu R L^3/c^3 A u = k (a - e) - N e/|e|
+
+Without the support, the film would be a damper between the journal and the ground that is stiffer than any
+explicit step of a coupling can bear. Asperities carry N where the film is thin; there the film's thickness is
+the mean gap of the rough surfaces (Patir and Cheng 1978), which vanishes under no load.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, NamedTuple
+
+from ..compile.kernel import kernel
+from ..contact.asperities import APART, Asperities, mean_gap
+from ..contact.asperity_arc import Arc, AsperityForce, press_arc
+from ..contact.short_bearing import Squeeze, find_squeeze, highest_pressure
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector
+from ..core.requirements import Requirement
+from ..plausible import CAM_RADIUS, PART_LENGTH, PLAY, SEAT_STIFFNESS, VISCOSITY, YOUNGS_MODULUS
+
+# The film is no thinner than this part of the clearance, far below any roughness.
+THINNEST = 1e-5
+# Roughness over clearance below which the asperities are apart while the journal is in the middle.
+ROUGHEST = 0.1
+
+
+@dataclass
+class JournalBearingParameters:
+    """Defaults: a bearing of a camshaft, 25 mm, with hot engine oil."""
+
+    diameter: Annotated[
+        float,
+        Quantity(
+            "m", "diameter of the journal", nominal=1e-2, positive=True, display_unit="mm",
+            plausible=CAM_RADIUS,
+        ),
+    ] = 25e-3  # fmt: skip
+    width: Annotated[
+        float,
+        Quantity(
+            "m", "width of the bearing", nominal=1e-2, positive=True, display_unit="mm",
+            plausible=PART_LENGTH,
+        ),
+    ] = 12e-3  # fmt: skip
+    radial_clearance: Annotated[
+        float,
+        Quantity(
+            "m", "radius of the bush less that of the journal", nominal=1e-5, positive=True,
+            display_unit="um", plausible=PLAY,
+        ),
+    ] = 25e-6  # fmt: skip
+    viscosity: Annotated[
+        float, Quantity("Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY)
+    ] = 0.01
+    support_stiffness: Annotated[
+        float,
+        Quantity(
+            "N/m", "radial stiffness of bush and housing", nominal=1e8, positive=True,
+            plausible=SEAT_STIFFNESS,
+        ),
+    ] = 2e8  # fmt: skip
+    roughness: Annotated[
+        float, Quantity("m", "composite rms roughness", nominal=1e-7, positive=True, display_unit="um")
+    ] = 0.4e-6
+    roughness_parameter: Annotated[
+        float, Quantity("1", "density x radius x rms of asperities", nominal=0.05, positive=True)
+    ] = 0.05
+    asperity_slope: Annotated[
+        float, Quantity("1", "rms over radius of asperities", nominal=1e-3, positive=True)
+    ] = 1e-3
+    contact_modulus: Annotated[
+        float,
+        Quantity(
+            "Pa", "modulus E of the contact, 1/E = (1 - nu1^2)/E1 + (1 - nu2^2)/E2", nominal=1e11,
+            positive=True, plausible=YOUNGS_MODULUS,
+        ),
+    ] = 58e9  # fmt: skip
+    boundary_friction_coefficient: Annotated[
+        float, Quantity("1", "friction coefficient of asperities", nominal=0.1, minimum=0.0)
+    ] = 0.1
+
+
+@dataclass
+class JournalBearingState:
+    eccentricity_x: Annotated[
+        float, Quantity("m", "eccentricity of the journal in the bush", nominal=1e-5, display_unit="um")
+    ] = 0.0
+    eccentricity_y: Annotated[
+        float, Quantity("m", "eccentricity of the journal in the bush", nominal=1e-5, display_unit="um")
+    ] = 0.0
+
+
+@dataclass
+class JournalBearingInputs:
+    shaft_speed: Annotated[
+        float,
+        Quantity("rad/s", "speed of the journal, anticlockwise", nominal=100.0, display_unit="rpm"),
+    ] = 0.0
+    axis_x: Annotated[
+        float, Quantity("m", "displacement of the journal's axis", nominal=1e-5, display_unit="um")
+    ] = 0.0
+    axis_y: Annotated[
+        float, Quantity("m", "displacement of the journal's axis", nominal=1e-5, display_unit="um")
+    ] = 0.0
+    axis_velocity_x: Annotated[float, Quantity("m/s", "rate of axis_x", nominal=1e-2)] = 0.0
+    axis_velocity_y: Annotated[float, Quantity("m/s", "rate of axis_y", nominal=1e-2)] = 0.0
+
+
+@dataclass
+class JournalBearingOutputs:
+    force_x: Annotated[float, Quantity("N", "force on the journal", nominal=500.0)] = 0.0
+    force_y: Annotated[float, Quantity("N", "force on the journal", nominal=500.0)] = 0.0
+    friction_torque: Annotated[
+        float, Quantity("N.m", "torque that film and asperities take from the shaft", nominal=0.1)
+    ] = 0.0
+    load: Annotated[float, Quantity("N", "force on the bush", nominal=500.0)] = 0.0
+    eccentricity_ratio: Annotated[float, Quantity("1", "eccentricity over the radial clearance")] = 0.0
+    minimum_film_thickness: Annotated[
+        float, Quantity("m", "least thickness of the film", nominal=1e-6, display_unit="um")
+    ] = 0.0
+    film_ratio: Annotated[float, Quantity("1", "least film over roughness")] = 0.0
+    maximum_pressure: Annotated[
+        float, Quantity("Pa", "highest pressure of the film", nominal=1e6, display_unit="MPa")
+    ] = 0.0
+    asperity_load: Annotated[float, Quantity("N", "load on the asperities", nominal=500.0)] = 0.0
+    power_loss: Annotated[float, Quantity("W", "power lost to friction and squeeze", nominal=10.0)] = 0.0
+
+
+class Film(NamedTuple):
+    """What the state says of the film: all of its eccentricity but the force on it."""
+
+    eps: Squeeze
+    eccentricity: float
+    thinnest: float
+    asperities: AsperityForce
+
+
+class Motion(NamedTuple):
+    """Force on the film (N), the squeeze velocity u (m/s) and the friction torque (N m)."""
+
+    force: Squeeze
+    squeeze: Squeeze
+    torque: float
+
+
+@kernel
+def film_impedance(p: JournalBearingParameters) -> float:
+    """mu R L^3/c^3 (N s/m)."""
+    return p.viscosity * 0.5 * p.diameter * (p.width / p.radial_clearance) ** 3
+
+
+@kernel
+def find_film(x: JournalBearingState, p: JournalBearingParameters) -> Film:
+    """h = c - |e| while the surfaces are apart, else their mean gap."""
+    e = math.sqrt(x.eccentricity_x**2 + x.eccentricity_y**2)
+    separation = (p.radial_clearance - e) / p.roughness
+    thinnest, share = p.radial_clearance - e, 1.0 / p.radial_clearance
+    if separation < APART:
+        thinnest = max(p.roughness * mean_gap(separation), THINNEST * p.radial_clearance)
+        share = (1.0 - thinnest / p.radial_clearance) / e
+    arc = Arc(0.5 * p.diameter, p.width, p.radial_clearance)
+    surfaces = Asperities(p.roughness, p.roughness_parameter, p.asperity_slope)
+    pressed = press_arc(separation, arc, surfaces, 1.0 / p.contact_modulus)
+    return Film(Squeeze(share * x.eccentricity_x, share * x.eccentricity_y), e, thinnest, pressed)
+
+
+@kernel
+def shear_film(film: Film, p: JournalBearingParameters) -> float:
+    """Torque of a film all round over the speed, 2 pi mu R^3 L/(c sqrt(1 - eps^2))."""
+    radius, square = 0.5 * p.diameter, 1.0 - film.eps.x**2 - film.eps.y**2
+    return 2.0 * math.pi * p.viscosity * radius**3 * p.width / (p.radial_clearance * math.sqrt(square))
+
+
+@kernel
+def rub(film: Film, u: JournalBearingInputs, p: JournalBearingParameters) -> float:
+    """Torque of the asperities, against the speed; 0 at rest."""
+    if u.shaft_speed == 0.0:
+        return 0.0
+    torque = p.boundary_friction_coefficient * film.asperities.load * 0.5 * p.diameter
+    return math.copysign(torque, u.shaft_speed)
+
+
+@kernel
+def move_film(
+    film: Film, x: JournalBearingState, u: JournalBearingInputs, p: JournalBearingParameters
+) -> Motion:
+    """The film takes what the support gives and the asperities do not.
+
+    T = 2 pi mu R^3 L omega/(c sqrt(1 - eps^2)) + (force x e)/2, and the torque of the asperities.
+    """
+    pressed = film.asperities.load / film.eccentricity if film.asperities.load > 0.0 else 0.0
+    force = Squeeze(
+        p.support_stiffness * (u.axis_x - x.eccentricity_x) - pressed * x.eccentricity_x,
+        p.support_stiffness * (u.axis_y - x.eccentricity_y) - pressed * x.eccentricity_y,
+    )
+    unit = find_squeeze(force, film.eps)
+    impedance = film_impedance(p)
+    by_pressure = 0.5 * (force.x * x.eccentricity_y - force.y * x.eccentricity_x)
+    torque = shear_film(film, p) * u.shaft_speed + by_pressure + rub(film, u, p)
+    return Motion(force, Squeeze(unit.x / impedance, unit.y / impedance), torque)
+
+
+@kernel
+def lost_power(film: Film, motion: Motion, u: JournalBearingInputs, p: JournalBearingParameters) -> float:
+    """In squeeze, in shear and between asperities."""
+    squeezed = motion.force.x * motion.squeeze.x + motion.force.y * motion.squeeze.y
+    return squeezed + shear_film(film, p) * u.shaft_speed**2 + rub(film, u, p) * u.shaft_speed
+
+
+@kernel
+def derivative(
+    t: float,
+    x: JournalBearingState,
+    u: JournalBearingInputs,
+    p: JournalBearingParameters,
+    dx: JournalBearingState,
+) -> None:
+    squeeze = move_film(find_film(x, p), x, u, p).squeeze
+    dx.eccentricity_x = squeeze.x - 0.5 * u.shaft_speed * x.eccentricity_y
+    dx.eccentricity_y = squeeze.y + 0.5 * u.shaft_speed * x.eccentricity_x
+
+
+@kernel
+def output(
+    t: float,
+    x: JournalBearingState,
+    u: JournalBearingInputs,
+    p: JournalBearingParameters,
+    y: JournalBearingOutputs,
+) -> None:
+    film = find_film(x, p)
+    motion = move_film(film, x, u, p)
+    y.force_x = p.support_stiffness * (x.eccentricity_x - u.axis_x)
+    y.force_y = p.support_stiffness * (x.eccentricity_y - u.axis_y)
+    y.load = math.sqrt(y.force_x**2 + y.force_y**2)
+    y.friction_torque = motion.torque
+    y.eccentricity_ratio = film.eccentricity / p.radial_clearance
+    y.minimum_film_thickness = film.thinnest
+    y.film_ratio = film.thinnest / p.roughness
+    scale = 1.5 * p.viscosity * p.width**2 / p.radial_clearance**3
+    y.maximum_pressure = scale * highest_pressure(motion.squeeze, film.eps)
+    y.asperity_load = film.asperities.load
+    y.power_loss = lost_power(film, motion, u, p)
+
+
+@kernel
+def energy(
+    t: float, x: JournalBearingState, u: JournalBearingInputs, p: JournalBearingParameters, e: Vector
+) -> None:
+    film = find_film(x, p)
+    bent = (u.axis_x - x.eccentricity_x) ** 2 + (u.axis_y - x.eccentricity_y) ** 2
+    e[0] = 0.5 * p.support_stiffness * bent + film.asperities.energy
+    e[1] = lost_power(film, move_film(film, x, u, p), u, p)
+    e[2] = 0.0
+
+
+@kernel
+def is_short(p: JournalBearingParameters, told: Vector) -> bool:
+    told[0], told[1] = 1e3 * p.width, 1e3 * p.diameter
+    return p.width <= p.diameter
+
+
+@kernel
+def is_smooth(p: JournalBearingParameters, told: Vector) -> bool:
+    told[0], told[1] = 1e6 * p.roughness, 1e6 * ROUGHEST * p.radial_clearance
+    return p.roughness <= ROUGHEST * p.radial_clearance
+
+
+@kernel
+def is_inside(
+    x: JournalBearingState, u: JournalBearingInputs, p: JournalBearingParameters, told: Vector
+) -> bool:
+    told[0], told[1] = 1e6 * x.eccentricity_x, 1e6 * x.eccentricity_y
+    told[2] = 1e6 * p.radial_clearance
+    return x.eccentricity_x**2 + x.eccentricity_y**2 < p.radial_clearance**2
+
+
+REQUIREMENTS = (
+    Requirement(
+        is_short,
+        "width = {0:g} mm: must be <= diameter = {1:g} mm; the film of a longer bearing also flows round it",
+    ),
+    Requirement(is_smooth, "roughness = {0:g} um: must be <= {1:g} um, a tenth of radial_clearance"),
+)
+IS_INSIDE = Requirement(
+    is_inside,
+    "eccentricity_x = {0:g} um, eccentricity_y = {1:g} um: both together must be less than "
+    "radial_clearance = {2:g} um",
+)
+
+
+@counts_energies
+def journal_bearing() -> Component:
+    """F = -k (a - e) on the journal; e' = (mu R L^3/c^3 A)^-1 (-F - N e/|e|) + omega/2 k x e."""
+    places = ("axis_x", "axis_y")
+    return Component(
+        tolerance=FINE_TOLERANCE,
+        name="journal_bearing",
+        description="Short journal bearing: oil film, asperities and an elastic support",
+        parameters=Layout(JournalBearingParameters),
+        state=Layout(JournalBearingState),
+        inputs=Layout(JournalBearingInputs),
+        outputs=Layout(JournalBearingOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            "force_x": ("axis_x",),
+            "force_y": ("axis_y",),
+            "load": places,
+            "maximum_pressure": places,
+            "friction_torque": ("shaft_speed", *places),
+            "power_loss": ("shaft_speed", *places),
+        },
+        bonds=(
+            PowerBond("friction_torque", "shaft_speed", +1),
+            PowerBond("force_x", "axis_velocity_x", -1),
+            PowerBond("force_y", "axis_velocity_y", -1),
+        ),
+        requirements=REQUIREMENTS,
+        start_requirements=(IS_INSIDE,),
+    )
