@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from ..core.quantities import Vector
@@ -47,6 +48,7 @@ class Shaft:
     """A round shaft from z = 0, where it is driven, to its free end.
 
     `drive_stiffness` (N m/rad) of belt, chain or gears is between the drive and the shaft; infinite: none.
+    `journals` are places (m) where other parts bear the shaft, with forces from outside.
     """
 
     length: float
@@ -59,6 +61,12 @@ class Shaft:
     density: float = 7850.0
     shear_coefficient: float = 0.9
     drive_stiffness: float = math.inf
+    journals: Sequence[float] = ()
+
+    @property
+    def stations(self) -> list[float]:
+        """Places (m) where forces and torques act: discs, then journals."""
+        return [*(disc.place for disc in self.discs), *self.journals]
 
     @property
     def area(self) -> float:
@@ -76,7 +84,7 @@ class Shaft:
 
 @dataclass(frozen=True)
 class Modes:
-    """Modes: angular frequencies (m,), modal masses (m,), shapes at the discs (m, discs), 1 at the largest.
+    """Modes: angular frequencies (m,), modal masses (m,), shapes at the stations (m, stations), at most 1.
 
     `share` (m,) is what turning the whole shaft does to each mode of torsion, phi^T M 1 (kg m2). `gyroscopic`
     (m, m) couples both planes of bending at unit speed (kg). `inertia` is that of the whole shaft (kg m2).
@@ -91,8 +99,8 @@ class Modes:
 
 
 def find_nodes(shaft: Shaft) -> Vector:
-    """Places of the nodes: both ends, discs, bearings, and between them."""
-    places = [0.0, shaft.length, *(d.place for d in shaft.discs), *(b.place for b in shaft.bearings)]
+    """Places of the nodes: both ends, stations, bearings, and between them."""
+    places = [0.0, shaft.length, *shaft.stations, *(b.place for b in shaft.bearings)]
     ends = np.unique(np.round(places, 9))
     between = [
         np.linspace(a, b, math.ceil((b - a) / (FINE * shaft.diameter)), endpoint=False)
@@ -184,7 +192,7 @@ def _rotary_inertia(inertia_per_length: float, length: float, P: float) -> Vecto
 
 
 def find_torsion(shaft: Shaft, lowest: int) -> Modes:
-    """The lowest modes and those that make the twist under steady torques on the discs exact."""
+    """The lowest modes and those that make the twist under steady torques at the stations exact."""
     nodes = find_nodes(shaft)
     K, M = torsion_matrices(shaft, nodes)
     whole = float(M.sum())
@@ -194,54 +202,84 @@ def find_torsion(shaft: Shaft, lowest: int) -> Modes:
         free = np.arange(nodes.size)
     else:
         free = np.arange(1, nodes.size)
-    at = [int(np.flatnonzero(free == _node(nodes, disc.place))[0]) for disc in shaft.discs]
-    frequency, vectors = _reduce(K[np.ix_(free, free)], M[np.ix_(free, free)], at, lowest)
-    return _scale(frequency, vectors[at].T, vectors.T @ turned[free], np.zeros((frequency.size,) * 2), whole)
+    at = [_node(nodes, place) for place in shaft.stations]
+    frequency, vectors = _reduce(K, M, free, at, lowest, np.zeros((nodes.size, 0)))
+    share = vectors[free].T @ turned[free]
+    return _scale(frequency, vectors[at].T, share, np.zeros((frequency.size,) * 2), whole)
 
 
 def find_bending(shaft: Shaft, lowest: int) -> Modes:
-    """As of torsion, under steady forces on the discs. ValueError for fewer than two bearings."""
-    if len(shaft.bearings) < 2:
-        raise ValueError(f"{len(shaft.bearings)} bearings: a shaft that bends needs at least two")
+    """As of torsion, under steady forces, with the motions that are rigid first, of frequency 0.
+
+    ValueError if fewer than two bearings and journals hold the shaft.
+    """
+    supports = {*(bearing.place for bearing in shaft.bearings), *shaft.journals}
+    if len(supports) < 2:
+        raise ValueError(f"{len(supports)} bearings and journals: a shaft that bends needs at least two")
     nodes = find_nodes(shaft)
     K, M, G = bending_matrices(shaft, nodes)
     pinned = {2 * _node(nodes, b.place) for b in shaft.bearings if math.isinf(b.stiffness)}
     free = np.array([i for i in range(2 * nodes.size) if i not in pinned])
-    discs = [2 * _node(nodes, disc.place) for disc in shaft.discs]
-    loaded = [int(np.flatnonzero(free == i)[0]) for i in discs if i not in pinned]
-    part = np.ix_(free, free)
-    frequency, vectors = _reduce(K[part], M[part], loaded, lowest)
-    every = np.zeros((2 * nodes.size, frequency.size))
-    every[free] = vectors
-    gyroscopic = vectors.T @ G[part] @ vectors
-    return _scale(frequency, every[discs].T, np.zeros(frequency.size), gyroscopic, 0.0)
+    at = [2 * _node(nodes, place) for place in shaft.stations]
+    frequency, vectors = _reduce(K, M, free, at, lowest, rigid_motions(shaft, nodes))
+    gyroscopic = vectors[free].T @ G[np.ix_(free, free)] @ vectors[free]
+    return _scale(frequency, vectors[at].T, np.zeros(frequency.size), gyroscopic, 0.0)
+
+
+def rigid_motions(shaft: Shaft, nodes: Vector) -> Vector:
+    """Displacements and slopes of the nodes (2 nodes, motions) that bend neither shaft nor bearings.
+
+    Without bearings the shaft may move and tilt, in one bearing tilt about it.
+    """
+    if len(shaft.bearings) > 1:
+        return np.zeros((2 * nodes.size, 0))
+    centre = shaft.bearings[0].place if shaft.bearings else 0.0
+    moved = np.column_stack([np.ones(nodes.size), np.zeros(nodes.size)]).ravel()
+    tilted = np.column_stack([nodes - centre, np.ones(nodes.size)]).ravel()
+    return np.column_stack([tilted] if shaft.bearings else [moved, tilted])
 
 
 def _scale(frequency: Vector, shape: Vector, share: Vector, gyroscopic: Vector, inertia: float) -> Modes:
-    """Modes of modal mass 1 as ones of which the largest displacement of a disc is 1."""
+    """Modes of modal mass 1 as ones of which the largest displacement of a station is 1."""
     size = 1.0 / np.max(np.abs(shape), axis=1)
     return Modes(
         frequency, size**2, size[:, None] * shape, size * share, np.outer(size, size) * gyroscopic, inertia
     )
 
 
-def rigid_bending(discs: int) -> Modes:
-    """One mode in which no disc moves."""
-    shape, coupling = np.zeros((1, discs)), np.zeros((1, 1))
+def rigid_bending(stations: int) -> Modes:
+    """One mode in which no station moves."""
+    shape, coupling = np.zeros((1, stations)), np.zeros((1, 1))
     return Modes(np.array([2e3 * math.pi]), np.ones(1), shape, np.zeros(1), coupling, 0.0)
 
 
-def _reduce(K: Vector, M: Vector, loaded: Sequence[int], lowest: int) -> tuple[Vector, Vector]:
-    """Ritz modes of the lowest modes together with the shapes under unit loads."""
-    _, exact = eigh(K, M, subset_by_index=(0, min(lowest, K.shape[0]) - 1))
-    static = np.linalg.solve(K, np.eye(K.shape[0])[:, sorted(set(loaded))])
+def _reduce(
+    K: Vector, M: Vector, free: NDArray[np.intp], loaded: Sequence[int], lowest: int, rigid: Vector
+) -> tuple[Vector, Vector]:
+    """The rigid motions, and Ritz modes of the lowest others together with the shapes under unit loads.
+
+    Angular frequencies, and modes of unit mass as columns; coordinates that are not free are zero.
+    """
+    at = np.flatnonzero(np.isin(free, loaded))
+    whole = K.shape[0]
+    K, M, rigid = K[np.ix_(free, free)], M[np.ix_(free, free)], rigid[free]
+    count = rigid.shape[1]
+    rigid = rigid @ np.linalg.inv(np.linalg.cholesky(rigid.T @ M @ rigid)).T
+    inertia = M @ rigid
+    squares, vectors = eigh(K, M, subset_by_index=(0, min(lowest + count, K.shape[0]) - 1))
+    exact = vectors[:, count:]
+    # Loads on a free shaft are balanced by its inertia; its rigid motions are held with any stiffness.
+    loads = np.eye(K.shape[0])[:, at] - inertia @ rigid[at].T
+    static = np.linalg.solve(K + squares[-1] * inertia @ inertia.T, loads)
     static -= exact @ (exact.T @ (M @ static))
     mass = static.T @ M @ static
     size, turned = np.linalg.eigh(mass / np.sqrt(np.outer(np.diag(mass), np.diag(mass))))
     basis = static / np.sqrt(np.diag(mass)) @ turned[:, size > DEPENDENT * size.max()]
     basis = np.column_stack([exact, basis])
     squares, mixed = eigh(basis.T @ K @ basis, basis.T @ M @ basis)
-    return np.sqrt(squares), basis @ mixed
+    modes = np.zeros((whole, count + squares.size))
+    modes[free] = np.column_stack([rigid, basis @ mixed])
+    return np.r_[np.zeros(count), np.sqrt(squares)], modes
 
 
 def name_elements(name: str, values: Vector) -> dict[str, float]:

@@ -61,7 +61,13 @@ class ShaftParameters:
     ] = per_element(1.0)
     bending_frequency: Annotated[
         Vector,
-        Quantity("Hz", "frequency of a mode of bending", nominal=1e3, positive=True, size="bending_modes"),
+        Quantity(
+            "Hz",
+            "frequency of a mode of bending; 0: rigid motion",
+            nominal=1e3,
+            minimum=0.0,
+            size="bending_modes",
+        ),
     ] = per_element(540.0)
     bending_damping: Annotated[
         Vector,

@@ -59,13 +59,17 @@ class CamDrawing(Table):
 
 
 class ShaftDrawing(Table):
-    """A round shaft, driven at one end. Without bearings it does not bend."""
+    """A round shaft, driven at one end. Without bearings and journals it does not bend."""
 
     length: Length = Field(description="Length (m)")
     diameter: Length = Field(description="Diameter (m)")
     bore: Place = Field(0.0, description="Diameter of the bore (m)")
     cams: list[CamDrawing] = Field(description="Cams, in the order of their numbers", min_length=1)
     bearings: list[Place] = Field([], description="Distances of pinned bearings from the driven end (m)")
+    journals: list[Place] = Field(
+        [],
+        description="Distances of journals from the driven end (m), which have the numbers after the cams",
+    )
     drive_stiffness: TurningStiffness | None = Field(
         None,
         description="Stiffness of belt, chain or gears between drive and shaft (N m/rad); left out: rigid",
@@ -87,7 +91,7 @@ def insert_drawing(table: dict[str, Any]) -> dict[str, Any]:
     torsion, bending = find_modes(drawing)
     parameters = list_parameters(torsion, bending, drawing.damping_time, drawing.damping_ratio)
     sizes = {
-        "cams": len(drawing.cams),
+        "cams": len(drawing.cams) + len(drawing.journals),
         "torsion_modes": torsion.frequency.size,
         "bending_modes": bending.frequency.size,
     }
@@ -109,6 +113,10 @@ def find_modes(drawing: ShaftDrawing) -> tuple[Modes, Modes]:
     for i, cam in enumerate(drawing.cams):
         if cam.place > drawing.length:
             raise Faults((f"drawing.cams[{i + 1}].place", f" = {cam.place:g} m: must be <= length"))
+    for name, places in (("bearings", drawing.bearings), ("journals", drawing.journals)):
+        for i, place in enumerate(places):
+            if place > drawing.length:
+                raise Faults((f"drawing.{name}[{i + 1}]", f" = {place:g} m: must be <= length"))
     if drawing.bore >= drawing.diameter:
         raise Faults(("drawing.bore", f" = {drawing.bore:g} m: must be < diameter = {drawing.diameter:g} m"))
     shaft = Shaft(
@@ -121,9 +129,10 @@ def find_modes(drawing: ShaftDrawing) -> tuple[Modes, Modes]:
         drawing.poissons_ratio,
         drawing.density,
         drive_stiffness=drawing.drive_stiffness or math.inf,
+        journals=drawing.journals,
     )
     torsion = find_torsion(shaft, drawing.modes)
-    if not drawing.bearings:
+    if not drawing.bearings and not drawing.journals:
         return torsion, rigid_bending(len(drawing.cams))
     try:
         return torsion, find_bending(shaft, drawing.modes)

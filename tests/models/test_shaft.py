@@ -145,6 +145,73 @@ def test_a_soft_drive_lowers_the_first_frequency_to_that_of_a_rigid_shaft_on_it(
     assert modes.frequency[0] == pytest.approx(math.sqrt(5.0 / modes.inertia), rel=1e-3)
 
 
+def spring_matrices(modes, stiffness):
+    """Stiffness and mass of the modes with springs at the last stations."""
+    shape = modes.shape[:, -len(stiffness) :]
+    K = np.diag(modes.mass * modes.frequency**2) + shape @ np.diag(stiffness) @ shape.T
+    return K, np.diag(modes.mass)
+
+
+@pytest.mark.parametrize("bearings", [(), (Bearing(0.1),)])
+def test_a_shaft_in_journals_may_move_as_a_rigid_body(bearings):
+    """Frequency 0; displacements linear along the shaft, without bearings of translation and tilt."""
+    modes = find_bending(Shaft(0.35, 0.02, CAMS, bearings, journals=(0.02, 0.33)), 3)
+    places = np.array([*PLACES, 0.02, 0.33])
+    rigid = 2 - len(bearings)
+    assert np.all(modes.frequency[:rigid] == 0.0)
+    assert modes.frequency[rigid] > 100.0
+    for shape in modes.shape[:rigid]:
+        line = np.polyfit(places, shape, 1)
+        assert np.polyval(line, places) == pytest.approx(shape, abs=1e-12)
+        if bearings:
+            assert np.polyval(line, 0.1) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_rigid_modes_have_the_mass_of_the_shaft():
+    """Translation has the whole mass, tilt the moment of inertia about the centre of mass."""
+    free = Shaft(0.35, 0.02, CAMS, journals=(0.0, 0.35))
+    modes = find_bending(free, 1)
+    tube = free.density * free.area * 0.35
+    total = tube + sum(disc.mass for disc in CAMS)
+    centre = (tube * 0.175 + sum(disc.mass * disc.place for disc in CAMS)) / total
+    about = tube * (0.35**2 / 12.0 + (0.175 - centre) ** 2) + free.density * free.second_moment * 0.35
+    about += sum(disc.mass * (disc.place - centre) ** 2 + disc.transverse_inertia for disc in CAMS)
+    assert modes.mass[0] == pytest.approx(total, rel=1e-9)
+    reach = max(centre, 0.35 - centre)
+    assert modes.mass[1] == pytest.approx(about / reach**2, rel=1e-9)
+
+
+def test_frequencies_of_a_free_slender_shaft(record):
+    """f = (x/L)^2 sqrt(E I/(rho A))/(2 pi), x the roots of cosh x cos x = 1."""
+    slender = Shaft(1.0, 0.005, [Disc(0.5, 0.0, 0.0, 0.0)], journals=(0.0, 1.0))
+    found = find_bending(slender, 3).frequency[2:5] / (2.0 * math.pi)
+    wave = math.sqrt(slender.youngs_modulus * slender.second_moment / (slender.density * slender.area))
+    for i, x in enumerate((4.730040745, 7.853204624, 10.995607838)):
+        expected = x * x * wave / (2.0 * math.pi)
+        quantity = f"free slender shaft of 1 m: frequency {i + 1} (Hz)"
+        record("Train", quantity, float(found[i]), expected, "Bernoulli's beam", relative=1e-3)
+
+
+def test_springs_at_journals_are_elastic_bearings(record):
+    """Springs outside at the journals, or bearings inside: one shaft. Steady loads bend both exactly."""
+    stiffness = (2e7, 5e7)
+    inside = find_bending(
+        Shaft(0.35, 0.02, CAMS, [Bearing(p, k) for p, k in zip((0.0, 0.35), stiffness, strict=True)]), 3
+    )
+    outside = find_bending(Shaft(0.35, 0.02, CAMS, journals=(0.0, 0.35)), 3)
+    K, M = spring_matrices(outside, stiffness)
+    force = 600.0 * outside.shape[:, 2]
+    found = float(outside.shape[:, 2] @ np.linalg.solve(K, force))
+    expected = float(600.0 * np.sum(inside.shape[:, 2] ** 2 / (inside.mass * inside.frequency**2)))
+    source = "bearings inside the modes"
+    quantity = "shaft on springs at its journals"
+    record("Train", f"{quantity}: deflection under 600 N (um)", 1e6 * found, 1e6 * expected, source,
+           relative=1e-9)  # fmt: skip
+    squares = np.sort(np.linalg.eigvals(np.linalg.solve(M, K)).real)
+    record("Train", f"{quantity}: lowest frequency (Hz)", math.sqrt(squares[0]) / (2.0 * math.pi),
+           float(inside.frequency[0]) / (2.0 * math.pi), source, relative=1e-5)  # fmt: skip
+
+
 def test_a_shaft_that_bends_needs_two_bearings():
     with pytest.raises(ValueError, match="at least two"):
         find_bending(Shaft(0.35, 0.02, CAMS, [Bearing(0.0)]), 3)

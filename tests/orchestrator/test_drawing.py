@@ -45,6 +45,13 @@ def test_bearings_let_it_bend(tmp_path: Path) -> None:
     assert max(abs(float(v)) for n, v in table.parameters.items() if n.startswith("bending_shape")) == 1.0
 
 
+def test_journals_have_the_numbers_after_the_cams(tmp_path: Path) -> None:
+    table = load(write(tmp_path, GOOD + 'journals = [0.0, "100 mm"]\n')).components["turning"]
+    assert table.structure["cams"] == 4
+    assert [float(table.parameters[f"bending_frequency[{j}]"]) for j in (1, 2)] == [0.0, 0.0]
+    assert float(table.parameters["bending_frequency[3]"]) > 0.0
+
+
 @pytest.mark.parametrize(
     ("drawing", "message"),
     [
@@ -52,7 +59,9 @@ def test_bearings_let_it_bend(tmp_path: Path) -> None:
         (GOOD.replace('"20 mm"', '"20 N"'), r"drawing.diameter: .*'20 N'"),
         (GOOD.replace('"20 mm"', "-0.02"), r"drawing.diameter: -0.02: must be > 0"),
         (GOOD.replace('"40 mm"', '"140 mm"'), r"drawing.cams\[1\].place = 0.14 m: must be <= length"),
-        (GOOD + "bearings = [0.05]\n", r"drawing.bearings: 1 bearings: .* at least two"),
+        (GOOD + "bearings = [0.05]\n", r"drawing.bearings: 1 bearings and journals: .* at least two"),
+        (GOOD + "journals = [0.05]\n", r"drawing.bearings: 1 bearings and journals: .* at least two"),
+        (GOOD + "journals = [0.0, 0.2]\n", r"drawing.journals\[2\] = 0.2 m: must be <= length"),
         (GOOD + 'bore = "30 mm"\n', r"drawing.bore = 0.03 m: must be < diameter"),
         (GOOD + "colour = 3\n", r"drawing.colour"),
     ],
