@@ -104,6 +104,14 @@ def rocker(axes: Axes) -> None:
     axes.plot([8.5, 8.5], [0.8, 4.9], color=INK, linewidth=3)
 
 
+def pivot_friction(axes: Axes) -> None:
+    """A pin in the eye of a lever."""
+    axes.add_patch(Polygon([(4.4, 1.6), (9.5, 3.6), (9.5, 6.4), (4.4, 8.4)], facecolor=STEEL, **_LINE))
+    axes.add_patch(Circle((4.4, 5), 3.4, facecolor=STEEL, **_LINE))
+    axes.add_patch(Circle((4.4, 5), 2.0, facecolor=OIL, **_LINE))
+    axes.add_patch(Circle((4.4, 5), 1.6, facecolor="white", **_LINE))
+
+
 def lash_adjuster(axes: Axes) -> None:
     axes.add_patch(Rectangle((2.6, 0.8), 4.8, 6.4, facecolor=STEEL, **_LINE))
     axes.add_patch(Rectangle((3.4, 1.6), 3.2, 2.0, facecolor=OIL, **_LINE))
@@ -245,6 +253,7 @@ ICONS: tuple[Callable[[Axes], None], ...] = (
     finger,
     rod,
     rocker,
+    pivot_friction,
     lash_adjuster,
     ehl_contact,
     ehl_line_contact,

@@ -20,6 +20,7 @@ from .valve_train.coil_spring import coil_spring
 from .valve_train.finger import finger
 from .valve_train.journal_bearing import journal_bearing
 from .valve_train.lash_adjuster import lash_adjuster
+from .valve_train.pivot_friction import pivot_friction
 from .valve_train.rocker import rocker
 from .valve_train.rod import rod
 from .valve_train.shaft import shaft
@@ -39,6 +40,7 @@ CATALOGUE: Mapping[str, Callable[..., Component]] = {
     "finger": finger,
     "rod": rod,
     "rocker": rocker,
+    "pivot_friction": pivot_friction,
     "lash_adjuster": lash_adjuster,
     "ehl_contact": ehl_contact,
     "ehl_line_contact": ehl_line_contact,

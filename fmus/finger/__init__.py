@@ -54,4 +54,9 @@ TERMINALS = {
         "the lash adjuster under the pivot",
         {"position": "pivot_position", "velocity": "pivot_velocity", "force": "pivot_force"},
     ),
+    "pivot_friction": Terminal(
+        "pivot_friction",
+        "friction of the pivot",
+        {"speed": "rotation_rate", "load": "support_force", "torque": "pivot_torque"},
+    ),
 }

@@ -24,4 +24,9 @@ TERMINALS = {
         "the pushrod's end",
         {"position": "rod_position", "velocity": "rod_velocity", "force": "rod_force"},
     ),
+    "pivot_friction": Terminal(
+        "pivot_friction",
+        "friction of the pivot",
+        {"speed": "rotation_rate", "load": "pivot_force", "torque": "pivot_torque"},
+    ),
 }

@@ -147,6 +147,9 @@ class FingerInputs(CamInputs, TipInputs):
     pivot_force: Annotated[
         float, Quantity("N", "force of a lash adjuster on the pivot, towards the cam", nominal=500.0)
     ] = 0.0
+    pivot_torque: Annotated[
+        float, Quantity("N.m", "torque of the pivot's friction against the rotation", nominal=0.1)
+    ] = 0.0
 
 
 @dataclass
@@ -154,6 +157,7 @@ class FingerOutputs(CamOutputs, TipOutputs):
     rotation: Annotated[
         float, Quantity("rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg")
     ] = 0.0
+    rotation_rate: Annotated[float, Quantity("rad/s", "rate of the rotation", nominal=10.0)] = 0.0
     pivot_position: Annotated[
         float, Quantity("m", "position of the pivot away from the cam", nominal=1e-5, display_unit="um")
     ] = 0.0
@@ -233,6 +237,7 @@ def accelerate(lever: Lever, x: FingerState, u: FingerInputs, p: Any) -> Forces:
     moment = u.cam_load * (arm.x * k.normal_y - arm.y * k.normal_x)
     force = u.cam_load * k.normal_y - support - u.tip_load
     moment -= u.tip_load * tip.by_rotation + u.tip_friction * tip.sliding
+    moment -= u.pivot_torque
     if p.rolls == 0.0:
         moment += u.cam_friction * (arm.wished_x * k.normal_x + arm.wished_y * k.normal_y)
         force += u.cam_friction * k.normal_x
@@ -323,7 +328,7 @@ def make_motion(profile: CamProfile) -> tuple[Any, Any]:
         k, arm = lever.contact, lever.arm
         show_cam(k, lever.overlap, 1.0 / p.follower_radius, p.rolls != 0.0, u, y)
         show_tip(lever.tip, x.rotation_rate, x.pivot_position, x.pivot_velocity, p, y)
-        y.rotation = x.rotation
+        y.rotation, y.rotation_rate = x.rotation, x.rotation_rate
         y.pivot_position, y.pivot_velocity = x.pivot_position, x.pivot_velocity
         y.ratio = lever.tip.by_rotation / (arm.x * k.normal_y - arm.y * k.normal_x)
         y.support_force = accelerate(lever, x, u, p).support
@@ -354,7 +359,12 @@ def finger(table_points: int = 0) -> Component:
         output=output,
         energy=energy,
         feedthrough={**CAM_FEEDTHROUGH, "ratio": ("cam_angle",), "support_force": ("pivot_force",)},
-        bonds=(*CAM_BONDS, *TIP_BONDS, PowerBond("pivot_force", "pivot_velocity", -1)),
+        bonds=(
+            *CAM_BONDS,
+            *TIP_BONDS,
+            PowerBond("pivot_force", "pivot_velocity", -1),
+            PowerBond("pivot_torque", "rotation_rate", -1),
+        ),
         requirements=(
             INERTIA_IS_OF_ITS_MASS,
             ARMS_HAVE_ONE_SIDE,

@@ -70,6 +70,9 @@ class RockerState:
 @dataclass
 class RockerInputs(TipInputs):
     rod_force: Annotated[float, Quantity("N", "force of the pushrod", nominal=500.0)] = 0.0
+    pivot_torque: Annotated[
+        float, Quantity("N.m", "torque of the pivot's friction against the rotation", nominal=0.1)
+    ] = 0.0
 
 
 @dataclass
@@ -77,6 +80,7 @@ class RockerOutputs(TipOutputs):
     rotation: Annotated[
         float, Quantity("rad", "rotation, zero with the valve closed", nominal=0.1, display_unit="deg")
     ] = 0.0
+    rotation_rate: Annotated[float, Quantity("rad/s", "rate of the rotation", nominal=10.0)] = 0.0
     rod_position: Annotated[
         float, Quantity("m", "position of the pushrod's end", nominal=1e-3, display_unit="mm")
     ] = 0.0
@@ -113,6 +117,7 @@ def derivative(t: float, x: RockerState, u: RockerInputs, p: RockerParameters, d
     ends = place_ends(x, p)
     moment = u.rod_force * ends.rod_by_rotation - u.tip_load * ends.tip.by_rotation
     moment -= u.tip_friction * ends.tip.sliding + p.pivot_damping * x.rotation_rate
+    moment -= u.pivot_torque
     dx.rotation = x.rotation_rate
     dx.rotation_rate = moment / p.inertia
 
@@ -122,6 +127,7 @@ def output(t: float, x: RockerState, u: RockerInputs, p: RockerParameters, y: Ro
     ends = place_ends(x, p)
     show_tip(ends.tip, x.rotation_rate, 0.0, 0.0, p, y)
     y.rotation = x.rotation
+    y.rotation_rate = x.rotation_rate
     y.rod_position = ends.rod
     y.rod_velocity = ends.rod_by_rotation * x.rotation_rate
     y.ratio = ends.tip.by_rotation / ends.rod_by_rotation
@@ -150,6 +156,10 @@ def rocker() -> Component:
         output=output,
         energy=energy,
         feedthrough={"pivot_force": ("rod_force", "tip_load")},
-        bonds=(*TIP_BONDS, PowerBond("rod_force", "rod_velocity", +1)),
+        bonds=(
+            *TIP_BONDS,
+            PowerBond("rod_force", "rod_velocity", +1),
+            PowerBond("pivot_torque", "rotation_rate", -1),
+        ),
         event_indicators=("tip_entraining_velocity",),
     )

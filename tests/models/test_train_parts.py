@@ -35,6 +35,8 @@ PARTS = {
     "rubbing journal bearing": ("journal_bearing", {"roughness": 2.4e-6}),
     "rocker": ("rocker", {"rod_angle": 0.1, "valve_angle": 0.2, "pivot_damping": 1e-3}),
     "rocker of small motion": ("rocker", {"small_motion": 1.0, "valve_angle": 0.2}),
+    "pivot friction": ("pivot_friction", {"viscous_coefficient": 1e-3}),
+    "loaded pivot friction": ("pivot_friction", {"preload_torque": 1e-3, "sticking_stiffness": 2e4}),
     "adjuster": ("lash_adjuster", {}),
     "adjuster with air": ("lash_adjuster", {"air_content": 0.05}),
     "adjuster with isothermal air": ("lash_adjuster", {"air_content": 0.05, "air_exponent": 1.0}),
