@@ -35,6 +35,7 @@ PAGES = (
     "tutorials/first-valve-train",
     "how-to/write-a-scenario",
     "how-to/film-friction-wear",
+    "how-to/choose-an-oil",
     "reference/scenarios",
 )
 EXAMPLES = [

@@ -10,6 +10,7 @@ from ..errors import RefusedError
 from ..reporter import Reporter
 from ..scenario import Scenario, ScenarioError
 from ..scenario.files import to_full_toml
+from ..scenario.oil import list_oils
 from ..scenario.system import Builder
 from ..scenario.warnings import list_warnings
 from ..store import atomic_write
@@ -43,7 +44,11 @@ def run(
     plan = make_plan(scenario, build, reporter, figures)
     with open_folder(out, overwrite) as folder:
         atomic_write.replace(out / SCENARIO, to_full_toml(scenario).encode())
-        for line in [*list_warnings(scenario), announce(scenario, plan.system.outputs.size, out)]:
+        for line in [
+            *list_oils(scenario),
+            *list_warnings(scenario),
+            announce(scenario, plan.system.outputs.size, out),
+        ]:
             if line:
                 reporter.line(line)
         try:

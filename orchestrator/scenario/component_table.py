@@ -10,6 +10,7 @@ from typing import Any, Literal
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from models.catalogue import CATALOGUE
+from models.contact.records import CONTACTS
 from models.core.component import Component
 from models.core.quantities import Layout
 
@@ -18,6 +19,7 @@ from ..participants import ThirdPartyComponent, is_made_here, read_component
 from .drawing import ShaftDrawing, insert_drawing
 from .fields import Table, Written
 from .lift_table import LiftTableError, insert_lift_table
+from .oil import OilSheet, Temperature, insert_oil
 from .third_party_values import convert_enumerations, select_strings
 from .values import Faults, Value, build_component, parse_values
 
@@ -54,6 +56,17 @@ class ComponentTable(Table):
         None,
         description="Drawing of a shaft; it becomes the modes of the component shaft, in `structure` and "
         "`parameters`",
+    )
+    oil: str | OilSheet | None = Field(
+        None,
+        description="Oil of a lubricated contact: a grade, or a table of its data; with `temperature` it "
+        "becomes `parameters`",
+        exclude=True,
+    )
+    temperature: Temperature | None = Field(
+        None,
+        description="Temperature of the oil at the inlet of the contact (K, or a text with a unit)",
+        exclude=True,
     )
     structure: dict[str, int] = Field({}, description="Structural sizes, e.g. coil_masses")
     substeps: int = Field(
@@ -106,6 +119,18 @@ class ComponentTable(Table):
         if table.get("component") != "shaft":
             raise Faults(("drawing", f": {table.get('component')} has none; leave it out, or take a shaft"))
         return insert_drawing(table)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_oil(cls, table: Any) -> Any:
+        """Add the numbers of an oil."""
+        if not isinstance(table, dict) or table.get("oil") is table.get("temperature") is None:
+            return table
+        if table.get("component") not in CONTACTS:
+            raise Faults(
+                ("oil", f": {table.get('component')} has none; leave it out, or take {' or '.join(CONTACTS)}")
+            )
+        return insert_oil(table)
 
     @field_validator("participant")
     @classmethod

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from models.valve_train.beam import (
     Bearing,
@@ -18,35 +18,20 @@ from models.valve_train.beam import (
     rigid_bending,
 )
 
-from .fields import Table
-from .units import to_unit
+from .fields import Table, in_unit
+from .messages import place_faults
 from .values import Faults
 
-
-def _in(unit: str, zero: bool = False) -> BeforeValidator:
-    """A finite number in `unit`, or a string with a unit; > 0, or with `zero` >= 0."""
-
-    def parse(value: Any) -> float:
-        if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-            raise ValueError(f"must be a number in {unit}, or a string with a unit")
-        number = to_unit(value, unit) if isinstance(value, str) else float(value)
-        if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero):
-            raise ValueError(f"{value}: must be {'>=' if zero else '>'} 0")
-        return number
-
-    return BeforeValidator(parse, json_schema_input_type=float | str)
-
-
-Length = Annotated[float, _in("m")]
-Place = Annotated[float, _in("m", zero=True)]
-Inertia = Annotated[float, _in("kg.m2")]
-InertiaOr0 = Annotated[float, _in("kg.m2", zero=True)]
-Mass = Annotated[float, _in("kg", zero=True)]
-TurningStiffness = Annotated[float, _in("N.m/rad")]
-Time = Annotated[float, _in("s", zero=True)]
-Ratio = Annotated[float, _in("1", zero=True)]
-Modulus = Annotated[float, _in("Pa")]
-Density = Annotated[float, _in("kg/m3")]
+Length = Annotated[float, in_unit("m")]
+Place = Annotated[float, in_unit("m", zero=True)]
+Inertia = Annotated[float, in_unit("kg.m2")]
+InertiaOr0 = Annotated[float, in_unit("kg.m2", zero=True)]
+Mass = Annotated[float, in_unit("kg", zero=True)]
+TurningStiffness = Annotated[float, in_unit("N.m/rad")]
+Time = Annotated[float, in_unit("s", zero=True)]
+Ratio = Annotated[float, in_unit("1", zero=True)]
+Modulus = Annotated[float, in_unit("Pa")]
+Density = Annotated[float, in_unit("kg/m3")]
 
 
 class CamDrawing(Table):
@@ -87,7 +72,7 @@ def insert_drawing(table: dict[str, Any]) -> dict[str, Any]:
     try:
         drawing = ShaftDrawing.model_validate(table["drawing"])
     except ValidationError as error:
-        raise Faults(*(_fault(each) for each in error.errors())) from None
+        raise place_faults("drawing", error) from None
     torsion, bending = find_modes(drawing)
     parameters = list_parameters(torsion, bending, drawing.damping_time, drawing.damping_ratio)
     sizes = {
@@ -100,12 +85,6 @@ def insert_drawing(table: dict[str, Any]) -> dict[str, Any]:
         "structure": {**table.get("structure", {}), **sizes},
         "parameters": {**parameters, **table.get("parameters", {})},
     }
-
-
-def _fault(error: Any) -> tuple[str, str]:
-    place = "".join(f"[{key + 1}]" if isinstance(key, int) else f".{key}" for key in error["loc"])
-    said = error["msg"].removeprefix("Value error, ")
-    return f"drawing{place}", f": {said[0].lower()}{said[1:]}"
 
 
 def find_modes(drawing: ShaftDrawing) -> tuple[Modes, Modes]:

@@ -59,3 +59,17 @@ Tolerance = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
 
 class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+def in_unit(unit: str, zero: bool = False) -> BeforeValidator:
+    """A finite number in `unit`, or a string with a unit; > 0, or with `zero` >= 0."""
+
+    def parse(value: Any) -> float:
+        if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+            raise ValueError(f"must be a number in {unit}, or a string with a unit")
+        number = to_unit(value, unit) if isinstance(value, str) else float(value)
+        if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero):
+            raise ValueError(f"{value}: must be {'>=' if zero else '>'} 0")
+        return number
+
+    return BeforeValidator(parse, json_schema_input_type=float | str)

@@ -37,6 +37,8 @@ FIXED = {
     "too_short": "must have at least one entry",
     "finite_number": "must be a finite number > 0, e.g. 1e-3",  # raised for tolerances only
 }
+# What is said of keys of tables inside others.
+NO_KEY = {"missing": "missing", "extra_forbidden": "unknown key; leave it out"}
 
 
 def list_no_keys(place: Location) -> list[str]:
@@ -60,6 +62,17 @@ def list_messages(error: ValidationError, known: Callable[[Location], list[str]]
         else:
             lines.append(f"{path}{_format_value(fault['input'])}: {_describe_allowed(fault)}")
     return lines
+
+
+def place_faults(key: str, error: ValidationError) -> Faults:
+    """The faults of the table `key` inside another one."""
+    return Faults(*(_fault(key, fault) for fault in error.errors()))
+
+
+def _fault(key: str, fault: Any) -> tuple[str, str]:
+    place = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in fault["loc"])
+    said = NO_KEY.get(fault["type"]) or fault["msg"].removeprefix("Value error, ")
+    return f"{key}{place}", f": {said[0].lower()}{said[1:]}"
 
 
 def _format_path(place: Location) -> str:

@@ -26,6 +26,7 @@ COMMON = (
     *("Pa", "kPa", "MPa", "GPa", "bar", "pascal", "Pa.s", "mPa.s", "1/GPa", "1/Pa"),
     *("deg", "rad", "mrad", "degree", "radian", "rpm", "rad/s", "deg/s", "r/min"),
     *("mm/s", "m/s", "km/h", "N/mm", "N/m", "kg.m2", "J", "kJ", "mJ", "W", "kW", "Hz", "kHz"),
+    *("degC", "K", "mm2/s", "cSt", "m2/s", "kg/m3", "g/cm3"),
 )
 
 # Pint's names of FMI's base units, in the order of FMI's attributes.
@@ -67,7 +68,10 @@ def to_unit(text: str, unit: str) -> float:
         return number
     if not unit:
         raise UnitError(f"{text!r}: the FMU states no unit; write a plain number")
-    factor = FACTORS.get((given, unit)) or find_factor(text, given, unit)
+    known = FACTORS.get((given, unit))
+    factor, zero = (known, 0.0) if known else find_conversion(text, given, unit)
+    if zero:
+        return zero + number * factor
     parts = round(1.0 / factor) if factor < 1.0 else 0
     # 5 us is 5e-6 s and not 4.9999999999999996e-06: divide where the factor is one over a whole number.
     if parts and abs(factor * parts - 1.0) < 1e-14:
@@ -75,8 +79,11 @@ def to_unit(text: str, unit: str) -> float:
     return number * factor
 
 
-def find_factor(text: str, given: str, unit: str) -> float:
-    """The factor from the unit `given` to `unit`; UnitError if they do not fit."""
+def find_conversion(text: str, given: str, unit: str) -> tuple[float, float]:
+    """The factor from the unit `given` to `unit`, and where its zero is in `unit` (273.15 for degC in K).
+
+    UnitError if they do not fit.
+    """
     try:
         units = _load_registry().Unit(_to_pint(given))
     except Exception:
@@ -88,7 +95,8 @@ def find_factor(text: str, given: str, unit: str) -> float:
     if _find_dimension(units) != _find_dimension(wanted):
         needed = "a plain number" if unit == "1" else f"a unit like {unit}"
         raise UnitError(f"{text!r}: the unit {given} does not fit, {needed} is needed")
-    return float(_load_registry().Quantity(1.0, units).to(wanted).magnitude)
+    zero, one = (float(_load_registry().Quantity(n, units).to(wanted).magnitude) for n in (0.0, 1.0))
+    return (one - zero if zero else one), zero
 
 
 def is_bare(text: str) -> bool:

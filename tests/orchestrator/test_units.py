@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from orchestrator.scenario.units import FACTORS, UnitError, find_factor, to_unit
+from orchestrator.scenario.units import FACTORS, UnitError, find_conversion, to_unit
 
 
 @pytest.mark.parametrize(
@@ -24,6 +24,10 @@ from orchestrator.scenario.units import FACTORS, UnitError, find_factor, to_unit
         ("36 mPa.s", "Pa.s", 0.036),
         ("5 %", "1", 0.05),
         ("1.5e-3", "m", 1.5e-3),
+        ("90 degC", "K", 363.15),
+        ("-10 °C", "K", 263.15),
+        ("20 K", "K", 20.0),
+        ("2 J/degC", "J/K", 2.0),
     ],
 )
 def test_conversion(text: str, unit: str, value: float) -> None:
@@ -56,4 +60,4 @@ def test_what_does_not_fit_is_named(text: str, unit: str, named: tuple[str, ...]
 
 @pytest.mark.parametrize("pair", FACTORS, ids=" to ".join)
 def test_factors_without_pint_are_pints(pair: tuple[str, str]) -> None:
-    assert FACTORS[pair] == find_factor("1", *pair)
+    assert (FACTORS[pair], 0.0) == find_conversion("1", *pair)

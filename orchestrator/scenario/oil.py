@@ -1,0 +1,141 @@
+"""The oil of a contact in a scenario: a grade or data of a sheet, at a temperature, for its parameters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field, TypeAdapter, ValidationError
+
+from models.contact.oil_grades import GRADES, describe_grade
+from models.contact.oils import ROELANDS_PRESSURE, SLOPES, ZERO_CELSIUS, Oil, evaluate_oil, walther_slope
+from models.core.system import suggestion
+
+from .fields import Table, in_unit
+from .messages import place_faults
+from .values import Faults, WithUnit, build_component
+
+if TYPE_CHECKING:
+    from .scenario import Scenario
+
+Viscosity = Annotated[float, in_unit("m2/s")]
+Temperature = Annotated[float, in_unit("K")]
+_TEMPERATURE = TypeAdapter[float](Temperature)
+# What oils have, to notice values in a wrong unit: key, factor to a unit, unit, least and largest value.
+RANGES = (
+    ("viscosity_40", 1e6, "mm2/s", 1.0, 1e4),
+    ("viscosity_100", 1e6, "mm2/s", 1.0, 1e3),
+    ("density_15", 1.0, "kg/m3", 600.0, 1300.0),
+)
+# Of a scenario's contacts with the same oil, so many are named in a line.
+NAMED = 3
+
+
+class OilSheet(Table):
+    """An oil as its data sheet has it."""
+
+    viscosity_40: Viscosity = Field(description="Kinematic viscosity at 40 degC (m2/s)")
+    viscosity_100: Viscosity = Field(description="Kinematic viscosity at 100 degC (m2/s)")
+    density_15: Annotated[float, in_unit("kg/m3")] = Field(description="Density at 15 degC (kg/m3)")
+    pressure_viscosity: Annotated[float, in_unit("1/Pa", zero=True)] = Field(
+        0.0,
+        description="Pressure-viscosity coefficient, measured at the temperature (1/Pa); left out or 0: "
+        "correlation of So and Klaus",
+    )
+
+
+def insert_oil(table: dict[str, Any]) -> dict[str, Any]:
+    """A component's table with the numbers of its `oil` at its `temperature` among the parameters."""
+    for key, other in (("oil", "temperature"), ("temperature", "oil")):
+        if table.get(key) is None:
+            example = {"oil": "'SAE 5W-30'", "temperature": "'90 degC'"}[key]
+            raise Faults((key, f": missing beside {other}; e.g. {key} = {example}"))
+    temperature = _read_temperature(table["temperature"])
+    oil = read_oil(table["oil"])
+    try:
+        state = evaluate_oil(oil, temperature)
+    except ValueError as error:
+        raise Faults(("temperature", f" = {_in_celsius(temperature)}: {error}")) from None
+    found = {
+        "viscosity": state.viscosity,
+        "pressure_viscosity": state.pressure_viscosity,
+        "roelands_exponent": state.roelands_exponent,
+        "roelands_pressure": ROELANDS_PRESSURE,
+        "temperature_viscosity": state.temperature_viscosity,
+    }
+    known = build_component(table["component"]).parameters
+    given = {name: WithUnit(value) for name, value in found.items() if name in known}
+    own = table.get("parameters", {})
+    if both := [name for name in given if name in own]:
+        faults = (
+            (f"parameters.{name}", f" = {own[name]!r}: the oil gives it too; leave out one of both")
+            for name in both
+        )
+        raise Faults(*faults)
+    return table | {"temperature": temperature, "parameters": {**given, **own}}
+
+
+def read_oil(written: Any) -> Oil:
+    """The oil of a grade's name or of a table; Faults."""
+    if isinstance(written, str):
+        if written not in GRADES:
+            raise Faults(("oil", f" = {written!r}: no such grade; {suggestion(written, GRADES)}"))
+        return GRADES[written]
+    if isinstance(written, OilSheet):
+        return Oil(**written.model_dump())
+    if not isinstance(written, dict):
+        raise Faults(("oil", f" = {written!r}: must be the name of a grade, or a table of its data"))
+    try:
+        table = OilSheet.model_validate(written)
+    except ValidationError as error:
+        raise place_faults("oil", error) from None
+    for name, factor, unit, low, high in RANGES:
+        value = factor * getattr(table, name)
+        if not low <= value <= high:
+            raise Faults((f"oil.{name}", f" = {value:g} {unit}: must be {low:g} to {high:g} {unit}"))
+    oil = Oil(**table.model_dump())
+    slope, (flattest, steepest) = walther_slope(oil), SLOPES
+    if not flattest <= slope <= steepest:
+        raise Faults(
+            (
+                "oil.viscosity_100",
+                f": gives the slope {slope:.3g} of ASTM D341 with viscosity_40; oils have {flattest:g} to "
+                f"{steepest:g}; check both",
+            )
+        )
+    return oil
+
+
+def list_oils(scenario: Scenario) -> list[str]:
+    """What each oil of a scenario has at its temperature, a line each."""
+    lines: dict[str, list[str]] = {}
+    for name, table in scenario.components.items():
+        if table.oil is not None and table.temperature is not None:
+            lines.setdefault(_describe(table.oil, table.temperature), []).append(name)
+    return [f"{_join(names)}: {text}" for text, names in lines.items()]
+
+
+def _describe(written: str | OilSheet, temperature: float) -> str:
+    state = evaluate_oil(read_oil(written), temperature)
+    name, about = ("own oil", "") if isinstance(written, OilSheet) else (written, describe_grade(written))
+    return (
+        f"{name} at {_in_celsius(temperature)} has a viscosity of {1e3 * state.viscosity:.4g} mPa.s and a "
+        f"pressure-viscosity coefficient of {1e9 * state.pressure_viscosity:.4g} 1/GPa (Roelands' exponent "
+        f"{state.roelands_exponent:.3g})" + (f"; {about}" if about else "")
+    )
+
+
+def _join(names: list[str]) -> str:
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return ", ".join(names[:NAMED]) + more
+
+
+def _in_celsius(temperature: float) -> str:
+    return f"{temperature - ZERO_CELSIUS:.5g} degC"
+
+
+def _read_temperature(written: Any) -> float:
+    """In kelvin; Faults."""
+    try:
+        return _TEMPERATURE.validate_python(written)
+    except ValidationError as error:
+        raise place_faults("temperature", error) from None

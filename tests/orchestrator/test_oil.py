@@ -1,0 +1,138 @@
+"""Oils in scenarios: the same run as with their numbers, what is told, and what is refused."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from models.contact.oil_grades import GRADES
+from models.contact.oils import evaluate_oil
+from orchestrator.command_line.fmu import build_fmu
+from orchestrator.reporter import Reporter
+from orchestrator.run.pipeline import run
+from orchestrator.scenario import ScenarioError, build_scenario
+from orchestrator.scenario.files import SHIPPED, load, read_contents, to_full_toml
+from orchestrator.scenario.oil import list_oils
+from orchestrator.scenario.warnings import list_warnings
+
+from .whole_runs import SHORT, assert_same_run, quiet
+
+OIL = '[components.contact]\noil = "SAE 5W-30"\ntemperature = "90 degC"\n'
+SHEET = (
+    '[components.contact]\ntemperature = "90 degC"\noil = { viscosity_40 = "63 mm2/s", '
+    'viscosity_100 = "11 mm2/s", density_15 = "855 kg/m3" }\n'
+)
+
+
+def write(folder: Path, text: str, base: str = "valve-train") -> Path:
+    file = folder / "own.toml"
+    file.write_text(f'extends = "{base}"\n{text}')
+    return file
+
+
+@pytest.mark.parametrize("base", ["valve-train", "valve-train-ehl"])
+@pytest.mark.parametrize("text", [OIL, SHEET], ids=["grade", "sheet"])
+def test_a_scenario_with_an_oil_is_the_one_with_its_numbers(tmp_path, base, text):
+    """To the last bit, in what a run writes too, which needs no oil any more."""
+    scenario = load(write(tmp_path, text, base))
+    state = evaluate_oil(GRADES["SAE 5W-30"], 363.15)
+    given = scenario.components["contact"].parameters
+    for name in ("viscosity", "pressure_viscosity", "roelands_exponent"):
+        assert given[name] == getattr(state, name)
+    typed = "".join(f"{name} = {float(value)!r}\n" for name, value in given.items() if name in PARAMETERS)
+    numbers = load(write(tmp_path, f"[components.contact.parameters]\n{typed}", base))
+    written = to_full_toml(scenario)
+    assert written == to_full_toml(numbers)
+    assert "oil =" not in written
+    assert list_oils(numbers) == []
+    assert not any("contact.parameters" in line for line in list_warnings(scenario))
+
+
+PARAMETERS = (
+    "viscosity", "pressure_viscosity", "roelands_exponent", "roelands_pressure", "temperature_viscosity",
+)  # fmt: skip
+
+
+def test_a_run_tells_what_it_takes_and_gives_the_bits_of_the_numbers(tmp_path):
+    """The second run is made from what the first one wrote, which has the numbers only."""
+    said = io.StringIO()
+    file = write(tmp_path, OIL)
+    first, second = tmp_path / "first", tmp_path / "second"
+    run(load(file, SHORT), first, build_fmu, Reporter(Console(file=said, width=400)), figures=False)
+    run(load(first / "scenario.toml"), second, build_fmu, quiet(), figures=False)
+    assert_same_run(first, second)
+    state = evaluate_oil(GRADES["SAE 5W-30"], 363.15)
+    line = next(line for line in said.getvalue().splitlines() if line.startswith("contact: SAE 5W-30"))
+    assert f"at 90 degC has a viscosity of {1e3 * state.viscosity:.4g} mPa.s" in line
+    assert f"coefficient of {1e9 * state.pressure_viscosity:.4g} 1/GPa" in line
+    assert "a grade that allows 9.3 to 12.5 mm2/s at 100 degC" in line
+
+
+def test_contacts_with_the_same_oil_share_a_line():
+    names = ["contact", "contact_2", "contact_3", "contact_4"]
+    content = read_contents(SHIPPED / "valve-train.toml")
+    table = {**content["components"]["contact"], "oil": "ISO VG 68", "temperature": "40 degC"}
+    content["components"] |= dict.fromkeys(names, table)
+    (line,) = list_oils(build_scenario(content))
+    assert line.startswith("contact, contact_2, contact_3 and 1 more: ISO VG 68 at 40 degC has")
+    assert line.endswith("allows +-10 % of 68 mm2/s at 40 degC")
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ('oil = "SAE 5W-3"', r"oil = 'SAE 5W-3': no such grade; did you mean SAE 5W-30"),
+        ("oil = 46", r"oil = 46: must be the name of a grade, or a table"),
+        ("temperature = 90", r"temperature = -183.15 degC: must be -20 to 200 degC, .* in kelvin"),
+        ('temperature = "90 mm"', r"temperature: '90 mm': the unit mm does not fit"),
+        ('temperature = "-15 degC"', r"temperature = -15 degC: the oil has 1637 mm2/s, .* holds to 800"),
+        ("parameters = { viscosity = 0.02 }", r"parameters.viscosity = 0.02: the oil gives it too"),
+        ('parameters = { pressure_viscosity = "15 1/GPa" }', r"parameters.pressure_viscosity = '15 1/GPa'"),
+    ],
+)
+def test_what_is_no_oil_is_refused_with_its_remedy(tmp_path, line, message):
+    key = line.partition(" ")[0]
+    rest = "".join(f"{other}\n" for other in OIL.splitlines() if not other.startswith(key))
+    with pytest.raises(ScenarioError, match=message):
+        load(write(tmp_path, f"{rest}{line}\n"))
+
+
+@pytest.mark.parametrize(
+    ("sheet", "message"),
+    [
+        ('viscosity_40 = "63 mm2/s", density_15 = 855', r"oil.viscosity_100: missing"),
+        ("viscosity_40 = 63, viscosity_100 = 11, density_15 = 855", r"oil.viscosity_40 = 6.3e\+07 mm2/s"),
+        (
+            'viscosity_40 = "11 mm2/s", viscosity_100 = "63 mm2/s", density_15 = 855',
+            r"oil.viscosity_100: gives the slope -2.99 of ASTM D341",
+        ),
+        (
+            'viscosity_40 = "63 mm2/s", viscosity_100 = "11 cSt", density_15 = 0.855',
+            r"oil.density_15 = 0.855 kg/m3: must be 600 to 1300",
+        ),
+        (
+            'viscosity_40 = "63 mm2/s", viscosity_100 = "11 cSt", density_15 = 855, colour = 3',
+            r"oil.colour: unknown key",
+        ),
+    ],
+)
+def test_wrong_data_of_a_sheet_are_named(tmp_path, sheet, message):
+    text = f'[components.contact]\ntemperature = "90 degC"\noil = {{ {sheet} }}\n'
+    with pytest.raises(ScenarioError, match=message):
+        load(write(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('[components.contact]\noil = "SAE 30"\n', r"temperature: missing beside oil"),
+        ('[components.contact]\ntemperature = "90 degC"\n', r"oil: missing beside temperature"),
+        ('[components.camshaft]\noil = "SAE 30"\n', r"camshaft has none; leave it out, or take ehl_contact"),
+    ],
+)
+def test_an_oil_needs_a_temperature_and_a_contact(tmp_path, text, message):
+    with pytest.raises(ScenarioError, match=message):
+        load(write(tmp_path, text))
