@@ -1,7 +1,8 @@
 """Journal bearing: the journal of a shaft in an elastically held bush, with film and asperities between.
 
-The film is Ocvirk's, half of it cavitated (`contact.short_bearing`). The bush has no mass, and its support is
-a spring. The eccentricity e of the journal in the bush is a state, and the force one of displacement:
+The film is short (`contact.short_bearing`), or also flows round the journal (`contact.finite_bearing`). The
+bush has no mass, and its support is a spring. The eccentricity e of the journal in the bush is a state, and
+the force one of displacement:
 
     F = -k (a - e)      on the journal, with its axis at a
     e' = u + omega/2 k x e,      mu R L^3/c^3 A u = k (a - e) - N e/|e|
@@ -20,6 +21,7 @@ from typing import Annotated, NamedTuple
 from ..compile.kernel import kernel
 from ..contact.asperities import APART, Asperities, mean_gap
 from ..contact.asperity_arc import Arc, AsperityForce, press_arc
+from ..contact.finite_bearing import find_finite_squeeze
 from ..contact.short_bearing import Squeeze, find_squeeze, highest_pressure
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
@@ -32,6 +34,7 @@ from ..plausible import CAM_RADIUS, PART_LENGTH, PLAY, SEAT_STIFFNESS, VISCOSITY
 THINNEST = 1e-5
 # Roughness over clearance below which the asperities are apart while the journal is in the middle.
 ROUGHEST = 0.1
+SHORT, FINITE = 0.0, 1.0
 
 
 @dataclass
@@ -62,6 +65,10 @@ class JournalBearingParameters:
     viscosity: Annotated[
         float, Quantity("Pa.s", "viscosity of the oil", nominal=1e-2, positive=True, plausible=VISCOSITY)
     ] = 0.01
+    film_model: Annotated[
+        float,
+        Quantity("1", "Ocvirk's film, or one that also flows round the journal", choices=("short", "finite")),
+    ] = FINITE
     support_stiffness: Annotated[
         float,
         Quantity(
@@ -191,6 +198,14 @@ def rub(film: Film, u: JournalBearingInputs, p: JournalBearingParameters) -> flo
 
 
 @kernel
+def squeeze_film(force: Squeeze, film: Film, p: JournalBearingParameters) -> Squeeze:
+    """mu R L^3/c^3 u."""
+    if p.film_model == SHORT:
+        return find_squeeze(force, film.eps)
+    return find_finite_squeeze(force, film.eps, p.width / p.diameter)
+
+
+@kernel
 def move_film(
     film: Film, x: JournalBearingState, u: JournalBearingInputs, p: JournalBearingParameters
 ) -> Motion:
@@ -203,7 +218,7 @@ def move_film(
         p.support_stiffness * (u.axis_x - x.eccentricity_x) - pressed * x.eccentricity_x,
         p.support_stiffness * (u.axis_y - x.eccentricity_y) - pressed * x.eccentricity_y,
     )
-    unit = find_squeeze(force, film.eps)
+    unit = squeeze_film(force, film, p)
     impedance = film_impedance(p)
     by_pressure = 0.5 * (force.x * x.eccentricity_y - force.y * x.eccentricity_x)
     torque = shear_film(film, p) * u.shaft_speed + by_pressure + rub(film, u, p)
@@ -247,8 +262,9 @@ def output(
     y.eccentricity_ratio = film.eccentricity / p.radial_clearance
     y.minimum_film_thickness = film.thinnest
     y.film_ratio = film.thinnest / p.roughness
-    scale = 1.5 * p.viscosity * p.width**2 / p.radial_clearance**3
-    y.maximum_pressure = scale * highest_pressure(motion.squeeze, film.eps)
+    # Also of a finite film the pressure of the short one that carries as much.
+    scale = 1.5 * p.viscosity * p.width**2 / (p.radial_clearance**3 * film_impedance(p))
+    y.maximum_pressure = scale * highest_pressure(find_squeeze(motion.force, film.eps), film.eps)
     y.asperity_load = film.asperities.load
     y.power_loss = lost_power(film, motion, u, p)
 
@@ -288,7 +304,7 @@ def is_inside(
 REQUIREMENTS = (
     Requirement(
         is_short,
-        "width = {0:g} mm: must be <= diameter = {1:g} mm; the film of a longer bearing also flows round it",
+        "width = {0:g} mm: must be <= diameter = {1:g} mm; for longer bearings these films are not checked",
     ),
     Requirement(is_smooth, "roughness = {0:g} um: must be <= {1:g} um, a tenth of radial_clearance"),
 )
@@ -306,7 +322,7 @@ def journal_bearing() -> Component:
     return Component(
         tolerance=FINE_TOLERANCE,
         name="journal_bearing",
-        description="Short journal bearing: oil film, asperities and an elastic support",
+        description="Journal bearing: oil film, asperities and an elastic support",
         parameters=Layout(JournalBearingParameters),
         state=Layout(JournalBearingState),
         inputs=Layout(JournalBearingInputs),

@@ -32,6 +32,7 @@ PARTS = {
     "coil spring": ("coil_spring", {"gap[1]": 1e-4, "gap[9]": 2e-4}),
     "shaft": ("shaft", {"gyroscopic[1]": 0.02, "direction[1]": 0.5, "drive_ratio": 0.5}),
     "journal bearing": ("journal_bearing", {}),
+    "short journal bearing": ("journal_bearing", {"film_model": 0.0}),
     "rubbing journal bearing": ("journal_bearing", {"roughness": 2.4e-6}),
     "rocker": ("rocker", {"rod_angle": 0.1, "valve_angle": 0.2, "pivot_damping": 1e-3}),
     "rocker of small motion": ("rocker", {"small_motion": 1.0, "valve_angle": 0.2}),
