@@ -48,6 +48,22 @@ def test_loads_of_steady_cycles(speed, record):
         record("Train", quantity, float(value), expected, "independent evaluation", tolerance=0.15)
 
 
+def test_loads_of_nested_springs(record):
+    """Linear as long as contact is kept: the loads of both springs add, each with half of the valve, and with
+    500 N more preload that keeps them in contact on their own."""
+    more = 500.0
+    outer = {"spring_rate": 23e3, "surge_frequency": 430.0, "preload": 220.0 + more}
+    inner = {"spring_rate": 12e3, "surge_frequency": 610.0, "preload": 110.0 + more}
+    cycles = [
+        cycle_at(3000.0, contact=STIFF, valve_spring={"valve_mass": 0.11, **spring})
+        for spring in (outer, inner)
+    ]
+    load = sum(cycle["contact.load"] - more for cycle in cycles)
+    for which, value, expected in (("least", load.min(), 109.637), ("largest", load.max(), 832.259)):
+        quantity = f"nested springs at 3000 r/min: {which} load (N)"
+        record("Spring", quantity, float(value), expected, "independent evaluation", tolerance=0.15)
+
+
 def test_the_speed_of_separation(record):
     """A rigid train with a spring without mass loses contact where W = f_p + k0 s + m s'' w^2 vanishes."""
 
