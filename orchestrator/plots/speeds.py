@@ -10,12 +10,17 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from models.core.quantities import Vector
 
 from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_title, create_subplots
 
 RPM = 30.0 / math.pi
 COLOURS = (COUPLED, REFERENCE, ACCENT, MUTED)
 MOST_ORDERS = 24
+# Colours of natural frequencies, by their kind.
+NATURAL = {"surge": REFERENCE, "torsion": COUPLED, "bending": ACCENT}
 # Title, unit with its factor, endings of results: a panel for each that the table has.
 PANELS = (
     ("Contact load (N)", 1.0, (".least_load", ".largest_load")),
@@ -97,23 +102,75 @@ def draw_map(cycles: xarray.Dataset, name: str) -> Figure:
 
 
 def draw_orders(cycles: xarray.Dataset, name: str) -> Figure:
-    """Amplitudes of a load's orders over speed, with the order that meets the spring's surge (Campbell)."""
+    """Amplitudes of a load's orders over speed, with the order that meets the spring's surge."""
     figure, axes = create_subplots(figsize=(7.6, 5.0))
     add_title(figure, f"Orders of {name}: amplitude (N)")
-    load = cycles[name].values[:, :-1]
-    amplitude = 2.0 * np.abs(np.fft.rfft(load, axis=1))[:, 1 : MOST_ORDERS + 1] / load.shape[1]
-    rpm = RPM * cycles["speed"].values
-    orders = np.arange(1, MOST_ORDERS + 1)
-    largest = float(amplitude.max())
-    scale = LogNorm(1e-4 * largest, largest)
-    drawn = axes.pcolormesh(rpm, orders, amplitude.T, shading="nearest", cmap="viridis", norm=scale)
+    orders, amplitude = find_orders(cycles[name])
+    rpm, turning = RPM * cycles["speed"].values, RPM * find_cam_speeds(cycles)
+    drawn = axes.pcolormesh(
+        rpm, orders, amplitude.T, shading="nearest", cmap="viridis", norm=_scale(amplitude)
+    )
     figure.colorbar(drawn, ax=axes, extend="min")
-    for i, frequency in enumerate(np.atleast_1d(cycles.attrs.get("surge_frequencies", []))):
-        label = "surge" if i == 0 else None
-        axes.plot(rpm, 60.0 * frequency / (rpm * cycles.attrs["cam_ratio"]), color=REFERENCE, label=label)
-        axes.legend(loc="upper right")
+    for kind, frequency in list_frequencies(cycles):
+        if kind == "surge":
+            axes.plot(rpm, 60.0 * frequency / turning, color=REFERENCE, label=kind)
+    _add_legend(axes)
     axes.set_ylim(0.5, MOST_ORDERS + 0.5)
     axes.set_xlabel("Speed (r/min)")
     axes.set_ylabel("Order of the cam")
     axes.grid(visible=False)
     return figure
+
+
+def draw_campbell(cycles: xarray.Dataset, name: str) -> Figure:
+    """Campbell diagram: a load's orders at their frequencies over speed, and the natural frequencies."""
+    figure, axes = create_subplots(figsize=(7.6, 5.0))
+    add_title(figure, f"Campbell diagram of {name}: amplitude (N)")
+    orders, amplitude = find_orders(cycles[name])
+    rpm, turns = RPM * cycles["speed"].values, find_cam_speeds(cycles) / (2.0 * math.pi)
+    for order in orders:
+        axes.plot(rpm, order * turns, color=MUTED, lw=0.4, zorder=1)
+    drawn = axes.scatter(
+        np.repeat(rpm, orders.size), np.outer(turns, orders), c=amplitude, s=14, cmap="viridis",
+        norm=_scale(amplitude), zorder=2,
+    )  # fmt: skip
+    figure.colorbar(drawn, ax=axes, extend="min")
+    for kind, frequency in list_frequencies(cycles):
+        if frequency < MOST_ORDERS * turns[-1]:
+            axes.axhline(frequency, color=NATURAL[kind], ls="--", lw=1.2, label=kind, zorder=3)
+    _add_legend(axes)
+    axes.set_xlabel("Speed (r/min)")
+    axes.set_ylabel("Frequency (Hz)")
+    return figure
+
+
+def find_orders(load: xarray.DataArray) -> tuple[Vector, NDArray[np.float64]]:
+    """The lowest orders of the cam, whose turn is the cycle, and their amplitudes at each speed."""
+    values = load.values[:, :-1]
+    amplitude = 2.0 * np.abs(np.fft.rfft(values, axis=1)) / values.shape[1]
+    return np.arange(1, MOST_ORDERS + 1), amplitude[:, 1 : MOST_ORDERS + 1]
+
+
+def find_cam_speeds(cycles: xarray.Dataset) -> Vector:
+    """Of the cam (rad/s)."""
+    return np.asarray(cycles["speed"].values * cycles.attrs["cam_ratio"])
+
+
+def list_frequencies(cycles: xarray.Dataset) -> list[tuple[str, float]]:
+    """Kind and natural frequency (Hz)."""
+    return [
+        (kind, float(frequency))
+        for kind in NATURAL
+        for frequency in np.atleast_1d(cycles.attrs.get(f"{kind}_frequencies", []))
+    ]
+
+
+def _scale(amplitude: NDArray[np.float64]) -> LogNorm:
+    return LogNorm(1e-4 * float(amplitude.max()), float(amplitude.max()))
+
+
+def _add_legend(axes: Axes) -> None:
+    """Each label once."""
+    handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+    if handles:
+        axes.legend(handles.values(), handles.keys(), loc="upper left")

@@ -104,6 +104,22 @@ def _friction_power(part: Part) -> float:
     return part.mean(part["friction_force"] * part["sliding_velocity"])
 
 
+def _friction_torque(part: Part) -> float:
+    """The power over the mean speed of the cam."""
+    return _friction_power(part) * part.cycle.times[-1] / float(part.angle[-1] - part.angle[0])
+
+
+def _ramp_left(part: Part) -> float:
+    """Lift of the one cam over the height of its ramp, as the valve lands: above 1 the ramp has not begun."""
+    landing, cams = _landing(part), _find_cams(part.cycle)
+    if landing is None or len(cams) != 1:
+        return math.nan
+    instance = part.cycle.system.instances[cams[0]]
+    has_ramps = "ramp_height" in instance.component.parameters.names
+    height = parameter_of(instance, "ramp_height") if has_ramps else 0.0
+    return float(part.cycle[f"{cams[0]}.cam_lift"][landing]) / height if height > 0.0 else math.nan
+
+
 CONTACT: Mapping[str, Number] = {
     "least_load": (Result("N", "least load"), lambda c: float(np.min(c["load"]))),
     "least_load_angle": (
@@ -116,6 +132,10 @@ CONTACT: Mapping[str, Number] = {
         Result("Pa", "largest Hertz pressure", display_unit=MEGAPASCAL),
         lambda c: float(np.max(c["maximum_pressure"])),
     ),
+    "stress_ratio": (
+        Result("1", "largest Hertz pressure over the permissible one, elastic_limit"),
+        lambda c: float(np.max(c["maximum_pressure"])) / c.parameter("elastic_limit"),
+    ),
     "least_film": (
         Result("m", "least film thickness", display_unit=MICROMETRES),
         lambda c: float(np.min(c["minimum_film_thickness"])),
@@ -125,6 +145,7 @@ CONTACT: Mapping[str, Number] = {
         lambda c: float(np.min(c["film_ratio"])),
     ),
     "friction_power": (Result("W", "mean friction power"), _friction_power),
+    "friction_torque": (Result("N.m", "mean friction power over the speed of the cam"), _friction_torque),
 }
 VALVE: Mapping[str, Number] = {
     "largest_lift": (
@@ -132,6 +153,7 @@ VALVE: Mapping[str, Number] = {
         lambda v: float(np.max(v["valve_lift"])),
     ),
     "seating_velocity": (Result("m/s", "velocity of landing"), _seating_velocity),
+    "ramp_left": (Result("1", "lift of the cam over its ramp's height at landing"), _ramp_left),
     "bounce": (Result("m", "bounce after landing", display_unit=MICROMETRES), _bounce),
     "spring_margin": (Result("1", "least load on the open valve over the spring's force"), _spring_margin),
     "surge_force": (Result("N", "largest force by surge"), _surge),
@@ -171,7 +193,7 @@ TABLES: Mapping[str, Mapping[str, Number]] = {
     "camshaft": SHAFT,
     "valve_spring": VALVE,
     "lash_adjuster": ADJUSTER,
-    "valve": {name: VALVE[name] for name in ("largest_lift", "seating_velocity", "bounce")},
+    "valve": {name: VALVE[name] for name in ("largest_lift", "seating_velocity", "ramp_left", "bounce")},
     "coil_spring": SPRING,
     **dict.fromkeys(CONTACTS, CONTACT),
 }
@@ -206,11 +228,16 @@ def parameter_of(instance: Instance, name: str) -> float:
 
 def find_lifted(cycle: Cycle) -> NDArray[np.bool_]:
     """Where the one cam lifts by a tenth of its lift; everywhere, if there are several or none."""
-    lifts = [name for name in cycle.system.outputs.names if name.endswith(".cam_lift")]
-    if len(lifts) != 1:
+    cams = _find_cams(cycle)
+    if len(cams) != 1:
         return np.ones(cycle.times.size, dtype=np.bool_)
-    lift = cycle[lifts[0]]
+    lift = cycle[f"{cams[0]}.cam_lift"]
     return np.asarray(lift > LIFTED * np.max(lift))
+
+
+def _find_cams(cycle: Cycle) -> list[str]:
+    """Instances with a cam."""
+    return [name for name, i in cycle.system.instances.items() if "cam_lift" in i.component.outputs.names]
 
 
 def is_separated(cycle: Cycle) -> bool:

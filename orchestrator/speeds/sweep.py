@@ -13,10 +13,10 @@ import numpy as np
 import xarray
 from rich.table import Table
 
-from models.core.system import ModelError
+from models.core.system import ModelError, System
 from models.monolithic.cycle import STEADY
 
-from ..plots.speeds import draw_map, draw_orders, draw_summary
+from ..plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_summary
 from ..plots.style import save_figure
 from ..reporter import Reporter
 from ..scenario.files import find, load, override, read_contents
@@ -168,13 +168,9 @@ def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path) -> list[Pat
     if len(cycles) < 2:
         return files
     system = subject.system_at(float(table["speed"][0]))
-    surges = {
-        parameter_of(instance, "surge_frequency")
-        for instance in system.instances.values()
-        if instance.component.name == "valve_spring"
-    }
     joined = join_cycles(cycles).assign_attrs(
-        surge_frequencies=sorted(surges), cam_ratio=1.0 / count_turns(system)
+        cam_ratio=1.0 / count_turns(system),
+        **{f"{kind}_frequencies": found for kind, found in find_natural_frequencies(system).items() if found},
     )
     joined.to_netcdf(out / ALL, engine="h5netcdf")
     files.append(out / ALL)
@@ -183,7 +179,22 @@ def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path) -> list[Pat
         stem = load_name.replace(".", "-")
         files.append(save_figure(partial(draw_map, joined, load_name), out / f"{stem}-map.png"))
         files.append(save_figure(partial(draw_orders, joined, load_name), out / f"{stem}-orders.png"))
+        files.append(save_figure(partial(draw_campbell, joined, load_name), out / f"{stem}-campbell.png"))
     return files
+
+
+def find_natural_frequencies(system: System) -> dict[str, list[float]]:
+    """Of springs and shafts (Hz), as their parameters state them, by kind."""
+    found = {
+        kind: {
+            parameter_of(instance, name)
+            for instance in system.instances.values()
+            for name in instance.component.parameters.names
+            if name.startswith(f"{kind}_frequency")
+        }
+        for kind in NATURAL
+    }
+    return {kind: sorted(frequencies) for kind, frequencies in found.items()}
 
 
 def join_cycles(cycles: list[tuple[float, Path]]) -> xarray.Dataset:

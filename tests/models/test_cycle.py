@@ -48,6 +48,16 @@ def test_loads_of_steady_cycles(speed, record):
         record("Train", quantity, float(value), expected, "independent evaluation", tolerance=0.15)
 
 
+def test_orders_of_the_load(record):
+    """At 3000 r/min the tenth order is near the surge of the spring."""
+    load = cycle_at(3000.0, contact=STIFF)["contact.load"][:-1]
+    amplitude = 2.0 * np.abs(np.fft.rfft(load)) / load.size
+    for order, expected in ((1, 44.8197), (2, 116.9976), (5, 132.5871), (10, 35.5846)):
+        quantity = f"direct train at 3000 r/min: order {order} of the load (N)"
+        found = float(amplitude[order])
+        record("Train", quantity, found, expected, "independent evaluation", tolerance=0.05)
+
+
 def test_loads_of_nested_springs(record):
     """Linear as long as contact is kept: the loads of both springs add, each with half of the valve, and with
     500 N more preload that keeps them in contact on their own."""

@@ -12,9 +12,11 @@ import xarray
 
 from models.core.system import Instance, System
 from models.monolithic.cycle import Cycle
+from orchestrator.plots.speeds import find_orders
 from orchestrator.scenario.files import load
 from orchestrator.speeds.figures_of_merit import describe_numbers, measure
 from orchestrator.speeds.separation import CLOSE, bisect_separation
+from orchestrator.speeds.sweep import read_table
 
 from .commands import called, said
 
@@ -35,12 +37,36 @@ def test_a_sweep_leaves_a_table_cycles_and_figures(swept: tuple[Path, str]) -> N
     speeds = [float(row["speed [rad/s]"]) for row in rows]
     np.testing.assert_allclose(speeds, np.array([1000.0, 2200.0, 3400.0]) * math.pi / 30.0)
     assert set(describe_numbers(load("valve-train"))) <= {name.split(" ")[0] for name in rows[0]}
-    for name in ("speeds.png", "contact-load-map.png", "contact-load-orders.png"):
+    for name in (
+        "speeds.png",
+        "contact-load-map.png",
+        "contact-load-orders.png",
+        "contact-load-campbell.png",
+    ):
         assert (out / name).stat().st_size > 10_000
     with xarray.open_dataset(out / "cycles.nc", engine="h5netcdf") as cycles:
         assert dict(cycles.sizes) == {"speed": 3, "share": 721}
         least = cycles["contact.load"].min("share").values
     np.testing.assert_allclose([float(row["contact.least_load [N]"]) for row in rows], least)
+
+
+def test_friction_stress_and_orders_follow_from_the_cycles(swept: tuple[Path, str]) -> None:
+    """Power is torque times speed; the stress is over the contact's elastic limit; orders are harmonics."""
+    out, _ = swept
+    table = read_table(out)
+    speed = table["speed"].values
+    power, torque = table["contact.friction_power"].values, table["contact.friction_torque"].values
+    np.testing.assert_allclose(torque * speed, power, rtol=1e-9)
+    peak = table["contact.peak_pressure"].values
+    np.testing.assert_allclose(table["contact.stress_ratio"].values, peak / (1.67 * 1.2e9), rtol=1e-12)
+    with xarray.open_dataset(out / "cycles.nc", engine="h5netcdf") as cycles:
+        assert cycles.attrs["surge_frequencies"] == 504.5
+        load = cycles["contact.load"].values[0]
+        _, amplitude = find_orders(cycles["contact.load"])
+    angle = np.linspace(0.0, 2.0 * np.pi, load.size)
+    second = np.trapezoid(load * np.exp(-2j * angle), angle) / np.pi
+    # Both ends of the cycle agree within 1e-5.
+    assert amplitude[0, 1] == pytest.approx(abs(second), rel=1e-5)
 
 
 def test_it_tells_the_speed_of_separation(swept: tuple[Path, str]) -> None:
