@@ -144,7 +144,7 @@ def draw_campbell(cycles: xarray.Dataset, name: str) -> Figure:
     return figure
 
 
-def find_orders(load: xarray.DataArray) -> tuple[Vector, NDArray[np.float64]]:
+def find_orders(load: xarray.DataArray) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """The lowest orders of the cam, whose turn is the cycle, and their amplitudes at each speed."""
     values = load.values[:, :-1]
     amplitude = 2.0 * np.abs(np.fft.rfft(values, axis=1)) / values.shape[1]
