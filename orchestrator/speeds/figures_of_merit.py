@@ -187,6 +187,22 @@ ADJUSTER: Mapping[str, Number] = {
         lambda a: float(np.max(a["extension"])),
     ),
 }
+PIVOT: Mapping[str, Number] = {
+    "friction_power": (Result("W", "mean friction power"), lambda p: p.mean(p["power_loss"])),
+}
+BEARING: Mapping[str, Number] = {
+    "bearing_load": (Result("N", "largest load of the bearing"), lambda b: float(np.max(b["load"]))),
+    **{name: CONTACT[name] for name in ("least_film", "least_film_ratio")},
+    "largest_eccentricity": (
+        Result("1", "largest eccentricity over the clearance"),
+        lambda b: float(np.max(b["eccentricity_ratio"])),
+    ),
+    "peak_pressure": (
+        Result("Pa", "highest pressure of the film", display_unit=MEGAPASCAL),
+        lambda b: float(np.max(b["maximum_pressure"])),
+    ),
+    **PIVOT,
+}
 # By component.
 TABLES: Mapping[str, Mapping[str, Number]] = {
     "flywheel": DRIVE,
@@ -195,6 +211,8 @@ TABLES: Mapping[str, Mapping[str, Number]] = {
     "lash_adjuster": ADJUSTER,
     "valve": {name: VALVE[name] for name in ("largest_lift", "seating_velocity", "ramp_left", "bounce")},
     "coil_spring": SPRING,
+    "journal_bearing": BEARING,
+    "pivot_friction": PIVOT,
     **dict.fromkeys(CONTACTS, CONTACT),
 }
 

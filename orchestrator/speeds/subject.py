@@ -35,7 +35,8 @@ STEADY = {
 # Of outputs that a cycle's file keeps.
 KEPT = (
     "load", "film_thickness", "maximum_pressure", "position", "velocity", "valve_lift", "spring_force",
-    "seat_force", "supplied_torque", "pressure", "extension", "cam_lift",
+    "seat_force", "minimum_film_thickness", "friction_torque", "supplied_torque", "pressure", "extension",
+    "cam_lift",
 )  # fmt: skip
 
 

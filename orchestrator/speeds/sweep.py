@@ -13,6 +13,7 @@ import numpy as np
 import xarray
 from rich.table import Table
 
+from models.contact.records import CONTACTS
 from models.core.system import ModelError, System
 from models.monolithic.cycle import STEADY
 
@@ -24,7 +25,7 @@ from ..study.files import Plan, parse_study
 from ..study.points import expand_points
 from ..study.run import Where, run
 from ..study.store import DONE
-from .figures_of_merit import is_separated, parameter_of
+from .figures_of_merit import is_separated, kinds_of, parameter_of
 from .separation import bisect_separation
 from .subject import SpeedSubject, count_turns, cycle_path, find_flywheel
 
@@ -108,7 +109,7 @@ def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
 
 
 def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:
-    """Head, result and factor of what a line shows: of the first part that has it."""
+    """Head, result and factor of what a line shows: of the first part that has it, contacts before others."""
     wanted = (
         ("least N", ".least_load", 1.0),
         ("at deg", ".least_load_angle", math.degrees(1.0)),
@@ -121,7 +122,8 @@ def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:
     )
     found = []
     for head, ending, scale in wanted:
-        name = next((str(n) for n in table.data_vars if str(n).endswith(ending)), None)
+        names = [str(n) for n in table.data_vars if str(n).endswith(ending)]
+        name = min(names, key=lambda n: f"{n.split('.')[0]}.lost" not in table, default=None)
         if name is not None and np.any(np.isfinite(table[name].values)):
             found.append((head, name, scale))
     return found
@@ -174,8 +176,8 @@ def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path) -> list[Pat
     )
     joined.to_netcdf(out / ALL, engine="h5netcdf")
     files.append(out / ALL)
-    loads = [str(name) for name in joined.data_vars if str(name).endswith(".load")]
-    for load_name in loads[:2]:
+    contacts = [name for name, kind in kinds_of(system).items() if kind in CONTACTS]
+    for load_name in [f"{name}.load" for name in contacts[:2]]:
         stem = load_name.replace(".", "-")
         files.append(save_figure(partial(draw_map, joined, load_name), out / f"{stem}-map.png"))
         files.append(save_figure(partial(draw_orders, joined, load_name), out / f"{stem}-orders.png"))

@@ -162,3 +162,35 @@ def test_numbers_of_a_made_cycle() -> None:
     assert found["valve.bounce"] == pytest.approx(1e-4, rel=1e-3)
     assert found["valve.spring_margin"] == pytest.approx(165.0 / (330.0 + 35e3 * 8e-3))
     assert found["valve.surge_force"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_numbers_of_a_made_cycle_of_a_bearing() -> None:
+    """Extremes, and the mean of a loss that rises from 0 to 6 W and stays there as long."""
+    from models.catalogue import CATALOGUE
+
+    component = CATALOGUE["journal_bearing"]()
+    times = np.linspace(0.0, 1.0, 201)
+    outputs = np.zeros((times.size, component.outputs.size))
+    made = {
+        "load": 500.0 * times,
+        "minimum_film_thickness": 3e-6 - 1e-6 * times,
+        "film_ratio": 7.5 - 2.5 * times,
+        "eccentricity_ratio": 0.88 + 0.04 * times,
+        "maximum_pressure": 8e6 * times,
+        "power_loss": np.minimum(12.0 * times, 6.0),
+    }
+    for name, values in made.items():
+        outputs[:, component.outputs.index(name)] = values
+    system = System({"bearing": Instance(component, {})}, ())
+    inputs = np.zeros((times.size, component.inputs.size))
+    found = measure(Cycle(system, times, inputs, outputs, system.x0, 0.0, 1), 2.0 * math.pi * times)
+    assert found == pytest.approx(
+        {
+            "bearing.bearing_load": 500.0,
+            "bearing.least_film": 2e-6,
+            "bearing.least_film_ratio": 5.0,
+            "bearing.largest_eccentricity": 0.92,
+            "bearing.peak_pressure": 8e6,
+            "bearing.friction_power": 4.5,
+        }
+    )
