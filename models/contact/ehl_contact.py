@@ -21,7 +21,8 @@ from ..core.component import Component
 from ..core.quantities import Layout, Quantity, Vector
 from .films import FILMS, film_by_number
 from .films.groups import groups
-from .hertz import elastic_energy, load_and_deflection, pair_compliance
+from .hertz import elastic_energy, load_and_deflection, maximum_pressure, pair_compliance
+from .inlet_heating import thermal_reduction
 from .mixed_lubrication import fill_surface_outputs
 from .records import (
     BONDS,
@@ -64,6 +65,16 @@ class ContactParameters(SharedParameters):
         float,
         Quantity("N", "load at which the damping is c; it grows with the load", nominal=500.0, positive=True),
     ] = 450.0
+    inlet_heating: Annotated[
+        float, Quantity("1", "heat of shear in the inlet thins the film", boolean=True)
+    ] = 0.0
+    temperature_viscosity: Annotated[
+        float,
+        Quantity("1/K", "fall beta of the viscosity with the temperature", nominal=0.03, minimum=0.0),
+    ] = 0.03
+    oil_conductivity: Annotated[
+        float, Quantity("W/m.K", "heat conductivity k of the oil", nominal=0.1, positive=True)
+    ] = 0.14
 
 
 @dataclass
@@ -81,6 +92,9 @@ class ContactOutputs(SharedOutputs):
     squeeze_in_range: Annotated[float, Quantity("1", "w_s inside K Table 3", boolean=True)] = 0.0
     load_in_range: Annotated[float, Quantity("1", "W inside K Table 3", boolean=True)] = 0.0
     speed_in_range: Annotated[float, Quantity("1", "U inside K Table 3", boolean=True)] = 0.0
+    thermal_reduction: Annotated[
+        float, Quantity("1", "share phi_T of the film that heat in the inlet leaves")
+    ] = 1.0
 
 
 class Contact(NamedTuple):
@@ -89,6 +103,7 @@ class Contact(NamedTuple):
     compliance: float
     film: float
     steady_film: float
+    thermal_reduction: float
     film_rate: float
     deflection: float
     deflection_rate: float
@@ -103,9 +118,16 @@ def contact(x: ContactState, u: ContactInputs, p: ContactParameters) -> Contact:
     compliance = pair_compliance(p)
     film = 0.0 if p.film_model == FILM_IS_DRY else x.film_thickness
     elastic_load, delta = load_and_deflection(film, compliance, u, p)
-    steady = film_by_number(
-        p.film_model, max(elastic_load, p.film_load_floor), abs(u.entraining_velocity),
-        u.radius_of_curvature, p.length, compliance, p.viscosity, p.pressure_viscosity,
+    film_load = max(elastic_load, p.film_load_floor)
+    left = 1.0
+    if p.inlet_heating != 0.0:
+        left = thermal_reduction(
+            maximum_pressure(film_load, u.radius_of_curvature, p.length, compliance), u.entraining_velocity,
+            u.sliding_velocity, compliance, p.viscosity, p.temperature_viscosity, p.oil_conductivity,
+        )  # fmt: skip
+    steady = left * film_by_number(
+        p.film_model, film_load, abs(u.entraining_velocity), u.radius_of_curvature, p.length, compliance,
+        p.viscosity, p.pressure_viscosity,
     )  # fmt: skip
     film_rate = relaxation_rate(x.film_thickness, steady, u.entraining_velocity, p.squeeze_constant)
     delta_rate = u.approach_rate - u.retreat_rate + film_rate
@@ -115,7 +137,7 @@ def contact(x: ContactState, u: ContactInputs, p: ContactParameters) -> Contact:
     else:
         margin = 1.0 + p.contact_damping * delta_rate / p.damping_reference_load
         load = elastic_load * max(0.0, margin)
-    return Contact(compliance, film, steady, film_rate, delta, delta_rate, elastic_load, margin, load)
+    return Contact(compliance, film, steady, left, film_rate, delta, delta_rate, elastic_load, margin, load)
 
 
 @kernel
@@ -148,6 +170,7 @@ def output(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, y:
     y.squeeze_in_range = inside(c.film_rate / speed, SQUEEZE_LOW, SQUEEZE_HIGH) if speed > 0.0 else 0.0
     y.load_in_range = inside(g.load, W_LOW, W_HIGH)
     y.speed_in_range = inside(g.speed, U_LOW, U_HIGH)
+    y.thermal_reduction = c.thermal_reduction
 
 
 @kernel
@@ -164,8 +187,9 @@ def energy(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, e:
 def ehl_contact() -> Component:
     """The lubricated line contact whose film follows a formula, compliant or in adherence form."""
     inputs = Layout(ContactInputs)
-    surfaces = tuple(name for name in inputs.names if name != "sliding_velocity")
-    rated = ("entraining_velocity", "applied_load", "radius_of_curvature", "approach", "retreat")
+    # Sliding heats the inlet, so that the film, and with its damping the load, depend on it.
+    surfaces = inputs.names
+    rated = tuple(name for name in inputs.names if name not in ("approach_rate", "retreat_rate"))
     return Component(
         name="ehl_contact",
         description="Elastohydrodynamic finite line contact: load and film thickness",
@@ -177,13 +201,14 @@ def ehl_contact() -> Component:
         output=output,
         energy=energy,
         feedthrough={
-            **feedthrough_of_load(inputs),
+            **feedthrough_of_load(inputs, surfaces),
             "squeeze_velocity": rated,
             "steady_film_thickness": rated,
             "damping_margin": surfaces,
             "squeeze_in_range": rated,
             "load_in_range": surfaces,
             "speed_in_range": ("entraining_velocity", "radius_of_curvature"),
+            "thermal_reduction": rated,
         },
         bonds=BONDS,
         event_indicators=("deflection", "damping_margin"),

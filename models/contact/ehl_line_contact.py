@@ -117,6 +117,7 @@ def ehl_line_contact(nodes: int = NODES) -> Component:
     """The lubricated line contact with a pressure field of so many nodes; ValueError if they cannot be."""
     inputs = Layout(ContactInputs)
     state = field_layout(nodes)
+    surfaces = tuple(name for name in inputs.names if name != "sliding_velocity")
     rated = ("entraining_velocity", "applied_load", "radius_of_curvature", "approach", "retreat")
     return Component(
         name="ehl_line_contact",
@@ -129,7 +130,7 @@ def ehl_line_contact(nodes: int = NODES) -> Component:
         output=output,
         energy=make_field_energy(nodes),
         feedthrough={
-            **feedthrough_of_load(inputs),
+            **feedthrough_of_load(inputs, surfaces),
             "steady_film_thickness": rated,
             "squeeze_velocity": rated,
         },

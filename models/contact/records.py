@@ -233,9 +233,8 @@ CONTACTS = ("ehl_contact", "ehl_line_contact")
 BONDS = (PowerBond("load", "approach_rate", +1), PowerBond("load", "retreat_rate", -1))
 
 
-def feedthrough_of_load(inputs: Layout) -> dict[str, tuple[str, ...]]:
-    """The inputs that outputs of a contact under Hertzian load depend on at the same instant."""
-    surfaces = tuple(name for name in inputs.names if name != "sliding_velocity")
+def feedthrough_of_load(inputs: Layout, surfaces: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    """The inputs that outputs of a contact depend on at the same instant, the load on `surfaces`."""
     return {
         "load": surfaces,
         "deflection": ("approach", "retreat", "applied_load", "radius_of_curvature"),

@@ -1,0 +1,83 @@
+"""Heat in the inlet: limits, similarity, another fit, and the film of the contact."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.catalogue import CATALOGUE
+from models.contact.hertz import elastic_compliance
+from models.contact.inlet_heating import thermal_reduction
+
+from ..systems import outputs_of, rates_of
+
+COMPLIANCE = elastic_compliance(207e9, 0.3, 207e9, 0.3)
+CONTACT = CATALOGUE["ehl_contact"]()
+# Magnitudes of cam contacts.
+PRESSURES = st.floats(0.0, 1.5e9)
+VELOCITIES = st.floats(0.01, 15.0)
+SLIDING = st.floats(-15.0, 15.0)
+VISCOSITIES = st.floats(2e-3, 0.3)
+
+
+def reduction(pressure, velocity, sliding, viscosity, temperature_viscosity=0.03, conductivity=0.14):
+    oil = (viscosity, temperature_viscosity, conductivity)
+    return thermal_reduction(pressure, velocity, sliding, COMPLIANCE, *oil)
+
+
+@given(PRESSURES, VELOCITIES, SLIDING, VISCOSITIES)
+def test_heat_thins_the_film_more_with_pressure_speed_sliding_and_viscosity(p, u, us, eta):
+    found = reduction(p, u, us, eta)
+    assert 0.0 < found < 1.0
+    assert reduction(1.1 * p, u, us, eta) <= found
+    assert reduction(p, 1.1 * u, 1.1 * us, eta) < found
+    assert reduction(p, u, 1.1 * us + math.copysign(0.1, us), eta) < found
+    assert reduction(p, u, us, 1.1 * eta) < found
+    assert reduction(p, -u, us, eta) == reduction(p, u, -us, eta) == found
+
+
+@given(PRESSURES, SLIDING, VISCOSITIES)
+def test_there_is_no_heat_at_rest_without_sliding_or_a_coefficient(p, us, eta):
+    """As u tends to zero with a given sliding velocity, by u^0.42."""
+    assert reduction(p, 0.0, us, eta) == 1.0
+    assert reduction(p, 1e-12, us, eta) == pytest.approx(1.0, abs=1e-3)
+    assert reduction(p, 3.0, us, eta, temperature_viscosity=0.0) == 1.0
+
+
+@given(PRESSURES, VELOCITIES, SLIDING, VISCOSITIES, st.floats(0.2, 5.0))
+def test_three_groups_determine_it(p, u, us, eta, factor):
+    """p0/E', L and S: the same with all speeds times f, and beta times 1/f^2; or beta and k times f."""
+    found = reduction(p, u, us, eta)
+    slower = reduction(p, factor * u, factor * us, eta, temperature_viscosity=0.03 / factor**2)
+    better = reduction(p, u, us, eta, 0.03 * factor, 0.14 * factor)
+    softer = thermal_reduction(p / factor, u, us, factor * COMPLIANCE, eta, 0.03, 0.14)
+    assert [slower, better, softer] == pytest.approx([found] * 3, rel=1e-12)
+
+
+@pytest.mark.parametrize("loading", [0.1, 0.3, 1.0, 3.0, 10.0])
+def test_rolling_agrees_with_another_fit(loading, record):
+    """Murch and Wilson (1975), 3.94/(3.94 + L^0.62), from a thermal Reynolds equation of the inlet."""
+    velocity = math.sqrt(loading * 0.14 / (0.03 * 0.05))
+    found = reduction(0.002 * 2.0 / COMPLIANCE, velocity, 0.0, 0.05)
+    other = 3.94 / (3.94 + loading**0.62)
+    quantity = "share of the film that heat in the inlet leaves, rolling, L = 0.1 to 10"
+    record("Film", quantity, found, other, "Murch and Wilson (1975)", relative=0.02)
+
+
+def test_the_film_of_the_contact_is_the_isothermal_one_times_the_reduction():
+    """At the same load; the film relaxes to it."""
+    inputs = {"applied_load": 500.0, "entraining_velocity": 5.0, "sliding_velocity": 8.0}
+    given_load = {"load_is_given": 1.0}
+    cold = outputs_of(CONTACT, given_load, inputs=inputs)
+    heated = {**given_load, "inlet_heating": 1.0}
+    hot = outputs_of(CONTACT, heated, inputs=inputs)
+    expected = reduction(cold["maximum_pressure"], 5.0, 8.0, 0.036)
+    assert cold["thermal_reduction"] == 1.0
+    assert hot["thermal_reduction"] == pytest.approx(expected, rel=1e-14)
+    assert hot["steady_film_thickness"] == pytest.approx(expected * cold["steady_film_thickness"], rel=1e-14)
+    assert rates_of(CONTACT, heated, inputs=inputs, state={"film_thickness": hot["steady_film_thickness"]})[
+        "film_thickness"
+    ] == pytest.approx(0.0, abs=1e-12)
