@@ -103,9 +103,20 @@ def _compare(plan: Plan, result: ResultFile, reporter: Reporter, report: Report)
         report,
         ending=Ending(True, False, "complete", WITHIN if within else OUTSIDE),
         errors=errors,
-        verdict=text,
+        verdict=text if within else text + _advise_on_events(scenario, report.contacts),
         reference_time_s=reference.wall_time_s,
         reference_uncertainty=largest_uncertainty(errors),
+    )
+
+
+def _advise_on_events(scenario: Scenario, contacts: ContactSummaries) -> str:
+    """What helps where contacts are made and lost between steps of equal length; empty if none is."""
+    opened = [name for name, contact in contacts.items() if contact.separation]
+    if scenario.step_control or not opened:
+        return ""
+    return (
+        f"; {', '.join(opened)}: opens and closes between steps of equal length, step control locates "
+        "these instants: --set step_control.relative=1e-7"
     )
 
 

@@ -121,6 +121,20 @@ def test_too_tight_a_tolerance_is_not_a_success(tmp_path: Path) -> None:
     assert "outside the tolerance" in done.stdout
 
 
+def test_a_train_with_lash_in_equal_steps_is_told_the_remedy(tmp_path: Path) -> None:
+    """Seat and cam take up the valve between two steps; the remedy keeps the tolerance."""
+    changes = ("lash=0.2 mm", "seat_stiffness=2e7", "seat_damping=300")
+    given = [f"--set=components.valve_spring.parameters.{change}" for change in changes]
+    train = ("run", "valve-train", *given, "--set=stop_time=45 ms", "--no-figures")
+    done = tribocosim(*train, "--out", str(tmp_path / "equal"))
+    assert done.returncode == 1, done.stderr
+    (verdict,) = (line for line in done.stdout.splitlines() if "outside the tolerance" in line)
+    remedy = verdict.rpartition(": ")[2].split()
+    assert remedy[0] == "--set"
+    done = tribocosim(*train, *remedy, "--out", str(tmp_path / "located"))
+    assert done.returncode == 0, done.stdout
+
+
 def test_instability_is_named_and_what_was_computed_is_kept(tmp_path: Path) -> None:
     out = tmp_path / "out"
     arguments = ["--master", "jacobi", "--set=macro_step=100 us", "--set=stop_time=50 ms", *IN_PROCESS]
