@@ -131,6 +131,12 @@ class JournalBearingOutputs:
         float, Quantity("N.m", "torque that film and asperities take from the shaft", nominal=0.1)
     ] = 0.0
     load: Annotated[float, Quantity("N", "force on the bush", nominal=500.0)] = 0.0
+    eccentricity_x: Annotated[
+        float, Quantity("m", "eccentricity of the journal in the bush", nominal=1e-5, display_unit="um")
+    ] = 0.0
+    eccentricity_y: Annotated[
+        float, Quantity("m", "eccentricity of the journal in the bush", nominal=1e-5, display_unit="um")
+    ] = 0.0
     eccentricity_ratio: Annotated[float, Quantity("1", "eccentricity over the radial clearance")] = 0.0
     minimum_film_thickness: Annotated[
         float, Quantity("m", "least thickness of the film", nominal=1e-6, display_unit="um")
@@ -259,6 +265,7 @@ def output(
     y.force_y = p.support_stiffness * (x.eccentricity_y - u.axis_y)
     y.load = math.sqrt(y.force_x**2 + y.force_y**2)
     y.friction_torque = motion.torque
+    y.eccentricity_x, y.eccentricity_y = x.eccentricity_x, x.eccentricity_y
     y.eccentricity_ratio = film.eccentricity / p.radial_clearance
     y.minimum_film_thickness = film.thinnest
     y.film_ratio = film.thinnest / p.roughness

@@ -20,6 +20,7 @@ KINDS = (
     "valves",
     "film_and_load",
     "solved_film",
+    "journal_orbits",
     "difference",
     "slider_crank_motion",
     "slider_crank_phase",

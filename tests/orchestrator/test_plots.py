@@ -15,6 +15,7 @@ from orchestrator.assessment.diagnosis import Steps
 from orchestrator.plots import (
     difference,
     film_and_load,
+    journal_orbits,
     slider_crank_motion,
     slider_crank_phase,
     solution,
@@ -292,3 +293,20 @@ def test_steps_that_are_all_alike_but_the_first_are_not_drawn(bouncing: FigureDa
     """The first of Gauss-Seidel's have two iterations, while its polynomials gather their past."""
     assert not steps.applies(replace(bouncing, steps=macro_steps([2, 2, 1, 1, 1, 1])))
     assert steps.applies(replace(bouncing, steps=macro_steps([2, 2, 1, 1, 2, 1])))
+
+
+def test_orbits_are_in_parts_of_the_clearance() -> None:
+    """A circle of 10 um in a clearance of 25 um has the radius 0.4; a journal in the middle is at 0."""
+    time = np.linspace(0.0, 0.12, 101)
+    x, y = 1e-5 * np.cos(100.0 * time), 1e-5 * np.sin(100.0 * time)
+    x[0] = y[0] = 0.0
+    columns = {"x": x, "y": y, "ratio": np.hypot(x, y) / 25e-6}
+    coupled = {f"bearing_1.eccentricity_{end}": (values, METRE) for end, values in columns.items()}
+    coupled["bearing_1.minimum_film_thickness"] = (25e-6 - np.hypot(x, y), METRE)
+    data = build_data("shaft-in-bearings", time, coupled)
+    orbit = np.hypot(*journal_orbits.find_orbit(data, "bearing_1"))
+    assert orbit[0] == 0.0
+    assert orbit[1:] == pytest.approx(0.4)
+    assert journal_orbits.applies(data)
+    above, _ = journal_orbits.draw(data).axes
+    assert above.get_title(loc="left") == "bearing 1"
