@@ -20,6 +20,7 @@ from ..analyses import Parameter, Result
 from ..errors import MistakeError
 from ..scenario import Scenario, build_scenario
 from ..scenario.files import put, to_full_toml
+from ..scenario.oil import list_oils
 from ..scenario.system import build_system, resolve_start
 from ..scenario.values import Value
 from ..scenario.warnings import list_warnings
@@ -67,7 +68,7 @@ class SpeedSubject:
         return ()
 
     def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
-        return list_warnings(self.scenario)
+        return [*list_oils(self.scenario), *list_warnings(self.scenario)]
 
     def content(self) -> str:
         return to_full_toml(self.scenario)

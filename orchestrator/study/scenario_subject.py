@@ -25,6 +25,7 @@ from ..run.comparison import VariableError
 from ..run.pipeline import run
 from ..scenario import DURATIONS, Scenario, build_scenario, parse_ends
 from ..scenario.files import put, split_path, to_full_toml
+from ..scenario.oil import list_oils
 from ..scenario.system import Builder
 from ..scenario.values import Value, parse_value
 from ..scenario.warnings import list_warnings
@@ -145,7 +146,9 @@ class ScenarioSubject:
         quantity = self._find_quantity(path)
         if quantity is not None:
             return Result(quantity.unit, quantity.description, display_unit=quantity.display_unit)
-        return Result("s" if path in DURATIONS else "1", path)
+        if path in DURATIONS:
+            return Result("s", path)
+        return Result("K" if path.endswith(".temperature") else "1", path)
 
     @property
     def default_figure(self) -> Sequence[str]:
@@ -156,7 +159,8 @@ class ScenarioSubject:
         return (found or list(self.results))[:MOST_DRAWN]
 
     def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
-        return list_warnings(self.build_scenario_at(values))
+        scenario = self.build_scenario_at(values)
+        return [*list_oils(scenario), *list_warnings(scenario)]
 
     def content(self) -> str:
         return to_full_toml(self.scenario) + "".join(self._list_third_party_fmus())
@@ -201,9 +205,9 @@ def _collect_contact(name: str, summary: ContactSummary | None) -> dict[str, flo
 
 def _find_value(scenario: Scenario, keys: list[str]) -> Value:
     """The value at a path of a whole scenario."""
-    content: Any = scenario.model_dump()
+    content: Any = scenario
     for key in keys:
-        content = content[key]
+        content = content[key] if isinstance(content, Mapping) else getattr(content, key)
     if not isinstance(content, (bool, int, float, str)):
         raise MistakeError(f"{'.'.join(keys)}: must be a single value")
     return content

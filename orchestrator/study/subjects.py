@@ -35,7 +35,7 @@ class Subject(Protocol):
         ...
 
     def list_warnings(self, values: Mapping[str, Value]) -> list[str]:
-        """Warnings about a point before its evaluation."""
+        """Oils of a point, and warnings about it, before its evaluation."""
         ...
 
     def content(self) -> str:

@@ -16,7 +16,7 @@ from orchestrator.study.source import compute_fingerprint
 from orchestrator.study.task import evaluate
 
 from .commands import IN_PROCESS
-from .studies import plan_scenario, refuse_build
+from .studies import plan_scenario, plan_study, refuse_build
 
 SETTINGS = [text.removeprefix("--set=") for text in IN_PROCESS]
 LIFT = "components.camshaft.parameters.lift"
@@ -50,6 +50,28 @@ def test_results_are_those_of_the_run(tmp_path: Path) -> None:
                 assert found[f"{name}.minimum"] == values.min()
                 assert found[f"{name}.maximum"] == values.max()
             assert found[f"{name}.mean"] == pytest.approx(np.mean(values.values), rel=1e-15, abs=0.0)
+
+
+def test_an_oil_is_studied_over_grades_and_temperatures(tmp_path: Path) -> None:
+    """Hotter, or of a thinner grade, it makes a thinner film."""
+    oil, temperature = "components.contact.oil", "components.contact.temperature"
+    rows = [
+        {oil: "SAE 5W-30", temperature: "60 degC"},
+        {oil: "SAE 5W-30", temperature: "120 degC"},
+        {oil: "SAE 0W-16", temperature: "120 degC"},
+    ]
+    file = tmp_path / "oil.toml"
+    file.write_text(
+        'extends = "valve-train"\n[components.contact]\noil = "SAE 30"\ntemperature = "90 degC"\n'
+    )
+    fixed = {"stop_time": "2 ms", "reference.enabled": False} | dict(text.split("=") for text in SETTINGS)
+    study = plan_study({"kind": "list", "rows": rows}, None, scenario=str(file), fixed=fixed)
+    assert [point[temperature] for point in study.points] == [333.15, 393.15, 393.15]
+    assert study.subject.describe(temperature).unit == "K"
+    (told,) = study.subject.list_warnings(study.points[2])
+    assert told.startswith("contact: SAE 0W-16 at 120 degC has a viscosity of")
+    films = [study.subject.evaluate(point)["contact.steady_film_thickness.mean"] for point in study.points]
+    assert films[0] > 2.0 * films[1] > 2.0 * films[2]
 
 
 def test_a_run_that_fails_is_a_failed_point_with_its_message() -> None:
