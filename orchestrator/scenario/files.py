@@ -131,13 +131,13 @@ def _resolve_paths(content: dict[str, Any], folder: Path) -> None:
 
 
 def merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    """Merge `over` into `base`: tables are merged, connections added, other values replaced."""
+    """Merge `over` into `base`: tables are merged, connections added, other values and oils replaced."""
     result = dict(base)
     for key, value in over.items():
         below = result.get(key)
         if key == "connections" and isinstance(below, list) and isinstance(value, list):
             result[key] = [*below, *value]
-        elif isinstance(below, dict) and isinstance(value, dict):
+        elif isinstance(below, dict) and isinstance(value, dict) and key != "oil":
             if key == "master" and "name" in value:
                 below = drop_other_options(below, value["name"])
             result[key] = merge(below, value)

@@ -71,6 +71,17 @@ def test_a_run_tells_what_it_takes_and_gives_the_bits_of_the_numbers(tmp_path):
     assert "a grade that allows 9.3 to 12.5 mm2/s at 100 degC" in line
 
 
+def test_an_oil_replaces_that_of_the_scenario_below_as_a_whole(tmp_path):
+    """A measured coefficient of another oil is not kept, nor a grade."""
+    measured = SHEET.replace("855 kg/m3", '855 kg/m3", pressure_viscosity = "13 1/GPa')
+    (tmp_path / "below.toml").write_text(f'extends = "valve-train"\n{measured}')
+    for text in (SHEET, OIL):
+        table = load(write(tmp_path, text, "below.toml")).components["contact"]
+        assert table.parameters["pressure_viscosity"] == evaluate_oil(GRADES["SAE 5W-30"], 363.15)[1]
+    below = load(tmp_path / "below.toml").components["contact"]
+    assert below.parameters["pressure_viscosity"] == 13e-9
+
+
 def test_contacts_with_the_same_oil_share_a_line():
     names = ["contact", "contact_2", "contact_3", "contact_4"]
     content = read_contents(SHIPPED / "valve-train.toml")

@@ -27,8 +27,11 @@ from .names import EVERY
 STEPS = (1e-1, 1e-2, 1e-3, 1e-4)
 # Of differences with an error of sixth order: places in half steps, weights.
 STENCIL = ((1.0, 45.0 / 60.0), (2.0, -9.0 / 60.0), (3.0, 1.0 / 60.0))
-# Parameters that are not as they start, where those are at the edge of their range.
-GIVEN: dict[str, dict[str, float]] = {"valve_spring": {"seat_stiffness": 1e7, "seat_damping": 100.0}}
+# Parameters that are not as they start, where those are at the edge of their range or leave something out.
+GIVEN: dict[str, dict[str, float]] = {
+    "valve_spring": {"seat_stiffness": 1e7, "seat_damping": 100.0},
+    "ehl_contact": {"inlet_heating": 1.0},
+}
 # What the best of these differences leaves of terms of higher order.
 RELATIVE = 1e-7
 # Rounding of what is calculated, relative: cancellation may cost five digits of sixteen, and of rates five
@@ -199,7 +202,11 @@ def exchanging(slave: Instance) -> Iterator[Any]:
     model.instantiate()
     model.setupExperiment()
     for name, value in GIVEN.get(about.modelName, {}).items():
-        model.setReal([slave.variables[name].valueReference], [value])
+        variable = slave.variables[name]
+        if variable.type == "Boolean":
+            model.setBoolean([variable.valueReference], [bool(value)])
+        else:
+            model.setReal([variable.valueReference], [value])
     model.enterInitializationMode()
     model.exitInitializationMode()
     yield model
