@@ -196,11 +196,11 @@ def test_a_measured_mineral_oil(record) -> None:
 
 
 def test_the_coefficient_of_a_synthetic_paraffinic_oil_is_overestimated() -> None:
-    """By 40 to 100 %: known_limits.toml says so, and that a measured one can be given."""
+    """By 40 to 90 %: known_limits.toml says so, and that a measured one can be given."""
     viscosities, coefficients, density_15 = PARAFFINIC
     oil = through(viscosities, density_15)
     found = [1e9 * pressure_viscosity(oil, celsius(t)) for t in FAHRENHEIT]
-    assert np.all((np.array(found) / coefficients > 1.4) & (np.array(found) / coefficients < 2.0))
+    assert np.all((np.array(found) / coefficients > 1.4) & (np.array(found) / coefficients < 1.9))
 
 
 def test_the_page_has_the_numbers_of_all_grades() -> None:
