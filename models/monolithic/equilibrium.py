@@ -12,6 +12,9 @@ from ..core.system import ModelError, System
 # The Newton step that remains, in nominal sizes, at which an equilibrium counts as found.
 CLOSE = 1e-9
 POLISHING_STEPS = 4
+# Of pseudo-transient continuation: the first step (s), its growth, the largest change in a step in nominal
+# sizes, the number of steps. The last ones are longer than any motion.
+FIRST_STEP, GROWTH, FARTHEST, SETTLING_STEPS = 1e-5, 1.5, 2.0, 80
 # A positive state that changes by less of itself in a second is at rest.
 SLOW = 1e-6
 
@@ -101,9 +104,31 @@ class _Rest:
         found = root(self.residual, guess, method="hybr", tol=1e-13).x
         if not self.is_close(found):
             found = least_squares(self.residual, guess, xtol=1e-15, ftol=1e-15, gtol=1e-15).x
+        found = self.polish(found)
+        if not self.is_close(found):
+            settled = self.polish(self.settle())
+            found = settled if self.is_close(settled) else found
+        return found
+
+    def polish(self, scaled: Vector) -> Vector:
         for _ in range(POLISHING_STEPS):
-            found = found - self.newton_step(found)
-        return np.asarray(found)
+            scaled = scaled - self.newton_step(scaled)
+        return np.asarray(scaled)
+
+    def settle(self) -> Vector:
+        """Where implicit steps that grow lead from the start: pseudo-transient continuation (Kelley and Keyes
+        1998), for what Newton's method overshoots, such as a journal that sinks in its bearing."""
+        scaled, step = np.zeros(self.index.size), FIRST_STEP
+        for _ in range(SETTLING_STEPS):
+            sizes = np.where(self.positive, self.state(scaled), self.system.state.nominal)[self.index]
+            speeds = self.scale / sizes
+            left = np.eye(scaled.size) / step - speeds[:, None] * self.jacobian(scaled)
+            change = np.linalg.lstsq(left, speeds * self.residual(scaled), rcond=None)[0]
+            if np.max(np.abs(change)) > FARTHEST:
+                step /= GROWTH**3
+                continue
+            scaled, step = scaled + change, step * GROWTH
+        return np.asarray(scaled)
 
     def state(self, scaled: Vector) -> Vector:
         x = self.x0.copy()

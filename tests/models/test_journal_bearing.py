@@ -22,6 +22,10 @@ from models.contact.short_bearing import (
     find_squeeze,
     highest_pressure,
 )
+from models.core.evaluation import Evaluation
+from models.core.system import Instance, System
+from models.monolithic.equilibrium import equilibrium
+from models.valve_train.beam import Disc, Shaft, find_bending, find_torsion, list_parameters
 
 from .reynolds_bearing import solve_film
 from .systems import outputs_of, rates_of
@@ -488,3 +492,35 @@ def test_a_journal_outside_its_bush_is_refused():
     x = BEARING.state.vector({"eccentricity_x": 20e-6, "eccentricity_y": 20e-6})
     p, u = BEARING.parameters.vector({}), BEARING.inputs.vector({})
     assert "must be less than radial_clearance = 25 um" in BEARING.start_faults(p, x, u)[0]
+
+
+@pytest.mark.parametrize("speed", [100.0, 5.0, 0.5])
+def test_a_loaded_shaft_finds_its_rest_in_its_bearings(speed):
+    """From the middle of the clearance, down to speeds at which the asperities carry the load (N)."""
+    load, span = 400.0, 0.16
+    drawn = Shaft(0.2, 25e-3, [Disc(0.06, 0.1, 1.2e-4, 0.7e-4)], journals=(0.02, 0.18))
+    torsion, bending = find_torsion(drawn, 2), find_bending(drawn, 2)
+    sizes = {"torsion_modes": torsion.frequency.size, "bending_modes": bending.frequency.size}
+    ports = ("axis_x", "axis_y", "axis_velocity_x", "axis_velocity_y")
+    wires = []
+    for i in (2, 3):
+        wires += [(f"shaft.{port}[{i}]", f"bearing_{i}.{port}") for port in ports]
+        wires += [(f"shaft.cam_speed[{i}]", f"bearing_{i}.shaft_speed")]
+        wires += [(f"bearing_{i}.force_{end}", f"shaft.cam_force_{end}[{i}]") for end in "xy"]
+        wires += [(f"bearing_{i}.friction_torque", f"shaft.cam_torque[{i}]")]
+    turning = {"drive_speed": speed, "cam_force_y[1]": -load}
+    modes = list_parameters(torsion, bending, 0.0, 0.02)
+    system = System(
+        {
+            "shaft": Instance(CATALOGUE["shaft"](cams=3, **sizes), modes, inputs=turning),
+            "bearing_2": Instance(BEARING, {}),
+            "bearing_3": Instance(BEARING, {}),
+        },
+        wires,
+    )
+    found = Evaluation(system).outputs(0.0, equilibrium(system))
+    at = dict(zip(system.outputs.names, found, strict=True))
+    assert at["bearing_2.force_y"] == pytest.approx(load * 0.12 / span, rel=1e-6)
+    assert at["bearing_3.force_y"] == pytest.approx(load * 0.04 / span, rel=1e-6)
+    assert at["bearing_2.force_x"] == pytest.approx(0.0, abs=1e-6 * load)
+    assert (at["bearing_2.asperity_load"] > 0.5 * load * 0.12 / span) == (speed < 1.0)

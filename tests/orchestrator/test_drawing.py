@@ -7,9 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from models.core.evaluation import Evaluation
 from models.valve_train.beam import Disc, Shaft, find_torsion
-from orchestrator.scenario import ScenarioError
-from orchestrator.scenario.files import load
+from orchestrator.scenario import ScenarioError, build_scenario
+from orchestrator.scenario.files import list_shipped, load, override, read_contents
+from orchestrator.scenario.system import build_system, resolve_start
 
 GOOD = (
     'length = "100 mm"\ndiameter = "20 mm"\ncams = [{ place = "40 mm" }, { place = 0.08, inertia = 2e-4 }]\n'
@@ -74,3 +76,18 @@ def test_mistakes_in_a_drawing_are_named(tmp_path: Path, drawing: str, message: 
 def test_only_shafts_have_drawings(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match=r"drawing: flywheel has none"):
         load(write(tmp_path, GOOD, "flywheel"))
+
+
+@pytest.mark.parametrize("speed", [1000, 100, 10])
+def test_a_slow_shaft_finds_its_rest_in_its_bearings(speed: int) -> None:
+    """The journals sink until film or asperities carry the cam's load, which Newton's method overshoots."""
+    content = read_contents(list_shipped()["shaft-in-bearings"])
+    override(content, f"components.flywheel.parameters.initial_speed={speed} rpm")
+    scenario = build_scenario(content)
+    system = resolve_start(scenario, build_system(scenario))
+    evaluation = Evaluation(system)
+    outputs = dict(zip(system.outputs.names, evaluation.outputs(0.0, system.x0).tolist(), strict=True))
+    rates = dict(zip(system.state.names, evaluation.derivative(0.0, system.x0).tolist(), strict=True))
+    carried = sum(outputs[f"bearing_{i}.force_y"] for i in (1, 2))
+    assert carried == pytest.approx(outputs["contact.load"], rel=1e-9)
+    assert max(abs(rates[f"bearing_{i}.eccentricity_{end}"]) for i in (1, 2) for end in "xy") < 1e-12

@@ -8,7 +8,7 @@ from models.core.system import ModelError
 from orchestrator.errors import ParticipantError
 from orchestrator.participants import in_process
 from orchestrator.run.simulation import simulate
-from orchestrator.scenario import ScenarioError
+from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 
@@ -215,10 +215,26 @@ def test_a_key_in_a_wrong_table_is_sent_to_its_own(content: str, message: str, t
 
 
 def test_without_an_equilibrium_the_odd_parameter_and_the_cure_are_named() -> None:
-    scenario = load("valve-train", ["components.contact.parameters.viscosity=8"])
+    """A tappet that a load presses away from its cam has none."""
+    content = {
+        "name": "pressed",
+        "stop_time": 1.0,
+        "macro_step": 0.1,
+        "connections": [],
+        "reference": {"enabled": False},
+        "components": {
+            "tappet": {
+                "component": "tappet",
+                "parameters": {"mass": 80.0, "guide_damping": 5.0},
+                "inputs": {"load": 100.0},
+            },
+        },
+    }
+    scenario = build_scenario(content)
     with pytest.raises(ModelError) as error:
         resolve_start(scenario, build_system(scenario))
-    assert "contact.viscosity = 8 Pa.s" in str(error.value)
+    assert "tappet.velocity still changes at" in str(error.value)
+    assert "tappet.mass = 80 kg" in str(error.value)
     assert 'start = "given"' in str(error.value)
 
 
