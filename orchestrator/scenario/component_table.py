@@ -10,7 +10,6 @@ from typing import Any, Literal
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from models.catalogue import CATALOGUE
-from models.contact.records import CONTACTS
 from models.core.component import Component
 from models.core.quantities import Layout
 
@@ -19,7 +18,7 @@ from ..participants import ThirdPartyComponent, is_made_here, read_component
 from .drawing import ShaftDrawing, insert_drawing
 from .fields import Table, Written
 from .lift_table import LiftTableError, insert_lift_table
-from .oil import OilSheet, Temperature, insert_oil
+from .oil import OILED, OilSheet, Temperature, insert_oil
 from .third_party_values import convert_enumerations, select_strings
 from .values import Faults, Value, build_component, parse_values
 
@@ -59,13 +58,13 @@ class ComponentTable(Table):
     )
     oil: str | OilSheet | None = Field(
         None,
-        description="Oil of a lubricated contact: a grade, or a table of its data; with `temperature` it "
-        "becomes `parameters`",
+        description="Oil of a contact, bearing or lash adjuster: a grade, or a table of its data; with "
+        "`temperature` it becomes `parameters`",
         exclude=True,
     )
     temperature: Temperature | None = Field(
         None,
-        description="Temperature of the oil at the inlet of the contact (K, or a text with a unit)",
+        description="Temperature of the oil, at the inlet of a contact (K, or a text with a unit)",
         exclude=True,
     )
     structure: dict[str, int] = Field({}, description="Structural sizes, e.g. coil_masses")
@@ -126,9 +125,9 @@ class ComponentTable(Table):
         """Add the numbers of an oil."""
         if not isinstance(table, dict) or table.get("oil") is table.get("temperature") is None:
             return table
-        if table.get("component") not in CONTACTS:
+        if table.get("component") not in OILED:
             raise Faults(
-                ("oil", f": {table.get('component')} has none; leave it out, or take {' or '.join(CONTACTS)}")
+                ("oil", f": {table.get('component')} has none; leave it out, or take {' or '.join(OILED)}")
             )
         return insert_oil(table)
 

@@ -1,4 +1,4 @@
-"""The oil of a contact in a scenario: a grade or data of a sheet, at a temperature, for its parameters."""
+"""The oil of a part in a scenario: a grade or data of a sheet, at a temperature, for its parameters."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from models.contact.oil_grades import GRADES, describe_grade
 from models.contact.oils import ROELANDS_PRESSURE, SLOPES, ZERO_CELSIUS, Oil, evaluate_oil, walther_slope
+from models.contact.records import CONTACTS
 from models.core.system import suggestion
 
 from .fields import Table, in_unit
@@ -26,7 +27,9 @@ RANGES = (
     ("viscosity_100", 1e6, "mm2/s", 1.0, 1e3),
     ("density_15", 1.0, "kg/m3", 600.0, 1300.0),
 )
-# Of a scenario's contacts with the same oil, so many are named in a line.
+# Components with the viscosity of an oil.
+OILED = (*CONTACTS, "journal_bearing", "lash_adjuster")
+# Of a scenario's parts with the same oil, so many are named in a line.
 NAMED = 3
 
 

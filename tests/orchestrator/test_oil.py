@@ -147,3 +147,15 @@ def test_wrong_data_of_a_sheet_are_named(tmp_path, sheet, message):
 def test_an_oil_needs_a_temperature_and_a_contact(tmp_path, text, message):
     with pytest.raises(ScenarioError, match=message):
         load(write(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    ("base", "part"), [("shaft-in-bearings", "bearing_1"), ("direct-acting-hla", "adjuster")]
+)
+def test_parts_with_a_viscosity_alone_take_that_of_the_oil(tmp_path, base, part):
+    file = tmp_path / "mine.toml"
+    text = f'[components.{part}]\noil = "SAE 5W-30"\ntemperature = "90 degC"\n'
+    file.write_text(f'extends = "{base}"\n{text}')
+    given = load(file).components[part].parameters
+    assert given["viscosity"] == evaluate_oil(GRADES["SAE 5W-30"], 363.15).viscosity
+    assert "pressure_viscosity" not in given
