@@ -14,7 +14,7 @@ CLOSE = 1e-9
 POLISHING_STEPS = 4
 # Of pseudo-transient continuation: the first step (s), its growth, the largest change in a step in nominal
 # sizes, the number of steps. The last ones are longer than any motion.
-FIRST_STEP, GROWTH, FARTHEST, SETTLING_STEPS = 1e-5, 1.5, 2.0, 80
+FIRST_STEP, GROWTH, FARTHEST, SETTLING_STEPS = 1e-5, 1.5, 30.0, 100
 # A positive state that changes by less of itself in a second is at rest.
 SLOW = 1e-6
 

@@ -30,8 +30,8 @@ from ..core.quantities import Layout, Quantity, Vector
 from ..core.requirements import Requirement
 from ..plausible import CAM_RADIUS, PART_LENGTH, PLAY, SEAT_STIFFNESS, VISCOSITY, YOUNGS_MODULUS
 
-# The film is no thinner than this part of the clearance, below any roughness. The mobility has a rounding error
-# of 1e-15 over its square.
+# The film is no thinner than this part of the clearance, below any roughness. Over its square, 1e-15 is the
+# rounding error of the mobility.
 THINNEST = 1e-4
 # Roughness over clearance below which the asperities are apart while the journal is in the middle.
 ROUGHEST = 0.1
