@@ -56,7 +56,7 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
     "journal_bearing": (
         {"width": 30e-3},
         {"roughness": 5e-6},
-        {"eccentricity_x": 20e-6, "eccentricity_y": -20e-6},
+        {"eccentricity_x": 21e-6, "eccentricity_y": -21e-6},
     ),
     "finger": (
         {"inertia": 1e-6},
