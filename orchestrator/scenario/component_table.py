@@ -17,6 +17,7 @@ from ..errors import one_of
 from ..participants import ThirdPartyComponent, is_made_here, read_component
 from .drawing import ShaftDrawing, insert_drawing
 from .fields import Table, Written
+from .force_table import ForceTable, insert_force_table
 from .lift_table import LiftTableError, insert_lift_table
 from .oil import OILED, OilSheet, Temperature, insert_oil
 from .third_party_values import convert_enumerations, select_strings
@@ -65,6 +66,12 @@ class ComponentTable(Table):
     temperature: Temperature | None = Field(
         None,
         description="Temperature of the oil, at the inlet of a contact (K, or a text with a unit)",
+        exclude=True,
+    )
+    force_table: ForceTable | None = Field(
+        None,
+        description="Measured force of a coil_spring over its travel from the closed valve: rows of both; it "
+        "becomes `parameters`",
         exclude=True,
     )
     structure: dict[str, int] = Field({}, description="Structural sizes, e.g. coil_masses")
@@ -118,6 +125,18 @@ class ComponentTable(Table):
         if table.get("component") != "shaft":
             raise Faults(("drawing", f": {table.get('component')} has none; leave it out, or take a shaft"))
         return insert_drawing(table)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_force_table(cls, table: Any) -> Any:
+        """Replace a measured force by the gaps of a spring's coils."""
+        if not isinstance(table, dict) or table.get("force_table") is None:
+            return table
+        if table.get("component") != "coil_spring":
+            raise Faults(
+                ("force_table", f": {table.get('component')} has none; leave it out, or take a coil_spring")
+            )
+        return insert_force_table(table)
 
     @model_validator(mode="before")
     @classmethod
