@@ -9,5 +9,5 @@ EXPERIMENT = Experiment(stop_time=0.12, step_size=1e-5)
 TERMINALS = {
     "crank": Terminal("rotation", "timing", {"angle": "crank_angle", "speed": "crank_speed"}, partial=True),
     "gas": Terminal("gas", "pressure on the piston", {"pressure": "gas_pressure"}),
-    "valve[*]": Terminal("gas", "force on a valve's head", {"force": "valve_force[*]"}),
+    "valve[*]": Terminal("gas_force", "force on a valve's head", {"force": "valve_force[*]"}),
 }

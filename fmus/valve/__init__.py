@@ -16,4 +16,5 @@ TERMINALS = {
         "a spring that closes the valve",
         {"position": "position", "velocity": "velocity", "force": "spring_force[*]"},
     ),
+    "gas": Terminal("gas_force", "gas on the head", {"force": "gas_force"}),
 }

@@ -12,4 +12,5 @@ TERMINALS = {
         "the follower that a contact loads",
         {"position": "position", "velocity": "velocity", "force": "load"},
     ),
+    "gas": Terminal("gas_force", "gas on the head", {"force": "gas_force"}),
 }
