@@ -77,7 +77,7 @@ def test_arrays_have_a_terminal_for_each_element() -> None:
 
 def test_faults_are_said() -> None:
     xml = terminals_and_icons("valve_spring", {"load"})
-    assert terminal_faults(xml.encode(), {"position", "load"}) == [
+    assert terminal_faults(xml.encode(), {"position", "load", "gas_force"}) == [
         "terminalsAndIcons/terminalsAndIcons.xml: terminal load: there is no variable velocity"
     ]
     twice = xml.replace('memberName="velocity"', 'memberName="force"')
