@@ -171,7 +171,7 @@ class FigureData:
         """Variable and label of the abscissa: an angle at a nearly constant speed, else time ("")."""
         angles = [self.angle] if self.angle else [name for name in map(self.find, ANGLES) if name]
         for name in angles:
-            words = ANGLES[name.split(".", 1)[1]]
+            words = self._name_angle(name)
             angle = self.coupled[name]
             line = np.interp(self.time, self.time[[0, -1]], angle[[0, -1]])
             turned = abs(angle[-1] - angle[0])
@@ -179,6 +179,13 @@ class FigureData:
                 return name, words
         unit, _ = self._time_unit()
         return "", f"Time ({SYMBOLS.get(unit, unit)})"
+
+    def _name_angle(self, name: str) -> str:
+        """A drive that turns no crank is just a drive: a camshaft's, for example."""
+        turned = [target for target, source in self.drivers.items() if source == name]
+        if name.endswith(".angle") and not any(target.endswith(".crank_angle") for target in turned):
+            return "Drive angle (°)"
+        return ANGLES[name.split(".", 1)[1]]
 
     def _time_unit(self) -> tuple[str, float]:
         return choose_time_unit(float(np.ptp(self.time)))

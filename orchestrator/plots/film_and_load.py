@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 from .data import FigureData
 from .style import (
     ACCENT,
-    add_legend_above,
     add_title,
     create_subplots,
     label_abscissa,
@@ -69,7 +68,7 @@ def draw(data: FigureData) -> Figure:
         label_abscissa(column[-1], own)
         column[0].set_title(name.replace("_", " ") if len(names) > 1 else "", loc="left")
     figure.align_ylabels(axes)
-    add_legend_above(axes[0, -1], columns=3)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=3)
     return figure
 
 

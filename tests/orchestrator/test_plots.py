@@ -248,7 +248,7 @@ def test_many_valves_are_all_drawn_and_named(bouncing: FigureData) -> None:
     assert not valves.applies(bouncing)
     panels = [ax for ax in valves.draw(both).axes if ax.get_visible()]
     assert [ax.get_title(loc="left") for ax in panels] == ["contact", "contact_b"]
-    assert panels[0].get_xlabel() == "Crank angle (°)"
+    assert panels[0].get_xlabel() == "Drive angle (°)"
 
 
 def test_each_judged_variable_has_its_error_and_its_tolerance_in_a_panel(bouncing: FigureData) -> None:

@@ -113,7 +113,7 @@ def with_angles(
 def angle_of(system: System, contact: str) -> str:
     """The output with the angle of the cam, or else the crank, that moves the contact; "" if none is."""
     drivers = [c.source.instance for c in system.connections if c.target.instance == contact]
-    for variable in ("cam_angle", "crank_angle"):
+    for variable in ("cam_angle", "profile_angle", "crank_angle"):
         for driver in drivers:
             if variable in system.instances[driver].component.outputs:
                 return f"{driver}.{variable}"
