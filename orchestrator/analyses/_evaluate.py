@@ -25,7 +25,7 @@ from . import Analysis, Result, list_analyses, load
 if TYPE_CHECKING:
     import xarray
 
-ENDINGS = ("nc", "csv", "png")
+ENDINGS = ("nc", "csv", "png", "svg", "dxf")
 
 
 def analyse(
@@ -114,7 +114,7 @@ def create_folder(folder: Path) -> Iterator[None]:
 def write_results(
     analysis: Analysis, values: Mapping[str, Value], table: xarray.Dataset, folder: Path
 ) -> list[Path]:
-    """NAME.nc, NAME.csv where it is one table, NAME.png where there is something to draw."""
+    """NAME.nc, NAME.csv where it is one table, NAME.png where there is something to draw, and the texts."""
     files = [folder / f"{analysis.name}.nc"]
     table.to_netcdf(files[0], engine="h5netcdf")
     columns = {name: variable for name, variable in table.data_vars.items() if variable.ndim}
@@ -129,6 +129,9 @@ def write_results(
 
         draw = analysis.draw
         files.append(save_figure(lambda: draw(table, values), folder / f"{analysis.name}.png"))
+    for ending, write in analysis.texts.items():
+        files.append(folder / f"{analysis.name}.{ending}")
+        files[-1].write_text(write(table, values), "utf-8")
     return files
 
 

@@ -25,6 +25,7 @@ from ._cam_profile import (
     interpolate,
     list_law_parameters,
 )
+from ._contour import write_dxf, write_svg
 from ._table import column, draw_by
 from .protocol import Analysis, Parameter, Result
 
@@ -52,6 +53,9 @@ def _tabulate(values: Mapping[str, Any]) -> xarray.Dataset:
         "radius_of_curvature": column("angle", radius, "m", "of the cam; negative where hollow"),
         "entraining_velocity": column(
             "angle", 0.5 * (cam_rate + follower_rate), "m", "entraining velocity over the cam's speed"
+        ),
+        "lubrication_characteristic": column(
+            "angle", cam_rate + follower_rate, "m", "2 u/omega; R0 + s + 2 s'' of a flat follower"
         ),
         "sliding_velocity": column(
             "angle", cam_rate - follower_rate, "m", "sliding velocity over the cam's speed"
@@ -203,4 +207,5 @@ ANALYSIS = Analysis(
     evaluate=_evaluate,
     table=_tabulate,
     draw=draw_by("cam", "draw_cam"),
+    texts={"svg": write_svg, "dxf": write_dxf},
 )

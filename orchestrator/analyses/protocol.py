@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from models.core.quantities import Quantity
@@ -91,7 +91,8 @@ class Analysis:
     `module:object` names one outside this package.
 
     `table` returns the data behind the results and, as variables without dimension, the results. `draw`
-    returns a figure of a table and the parameters.
+    returns a figure of a table and the parameters. `texts` are further files by their endings: functions that
+    return the text of a table and the parameters.
     """
 
     name: str
@@ -101,6 +102,7 @@ class Analysis:
     evaluate: Callable[[Mapping[str, Any]], Mapping[str, float | str]]
     table: Callable[[Mapping[str, Any]], xarray.Dataset] | None = None
     draw: Callable[[xarray.Dataset, Mapping[str, Any]], Figure] | None = None
+    texts: Mapping[str, Callable[[xarray.Dataset, Mapping[str, Any]], str]] = field(default_factory=dict)
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name; MistakeError if there is none."""

@@ -11,6 +11,7 @@ import typer
 
 from .analyse import run_analysis
 from .benchmark import benchmark_coupling
+from .cam import draw_cam
 from .compare import compare_sweeps
 from .components import print_components
 from .diagnose import print_diagnosis
@@ -35,6 +36,7 @@ app.command("components")(print_components)
 app.command("diagnose")(print_diagnosis)
 app.command("friction")(print_friction)
 app.command("analyse")(run_analysis)
+app.command("cam")(draw_cam)
 app.command("speeds")(run_speeds)
 app.command("compare")(compare_sweeps)
 app.command("study")(run_study)

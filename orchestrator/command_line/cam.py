@@ -1,0 +1,45 @@
+"""tribocosim cam."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .error_report import report_errors
+
+
+@report_errors
+def draw_cam(
+    source: Annotated[
+        str, typer.Argument(help="A lift table (.csv), a law as cycloidal, or a scenario with a cam.")
+    ],
+    component: Annotated[str | None, typer.Option(help="The scenario's component that has the cam.")] = None,
+    base_radius: Annotated[str | None, typer.Option(help="Base circle radius, e.g. '18 mm'.")] = None,
+    follower: Annotated[
+        str | None, typer.Option(help="flat, roller, pad, finger_roller or finger_pad.")
+    ] = None,
+    radius: Annotated[
+        str | None, typer.Option("--radius", "--roller-radius", help="Radius of roller or pad.")
+    ] = None,
+    speed: Annotated[str | None, typer.Option(help="Speed of the cam, e.g. '3000 rpm'.")] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="PARAMETER=VALUE",
+            help="Another parameter, e.g. 'offset=2 mm'; 'tribocosim analyse cam --parameters' lists them.",
+        ),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="results/cam")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
+) -> None:
+    """Say what a cam is like, and draw its contour: results, table (netCDF, CSV), figure, SVG and DXF."""
+    from ..analyses._cam_source import find_settings
+    from ..analyses._evaluate import analyse
+
+    options = {"base_radius": base_radius, "follower": follower, "radius": radius, "speed": speed}
+    given = {name: value for name, value in options.items() if value is not None}
+    settings = [f"{name}={value}" for name, value in (find_settings(source, component) | given).items()]
+    analyse("cam", [*settings, *(set_ or [])], out, overwrite)
