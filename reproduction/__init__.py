@@ -10,7 +10,7 @@ from typing import Any
 
 from .publication import Publication
 
-SOURCES = ("farahanchi1991", "films", "kushwaha2000")
+SOURCES = ("farahanchi1991", "films", "kushwaha2000", "qin2000")
 
 
 def load_publication(source: str) -> Publication[Any]:

@@ -1,0 +1,40 @@
+"""`python -m reproduction qin2000`: every statement of the source on valve trains and their models.
+
+Qin and Zuo, "Multibody system dynamics analysis for valve trains", Journal of Beijing Institute of Technology
+9 (2000) 375-379.
+"""
+
+from __future__ import annotations
+
+from ..publication import Publication
+from .figures import FIGURES
+from .runs import Runs
+from .statements import CLAIMS
+
+INTRODUCTION = """\
+# Qin and Zuo (2000), judged
+
+*Multibody system dynamics analysis for valve trains*, Journal of Beijing Institute of Technology 9 (2000)
+375-379: finite segments for slender parts, rigid bodies for the others, and a pushrod train of the diesel
+engine 4100QB as an example. This page judges its statements:
+
+- *met* or *not met*;
+- *cannot be met*: the statement contradicts others of the paper, or has no sensible solution as printed;
+- *cannot be checked*: the paper does not give what one would need.
+
+The paper prints no geometry, mass or stiffness of the example, and its figures cannot be read in our copy.
+Numbers are therefore those of the shipped scenarios `pushrod-train`, with parts of that size, and
+`exhaust-valve`. Nothing was fitted. Speeds are those of the camshaft; 1600 r/min is near the rated speed of
+such an engine. Cycles are steady, from the equations of the whole train.
+
+`python -m reproduction qin2000 --out FOLDER` writes this page and its figure. After a change of the models,
+copy `qin2000.md` and `figures` to `docs`.
+"""
+
+
+def format_sections(runs: Runs) -> list[str]:
+    """The page's parts before the statements."""
+    return ["## The train at low and at high speed\n", *(figure.markdown for figure in FIGURES)]
+
+
+PUBLICATION = Publication("qin2000", Runs, CLAIMS, FIGURES, INTRODUCTION, format_sections)

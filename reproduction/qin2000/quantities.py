@@ -1,0 +1,153 @@
+"""The numbers behind the statements."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from models.catalogue import CATALOGUE
+from models.core.quantities import Vector
+from models.valve_train.beam import Shaft, bending_matrices
+from models.valve_train.cams.rises import RISES
+from orchestrator.analyses.cam import ANALYSIS
+from orchestrator.scenario.files import load
+
+from ..statement import Values
+from .runs import HEAD_AREA, HIGH, LOW, NO_AREA, RATED, Runs
+
+SEGMENTS = (2, 4, 8)
+# A steel rod, and a shaft of round section.
+ROD = {"length": 0.2, "area": 50e-6, "youngs_modulus": 207e9, "density": 7850.0}
+SHAFT = Shaft(0.1, 0.02, (), (), shear_coefficient=0.9)
+
+
+def compare_with_kinematics(runs: Runs) -> Values:
+    """Largest deviation of the valve from its slow motion, and the share of the turn without contact."""
+    found = {
+        f"{word}_deviation": float(np.abs(runs.deviate(speed)).max())
+        for word, speed in (("low", LOW), ("rated", RATED), ("high", HIGH))
+    }
+    loads = {
+        word: runs.cycle(speed)["cam_contact.load"] for word, speed in (("rated", RATED), ("high", HIGH))
+    }
+    return found | {
+        "rated_load": float(loads["rated"].min()),
+        "high_lost": float(np.mean(loads["high"] <= 0.0)),
+        "rated_rpm": RATED,
+        "high_rpm": HIGH,
+    }
+
+
+def compute_stresses(runs: Runs) -> Values:
+    """Extremes at the rated speed."""
+    cycle = runs.cycle(RATED)
+    contacts = ("cam_contact", "valve_contact")
+    peaks = [float(cycle[f"{name}.maximum_pressure"].max()) for name in contacts]
+    return {
+        "cam_peak": peaks[0],
+        "valve_peak": peaks[1],
+        "cam_load": float(cycle["cam_contact.load"].max()),
+        "valve_load": float(cycle["valve_contact.load"].max()),
+    }
+
+
+def compute_rods(runs: Runs) -> Values:
+    """Static rate and first frequency of rods of segments, fixed below and free above, over the exact."""
+    exact = math.sqrt(ROD["youngs_modulus"] / ROD["density"]) / (4.0 * ROD["length"])
+    rate = ROD["youngs_modulus"] * ROD["area"] / ROD["length"]
+    stiffness = [_rod_matrix(n) for n in SEGMENTS]
+    mass = [ROD["density"] * ROD["area"] * ROD["length"] / n for n in SEGMENTS]
+    return {
+        "frequency_errors": [
+            math.sqrt(np.linalg.eigvalsh(k)[0] / m) / (2.0 * math.pi) / exact - 1.0
+            for k, m in zip(stiffness, mass, strict=True)
+        ],
+        # The force at the end passes the half segment above the last centre, too.
+        "rates": [
+            1.0 / (np.linalg.inv(k)[-1, -1] + 1.0 / (2.0 * n * rate)) / rate
+            for k, n in zip(stiffness, SEGMENTS, strict=True)
+        ],
+    }
+
+
+def _rod_matrix(segments: int) -> Vector:
+    """Stiffness of the component's segments (N/m), fixed below, without the last half segment."""
+    component = CATALOGUE["rod"](segments=segments)
+    free = {**ROD, "bonded": 1.0, "damping_time": 0.0}
+    p, u = component.parameters.vector(free), component.inputs.vector()
+    mass = ROD["density"] * ROD["area"] * ROD["length"] / segments
+    found, dx = np.empty((segments, segments)), component.state.vector()
+    for i in range(segments):
+        x = component.state.vector({f"displacement[{i + 1}]": 1.0})
+        component.flat_derivative(0.0, x, u, p, dx)
+        rates = component.state.named(dx)
+        found[:, i] = [-mass * rates[f"velocity[{k + 1}]"] for k in range(segments)]
+    found[-1, -1] -= 2.0 * segments * ROD["youngs_modulus"] * ROD["area"] / ROD["length"]
+    return found
+
+
+def compute_connector(runs: Runs) -> Values:
+    """Tip flexibility of the printed K and of a Timoshenko beam; frequency with two connectors in series."""
+    second, area, length = SHAFT.second_moment, SHAFT.area, SHAFT.length
+    bending, shear = SHAFT.youngs_modulus * second, SHAFT.shear_coefficient * SHAFT.shear_modulus * area
+    P = 12.0 * bending / (shear * length**2)
+    printed = (
+        bending
+        / (1.0 + P)
+        * np.array([[12.0 / length**3, -6.0 / length**2], [-6.0 / length**2, (4.0 + P) / length]])
+    )
+    K, _, _ = bending_matrices(SHAFT, np.array([0.0, length]))
+    flexibility = np.linalg.inv(printed)
+    in_series = np.linalg.inv(flexibility + flexibility)
+    return {
+        "printed_flexibility": float(flexibility[0, 0]),
+        "beam_flexibility": float(np.linalg.inv(K[2:4, 2:4])[0, 0]),
+        "asymmetry": float(np.abs(printed - printed.T).max()),
+        "literal_share": math.sqrt(in_series[0, 0] / printed[0, 0]),
+    }
+
+
+def compare_gas(runs: Runs) -> Values:
+    """Largest load of an exhaust cam with and without gas on the valve's head."""
+    loads = [float(runs.exhaust(area)["contact.load"].max()) for area in (HEAD_AREA, NO_AREA)]
+    return {"with_gas": loads[0], "without_gas": loads[1], "times": loads[0] / loads[1]}
+
+
+def count_train(runs: Runs) -> Values:
+    """Bodies of the shipped trains that bend or stretch."""
+    engine = load("pushrod-engine").components
+    return {
+        "trains": sum(table.component == "tappet" for table in engine.values()),
+        "shafts": sum(table.component == "shaft" for table in engine.values()),
+        "segments": engine["pushrod_1"].structure["segments"],
+        "torsion_modes": engine["shaft"].structure["torsion_modes"],
+    }
+
+
+def list_springs(runs: Runs) -> Values:
+    """Components with springs, and the masses that each may have."""
+    return {"masses": CATALOGUE["valve_spring"]().structure["coil_masses"]}
+
+
+def compute_cams(runs: Runs) -> Values:
+    """Ample factor, and slope of the lubrication characteristic at its zeros (mm/deg), by law of the cam."""
+    per_law = [_evaluate_cam(law) for law in RISES]
+    factors = [float(found["ample_factor"]) for found in per_law]
+    slopes = [
+        1e3 * math.pi / 180.0 * float(found["slope_at_reversals"])
+        for law, found in zip(RISES, per_law, strict=True)
+        if law != "harmonic"
+    ]
+    return {
+        "laws": ", ".join(f"{law} {factor:.4f}" for law, factor in zip(RISES, factors, strict=True)),
+        "least": min(factors),
+        "largest": max(factors),
+        "least_slope": min(slopes),
+        "largest_slope": max(slopes),
+        "own_slope": slopes[0],
+    }
+
+
+def _evaluate_cam(law: str) -> dict[str, float | str]:
+    return dict(ANALYSIS.evaluate(ANALYSIS.complete({"law": law})))

@@ -1,0 +1,49 @@
+"""Steady cycles of the pushrod train, and an exhaust valve's; each is computed when first asked for."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from models.core.quantities import Vector
+from models.core.system import System
+from models.monolithic import Reference, solve
+from models.monolithic.cycle import Cycle, find_cycle
+from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system, resolve_start
+
+TRAIN, VALVE = "pushrod-train", "exhaust-valve"
+# Speeds of the camshaft (r/min): slow, low, near the rated one, and one at which the train jumps.
+SLOW, LOW, RATED, HIGH = 200.0, 1000.0, 1600.0, 3000.0
+# Head of the valve (mm2); with the least one the gas has no force.
+HEAD_AREA, NO_AREA = 706.86, 0.011
+SAMPLES = 720
+
+
+def resting(scenario: str, change: str) -> System:
+    """A shipped scenario with a change, in equilibrium."""
+    loaded = load(scenario, [f"components.{change}"])
+    return resolve_start(loaded, build_system(loaded))
+
+
+class Runs:
+    """What statements and figure share."""
+
+    def __init__(self) -> None:
+        self.cycle = cache(self._find_cycle)
+        self.exhaust = cache(self._solve_exhaust)
+
+    def _find_cycle(self, speed_rpm: float) -> Cycle:
+        system = resting(TRAIN, f"flywheel.parameters.initial_speed='{speed_rpm} rpm'")
+        return find_cycle(system, 60.0 / speed_rpm, ["flywheel.angle"], samples=SAMPLES)
+
+    def _solve_exhaust(self, head_area: float) -> Reference:
+        """A turn of the cam of the exhaust valve, at 1000 r/min."""
+        system = resting(VALVE, f"gas.parameters.valve_area='{head_area} mm2'")
+        return solve(system, np.linspace(0.0, 60.0 / LOW, 3601), tolerance=1e-8, x0=system.x0)
+
+    def deviate(self, speed_rpm: float) -> Vector:
+        """The valve's position less that of the slow train at the same cam angles (m)."""
+        name = "valve_spring.position"
+        return np.asarray(self.cycle(speed_rpm)[name] - self.cycle(SLOW)[name])
