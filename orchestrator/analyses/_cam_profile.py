@@ -10,11 +10,15 @@ from typing import Any, NamedTuple, get_args, get_type_hints
 
 import numpy as np
 
+from models.core.component import Component
 from models.core.quantities import Quantity
 from models.valve_train.cams.law import LAW, LawParameters, law_lift
 from models.valve_train.cams.lift import Lift
+from models.valve_train.cams.profile import CamProfile
+from models.valve_train.cams.ramps import RampParameters, ramp_turn
+from models.valve_train.cams.rises import RISES
 from models.valve_train.cams.smoothing import SmoothedLift
-from models.valve_train.cams.table import Points, table_lift
+from models.valve_train.cams.table import TABLE, Points, table_lift
 from models.valve_train.camshaft import camshaft
 from models.valve_train.followers.shape import FOLLOWERS, Follower
 
@@ -35,8 +39,6 @@ GEOMETRY = {
 }
 NONE = "none"
 FIELDS = {name: tuple(get_type_hints(one.geometry)) for name, one in FOLLOWERS.items()}
-# Lifts of a table above this part of the largest belong to the event.
-EVENT = 1e-3
 
 
 def list_law_parameters() -> dict[str, Parameter]:
@@ -71,20 +73,33 @@ class Profile(NamedTuple):
 def build_profile(values: Mapping[str, Any]) -> Profile:
     """By the law, or through the lift table; MistakeError for a fault."""
     if values["lift_table"]:
-        try:
-            smoothed = read_lift_table(Path(values["lift_table"]).expanduser()).smooth()
-        except LiftTableError as error:
-            raise MistakeError(f"lift_table: {error}") from None
-        return Profile(interpolate(smoothed.points), _find_event(smoothed), [], smoothed)
-    layout = camshaft().parameters
+        return _build_table_profile(values)
     given = {name: values[name] for name in list_law_parameters()}
-    given["law"] = float(layout.field("law").quantity.choices.index(given["law"]))
-    record = layout.view(layout.vector(given))
-    for requirement in LAW.requirements:
+    given["law"] = float(tuple(RISES).index(given["law"]))
+    record = _check_record(LAW, camshaft(), given)
+    breaks = _list_breaks(LAW, record)
+    return Profile(lambda angle: law_lift(angle, record), (breaks[0], breaks[-1]), breaks, None)
+
+
+def _build_table_profile(values: Mapping[str, Any]) -> Profile:
+    try:
+        smoothed = read_lift_table(Path(values["lift_table"]).expanduser()).smooth()
+    except LiftTableError as error:
+        raise MistakeError(f"lift_table: {error}") from None
+    points, (begin, end) = smoothed.points, smoothed.event
+    ramps = {field.name: values[field.name] for field in fields(RampParameters)}
+    given = {**points.parameters(), "event_begin": begin, "event_end": end, **ramps}
+    record = _check_record(TABLE, camshaft(table_points=points.angle.size), given)
+    event = (begin - ramp_turn(True, record), end + ramp_turn(False, record))
+    return Profile(lambda angle: table_lift(angle, record), event, _list_breaks(TABLE, record), smoothed)
+
+
+def _check_record(profile: CamProfile, component: Component, values: Mapping[str, float]) -> Any:
+    record = component.parameters.view(component.parameters.vector(values))
+    for requirement in profile.requirements:
         if fault := requirement.fault(record):
             raise MistakeError(fault)
-    breaks = _list_breaks(record)
-    return Profile(lambda angle: law_lift(angle, record), (breaks[0], breaks[-1]), breaks, None)
+    return record
 
 
 def interpolate(points: Points) -> Callable[[float], Lift]:
@@ -94,17 +109,10 @@ def interpolate(points: Points) -> Callable[[float], Lift]:
     return lambda angle: table_lift(angle, record)
 
 
-def _find_event(smoothed: SmoothedLift) -> tuple[float, float]:
-    """Where the lift is more than a thousandth of the largest, and more than its noise."""
-    points = smoothed.points
-    lifted = np.flatnonzero(points.lift > max(EVENT * points.lift.max(), 3.0 * smoothed.noise))
-    return float(points.angle[lifted[0]]), float(points.angle[lifted[-1]])
-
-
-def _list_breaks(record: Any) -> list[float]:
+def _list_breaks(profile: CamProfile, record: Any) -> list[float]:
     """All over a turn, each from the one before."""
     found, angle = [], 0.0
-    while (angle := angle + LAW.find_breaks(angle, record).ahead) < 2.0 * math.pi:
+    while (angle := angle + profile.find_breaks(angle, record).ahead) < 2.0 * math.pi:
         found.append(float(angle))
     return found
 

@@ -96,7 +96,7 @@ def smooth_file(path: Path, changed: int) -> SmoothedLift:
         raise LiftTableError(f"{path}: {error}") from None
 
 
-# Parameters of a law, which a table replaces: a scenario that is extended may have them.
+# Parameters of a law without its ramps, which a table replaces: a scenario that is extended may have them.
 OF_LAWS = {field.name for field in fields(LawParameters)} - {field.name for field in fields(TableParameters)}
 
 
@@ -104,12 +104,13 @@ def insert_lift_table(table: dict[str, Any]) -> dict[str, Any]:
     """A component's table with the points of its `lift_table` among structure and parameters."""
     path = Path(table["lift_table"])
     changed = path.stat().st_mtime_ns if path.exists() else 0
-    points = smooth_file(path, changed).points
+    smoothed = smooth_file(path, changed)
+    points, event = smoothed.points, dict(zip(("event_begin", "event_end"), smoothed.event, strict=True))
     rest = {key: value for key, value in table.items() if key != "lift_table"}
     kept = {name: value for name, value in table.get("parameters", {}).items() if name not in OF_LAWS}
     return rest | {
         "structure": {**table.get("structure", {}), "table_points": points.angle.size},
-        "parameters": {**points.parameters(), **kept},
+        "parameters": {**points.parameters(), **event, **kept},
     }
 
 

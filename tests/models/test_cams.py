@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -15,7 +16,7 @@ from models.valve_train.cams.law import law_lift
 from models.valve_train.cams.polydyne import Train, polydyne_lift
 from models.valve_train.cams.rises import RISES
 from models.valve_train.cams.smoothing import smooth_lift
-from models.valve_train.cams.table import Points, table_lift
+from models.valve_train.cams.table import Points, find_table_breaks, table_lift
 from models.valve_train.camshaft import camshaft
 
 S, B = 8e-3, math.radians(90.0)
@@ -131,6 +132,58 @@ def test_ramp_of_the_reference_numbers(record):
     record("Cam", "velocity of the ramp, 1000 r/min (m/s)", velocity, 0.072, EVALUATION, tolerance=1e-5)
 
 
+@settings(max_examples=20, deadline=None)
+@given(st.floats(1e-5, 1e-3), st.floats(0.01, 0.6), st.floats(0.01, 0.6), st.floats(0.01, 0.2))
+def test_a_table_has_the_ramps_of_a_law(height, opening, closing, blend):
+    """They add the same, to rounding, and s'' stays continuous where they join the event."""
+    ramps = {
+        "ramp_height": height,
+        "opening_ramp_angle": opening,
+        "closing_ramp_angle": closing,
+        "ramp_blend_angle": blend,
+    }
+    points = smoothed_law().points
+    event = {"event_begin": FOOT, "event_end": math.pi + B}
+    component = camshaft(table_points=points.angle.size)
+    table, plain = (record_of(component, points.parameters() | event | more) for more in (ramps, {}))
+    ramped, law_alone = law("polynomial_4567", **ramps), law("polynomial_4567")
+    angles = np.linspace(-7.0, 12.0, 1999)
+    added = sample(table_lift, angles, table) - sample(table_lift, angles, plain)
+    wished = sample(law_lift, angles, ramped) - sample(law_lift, angles, law_alone)
+    # s'' of a ramp is at most pi v/(2 blend): its rounding, by an angle of two turns.
+    np.testing.assert_allclose(added, wished, atol=1e-14 / blend**3)
+    breaks, at = [], 0.0
+    while (at := at + find_table_breaks(at, table).ahead) < 2.0 * math.pi:
+        breaks.append(at)
+    feet = [
+        math.pi + side * (B + turn)
+        for side, c in ((-1, opening), (1, closing))
+        for turn in (-blend, c, c + blend)
+    ]
+    np.testing.assert_allclose(breaks, sorted(feet), atol=1e-12)
+    before, after = (sample(table_lift, np.array(breaks) + d, table) for d in (-1e-9, 1e-9))
+    largest = np.abs(wished[2]).max()
+    np.testing.assert_allclose(before[2], after[2], atol=1e-7 * (largest / blend + S))
+
+
+@functools.cache
+def smoothed_law():
+    angles = np.radians(np.arange(360.0))
+    return smooth_lift(angles, np.round(sample(law_lift, angles, law("polynomial_4567"))[0] / 1e-7) * 1e-7)
+
+
+@pytest.mark.parametrize("turned", [0, 90, 180, 270])
+def test_the_event_of_a_table_does_not_depend_on_where_it_begins(turned):
+    """A thousandth of the lift is reached at 35 x^4 = 1e-3, to the spacing of the samples."""
+    whole = smoothed_law()
+    angles = np.radians(np.arange(360.0))
+    lifts = np.roll([table_lift(a, through(whole.points)).s for a in angles], turned)
+    begin, end = smooth_lift(angles, lifts).event
+    inside = B * (1e-3 / 35.0) ** 0.25
+    assert (begin - math.radians(turned)) % (2.0 * math.pi) == pytest.approx(FOOT + inside, abs=0.02)
+    assert end - begin == pytest.approx(2.0 * (B - inside), abs=0.03)
+
+
 def test_a_table_is_exact_for_polynomials_of_degree_five():
     p = law("polynomial_345")
     breaks = np.array([0.0, FOOT, math.pi, math.pi + B])
@@ -198,5 +251,9 @@ def test_a_table_whose_angles_do_not_ascend_is_refused():
     assert (
         "table_angle[2] = 114.592 deg" in component.parameter_faults(component.parameters.vector(values))[0]
     )
+    round_cam = Points(np.array([0.0, 1.0, 2.0]), *np.zeros((3, 3))).parameters()
+    wide = {"ramp_height": 1e-4, "event_begin": 0.5, "event_end": 6.0}
+    (fault,) = component.parameter_faults(component.parameters.vector(round_cam | wide))
+    assert "at most 180 deg" in fault
     with pytest.raises(ValueError, match="table_points = 2"):
         camshaft(table_points=2)

@@ -121,6 +121,28 @@ def test_a_table_replaces_the_law_of_the_scenario_that_it_extends(tmp_path):
         load(file)
 
 
+def test_ramps_are_added_to_a_table(tmp_path):
+    """The scenario's and the analysis' cam is the table's with the ramp's height on the nose."""
+    write(tmp_path / "cam.csv")
+    file = tmp_path / "own.toml"
+    file.write_text(
+        'extends = "my-cam"\n[components.camshaft]\nlift_table = "cam.csv"\n'
+        '[components.camshaft.parameters]\nramp_height = "0.3 mm"\n'
+    )
+    parameters = load(file).components["camshaft"].parameters
+    assert parameters["ramp_height"] == pytest.approx(0.3e-3)
+    begin, end = (math.degrees(parameters[name]) for name in ("event_begin", "event_end"))
+    assert lift(begin) == pytest.approx(8e-3, rel=0.5)
+    assert begin - 180.0 == pytest.approx(180.0 - end, abs=1e-9)
+    analysis = load_analysis("cam")
+    found = analysis.evaluate(
+        analysis.complete({"lift_table": str(tmp_path / "cam.csv"), "ramp_height": 3e-4})
+    )
+    assert found["largest_lift"] == pytest.approx(8.3e-3, abs=1e-7)
+    # 20 deg of constant velocity and 5 deg of blending on both sides.
+    assert math.degrees(found["event"]) == pytest.approx(end - begin + 50.0, abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [

@@ -1,8 +1,4 @@
-"""Cam profile of a closed form: rise by a law, dwell about the nose at pi, fall by the same law, and ramps.
-
-The ramps are added to the event: a velocity that blends in as a half cosine, stays, and blends out while the
-event begins. So s'' has no jump where the event has none.
-"""
+"""Cam profile of a closed form: rise by a law, dwell about the nose at pi, fall by the same law; ramps."""
 
 from __future__ import annotations
 
@@ -13,18 +9,15 @@ from typing import Annotated, Any
 from ...compile.kernel import kernel
 from ...core.quantities import Quantity, Vector
 from ...core.requirements import Requirement
-from ...plausible import CAM_LIFT, CAM_RADIUS, LASH
+from ...plausible import CAM_LIFT, CAM_RADIUS
 from .lift import Lift
 from .profile import Breaks, CamProfile, turn_to_break
+from .ramps import RampParameters, add_ramp, add_ramp_breaks, angle_below_pi, ramp_turn
 from .rises import RISES, rise_by_number
 
 
-def _angle(description: str, **limits: Any) -> Quantity:
-    return Quantity("rad", description, maximum=math.pi, display_unit="deg", **limits)
-
-
 @dataclass
-class LawParameters:
+class RiseParameters:
     """Defaults: the set `kushwaha2000`."""
 
     law: Annotated[float, Quantity("1", "law of rise and fall", choices=tuple(RISES))] = 0.0
@@ -45,63 +38,28 @@ class LawParameters:
             "m", "base circle radius R0", nominal=1e-2, positive=True, display_unit="mm", plausible=CAM_RADIUS
         ),
     ] = 2.610272395869072 * 8e-3
-    rise_angle: Annotated[float, _angle("cam angle of the rise B", positive=True)] = math.radians(
+    rise_angle: Annotated[float, angle_below_pi("cam angle of the rise B", positive=True)] = math.radians(
         88.66608103115016
     )
-    fall_angle: Annotated[float, _angle("cam angle of the fall; 0: as the rise", minimum=0.0)] = 0.0
-    dwell_half_width: Annotated[float, _angle("half width d of the dwell at the nose", minimum=0.0)] = (
-        math.radians(1.333918968849847)
-    )
+    fall_angle: Annotated[float, angle_below_pi("cam angle of the fall; 0: as the rise", minimum=0.0)] = 0.0
+    dwell_half_width: Annotated[
+        float, angle_below_pi("half width d of the dwell at the nose", minimum=0.0)
+    ] = math.radians(1.333918968849847)
     power_p: Annotated[float, Quantity("1", "power p of the law high_powers", minimum=4.0)] = 8.0
     power_q: Annotated[float, Quantity("1", "power q of the law high_powers", minimum=4.0)] = 14.0
     power_r: Annotated[float, Quantity("1", "power r of the law high_powers", minimum=4.0)] = 20.0
     power_t: Annotated[float, Quantity("1", "power t of the law high_powers", minimum=4.0)] = 26.0
-    ramp_height: Annotated[
-        float,
-        Quantity(
-            "m", "lift of the ramps; 0: none", nominal=1e-4, minimum=0.0, display_unit="mm", plausible=LASH
-        ),
-    ] = 0.0
-    opening_ramp_angle: Annotated[
-        float, _angle("cam angle of constant velocity before the rise", minimum=0.0)
-    ] = math.radians(20.0)
-    closing_ramp_angle: Annotated[
-        float, _angle("cam angle of constant velocity after the fall", minimum=0.0)
-    ] = math.radians(20.0)
-    ramp_blend_angle: Annotated[
-        float, _angle("cam angle in which a ramp's velocity blends", positive=True)
-    ] = math.radians(5.0)
+
+
+@dataclass
+class LawParameters(RampParameters, RiseParameters):
+    """Rise, dwell and fall with ramps."""
 
 
 @kernel
 def side_angle(rising: bool, p: Any) -> float:
     """B of this side."""
     return p.rise_angle if rising or p.fall_angle == 0.0 else p.fall_angle
-
-
-@kernel
-def add_ramp(base: Lift, a: float, constant: float, p: Any) -> Lift:
-    """A lift with the ramp, a > 0 inside the event: the ramp ends at a = blend, at the height.
-
-    v (a + constant + blend) in its middle, with v = height / (constant + blend).
-    """
-    blend, velocity = p.ramp_blend_angle, p.ramp_height / (constant + p.ramp_blend_angle)
-    into, left = a + constant + blend, blend - a
-    if into <= 0.0:
-        return base
-    if left <= 0.0:
-        return Lift(base.s + p.ramp_height, base.ds, base.dds)
-    near = min(into, left)
-    if near >= blend:
-        return Lift(base.s + velocity * (into - 0.5 * blend), base.ds + velocity, base.dds)
-    w = math.pi / blend
-    s = 0.5 * velocity * (near - math.sin(w * near) / w)
-    dds = 0.5 * velocity * w * math.sin(w * near)
-    return Lift(
-        base.s + (s if into < left else p.ramp_height - s),
-        base.ds + 0.5 * velocity * (1.0 - math.cos(w * near)),
-        base.dds + (dds if into < left else -dds),
-    )
 
 
 @kernel
@@ -121,9 +79,7 @@ def law_lift(angle: float, p: Any) -> Lift:
     rising = from_nose < 0.0
     rise_angle = side_angle(rising, p)
     a = rise_angle - (abs(from_nose) - p.dwell_half_width)
-    cam = rise_and_dwell(a, rise_angle, p)
-    if p.ramp_height > 0.0:
-        cam = add_ramp(cam, a, p.opening_ramp_angle if rising else p.closing_ramp_angle, p)
+    cam = add_ramp(rise_and_dwell(a, rise_angle, p), a, rising, p)
     return Lift(cam.s, cam.ds if rising else -cam.ds, cam.dds)
 
 
@@ -134,12 +90,7 @@ def add_side_breaks(rising: bool, angle: float, breaks: Breaks, p: Any) -> Break
     foot = p.dwell_half_width + side_angle(rising, p)
     breaks = turn_to_break(math.pi + side * p.dwell_half_width, angle, breaks)
     breaks = turn_to_break(math.pi + side * foot, angle, breaks)
-    if p.ramp_height > 0.0:
-        constant, blend = p.opening_ramp_angle if rising else p.closing_ramp_angle, p.ramp_blend_angle
-        breaks = turn_to_break(math.pi + side * (foot - blend), angle, breaks)
-        breaks = turn_to_break(math.pi + side * (foot + constant), angle, breaks)
-        breaks = turn_to_break(math.pi + side * (foot + constant + blend), angle, breaks)
-    return breaks
+    return add_ramp_breaks(rising, math.pi + side * foot, angle, breaks, p)
 
 
 @kernel
@@ -151,10 +102,7 @@ def find_law_breaks(angle: float, p: Any) -> Breaks:
 @kernel
 def turned_by(rising: bool, p: Any) -> float:
     """Cam angle from the middle of the dwell to the end of this side's ramp."""
-    event = p.dwell_half_width + side_angle(rising, p)
-    if p.ramp_height == 0.0:
-        return event
-    return event + p.ramp_blend_angle + (p.opening_ramp_angle if rising else p.closing_ramp_angle)
+    return p.dwell_half_width + side_angle(rising, p) + ramp_turn(rising, p)
 
 
 @kernel

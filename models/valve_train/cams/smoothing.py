@@ -23,6 +23,8 @@ DEGREE = 5
 MOST_KNOTS = 720
 # Fewer leave nothing to smooth.
 LEAST_SAMPLES = 12
+# Lifts above this part of the largest belong to the event.
+EVENT = 1e-3
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,16 @@ class SmoothedLift:
     def resolution(self) -> float:
         """The rounding step with such errors (m): sqrt(12) noise, as they are spread evenly over a step."""
         return math.sqrt(12.0) * self.noise
+
+    @property
+    def event(self) -> tuple[float, float]:
+        """Cam angles (rad) between which the lift is more than a thousandth of the largest, and more than
+        three times its noise. The longest gap between such points is the base circle."""
+        points = self.points
+        lifted = points.angle[points.lift > max(EVENT * points.lift.max(), 3.0 * self.noise)]
+        before = int(np.argmax(np.diff(lifted, append=lifted[0] + TURN)))
+        begin, end = float(lifted[(before + 1) % lifted.size]), float(lifted[before])
+        return begin, end if end >= begin else end + TURN
 
 
 def interpolate_lift(angle: Vector, lift: Vector) -> Points:

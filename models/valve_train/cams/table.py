@@ -1,6 +1,7 @@
 """Cam profile through points: lift, slope and curvature at cam angles, polynomials of degree 5 in between.
 
 Quintic splines, and all piecewise polynomials up to degree 5 with continuous s'', are such profiles exactly.
+Ramps may be added, as to a law.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from ...core.requirements import Requirement
 from ...plausible import CAM_RADIUS
 from .lift import Lift
 from .profile import Breaks, CamProfile, turn_to_break
+from .ramps import RampParameters, add_ramp, add_ramp_breaks, ramp_turn
 
 TURN = 2.0 * math.pi
 # The description of an FMU has four variables for each point.
@@ -22,7 +24,7 @@ LEAST_POINTS, MOST_POINTS = 3, 2000
 
 
 @dataclass
-class TableParameters:
+class PointParameters:
     """Angles ascend within one turn. After the last point the profile goes on to the first one."""
 
     base_radius: Annotated[
@@ -51,6 +53,17 @@ class TableParameters:
             "m", "s'' at a point, by radian squared", nominal=1e-2, display_unit="mm", size="table_points"
         ),
     ] = per_element()
+    event_begin: Annotated[
+        float, Quantity("rad", "cam angle at which the opening ramp joins the event", display_unit="deg")
+    ] = 0.5 * math.pi
+    event_end: Annotated[
+        float, Quantity("rad", "cam angle at which the closing ramp joins the event", display_unit="deg")
+    ] = 1.5 * math.pi
+
+
+@dataclass
+class TableParameters(RampParameters, PointParameters):
+    """Points with ramps."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +126,7 @@ def find_segment(angle: float, p: Any) -> Segment:
 
 
 @kernel
-def table_lift(angle: float, p: Any) -> Lift:
+def lift_between_points(angle: float, p: Any) -> Lift:
     """The polynomial of degree 5 that has s, s' and s'' of both ends of its segment."""
     segment = find_segment(angle, p)
     i, j, h = segment.first, segment.last, segment.length
@@ -133,9 +146,22 @@ def table_lift(angle: float, p: Any) -> Lift:
 
 
 @kernel
+def table_lift(angle: float, p: Any) -> Lift:
+    """The points' lift with the ramps, which part in the middle of the event."""
+    half = 0.5 * (p.event_end - p.event_begin)
+    past = angle - (p.event_begin + half) + math.pi
+    from_middle = past - TURN * math.floor(past / TURN) - math.pi
+    side = 1.0 if from_middle < 0.0 else -1.0
+    cam = lift_between_points(angle, p)
+    ramp = add_ramp(Lift(0.0, 0.0, 0.0), half + side * from_middle, side > 0.0, p)
+    return Lift(cam.s + ramp.s, cam.ds + side * ramp.ds, cam.dds + ramp.dds)
+
+
+@kernel
 def find_table_breaks(angle: float, p: Any) -> Breaks:
-    """The nearest points, where the table is not smooth."""
-    breaks = Breaks(math.inf, math.inf)
+    """Those of the ramps, and the nearest points where the table is not smooth."""
+    breaks = add_ramp_breaks(True, p.event_begin, angle, Breaks(math.inf, math.inf), p)
+    breaks = add_ramp_breaks(False, p.event_end, angle, breaks, p)
     if p.smooth != 0.0:
         return breaks
     n, i = p.table_angle.size, find_segment(angle, p).first
@@ -162,4 +188,21 @@ ANGLES_ASCEND = Requirement(
     "first one a turn later)",
 )
 
-TABLE = CamProfile(TableParameters, table_lift, find_table_breaks, (ANGLES_ASCEND,))
+
+@kernel
+def ramps_fit(p: Any, told: Vector) -> bool:
+    """Each in its half of the turn from the middle of the event."""
+    if p.ramp_height == 0.0:
+        return True
+    event = p.event_end - p.event_begin
+    longest = max(ramp_turn(True, p), ramp_turn(False, p))
+    told[0], told[1] = math.degrees(event), math.degrees(longest)
+    return event >= 2.0 * p.ramp_blend_angle and 0.5 * event + longest <= math.pi
+
+
+RAMPS_FIT = Requirement(
+    ramps_fit,
+    "event_end - event_begin = {0:g} deg with a ramp of {1:g} deg: half the event and the ramp must be at "
+    "most 180 deg, and the event at least twice ramp_blend_angle; shorten the ramps, or give other angles",
+)
+TABLE = CamProfile(TableParameters, table_lift, find_table_breaks, (ANGLES_ASCEND, RAMPS_FIT))
