@@ -14,7 +14,7 @@ from orchestrator.analyses.cam import ANALYSIS
 from orchestrator.scenario.files import load
 
 from ..statement import Values
-from .runs import HEAD_AREA, HIGH, LOW, NO_AREA, RATED, Runs
+from .runs import EXHAUST, HEAD_AREA, HIGH, INTAKE, LOW, NO_AREA, RATED, Runs
 
 SEGMENTS = (2, 4, 8)
 # A steel rod, and a shaft of round section.
@@ -103,15 +103,19 @@ def compute_connector(runs: Runs) -> Values:
     return {
         "printed_flexibility": float(flexibility[0, 0]),
         "beam_flexibility": float(np.linalg.inv(K[2:4, 2:4])[0, 0]),
-        "asymmetry": float(np.abs(printed - printed.T).max()),
+        "asymmetry": float(np.abs(K - K.T).max() / np.abs(K).max()),
         "literal_share": math.sqrt(in_series[0, 0] / printed[0, 0]),
     }
 
 
 def compare_gas(runs: Runs) -> Values:
-    """Largest load of an exhaust cam with and without gas on the valve's head."""
-    loads = [float(runs.exhaust(area)["contact.load"].max()) for area in (HEAD_AREA, NO_AREA)]
-    return {"with_gas": loads[0], "without_gas": loads[1], "times": loads[0] / loads[1]}
+    """Largest load of a cam, of an exhaust and an intake valve, and without gas on the valve's head."""
+    cases = {
+        "exhaust": (EXHAUST, HEAD_AREA),
+        "intake": (INTAKE, HEAD_AREA),
+        "without_gas": (EXHAUST, NO_AREA),
+    }
+    return {name: float(runs.gas(*case)["contact.load"].max()) for name, case in cases.items()}
 
 
 def count_train(runs: Runs) -> Values:
@@ -123,11 +127,6 @@ def count_train(runs: Runs) -> Values:
         "segments": engine["pushrod_1"].structure["segments"],
         "torsion_modes": engine["shaft"].structure["torsion_modes"],
     }
-
-
-def list_springs(runs: Runs) -> Values:
-    """Components with springs, and the masses that each may have."""
-    return {"masses": CATALOGUE["valve_spring"]().structure["coil_masses"]}
 
 
 def compute_cams(runs: Runs) -> Values:

@@ -1,4 +1,4 @@
-"""Steady cycles of the pushrod train, and an exhaust valve's; each is computed when first asked for."""
+"""Steady cycles of the pushrod train, and of valves under gas; each is computed when first asked for."""
 
 from __future__ import annotations
 
@@ -18,12 +18,14 @@ TRAIN, VALVE = "pushrod-train", "exhaust-valve"
 SLOW, LOW, RATED, HIGH = 200.0, 1000.0, 1600.0, 3000.0
 # Head of the valve (mm2); with the least one the gas has no force.
 HEAD_AREA, NO_AREA = 706.86, 0.011
+# Crank angles at which the cylinder fires: the nose comes 250 deg after it for exhaust, 470 deg for intake.
+EXHAUST, INTAKE = 110.0, -110.0
 SAMPLES = 720
 
 
-def resting(scenario: str, change: str) -> System:
-    """A shipped scenario with a change, in equilibrium."""
-    loaded = load(scenario, [f"components.{change}"])
+def resting(scenario: str, *changes: str) -> System:
+    """A shipped scenario with changes, in equilibrium."""
+    loaded = load(scenario, [f"components.{change}" for change in changes])
     return resolve_start(loaded, build_system(loaded))
 
 
@@ -32,15 +34,19 @@ class Runs:
 
     def __init__(self) -> None:
         self.cycle = cache(self._find_cycle)
-        self.exhaust = cache(self._solve_exhaust)
+        self.gas = cache(self._solve_gas)
 
     def _find_cycle(self, speed_rpm: float) -> Cycle:
         system = resting(TRAIN, f"flywheel.parameters.initial_speed='{speed_rpm} rpm'")
         return find_cycle(system, 60.0 / speed_rpm, ["flywheel.angle"], samples=SAMPLES)
 
-    def _solve_exhaust(self, head_area: float) -> Reference:
-        """A turn of the cam of the exhaust valve, at 1000 r/min."""
-        system = resting(VALVE, f"gas.parameters.valve_area='{head_area} mm2'")
+    def _solve_gas(self, fires_deg: float, head_area: float) -> Reference:
+        """A turn of the cam of a valve under gas, at 1000 r/min."""
+        system = resting(
+            VALVE,
+            f"gas.parameters.valve_area='{head_area} mm2'",
+            f"gas.parameters.firing_angle='{fires_deg} deg'",
+        )
         return solve(system, np.linspace(0.0, 60.0 / LOW, 3601), tolerance=1e-8, x0=system.x0)
 
     def deviate(self, speed_rpm: float) -> Vector:
