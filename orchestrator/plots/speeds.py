@@ -37,7 +37,7 @@ PANELS = (
 
 
 def draw_summary(tables: Mapping[str, xarray.Dataset]) -> Figure:
-    """The numbers of all cycles over speed; of a second design in dashed lines."""
+    """The numbers of all cycles over speed, scaled by those with contact; of a second design dashed."""
     shown = []
     for title, scale, endings in PANELS:
         every = dict.fromkeys(
@@ -53,11 +53,35 @@ def draw_summary(tables: Mapping[str, xarray.Dataset]) -> Figure:
     for panel, (title, scale, names) in zip(axes.flat, shown, strict=False):
         for table, line in zip(tables.values(), ("solid", "dashed"), strict=False):
             _draw_curves(panel, scale, names, table, line)
+        _limit_to_contact(panel, scale, names, tables)
         panel.set_title(title)
     for panel in axes.flat[max(0, len(shown) - 3) : len(shown)]:
         panel.set_xlabel("Speed (r/min)")
         panel.tick_params(labelbottom=True)
     return figure
+
+
+def _limit_to_contact(
+    axes: Axes, scale: float, names: list[str], tables: Mapping[str, xarray.Dataset]
+) -> None:
+    """Scale a panel by the speeds with contact, if there are some: blows after separation hide all else."""
+    kept = [
+        scale * table[name].values[_in_contact(table)]
+        for table in tables.values()
+        for name in names
+        if name in table
+    ]
+    values = np.concatenate(kept)
+    values = values[np.isfinite(values)]
+    if values.size and np.ptp(values) > 0.0:
+        margin = 0.15 * np.ptp(values)
+        axes.set_ylim(values.min() - margin, values.max() + margin)
+
+
+def _in_contact(table: xarray.Dataset) -> NDArray[np.bool_]:
+    """The speeds at which no contact is lost."""
+    lost = [table[name].values > 0.0 for name in table.data_vars if str(name).endswith(".lost")]
+    return ~np.any(lost, axis=0) if lost else np.ones(table.sizes["speed"], dtype=np.bool_)
 
 
 def _has_values(table: xarray.Dataset, name: str) -> bool:
