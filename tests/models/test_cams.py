@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 
 import numpy as np
@@ -58,6 +59,60 @@ def test_high_powers_have_the_coefficients_of_their_closed_form(record):
     # The trapezoidal rule, exact to its order 8 at ends where s to s'''' vanish.
     mean = np.trapezoid(sample(law_lift, fine, law("high_powers"))[0], fine) / (2.0 * B * S)
     record("Cam", "ample factor of the law high_powers", mean, 3328 / 6561, "closed form", tolerance=1e-12)
+
+
+def test_the_modified_trapezoid_has_the_coefficients_of_its_closed_form(record):
+    """Peak velocity 2 S/B, peak acceleration 8 pi/(pi + 2) S/B^2; x = 1/8 to 3/8 is the flank."""
+    p, x = law("modified_trapezoid"), np.linspace(0.0, 1.0, 801)
+    _, ds, dds = sample(law_lift, FOOT + B * x, p)
+    exact, source = 8.0 * math.pi / (math.pi + 2.0), "closed form"
+    name = "modified trapezoid: peak"
+    record("Cam", f"{name} velocity (S/B)", ds.max() * B / S, 2.0, source, tolerance=1e-12)
+    record("Cam", f"{name} acceleration (S/B²)", dds.max() * B**2 / S, exact, source, tolerance=1e-12)
+    np.testing.assert_allclose(dds[101:300], dds.max(), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "shares"), [("cycloidal", (0.25, 0.0, 0.5, 0.0)), ("modified_sine", (0.125, 0.0, 0.75, 0.0))]
+)
+def test_the_modified_trapezoid_has_other_laws_as_its_limits(name, shares):
+    """Sine, constant and cosine acceleration: the same closed forms."""
+    angles = np.radians(np.arange(0.0, 360.0, 0.7))
+    found = sample(law_lift, angles, law("modified_trapezoid", **dict(zip(SHARES, shares, strict=True))))
+    np.testing.assert_allclose(found, sample(law_lift, angles, law(name)), atol=1e-13 * S * 100.0)
+
+
+SHARES = ("onset_share", "flank_share", "reversal_share", "nose_share")
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    st.floats(0.02, 0.25),
+    st.floats(0.0, 0.25),
+    st.floats(0.02, 0.25),
+    st.floats(0.0, 0.25),
+    st.booleans(),
+)
+def test_segments_of_acceleration_close_and_are_smooth(onset, flank, reversal, nose, fades):
+    """Quadrature of s'' gives s' and s: velocity 0 and lift S at the nose; s'' is continuous at the borders,
+    constant on flank and nose. Without fade the deceleration lasts to the nose."""
+    nose = nose if fades else 1.0 - onset - flank - reversal
+    p = law("modified_trapezoid", **dict(zip(SHARES, (onset, flank, reversal, nose), strict=True)))
+    borders = np.minimum(np.cumsum([0.0, onset, flank, reversal, nose, 1.0]), 1.0)
+    velocity = lift = 0.0
+    for begin, end in itertools.pairwise(FOOT + B * borders):
+        points, weights = np.polynomial.legendre.leggauss(12)
+        angles, half = 0.5 * (begin + end + (end - begin) * points), 0.5 * (end - begin)
+        bends = sample(law_lift, angles, p)[2] if half > 0.0 else np.zeros(12)
+        lift += 2.0 * half * velocity + half * np.sum(weights * (end - angles) * bends)
+        velocity += half * np.sum(weights * bends)
+        found = law_lift(end - 1e-12, p)
+        np.testing.assert_allclose((found.s, found.ds), (lift, velocity), atol=1e-10 * S)
+    np.testing.assert_allclose((lift, velocity), (S, 0.0), atol=1e-10 * S)
+    inner = FOOT + B * borders[1:4]
+    before, after = (sample(law_lift, inner + d, p)[2] for d in (-1e-10, 1e-10))
+    np.testing.assert_allclose(before, after, atol=1e-5 * S)
+    assert (abs(law_lift(math.pi - 1e-9, p).dds) < 1e-3 * S) == fades
 
 
 POLYNOMIALS = {
@@ -238,6 +293,7 @@ def test_polydyne_cams(record):
         ({"rise_angle": 3.0, "dwell_half_width": 0.2}, "at most 180 deg"),
         ({"rise_angle": 2.9, "ramp_height": 1e-4}, "at most 180 deg"),
         ({"power_q": 8.0}, "must ascend"),
+        ({"flank_share": 0.6}, "at most 1, the whole rise"),
     ],
 )
 def test_profiles_that_are_none_are_refused(parameters, message):

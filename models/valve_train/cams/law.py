@@ -16,6 +16,10 @@ from .ramps import RampParameters, add_ramp, add_ramp_breaks, angle_below_pi, ra
 from .rises import RISES, rise_by_number
 
 
+def _share(description: str, **limits: Any) -> Quantity:
+    return Quantity("1", f"share of the rise {description}", maximum=1.0, **limits)
+
+
 @dataclass
 class RiseParameters:
     """Defaults: the set `kushwaha2000`."""
@@ -49,6 +53,14 @@ class RiseParameters:
     power_q: Annotated[float, Quantity("1", "power q of the law high_powers", minimum=4.0)] = 14.0
     power_r: Annotated[float, Quantity("1", "power r of the law high_powers", minimum=4.0)] = 20.0
     power_t: Annotated[float, Quantity("1", "power t of the law high_powers", minimum=4.0)] = 26.0
+    onset_share: Annotated[
+        float, _share("in which the acceleration of the law modified_trapezoid grows", positive=True)
+    ] = 0.125
+    flank_share: Annotated[float, _share("in which this acceleration stays", minimum=0.0)] = 0.25
+    reversal_share: Annotated[float, _share("in which it turns into the deceleration", positive=True)] = 0.25
+    nose_share: Annotated[
+        float, _share("in which the deceleration stays; in what is left it fades", minimum=0.0)
+    ] = 0.25
 
 
 @dataclass
@@ -119,6 +131,13 @@ def powers_differ(p: Any, told: Vector) -> bool:
     return p.power_p < p.power_q < p.power_r < p.power_t
 
 
+@kernel
+def shares_fit(p: Any, told: Vector) -> bool:
+    """Up to rounding."""
+    told[0] = p.onset_share + p.flank_share + p.reversal_share + p.nose_share
+    return told[0] <= 1.0 + 1e-12
+
+
 EVENT_FITS = Requirement(
     event_fits,
     "rise_angle + dwell_half_width with the ramps = {0:g} deg before the nose, {1:g} deg after it: must be "
@@ -128,4 +147,8 @@ POWERS_DIFFER = Requirement(
     powers_differ,
     "power_p, power_q, power_r, power_t = {0:g}, {1:g}, {2:g}, {3:g}: must ascend, e.g. 8, 14, 20, 26",
 )
-LAW = CamProfile(LawParameters, law_lift, find_law_breaks, (EVENT_FITS, POWERS_DIFFER))
+SHARES_FIT = Requirement(
+    shares_fit,
+    "onset_share + flank_share + reversal_share + nose_share = {0:g}: must be at most 1, the whole rise",
+)
+LAW = CamProfile(LawParameters, law_lift, find_law_breaks, (EVENT_FITS, POWERS_DIFFER, SHARES_FIT))

@@ -1,6 +1,6 @@
 """Laws of the rise of a cam: the lift s and its derivatives over the cam angle a in (0, B).
 
-To add one: a kernel, listed in `RISES`. All laws but the harmonic one begin and end with s'' = 0.
+To add one: a kernel, listed in `RISES`. All laws but the harmonic one begin with s'' = 0.
 Norton, Cam Design and Manufacturing Handbook, chapters 2 to 4.
 """
 
@@ -11,6 +11,7 @@ from typing import Any
 
 from ...compile.kernel import kernel
 from .lift import Lift
+from .trapezoid import modified_trapezoid
 
 
 @kernel
@@ -116,6 +117,7 @@ RISES: dict[str, Any] = {
     "modified_sine": modified_sine,
     "harmonic": harmonic,
     "high_powers": high_powers,
+    "modified_trapezoid": modified_trapezoid,
 }
 
 

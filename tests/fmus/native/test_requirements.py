@@ -45,6 +45,7 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
         {"base_radius": 10e-3},
         {"lift": 0.03, "rise_angle": 1.0},
         {"power_p": 15.0},
+        {"flank_share": 0.9},
     ),
     "valve_spring": ({"lash": 2e-4}, {"lash": -1e-3}),
     "tappet": (
