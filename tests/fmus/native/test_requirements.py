@@ -53,6 +53,7 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
         {"follower": 1.0, "offset": 0.05},
         {"dwell_half_width": 2.0},
         {"power_p": 15.0},
+        {"flank_share": 0.9},
     ),
     "journal_bearing": (
         {"width": 30e-3},
@@ -66,6 +67,7 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
         {"base_radius": 1e-3, "follower_radius": 60e-3},
         {"dwell_half_width": 2.0},
         {"power_p": 15.0},
+        {"flank_share": 0.9},
     ),
     "ehl_contact": ({"film_model": 8.0},),
     "slider_crank": (
