@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 
 from models.core.quantities import Vector
 from models.valve_train.cams.lift import Lift
+from models.valve_train.cams.table import TURN
 from models.valve_train.followers.shape import FOLLOWERS, Follower, sample_angles, trace_shape
 
 from ..errors import MistakeError
@@ -32,6 +33,8 @@ from .protocol import Analysis, Parameter, Result
 POINTS = 720
 # Half a step of differences (rad) for the jerk.
 STEP = 1e-5
+# A jump of s'' is more than this part of its largest value within twice this angle (rad).
+JUMP, NEAR = 1e-4, 1e-8
 
 
 def _tabulate(values: Mapping[str, Any]) -> xarray.Dataset:
@@ -81,9 +84,23 @@ def _touch(angles: Vector, profile: Profile, follower: Follower, geometry: Any) 
 
 
 def _differentiate(profile: Profile, angles: Vector) -> Vector:
-    """s''' by central differences of s''."""
-    after, before = (np.array([profile.lift(a + d).dds for a in angles]) for d in (STEP, -STEP))
-    return (after - before) / (2.0 * STEP)
+    """s''' by central differences of s''; at a break that of the steeper side, infinite where s'' jumps."""
+    jerk = _differ(profile, angles - STEP, angles + STEP)
+    breaks = np.isin(angles, np.array(profile.breaks) % TURN)
+    at = angles[breaks]
+    if not at.size:
+        return jerk
+    before, after = (_differ(profile, at + d - STEP, at + d + STEP) for d in (-STEP - NEAR, STEP + NEAR))
+    jump = np.abs(_differ(profile, at - NEAR, at + NEAR)) * 2.0 * NEAR
+    jumps = jump > JUMP * max(abs(profile.lift(a).dds) for a in angles)
+    jerk[breaks] = np.where(jumps, np.inf, np.where(np.abs(before) > np.abs(after), before, after))
+    return jerk
+
+
+def _differ(profile: Profile, before: Vector, after: Vector) -> Vector:
+    """The slope of s'' between these angles."""
+    low, high = (np.array([profile.lift(a).dds for a in angles]) for angles in (before, after))
+    return np.asarray((high - low) / (after - before))
 
 
 def _divide(part: Vector, whole: Vector) -> Vector:
@@ -193,7 +210,7 @@ ANALYSIS = Analysis(
         "largest_velocity": Result("m/s", "largest velocity of the lift at this speed"),
         "largest_acceleration": Result("m/s2", "largest acceleration"),
         "least_acceleration": Result("m/s2", "largest deceleration"),
-        "largest_jerk": Result("m/s3", "largest jerk"),
+        "largest_jerk": Result("m/s3", "largest jerk; infinite where the acceleration jumps"),
         "least_radius": Result("m", "least radius of curvature where the cam is convex", display_unit="mm"),
         "least_radius_at": Result("rad", "cam angle there", display_unit="deg"),
         "shape": Result("1", "what the radii say", text=True),

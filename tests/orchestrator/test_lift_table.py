@@ -121,6 +121,16 @@ def test_a_table_replaces_the_law_of_the_scenario_that_it_extends(tmp_path):
         load(file)
 
 
+def test_the_jerk_of_a_cam_is_that_of_its_closed_form(record):
+    """Cycloidal: 4 pi^2 S/B^3 at the foot. The acceleration of the harmonic law jumps there."""
+    analysis, omega = load_analysis("cam"), 100.0
+    given = {"lift": 8e-3, "rise_angle": 1.5, "fall_angle": 1.2, "dwell_half_width": 0.0, "speed": omega}
+    found = analysis.evaluate(analysis.complete(given))["largest_jerk"]
+    exact = 4.0 * math.pi**2 * 8e-3 / 1.2**3 * omega**3
+    record("Cam", "largest jerk of the cycloidal law", found, exact, "closed form", relative=1e-8)
+    assert analysis.evaluate(analysis.complete({**given, "law": "harmonic"}))["largest_jerk"] == math.inf
+
+
 def test_ramps_are_added_to_a_table(tmp_path):
     """The scenario's and the analysis' cam is the table's with the ramp's height on the nose."""
     write(tmp_path / "cam.csv")
