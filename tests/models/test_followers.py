@@ -155,6 +155,19 @@ def test_the_cam_for_a_followers_lift_gives_that_lift_back(kind, radius, offset,
         assert (turned[1] - turned[0]) / (2.0 * h) == pytest.approx(contact.normal_turn, abs=2e-3)
 
 
+def test_the_cam_for_a_wished_valve_lift_gives_it_back(record):
+    """Finger: exact at the points of a contour from the law, interpolated between points at one degree."""
+    shape = trace_shape(np.radians(np.arange(360.0)), flat_lift, FOLLOWERS["finger_pad"], FINGER)
+    points = FOLLOWERS["finger_pad"].follow(shape, FINGER)
+    lift, bound = through(points), "bound of an independent evaluation"
+    for name, angles, found, tolerance in (
+        ("from the law (m)", points.angle, points.lift, 1e-12),
+        ("from a contour at 1° (m)", ANGLES, [lift(a).s for a in ANGLES], 1.7e-9),
+    ):
+        error = np.abs(found - np.array([flat_lift(a).s for a in angles])).max()
+        record("Cam", f"round trip of a finger's lift {name}", error, 0.0, bound, tolerance=tolerance)
+
+
 def test_what_cannot_be_assembled_is_refused_with_its_angle():
     """A hollow flank takes rollers that are smaller than it, and no flat follower."""
     geometry = Translating(12e-3, 5e-3, 0.0)
