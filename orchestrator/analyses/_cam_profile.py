@@ -38,6 +38,10 @@ GEOMETRY = {
     "valve_angle": Parameter(math.radians(2.0), "rad", "finger: further fall of that line"),
 }
 NONE = "none"
+TABLE_EVENT = {
+    name: Parameter(0.0, "rad", f"lift table: cam angle at which the {ramp} ramp joins; 0: found")
+    for name, ramp in (("event_begin", "opening"), ("event_end", "closing"))
+}
 FIELDS = {name: tuple(get_type_hints(one.geometry)) for name, one in FOLLOWERS.items()}
 
 
@@ -86,7 +90,8 @@ def _build_table_profile(values: Mapping[str, Any]) -> Profile:
         smoothed = read_lift_table(Path(values["lift_table"]).expanduser()).smooth()
     except LiftTableError as error:
         raise MistakeError(f"lift_table: {error}") from None
-    points, (begin, end) = smoothed.points, smoothed.event
+    points = smoothed.points
+    begin, end = (values[name] or found for name, found in zip(TABLE_EVENT, smoothed.event, strict=True))
     ramps = {field.name: values[field.name] for field in fields(RampParameters)}
     given = {**points.parameters(), "event_begin": begin, "event_end": end, **ramps}
     record = _check_record(TABLE, camshaft(table_points=points.angle.size), given)

@@ -11,7 +11,7 @@ from ..errors import MistakeError, one_of
 from ..scenario.component_table import ComponentTable
 from ..scenario.files import find, list_shipped, load, read_contents
 from ..scenario.values import to_value
-from ._cam_profile import FIELDS, list_law_parameters
+from ._cam_profile import FIELDS, TABLE_EVENT, list_law_parameters
 
 
 def find_settings(source: str, component: str | None = None) -> dict[str, Any]:
@@ -45,7 +45,7 @@ def _read_scenario(source: str, component: str | None) -> dict[str, Any]:
         raise MistakeError(f"--component {name}: {one_of(cams, name)}")
     values = _list_values(cams[name])
     follower = _name_follower(values)
-    wanted = {*list_law_parameters(), *FIELDS[follower]}
+    wanted = {*list_law_parameters(), *TABLE_EVENT, *FIELDS[follower]}
     found = {key: value for key, value in values.items() if key in wanted} | {"follower": follower}
     if "law" in values:
         return found

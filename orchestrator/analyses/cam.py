@@ -19,6 +19,7 @@ from ..errors import MistakeError
 from ._cam_profile import (
     GEOMETRY,
     NONE,
+    TABLE_EVENT,
     Profile,
     build_follower,
     build_profile,
@@ -193,6 +194,7 @@ ANALYSIS = Analysis(
     description="A cam by a law or lift table: shape, curvature, pressure angle, entrainment, derivatives",
     parameters={
         "lift_table": Parameter("", "1", "CSV file of cam angle and lift, instead of a law"),
+        **TABLE_EVENT,
         **list_law_parameters(),
         "speed": Parameter(1000.0 * math.pi / 30.0, "rad/s", "speed of the cam", positive=True),
         "follower": Parameter("flat", "1", "the follower that has the lift", choices=_FOLLOWERS),

@@ -12,10 +12,12 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
+from models.valve_train.cams.table import table_lift
 from orchestrator.analyses import load
 from orchestrator.analyses._cam_source import find_settings
 from orchestrator.command_line import app
 from orchestrator.errors import MistakeError
+from orchestrator.scenario.files import load as load_scenario
 
 TABLE = Path("orchestrator/scenario/shipped/my-cam.csv")
 RADIUS = 10e-3
@@ -120,6 +122,20 @@ def test_scenarios_give_the_cam_and_follower_that_they_have():
 def test_what_has_no_cam_is_named(source, component, message):
     with pytest.raises(MistakeError, match=message):
         find_settings(source, component)
+
+
+def test_the_cam_of_a_scenario_is_that_of_its_run(tmp_path):
+    """Ramps join the table where the scenario says."""
+    own = tmp_path / "own.toml"
+    ramps = 'ramp_height = "0.3 mm"\nevent_begin = "100 deg"\nevent_end = "265 deg"'
+    own.write_text(f'extends = "my-cam"\n[components.camshaft.parameters]\n{ramps}\n')
+    camshaft = load_scenario(own).components["camshaft"]
+    component = camshaft.resolve()
+    record = component.parameters.view(component.parameters.vector(camshaft.parameters))
+    table = draw(tmp_path / "out", str(own))
+    lifts = [table_lift(angle, record).s for angle in table["angle"].values]
+    np.testing.assert_allclose(table["lift"], lifts, atol=1e-15)
+    assert math.degrees(float(table["event"])) == pytest.approx(265.0 - 100.0 + 50.0, abs=1e-9)
 
 
 def test_options_replace_what_the_scenario_says(tmp_path):
