@@ -19,7 +19,6 @@ INTRODUCTION = """\
 engine 4100QB as an example. This page judges its statements:
 
 - *met* or *not met*;
-- *cannot be met*: the statement contradicts others of the paper, or has no sensible solution as printed;
 - *cannot be checked*: the paper does not give what one would need.
 
 The paper prints no geometry, mass or stiffness of the example, and its figures cannot be read in our copy.

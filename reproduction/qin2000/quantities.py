@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
+from scipy.linalg import eigh
 
 from models.catalogue import CATALOGUE
 from models.core.quantities import Vector
-from models.valve_train.beam import Shaft, bending_matrices
+from models.valve_train.beam import Disc, Shaft, bending_matrices, find_bending, find_torsion
 from models.valve_train.cams.rises import RISES
 from orchestrator.analyses.cam import ANALYSIS
 from orchestrator.scenario.files import load
 
 from ..statement import Values
-from .runs import EXHAUST, HEAD_AREA, HIGH, INTAKE, LOW, NO_AREA, RATED, Runs
+from .runs import EXHAUST, HEAD_AREA, HIGH, INTAKE, LOW, NO_AREA, RATED, SLOW, Runs
 
 SEGMENTS = (2, 4, 8)
 # A steel rod, and a shaft of round section.
 ROD = {"length": 0.2, "area": 50e-6, "youngs_modulus": 207e9, "density": 7850.0}
 SHAFT = Shaft(0.1, 0.02, (), (), shear_coefficient=0.9)
+BEAM_LENGTH = 0.4
 
 
 def compare_with_kinematics(runs: Runs) -> Values:
@@ -36,6 +39,34 @@ def compare_with_kinematics(runs: Runs) -> Values:
         "high_lost": float(np.mean(loads["high"] <= 0.0)),
         "rated_rpm": RATED,
         "high_rpm": HIGH,
+    }
+
+
+def compare_blow(runs: Runs) -> Values:
+    """Extremes of the cam's load at the high speed, and those of a train that is rigid and never parts (N).
+
+    The load of the latter is a parabola of the speed at each angle, found from the slow and the rated cycle.
+    """
+    slow, rated, high = (runs.cycle(speed)["cam_contact.load"] for speed in (SLOW, RATED, HIGH))
+    rigid = slow + (rated - slow) * (HIGH**2 - SLOW**2) / (RATED**2 - SLOW**2)
+    return {
+        "rigid_least": float(rigid.min()),
+        "rigid_largest": float(rigid.max()),
+        "largest": float(high.max()),
+    }
+
+
+def refine_pushrod(runs: Runs) -> Values:
+    """Largest changes of the valve's acceleration (m/s2) and the cam's load (N) with twice the segments."""
+    cycles = [runs.cycle(RATED, segments) for segments in (1, *SEGMENTS)]
+    accelerations, loads = (
+        np.array([cycle[name] for cycle in cycles])
+        for name in ("valve_spring.acceleration", "cam_contact.load")
+    )
+    return {
+        "accelerations": np.abs(np.diff(accelerations, axis=0)).max(axis=1).tolist(),
+        "loads": np.abs(np.diff(loads, axis=0)).max(axis=1).tolist(),
+        "acceleration": float(np.abs(accelerations).max()),
     }
 
 
@@ -88,7 +119,7 @@ def _rod_matrix(segments: int) -> Vector:
 
 
 def compute_connector(runs: Runs) -> Values:
-    """Tip flexibility of the printed K and of a Timoshenko beam; frequency with two connectors in series."""
+    """Tip flexibility of the printed K and of a Timoshenko beam."""
     second, area, length = SHAFT.second_moment, SHAFT.area, SHAFT.length
     bending, shear = SHAFT.youngs_modulus * second, SHAFT.shear_coefficient * SHAFT.shear_modulus * area
     P = 12.0 * bending / (shear * length**2)
@@ -98,14 +129,45 @@ def compute_connector(runs: Runs) -> Values:
         * np.array([[12.0 / length**3, -6.0 / length**2], [-6.0 / length**2, (4.0 + P) / length]])
     )
     K, _, _ = bending_matrices(SHAFT, np.array([0.0, length]))
-    flexibility = np.linalg.inv(printed)
-    in_series = np.linalg.inv(flexibility + flexibility)
     return {
-        "printed_flexibility": float(flexibility[0, 0]),
+        "printed_flexibility": float(np.linalg.inv(printed)[0, 0]),
         "beam_flexibility": float(np.linalg.inv(K[2:4, 2:4])[0, 0]),
         "asymmetry": float(np.abs(K - K.T).max() / np.abs(K).max()),
-        "literal_share": math.sqrt(in_series[0, 0] / printed[0, 0]),
     }
+
+
+def compute_beams(runs: Runs) -> Values:
+    """First frequency of free beams of rigid segments over that of the continuous beam, less 1.
+
+    Neighbours are joined by one connector between their centres, or by two in series, as printed.
+    """
+    # Of a free shaft the first two modes are rigid motions.
+    exact = find_bending(replace(SHAFT, length=BEAM_LENGTH, journals=(0.0, BEAM_LENGTH)), 1).frequency[2]
+    return {
+        name: [_find_beam_frequency(n, connectors) / exact - 1.0 for n in SEGMENTS]
+        for name, connectors in (("one", 1), ("two", 2))
+    }
+
+
+def _find_beam_frequency(segments: int, connectors: int) -> float:
+    """Angular, of a free beam; so many equal connectors in series share the stiffness."""
+    length = BEAM_LENGTH / segments
+    joint = bending_matrices(SHAFT, np.array([0.0, length]))[0] / connectors
+    mass = SHAFT.density * SHAFT.area * length
+    inertia = SHAFT.density * SHAFT.second_moment * length + mass * length**2 / 12.0
+    stiffness = np.zeros((2 * segments, 2 * segments))
+    for i in range(segments - 1):
+        stiffness[2 * i : 2 * i + 4, 2 * i : 2 * i + 4] += joint
+    return float(np.sqrt(eigh(stiffness, np.diag([mass, inertia] * segments), eigvals_only=True)[2]))
+
+
+def superpose_modes(runs: Runs) -> Values:
+    """Twist of a shaft's free end under a torque there, of the lowest modes and of all, over T L/(G J)."""
+    modes = find_torsion(replace(SHAFT, discs=(Disc(SHAFT.length, 0.0, 0.0, 0.0),)), 3)
+    twist = SHAFT.length / (SHAFT.shear_modulus * 2.0 * SHAFT.second_moment)
+    parts = modes.shape[:, 0] ** 2 / (modes.mass * modes.frequency**2) / twist
+    sums = np.cumsum(parts)
+    return {"lowest": sums[:3].tolist(), "all": float(sums[-1])}
 
 
 def compare_gas(runs: Runs) -> Values:

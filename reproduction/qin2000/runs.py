@@ -36,8 +36,12 @@ class Runs:
         self.cycle = cache(self._find_cycle)
         self.gas = cache(self._solve_gas)
 
-    def _find_cycle(self, speed_rpm: float) -> Cycle:
-        system = resting(TRAIN, f"flywheel.parameters.initial_speed='{speed_rpm} rpm'")
+    def _find_cycle(self, speed_rpm: float, segments: int = 4) -> Cycle:
+        system = resting(
+            TRAIN,
+            f"flywheel.parameters.initial_speed='{speed_rpm} rpm'",
+            f"pushrod.structure.segments={segments}",
+        )
         return find_cycle(system, 60.0 / speed_rpm, ["flywheel.angle"], samples=SAMPLES)
 
     def _solve_gas(self, fires_deg: float, head_area: float) -> Reference:
