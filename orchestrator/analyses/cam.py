@@ -174,8 +174,11 @@ def _find_reversals(angles: Vector, entraining: Callable[[float], float]) -> tup
 
 
 def _describe_shape(radius: Vector, values: Mapping[str, Any]) -> str:
-    """Whether the cam can be made: the pitch curve's radius rho + r must not be between 0 and r."""
-    follower = 0.0 if values["follower"] == "flat" else values["radius"]
+    """Whether the cam can be made: rho may be negative, but the pitch curve's radius rho + r must be so too.
+
+    A flat follower has an infinite radius.
+    """
+    follower = math.inf if values["follower"] == "flat" else values["radius"]
     if np.any((radius <= 0.0) & (radius + follower >= 0.0)):
         return "undercut: the contour crosses itself; enlarge base_radius, or take a smaller radius"
     if np.any(radius < 0.0):

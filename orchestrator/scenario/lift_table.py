@@ -126,6 +126,8 @@ def _parse(lines: list[tuple[int, str]]) -> LiftTable:
         raise LiftTableError(f"has {len(rows)} rows of numbers; a lift table has one for each degree or so")
     angle = np.array([row[0] for row in rows]) * angle_unit
     lift = np.array([row[1] for row in rows]) * lift_unit
+    if not lift.max() > 0.0:
+        raise LiftTableError(f"its largest lift is {1e3 * lift.max():g} mm: must be > 0")
     _check_order(angle, lines)
     if angle[-1] < angle[0]:
         angle, lift = angle[::-1], lift[::-1]

@@ -196,3 +196,19 @@ def test_the_analysis_of_a_cam_names_what_it_cannot_take(values, message):
     analysis = load_analysis("cam")
     with pytest.raises(MistakeError, match=message):
         analysis.evaluate(analysis.complete(values))
+
+
+def test_a_table_without_lift_is_named(tmp_path):
+    table = tmp_path / "flat.csv"
+    table.write_text("angle [deg], lift [mm]\n" + "".join(f"{a}, -1.0\n" for a in range(0, 360)))
+    analysis = load_analysis("cam")
+    with pytest.raises(MistakeError, match="largest lift is -1 mm: must be > 0"):
+        analysis.evaluate(analysis.complete({"lift_table": str(table)}))
+
+
+@pytest.mark.parametrize(("base_radius", "shape"), [(8e-3, "undercut"), (21e-3, "convex")])
+def test_a_flat_follower_needs_a_convex_cam(base_radius, shape):
+    """R0 + s + s'' > 0 everywhere; else the contour crosses itself."""
+    analysis = load_analysis("cam")
+    found = analysis.evaluate(analysis.complete({"base_radius": base_radius}))
+    assert found["shape"].startswith(shape)
