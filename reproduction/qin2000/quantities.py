@@ -71,11 +71,16 @@ def refine_pushrod(runs: Runs) -> Values:
 
 
 def compute_stresses(runs: Runs) -> Values:
-    """Extremes at the rated speed."""
+    """Largest loads and stresses at the rated speed; speed at which an exhaust valve meets its seat (m/s)."""
     cycle = runs.cycle(RATED)
     contacts = ("cam_contact", "valve_contact")
     peaks = [float(cycle[f"{name}.maximum_pressure"].max()) for name in contacts]
+    exhaust = runs.gas(EXHAUST, HEAD_AREA)
+    lift = exhaust["valve_spring.valve_lift"]
+    highest = int(np.argmax(lift))
+    landed = highest + int(np.argmax(lift[highest:] <= 0.0))
     return {
+        "landing": -float(exhaust["valve_spring.velocity"][landed - 1]),
         "cam_peak": peaks[0],
         "valve_peak": peaks[1],
         "cam_load": float(cycle["cam_contact.load"].max()),

@@ -86,7 +86,8 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         UNKNOWN),
     Claim("permissible", "3", "Landing velocity and contact stresses are below the permissible values",
         q.compute_stresses,
-        "stresses of `pushrod-train` at 1600 r/min: {cam_peak:G.3f} and {valve_peak:G.3f} GPa",
+        "stresses of `pushrod-train` at 1600 r/min: {cam_peak:G.3f} and {valve_peak:G.3f} GPa; "
+        "`exhaust-valve` at 1000 r/min lands with {landing:.3f} m/s",
         Verdict.UNCHECKED, "the paper states neither the values nor the permissible ones"),
     Claim("ample-factor", "3", "The ample factor of the valve lift is 0.502", q.compute_cams,
         "with 2.7 deg of dwell, by law: {laws}", Verdict.UNCHECKED,

@@ -5,7 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from reproduction.qin2000.quantities import compute_beams, compute_connector, compute_rods, superpose_modes
+from reproduction.qin2000.quantities import (
+    compute_beams,
+    compute_connector,
+    compute_rods,
+    compute_stresses,
+    superpose_modes,
+)
 from reproduction.qin2000.runs import LOW, RATED, SLOW, Runs
 
 
@@ -50,3 +56,10 @@ def test_loads_of_the_train_are_a_parabola_of_the_speed(runs: Runs) -> None:
     slow, low, rated = (runs.cycle(speed)["cam_contact.load"] for speed in (SLOW, LOW, RATED))
     found = slow + (rated - slow) * (LOW**2 - SLOW**2) / (RATED**2 - SLOW**2)
     assert np.abs(found - low).max() < 0.005 * low.max()
+
+
+@pytest.mark.long
+def test_a_valve_lands_with_the_velocity_of_its_ramp(runs: Runs) -> None:
+    """0.3 mm: 20 degrees with this velocity, and five before and five after with half of it on average."""
+    velocity = 0.3e-3 / math.radians(25.0) * LOW * math.pi / 30.0
+    assert compute_stresses(runs)["landing"] == pytest.approx(velocity, rel=2e-3)
