@@ -88,6 +88,18 @@ def compute_stresses(runs: Runs) -> Values:
     }
 
 
+def compare_forces(runs: Runs) -> Values:
+    """Largest forces at the rated speed (N), and how far the contacts yield (m)."""
+    cycle, slow = runs.cycle(RATED), runs.cycle(SLOW)
+    contacts = ("cam_contact", "valve_contact")
+    return {
+        "spring": float(cycle["valve_spring.spring_force"].max()),
+        "friction": max(float(np.abs(cycle[f"{name}.friction_force"]).max()) for name in contacts),
+        "inertia": float(np.abs(cycle["cam_contact.load"] - slow["cam_contact.load"]).max()),
+        "yields": max(float(cycle[f"{name}.deflection"].max()) for name in contacts),
+    }
+
+
 def compute_rods(runs: Runs) -> Values:
     """Static rate and first frequency of rods of segments, fixed below and free above, over the exact."""
     exact = math.sqrt(ROD["youngs_modulus"] / ROD["density"]) / (4.0 * ROD["length"])

@@ -69,12 +69,22 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "flexibility of a tip at 100 mm, 20 mm thick: {printed_flexibility:.6g} m/N as printed, "
         "{beam_flexibility:.6g} m/N of the beam element",
         lambda v: is_near(v.printed_flexibility, v.beam_flexibility, 1e-9)),
+    Claim("main-forces", "1.2", "The main forces are that of the valve spring and the gas pressure",
+        q.compare_forces,
+        "`pushrod-train` at 1600 r/min: spring up to {spring:.0f} N, friction of a contact up to "
+        "{friction:.0f} N; inertia changes the cam's load by up to {inertia:.0f} N",
+        lambda v: v.friction < 0.1 * v.spring,
+        "met if friction stays below a tenth of the spring; inertia is no applied force"),
     Claim("gas", "1.2", "The gas pressure is usually ignored because of its small effect",
         q.compare_gas,
         "valves of 30 mm at full load, largest load of the cam: exhaust {exhaust:.0f} N, intake "
         "{intake:.0f} N, without gas {without_gas:.0f} N",
         lambda v: max(v.exhaust, v.intake) < 1.05 * v.without_gas,
         "right of an intake valve; an exhaust valve opens against the pressure that is left"),
+    Claim("constraints", "2, (4)", "Constraints C(q, t) = 0 and their multipliers join the parts",
+        q.compare_forces,
+        "the contacts of `pushrod-train` yield instead, by up to {yields:µ.2f} µm at 1600 r/min",
+        Verdict.UNCHECKED, "a statement on the method; a constraint would pull where the parts separate"),
     Claim("fig-2", "3, Fig. 2", "Displacement, velocity and acceleration of the valve at low and high speed",
         q.compare_with_kinematics, "of `pushrod-train`: figure above", Verdict.UNCHECKED, UNKNOWN),
     Claim("figs-3-4", "3, Figs 3 and 4", "Contact forces and stresses of cam-tappet and rocker-valve",
