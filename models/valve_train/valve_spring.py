@@ -20,6 +20,9 @@ from ..core.quantities import Layout, Quantity, Vector, per_element
 from ..core.requirements import Requirement
 from ..plausible import CAM_LIFT, LASH, SEAT_STIFFNESS, SPRING_RATE, SURGE_FREQUENCY, VALVE_MASS
 
+# A dip that is far from any event.
+NO_SEAT = -1.0
+
 
 @dataclass
 class ValveSpringParameters:
@@ -129,8 +132,9 @@ class ValveSpringOutputs:
     ] = 0.0
     seat_force: Annotated[float, Quantity("N", "force of the seat on the valve", nominal=500.0)] = 0.0
     seat_dip: Annotated[
-        float, Quantity("m", "dip of the valve into its seat", nominal=1e-5, display_unit="um")
-    ] = 0.0
+        float,
+        Quantity("m", "dip of the valve into its seat; -1 m without a seat", nominal=1e-5, display_unit="um"),
+    ] = NO_SEAT
     least_gap: Annotated[
         float,
         Quantity("m", "least gap between coils, negative in a clash", nominal=1e-3, display_unit="mm"),
@@ -267,7 +271,7 @@ def valve_spring(coil_masses: int = 2) -> Component:
         y.valve_lift = x.position - p.lash
         y.spring_force = p.preload + spring_on_follower(p, x)
         y.seat_force = seat_force(p, x.position, x.velocity)
-        y.seat_dip = p.lash - x.position
+        y.seat_dip = p.lash - x.position if p.seat_stiffness > 0.0 else NO_SEAT
         y.least_gap = least_gap(p, x)
         for i in range(n):
             y.coil_position[i] = x.coil_position[i]
