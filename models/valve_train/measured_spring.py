@@ -34,13 +34,21 @@ def fit_gaps(travel: Vector, force: Vector, segments: int, stop_stiffness: float
 
     Where the rate falls with the travel it is taken as constant, as coils do not open: the flexibility dx/dF
     that is closest in least squares. A segment that stays open has twice the gap that it needs.
+    ValueError if the spring gets stiffer than with all its coils closed.
     """
     above = force - force[0]
     step = np.diff(above)
     flexibility = isotonic_regression(np.diff(travel) / step, weights=step, increasing=False).x
     free = flexibility[0]
     rate = 1.0 / free
-    closed = (free - flexibility) / (free - 1.0 / (rate + stop_stiffness / segments))
+    solid = rate + stop_stiffness / segments
+    if flexibility[-1] * solid < 1.0:
+        least = segments * (1.0 / flexibility[-1] - rate)
+        raise ValueError(
+            f"the rate gets {1.0 / flexibility[-1]:.4g} N/m, but with all {segments} coils closed it is "
+            f"{solid:.4g} N/m: give a stop_stiffness of at least {least:.4g} N/m"
+        )
+    closed = (free - flexibility) / (free - 1.0 / solid)
     gap = np.empty(segments)
     for i in range(segments):
         gap[segments - 1 - i] = _close_segment(i, segments, above, closed) / (segments * rate)

@@ -32,7 +32,9 @@ def draw_cam(
             help="Another parameter, e.g. 'offset=2 mm'; 'tribocosim analyse cam --parameters' lists them.",
         ),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Output folder.", show_default="results/cam")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Output folder.", show_default="results/SOURCE-cam")
+    ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a result in the folder.")] = False,
 ) -> None:
     """Say what a cam is like, and draw its contour: results, table (netCDF, CSV), figure, SVG and DXF."""
@@ -42,4 +44,5 @@ def draw_cam(
     options = {"base_radius": base_radius, "follower": follower, "radius": radius, "speed": speed}
     given = {name: value for name, value in options.items() if value is not None}
     settings = [f"{name}={value}" for name, value in (find_settings(source, component) | given).items()]
-    analyse("cam", [*settings, *(set_ or [])], out, overwrite)
+    folder = out or Path("results") / f"{Path(source).stem}-cam"
+    analyse("cam", [*settings, *(set_ or [])], folder, overwrite)

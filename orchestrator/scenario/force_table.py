@@ -33,7 +33,10 @@ def insert_force_table(table: dict[str, Any]) -> dict[str, Any]:
     if isinstance(stiffness, str):
         stiffness = to_unit(stiffness, stop.quantity.unit)
     travel, force = np.array(rows).T
-    spring = fit_gaps(travel, force, component.structure["segments"], stiffness)
+    try:
+        spring = fit_gaps(travel, force, component.structure["segments"], stiffness)
+    except ValueError as error:
+        raise Faults(("force_table", f": {error}")) from None
     found = {"spring_rate": spring.spring_rate, "preload": spring.preload}
     found |= {f"gap[{i}]": float(gap) for i, gap in enumerate(spring.gap, 1)}
     rest = {key: value for key, value in table.items() if key != "force_table"}

@@ -16,7 +16,7 @@ from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from tests.models.systems import outputs_of
 
-STOP = 5e6
+STOP = 5e7  # 32 closed segments are stiffer than any spring drawn here
 
 
 def find_travel(spring: MeasuredSpring, force: float) -> float:
@@ -53,6 +53,15 @@ def test_the_last_row_is_met_and_the_others_nearly(steps: list[float], growth: l
         assert np.max(np.abs(off)) <= 0.25 / segments * open_travel * (1.0 + 1e-9)
 
 
+def test_a_table_steeper_than_closed_coils_says_how_stiff_their_stops_must_be() -> None:
+    """To the number named the spring is met, below it refused."""
+    travel, force = np.array([0.0, 4e-3, 6e-3]), np.array([300.0, 380.0, 780.0])
+    with pytest.raises(ValueError, match=r"gets 2e\+05 N/m.* at least 1.44e\+06 N/m"):
+        fit_gaps(travel, force, 8, 1.4e6)
+    spring = fit_gaps(travel, force, 8, 1.441e6)
+    assert np.isfinite(spring.gap).all()
+
+
 def test_noise_that_softens_the_spring_is_averaged() -> None:
     travel, force = np.linspace(0.0, 8e-3, 9), 300.0 + 35e3 * np.linspace(0.0, 8e-3, 9)
     force[4] += 4.0
@@ -71,9 +80,8 @@ def write(folder: Path, rows: str, more: str = "", component: str = "coil_spring
 
 def test_the_component_has_the_measured_force(tmp_path: Path) -> None:
     rows = '[["0 mm", "330 N"], ["4 mm", "470 N"], ["8 mm", 640]]'
-    table = load(write(tmp_path, rows, "structure = { segments = 5 }\nparameters.gap = 1e-3\n")).components[
-        "spring"
-    ]
+    more = "structure = { segments = 5 }\nparameters = { gap = 1e-3, stop_stiffness = 5e7 }\n"
+    table = load(write(tmp_path, rows, more)).components["spring"]
     assert table.force_table is None
     values: dict[str, Any] = dict(table.parameters)
     gap = np.array([values[f"gap[{i}]"] for i in range(1, 6)])
@@ -93,6 +101,12 @@ def test_the_component_has_the_measured_force(tmp_path: Path) -> None:
         ('[["1 mm", "330 N"], ["2 mm", "340 N"]]', "", "coil_spring", "the first at travel 0"),
         ('[["0 mm", "330 N"], ["2 mm", "320 N"]]', "", "coil_spring", r"force_table\[2\]: travel and force"),
         ('[["0 mm", "330 N"], ["2 N", "340 N"]]', "", "coil_spring", r"force_table\[2\]\[1\]: .*'2 N'"),
+        (
+            '[["0 mm", "330 N"], ["4 mm", "340 N"], ["5 mm", "4 kN"]]',
+            "",
+            "coil_spring",
+            "give a stop_stiffness",
+        ),
         ('[["0 mm", 330], [0.002, 340]]', "", "valve_spring", "valve_spring has none"),
     ],
 )
