@@ -20,6 +20,7 @@ from ..compile.kernel import kernel
 from .asperities import (
     THICK,
     Asperities,
+    dry_separation,
     find_separation,
     pressure_scale,
     pressure_under,
@@ -89,18 +90,20 @@ def boundary_friction(asperity_load: float, real_area: float, velocity: float, t
 @kernel
 def hertzian_friction(
     load: float, half_width: float, length: float, velocity: float, carried: Sharing, fluid: Lubricant,
-    surfaces: Asperities, traction: Traction,
+    surfaces: Asperities, compliance: float, traction: Traction,
 ) -> Friction:  # fmt: skip
     """Friction of a Hertzian contact under the load W >= 0 (N); the film has its share of the pressure."""
     if load <= 0.0:
         return Friction(0.0, 0.0)
     area = 2.0 * half_width * length
     pressure = 4.0 / math.pi * (load - carried.asperity_load) / area
+    real_area = 0.0
+    if traction.boundary_stress > 0.0:  # else it has no part in the friction
+        separation = dry_separation(carried.asperity_load / area, surfaces, compliance)
+        real_area = area * real_area_share(separation, surfaces)
     return Friction(
         viscous_friction(half_width, length, pressure, velocity, carried.film, fluid, traction),
-        boundary_friction(
-            carried.asperity_load, area * real_area_share(carried.separation, surfaces), velocity, traction
-        ),
+        boundary_friction(carried.asperity_load, real_area, velocity, traction),
     )
 
 

@@ -2,7 +2,7 @@
 
 The film carries W_f, the asperities W_a = A p_a on the Hertzian area A, and W_f + W_a = W. A film under less
 load is thicker, as its formula says: h = h_0 h_ss(W_f)/h_ss(W) with the film h_0 that the whole load would
-leave. More separation means less load on asperities, more on the film, and by the formula less separation:
+leave. A thicker film means less load on asperities, more on the film, and by the formula a thinner film:
 there is one solution. A formula whose film grows with its load (`kushwaha`) cannot share so: its film is
 kept. No film presses the surfaces closer than they come dry, where W_a = W.
 """
@@ -13,19 +13,24 @@ import math
 from typing import NamedTuple
 
 from ..compile.kernel import kernel
-from .asperities import THICK, Asperities, asperity_pressure, dry_separation, find_separation, mean_gap
+from .asperities import THICK, Asperities, dry_separation, mean_gap, pressure_scale, pressure_under
 from .films import film_by_number
 
 # Formulas are not asked for less than this share of the load, nor for a speed of zero (m/s).
 _LEAST_SHARE = 1e-12
 _LEAST_SPEED = 1e-9
+# A share of asperities below this is none.
+_NEGLIGIBLE = 1e-24
+# Logarithms of W_f/W_a between which all solutions lie.
+_LEAST_ODDS, _LARGEST_ODDS = math.log(_LEAST_SHARE), -math.log(_NEGLIGIBLE)
+# The error that a last correction of the logarithm leaves is less than its square.
+_CLOSE = 1e-8
 
 
 class Sharing(NamedTuple):
-    """Film thickness (m), separation of the mean planes over sigma, and load on the asperities (N)."""
+    """Film thickness (m) and load on the asperities (N)."""
 
     film: float
-    separation: float
     asperity_load: float
 
 
@@ -51,54 +56,65 @@ def formula_film(load: float, f: FilmFormula) -> float:
 
 
 @kernel
-def _excess(separation: float, load: float, area: float, ratio: float, whole: float, surfaces: Asperities,
-            f: FilmFormula) -> float:  # fmt: skip
-    """Logarithm of the film under the fluid's share over the mean gap: falls with the separation."""
-    share = 1.0 - area * asperity_pressure(separation, surfaces, f.compliance) / load
-    thicker = max(1.0, formula_film(max(share, _LEAST_SHARE) * load, f) / whole)
-    return math.log(ratio * thicker / mean_gap(separation))
+def _thickening(share: float, load: float, whole: float, f: FilmFormula) -> float:
+    """h/h_0, at least 1: the film under a share of the load over h_ss(W), that under the whole load."""
+    return max(1.0, formula_film(max(share, _LEAST_SHARE) * load, f) / whole)
+
+
+@kernel
+def _solve(share: float, load: float, film: float, per_load: float, surfaces: Asperities,
+           scale: float, f: FilmFormula) -> Sharing:  # fmt: skip
+    """The sharing in which both carry some; `share` is A p_a/W under the film h_0, and A/W = `per_load`.
+
+    Newton's method, kept between bounds, for the logarithm z of W_f/W_a: ln(A p_a/W_a) grows with z, by
+    W_f/W + (d ln p_a/d ln h) (d ln h/d ln W_f) W_a/W. The last factor but one is that between two iterates.
+    """
+    whole = formula_film(load, f)
+    low, high = _LEAST_ODDS, _LARGEST_ODDS
+    last_fluid = last_thicker = 0.0  # logarithms, of the whole load
+    z = math.log(1.0 / min(share, 0.5) - 1.0)
+    for _ in range(100):
+        odds = math.exp(z)
+        fluid = z - math.log(1.0 + odds)
+        thicker = _thickening(odds / (1.0 + odds), load, whole, f)
+        log_thicker = math.log(thicker)
+        pressed = pressure_under(film * thicker, surfaces.roughness, scale)
+        excess = math.log(max(per_load * pressed.pressure, 1e-300) * (1.0 + odds))
+        if excess > 0.0:
+            high = z
+        else:
+            low = z
+        exponent = (log_thicker - last_thicker) / (fluid - last_fluid) if fluid != last_fluid else 0.0
+        last_fluid, last_thicker = fluid, log_thicker
+        steepness = film * thicker * pressed.slope / max(pressed.pressure, 1e-300)
+        change = -excess * (1.0 + odds) / (odds + exponent * steepness)
+        if not low <= z + change <= high:
+            change = 0.5 * (low + high) - z
+        z += change
+        if abs(change) < _CLOSE:
+            break
+    odds = math.exp(z)
+    return Sharing(film * _thickening(odds / (1.0 + odds), load, whole, f), load / (1.0 + odds))
 
 
 @kernel
 def share_load(load: float, film: float, area: float, surfaces: Asperities, f: FilmFormula) -> Sharing:
     """Sharing of the load W >= 0 on the area A > 0 (m2), of a film h_0 >= 0 that the whole load would leave.
 
-    Without film the asperities carry all. Between smooth surfaces there are none, whatever the film.
+    Without film the asperities carry all. Between smooth surfaces there are none, whatever the film. The
+    pressure of asperities is that of `pressure_under`, to 2e-8.
     """
-    if surfaces.roughness <= 0.0:
-        return Sharing(film, THICK, 0.0)
-    ratio = film / surfaces.roughness
-    if load <= 0.0 or ratio >= THICK:
-        return Sharing(film, ratio, 0.0)
-    pressure = load / area
+    if surfaces.roughness <= 0.0 or load <= 0.0 or film >= THICK * surfaces.roughness:
+        return Sharing(film, 0.0)
     if film <= 0.0:
-        return Sharing(0.0, dry_separation(pressure, surfaces, f.compliance), load)
-    whole = formula_film(load, f)
-    # The solution is not below these; a film that is kept has it at once.
-    low = find_separation(ratio)
-    if asperity_pressure(low, surfaces, f.compliance) > pressure:
-        low = dry_separation(pressure, surfaces, f.compliance)
-    at_low = _excess(low, load, area, ratio, whole, surfaces, f)
-    high, at_high, step = low, at_low, 0.25
-    for _ in range(60):
-        if not at_high > 0.0:
-            break
-        low, at_low = high, at_high
-        high += step
-        step *= 2.0
-        at_high = _excess(high, load, area, ratio, whole, surfaces, f)
-    found = high
-    # Regula falsi with Illinois' weights.
-    for _ in range(60):
-        if high - low < 1e-10 or at_low <= 0.0:
-            break
-        found = high - at_high * (high - low) / (at_high - at_low)
-        at_found = _excess(found, load, area, ratio, whole, surfaces, f)
-        if abs(at_found) < 1e-12:
-            break
-        if at_found < 0.0:
-            high, at_high, at_low = found, at_found, 0.5 * at_low
-        else:
-            low, at_low, at_high = found, at_found, 0.5 * at_high
-    carried = min(load, area * asperity_pressure(found, surfaces, f.compliance))
-    return Sharing(surfaces.roughness * mean_gap(found), found, carried)
+        return Sharing(0.0, load)
+    scale, per_load = pressure_scale(surfaces, f.compliance), area / load
+    share = per_load * pressure_under(film, surfaces.roughness, scale).pressure
+    if share <= _NEGLIGIBLE:
+        return Sharing(film, 0.0)
+    if share >= 1.0:
+        thickest = film * _thickening(_LEAST_SHARE, load, formula_film(load, f), f)
+        if per_load * pressure_under(thickest, surfaces.roughness, scale).pressure >= 1.0:
+            dry = dry_separation(1.0 / per_load, surfaces, f.compliance)
+            return Sharing(surfaces.roughness * mean_gap(dry), load)
+    return _solve(share, load, film, per_load, surfaces, scale, f)
