@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import sys
 
 from .packages import find_shadowed
@@ -13,6 +14,9 @@ def main() -> None:
     if message := find_shadowed():
         print(f"tribocosim: {message}", file=sys.stderr)
         sys.exit(2)
+    # Our matrices are small: threads would wait for each other longer than they compute, and the order of
+    # their sums, so the last bits of results, would depend on the number of processors.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Imported modules are a million objects that stay; looking for garbage among them costs a tenth of a run.
     gc.set_threshold(50_000, 20, 20)
     from orchestrator.command_line import main as run

@@ -58,7 +58,14 @@ def mixed_lubrication(
     carried = share_load(load, film, 2.0 * width * p.length, surfaces, formula)
     fluid = build_lubricant(p, DOWSON_HIGGINSON)  # friction does not depend on the density
     friction = hertzian_friction(
-        load, width, p.length, u.sliding_velocity, carried, fluid, surfaces, compliance,
+        load,
+        width,
+        p.length,
+        u.sliding_velocity,
+        carried,
+        fluid,
+        surfaces,
+        compliance,
         build_traction(p),
     )
     return MixedLubrication(carried.film, carried.asperity_load, friction.viscous, friction.boundary)
