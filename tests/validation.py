@@ -20,7 +20,19 @@ import pytest
 TESTS = Path(__file__).parent
 PAGE = TESTS.parent / "docs" / "validation.md"
 LIMITS = TESTS / "known_limits.toml"
-SUBJECTS = ("Cam", "Spring", "Train", "Contact", "Film", "Field", "Slider-crank", "Coupling", "FMUs", "Tools")
+SUBJECTS = (
+    "Cam",
+    "Spring",
+    "Train",
+    "Contact",
+    "Film",
+    "Field",
+    "Slider-crank",
+    "Multibody",
+    "Coupling",
+    "FMUs",
+    "Tools",
+)
 COLUMNS = ("quantity", "computed", "reference", "difference", "tolerance", "source", "test")
 INTRODUCTION = """# Validation manual
 

@@ -1,0 +1,53 @@
+"""Rigid bodies and the axes in which joints are drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.quantities import Vector
+from ..core.system import ModelError
+
+Point = Sequence[float]
+ORIGIN = (0.0, 0.0, 0.0)
+X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+GROUND = "ground"
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body whose axes are the principal ones of its inertia (kg m^2) at its centre of mass.
+
+    The start is a guess of where it stands: the joints move it to where they hold. Its orientation is
+    R_x(alpha) R_y(beta) R_z(gamma), Cardan angles 1-2-3 (rad); they have no rates at beta = +-90 deg.
+    """
+
+    name: str
+    mass: float
+    inertia: Point
+    position: Point = ORIGIN
+    angles: Point = ORIGIN
+    velocity: Point = ORIGIN
+    angular_velocity: Point = ORIGIN
+
+    def __post_init__(self) -> None:
+        """ModelError unless mass and inertia are positive. K's Table 1 has inertias that no body can have."""
+        inertia = np.asarray(self.inertia, float)
+        if not self.mass > 0.0 or inertia.shape != (3,) or not np.all(inertia > 0.0):
+            raise ModelError(
+                f"body {self.name}: mass = {self.mass:g} kg and inertia = {list(self.inertia)} kg m2 "
+                "must be positive"
+            )
+
+
+def make_axes(axis: Point) -> Vector:
+    """Three axes as rows, right-handed: two perpendicular to `axis`, and `axis` itself; x, y, z for z."""
+    third = np.asarray(axis, float) / np.linalg.norm(axis)
+    start = np.roll(np.eye(3), 1, axis=0)[np.argmax(np.abs(third))] if third.max() > 0.0 else np.eye(3)[0]
+    second = np.cross(third, start)
+    if np.linalg.norm(second) < 0.1:
+        second = np.cross(third, np.eye(3)[1])
+    second /= np.linalg.norm(second)
+    return np.array([np.cross(second, third), second, third])

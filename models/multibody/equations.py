@@ -1,0 +1,153 @@
+"""The equations of motion: kernels that evaluate a mechanism, and the residual of its stabilised form."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from ..compile.kernel import kernel
+from ..core.quantities import Vector
+from .constraints import constrain, find_cam_angle, follow_cam
+from .loads import load_field, load_spring, push
+from .tables import FLAT_CAM, Evaluation, Tables
+from .vectors import Arrow, cross, fill_rotation, pick, scale, to_body, to_ground, turn_angles
+
+# Share of a coordinate's or velocity's size by which the Jacobian's differences move it.
+DIFFERENCE = 1e-7
+
+
+@kernel
+def place_bodies(q: Vector, v: Vector, e: Evaluation) -> None:
+    for b in range(q.shape[0] // 6):
+        for i in range(3):
+            e.position[b + 1, i] = q[6 * b + i]
+            e.velocity[b + 1, i] = v[6 * b + i]
+            e.omega[b + 1, i] = v[6 * b + 3 + i]
+        fill_rotation(q[6 * b + 3 : 6 * b + 6], e.rotation[b + 1])
+
+
+@kernel
+def load_inertia(b: int, tables: Tables, e: Evaluation) -> None:
+    """M of the body b and its forces: weight, and -omega x I omega."""
+    mass, own, rotation = tables.mass[b], tables.inertia[b], e.rotation[b + 1]
+    first = 6 * b
+    for i in range(3):
+        e.mass[first + i, first + i] = mass
+        for j in range(3):
+            e.mass[first + 3 + i, first + 3 + j] = (
+                rotation[i, 0] * own[0] * rotation[j, 0]
+                + rotation[i, 1] * own[1] * rotation[j, 1]
+                + rotation[i, 2] * own[2] * rotation[j, 2]
+            )
+    omega = pick(e.omega[b + 1])
+    w = to_body(rotation, omega)
+    momentum = to_ground(rotation, Arrow(own[0] * w.x, own[1] * w.y, own[2] * w.z))
+    push(e, b + 1, scale(mass, pick(tables.gravity)), cross(momentum, omega))
+
+
+@cache
+def make_evaluate(lift: Any) -> Any:
+    """The kernel evaluate(t, q, v, tables, evaluation); `lift` is the kernel of the cams' profiles."""
+
+    @kernel
+    def evaluate(t: float, q: Vector, v: Vector, tables: Tables, e: Evaluation) -> None:
+        e.force[:], e.jacobian[:, :], e.rate[:] = 0.0, 0.0, 0.0
+        place_bodies(q, v, e)
+        for b in range(tables.mass.shape[0]):
+            load_inertia(b, tables, e)
+        for k in range(tables.rows.shape[0]):
+            row = tables.rows[k]
+            if row.kind == FLAT_CAM:
+                cam = tables.cams[row.cam]
+                follow_cam(e, k, row, cam.base_radius, lift(find_cam_angle(e, row), cam))
+            else:
+                constrain(t, e, k, row)
+        for k in range(tables.springs.shape[0]):
+            load_spring(e, tables.springs[k])
+        for k in range(tables.fields.shape[0]):
+            load_field(e, tables.fields[k])
+
+    return evaluate
+
+
+@kernel
+def turn_coordinates(q: Vector, v: Vector, rate: Vector) -> None:
+    """q' = T(q) v."""
+    for b in range(q.shape[0] // 6):
+        first = 6 * b
+        turned = turn_angles(q[first + 3 : first + 6], pick(v[first + 3 : first + 6]))
+        for i in range(3):
+            rate[first + i] = v[first + i]
+        rate[first + 3], rate[first + 4], rate[first + 5] = turned.x, turned.y, turned.z
+
+
+@cache
+def make_residual(lift: Any) -> Any:
+    """The kernel of the stabilised form of index 2 (Gear, Gupta and Leimkuhler 1985).
+
+    With y = (q, v, lambda, mu):
+    q' - T (v - J^T mu), M v' - f + J^T lambda, J v + C_t, C.
+    """
+    evaluate = make_evaluate(lift)
+
+    @kernel
+    def residual(
+        t: float, y: Vector, dy: Vector, tables: Tables, e: Evaluation, moved: Vector, r: Vector
+    ) -> None:
+        size, m = 6 * tables.mass.shape[0], tables.rows.shape[0]
+        q, v = y[:size], y[size : 2 * size]
+        evaluate(t, q, v, tables, e)
+        for i in range(size):
+            moved[i] = v[i]
+            r[size + i] = -e.force[i]
+            for j in range(6 * (i // 6), 6 * (i // 6) + 6):
+                r[size + i] += e.mass[i, j] * dy[size + j]
+        for k in range(m):
+            load, correction, rate = y[2 * size + k], y[2 * size + m + k], e.rate[k]
+            for i in range(size):
+                share = e.jacobian[k, i]
+                if share != 0.0:
+                    moved[i] -= share * correction
+                    r[size + i] += share * load
+                    rate += share * v[i]
+            r[2 * size + k] = rate
+            r[2 * size + m + k] = e.constraint[k]
+        turn_coordinates(q, moved, r)
+        for i in range(size):
+            r[i] = dy[i] - r[i]
+
+    return residual
+
+
+@cache
+def make_matrix(lift: Any) -> Any:
+    """The kernel that fills dF/dy + c dF/dy' of the residual F; its columns of q and v by differences."""
+    residual = make_residual(lift)
+
+    @kernel
+    def matrix(
+        t: float, c: float, y: Vector, dy: Vector, tables: Tables, e: Evaluation, scratch: Vector, out: Any
+    ) -> None:
+        size, m = 6 * tables.mass.shape[0], tables.rows.shape[0]
+        moved, base, other, place = scratch[0], scratch[1], scratch[2], scratch[3]
+        residual(t, y, dy, tables, e, moved, base)
+        out[:, :] = 0.0
+        for k in range(m):
+            turn_coordinates(y[:size], e.jacobian[k], other)
+            for i in range(size):
+                out[i, 2 * size + m + k] = other[i]
+                out[size + i, 2 * size + k] = e.jacobian[k, i]
+        for i in range(size):
+            out[i, i] = c
+            for j in range(6 * (i // 6), 6 * (i // 6) + 6):
+                out[size + i, size + j] = c * e.mass[i, j]
+        place[:] = y
+        for j in range(2 * size):
+            change = DIFFERENCE * max(abs(y[j]), 1e-2)
+            place[j] = y[j] + change
+            residual(t, place, dy, tables, e, moved, other)
+            for i in range(other.shape[0]):
+                out[i, j] += (other[i] - base[i]) / (place[j] - y[j])
+            place[j] = y[j]
+
+    return matrix

@@ -1,0 +1,90 @@
+"""Force elements between two bodies: springs with dampers, and elastic fields such as beams."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.linalg import sqrtm
+
+from ..core.quantities import Vector
+from ..core.system import ModelError
+from .bodies import ORIGIN, Point
+
+
+@dataclass(frozen=True)
+class SpringDamper:
+    """A spring and damper between a point of i and one of j (N/m, N s/m; `length` without force, m)."""
+
+    i: str
+    j: str
+    stiffness: float
+    length: float
+    damping: float = 0.0
+    at_i: Point = ORIGIN
+    at_j: Point = ORIGIN
+
+
+@dataclass(frozen=True)
+class ElasticField:
+    """(F, T) = -K delta - C delta' on j, in the axes of i's frame (the columns of `axes_i`), K (33), Q (2).
+
+    `rest` is the place of j's frame in i's without force (m).
+    """
+
+    i: str
+    j: str
+    stiffness: Vector
+    damping: Vector
+    rest: Point
+    at_i: Point = ORIGIN
+    at_j: Point = ORIGIN
+    axes_i: Vector = field(default_factory=lambda: np.eye(3))
+    axes_j: Vector = field(default_factory=lambda: np.eye(3))
+
+
+def rod_rate(youngs_modulus: float, area: float, length: float) -> float:
+    """Rate (N/m) between the centres of two segments of a rod: two springs k = 2 A E/L in series, Q (1)."""
+    return youngs_modulus * area / length
+
+
+def beam_stiffness(
+    length: float, diameter: float, youngs_modulus: float, poissons_ratio: float, shear_factor: float = 0.0
+) -> Vector:
+    """K (33) of a round Timoshenko beam along x, Q (2), (6, 6); without `shear_factor` that of Euler.
+
+    P = 12 E I A_y/(G A L^2) with the shear factor A_y, 10/9 for a circle.
+    """
+    if min(length, diameter, youngs_modulus) <= 0.0:
+        raise ModelError(
+            f"beam: length = {length:g} m, diameter = {diameter:g} m, Young's modulus = {youngs_modulus:g} "
+            "Pa must be positive"
+        )
+    area, second = math.pi * diameter**2 / 4.0, math.pi * diameter**4 / 64.0
+    shear_modulus = youngs_modulus / (2.0 * (1.0 + poissons_ratio))
+    bending = youngs_modulus * second
+    p = 12.0 * bending * shear_factor / (shear_modulus * area * length**2)
+    k = np.diag(
+        [
+            youngs_modulus * area / length,
+            *2 * [12.0 * bending / (length**3 * (1.0 + p))],
+            2.0 * shear_modulus * second / length,
+            *2 * [(4.0 + p) * bending / (length * (1.0 + p))],
+        ]
+    )
+    side = 6.0 * bending / (length**2 * (1.0 + p))
+    k[1, 5] = k[5, 1] = -side
+    k[2, 4] = k[4, 2] = side
+    return k
+
+
+def modal_damping(stiffness: Vector, masses: Vector, ratio: float) -> Vector:
+    """C = 2 zeta M^1/2 (M^-1/2 K M^-1/2)^1/2 M^1/2: every mode of a body on the field has the ratio zeta.
+
+    `masses` is the diagonal of M (6,): the mass three times, and the moments of inertia about the field's
+    axes.
+    """
+    root = np.sqrt(np.asarray(masses, float))
+    middle = np.real(sqrtm(stiffness / np.outer(root, root)))
+    return 2.0 * ratio * middle * np.outer(root, root)

@@ -1,0 +1,165 @@
+"""Joints: groups of scalar constraints between two bodies, i (named first) and j (named second).
+
+Points and axes are given in the bodies' own axes, from their centres of mass; a body called "ground" is the
+ground, whose axes are those of the global frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..core.quantities import Vector
+from .bodies import ORIGIN, Point, Y, Z, make_axes
+from .tables import AHEAD, DRIVEN, FLAT_CAM, PERPENDICULAR
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """One scalar constraint: what it holds, and its fields in the table of rows."""
+
+    name: str
+    fields: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """The constraints between two bodies, with the points at which reactions are told."""
+
+    name: str
+    i: str
+    j: str
+    constraints: Sequence[Constraint]
+    at_i: Point = ORIGIN
+    at_j: Point = ORIGIN
+    cam: Any = None  # record of the cam's parameters
+
+
+def hold_points(axes: Vector, names: Sequence[str], at_i: Point, at_j: Point) -> list[Constraint]:
+    """P_j does not move against P_i along these axes of i."""
+    return [
+        Constraint(f"along {name}", {"kind": AHEAD, "a": axis, "p_i": at_i, "p_j": at_j})
+        for axis, name in zip(axes, names, strict=True)
+    ]
+
+
+def hold_axes(pairs: Sequence[tuple[Point, Point]], names: Sequence[str]) -> list[Constraint]:
+    """An axis of i stays perpendicular to one of j, for each pair."""
+    return [
+        Constraint(f"about {name}", {"kind": PERPENDICULAR, "a": a, "b": b})
+        for (a, b), name in zip(pairs, names, strict=True)
+    ]
+
+
+def _align(i: Vector, j: Vector) -> list[Constraint]:
+    """The third axes are parallel."""
+    return hold_axes([(i[0], j[2]), (i[1], j[2])], ("second axis", "first axis"))
+
+
+def cylindrical(
+    name: str,
+    i: str,
+    j: str,
+    at_i: Point = ORIGIN,
+    at_j: Point = ORIGIN,
+    axis_i: Point = Z,
+    axis_j: Point = Z,
+) -> Joint:
+    """j turns about and slides along an axis: 4 constraints, K (12)."""
+    a, b = make_axes(axis_i), make_axes(axis_j)
+    held = hold_points(a[:2], ("first axis", "second axis"), at_i, at_j)
+    return Joint(name, i, j, [*held, *_align(a, b)], at_i, at_j)
+
+
+def revolute(
+    name: str,
+    i: str,
+    j: str,
+    at_i: Point = ORIGIN,
+    at_j: Point = ORIGIN,
+    axis_i: Point = Z,
+    axis_j: Point = Z,
+) -> Joint:
+    """j turns about an axis: 5 constraints."""
+    a, b = make_axes(axis_i), make_axes(axis_j)
+    held = hold_points(a, ("first axis", "second axis", "third axis"), at_i, at_j)
+    return Joint(name, i, j, [*held, *_align(a, b)], at_i, at_j)
+
+
+def spherical(name: str, i: str, j: str, at_i: Point = ORIGIN, at_j: Point = ORIGIN) -> Joint:
+    """A point of j stays at a point of i: 3 constraints."""
+    return Joint(name, i, j, hold_points(np.eye(3), ("x", "y", "z"), at_i, at_j), at_i, at_j)
+
+
+def _hold_turn(a: Vector, b: Vector) -> list[Constraint]:
+    """All axes are parallel."""
+    pairs = [(a[1], b[2]), (a[2], b[0]), (a[0], b[1])]
+    return hold_axes(pairs, ("first axis", "second axis", "third axis"))
+
+
+def translational(
+    name: str,
+    i: str,
+    j: str,
+    at_i: Point = ORIGIN,
+    at_j: Point = ORIGIN,
+    axis_i: Point = Y,
+    axis_j: Point = Y,
+) -> Joint:
+    """j slides along an axis: 5 constraints, K (13). Both bodies' axes have the same zero of turning."""
+    a, b = make_axes(axis_i), make_axes(axis_j)
+    held = hold_points(a[:2], ("first axis", "second axis"), at_i, at_j)
+    return Joint(name, i, j, [*held, *_hold_turn(a, b)], at_i, at_j)
+
+
+def fixed(name: str, i: str, j: str, at_i: Point = ORIGIN, at_j: Point = ORIGIN) -> Joint:
+    """j is one with i: 6 constraints."""
+    held = hold_points(np.eye(3), ("x", "y", "z"), at_i, at_j)
+    return Joint(name, i, j, [*held, *_hold_turn(np.eye(3), np.eye(3))], at_i, at_j)
+
+
+def prescribed_rotation(
+    name: str,
+    i: str,
+    j: str,
+    speed: float,
+    angle: float = 0.0,
+    acceleration: float = 0.0,
+    axis_i: Point = Z,
+    axis_j: Point = Z,
+) -> Joint:
+    """j turns against i by angle + speed t + acceleration t^2/2 (rad, s): 1 constraint, K (32).
+
+    Its multiplier is the torque of the drive on j.
+    """
+    a, b = make_axes(axis_i), make_axes(axis_j)
+    motion = {"angle": angle, "speed": speed, "acceleration": acceleration}
+    return Joint(
+        name, i, j, [Constraint("turning", {"kind": DRIVEN, "a": a[0], "a2": a[1], "b": b[0], **motion})]
+    )
+
+
+def flat_cam(
+    name: str,
+    cam: str,
+    follower: str,
+    profile: Any,
+    *,
+    at_cam: Point = ORIGIN,
+    at_follower: Point = ORIGIN,
+    axis: Point = Z,
+    normal: Point = Y,
+    foot: Point = Y,
+) -> Joint:
+    """A flat face stays on a cam: 1 constraint, R0 + s(psi) = n d. Its multiplier is the load W.
+
+    `profile` is the record of the cam's parameters. `axis` and `foot` belong to the cam: its profile
+    touches at psi = 0 where `foot` points along `normal`, the face's away from the cam, and psi grows as
+    the cam turns about `axis`. `at_follower` is a point of the face.
+    """
+    second = np.cross(axis, foot)
+    fields = {"kind": FLAT_CAM, "a": foot, "a2": second, "b": normal, "p_i": at_cam, "p_j": at_follower}
+    return Joint(name, cam, follower, [Constraint("contact", fields)], at_cam, at_follower, cam=profile)

@@ -1,0 +1,95 @@
+"""Force elements: springs and dampers between points, elastic fields between frames."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ..compile.kernel import kernel
+from .constraints import carry, differ, point_at
+from .tables import Evaluation
+from .vectors import Arrow, add, cross, dot, pick, scale, subtract, to_body, to_ground
+
+
+@kernel
+def push(e: Evaluation, body: int, force: Arrow, moment: Arrow) -> None:
+    """Add a force at the body's centre of mass and a moment, both in the axes of the ground."""
+    if body > 0:
+        f, c = e.force, 6 * (body - 1)
+        f[c] += force.x
+        f[c + 1] += force.y
+        f[c + 2] += force.z
+        f[c + 3] += moment.x
+        f[c + 4] += moment.y
+        f[c + 5] += moment.z
+
+
+@kernel
+def load_spring(e: Evaluation, s: Any) -> None:
+    """F = -k (L - L0) - c L' along the line from P_i to P_j; positive drives the points apart."""
+    arm_i, arm_j = carry(e, s.i, s.p_i), carry(e, s.j, s.p_j)
+    d = differ(point_at(e, s.j, arm_j), point_at(e, s.i, arm_i))
+    length = math.sqrt(dot(d.value, d.value))
+    direction = scale(1.0 / length, d.value)
+    force = scale(-s.stiffness * (length - s.length) - s.damping * dot(direction, d.rate), direction)
+    push(e, s.j, force, cross(arm_j.value, force))
+    back = scale(-1.0, force)
+    push(e, s.i, back, cross(arm_i.value, back))
+
+
+@kernel
+def multiply_field(matrix: Any, shift: Arrow, turn: Arrow, first: int) -> Arrow:
+    """Three rows of a 6 x 6 matrix times (shift, turn)."""
+    a, b, c = matrix[first], matrix[first + 1], matrix[first + 2]
+    return Arrow(
+        dot(pick(a), shift) + a[3] * turn.x + a[4] * turn.y + a[5] * turn.z,
+        dot(pick(b), shift) + b[3] * turn.x + b[4] * turn.y + b[5] * turn.z,
+        dot(pick(c), shift) + c[3] * turn.x + c[4] * turn.y + c[5] * turn.z,
+    )
+
+
+@kernel
+def frame_to_ground(e: Evaluation, body: int, frame: Any, a: Arrow) -> Arrow:
+    return to_ground(e.rotation[body], to_ground(frame, a))
+
+
+@kernel
+def ground_to_frame(e: Evaluation, body: int, frame: Any, a: Arrow) -> Arrow:
+    return to_body(frame, to_body(e.rotation[body], a))
+
+
+@kernel
+def load_field(e: Evaluation, s: Any) -> None:
+    """(F, T) = -K delta - C delta' on j, in the axes of i's frame (K (33) with its lost sign, Q (2)).
+
+    delta is the displacement d - rest and the turn theta = (A32 - A23, A13 - A31, A21 - A12)/2 of
+    A = R_i^T R_j, whose rate is theta' = (tr(A) 1 - A) w/2 at the relative angular velocity w. The moment
+    on j is the transpose of that matrix times T, so that power is conserved at large turns too.
+    """
+    arm_i, arm_j = carry(e, s.i, s.p_i), carry(e, s.j, s.p_j)
+    d = differ(point_at(e, s.j, arm_j), point_at(e, s.i, arm_i))
+    omega = pick(e.omega[s.i])
+    shift = subtract(ground_to_frame(e, s.i, s.e_i, d.value), pick(s.rest))
+    shift_rate = ground_to_frame(e, s.i, s.e_i, subtract(d.rate, cross(omega, d.value)))
+    first = ground_to_frame(e, s.i, s.e_i, frame_to_ground(e, s.j, s.e_j, Arrow(1.0, 0.0, 0.0)))
+    second = ground_to_frame(e, s.i, s.e_i, frame_to_ground(e, s.j, s.e_j, Arrow(0.0, 1.0, 0.0)))
+    third = ground_to_frame(e, s.i, s.e_i, frame_to_ground(e, s.j, s.e_j, Arrow(0.0, 0.0, 1.0)))
+    trace = first.x + second.y + third.z
+    turn = Arrow(0.5 * (second.z - third.y), 0.5 * (third.x - first.z), 0.5 * (first.y - second.x))
+    w = ground_to_frame(e, s.i, s.e_i, subtract(pick(e.omega[s.j]), omega))
+    turned = add(add(scale(w.x, first), scale(w.y, second)), scale(w.z, third))
+    turn_rate = scale(0.5, subtract(scale(trace, w), turned))
+    force = scale(
+        -1.0,
+        add(multiply_field(s.stiffness, shift, turn, 0), multiply_field(s.damping, shift_rate, turn_rate, 0)),
+    )
+    torque = scale(
+        -1.0,
+        add(multiply_field(s.stiffness, shift, turn, 3), multiply_field(s.damping, shift_rate, turn_rate, 3)),
+    )
+    across = Arrow(dot(first, torque), dot(second, torque), dot(third, torque))
+    moment = frame_to_ground(e, s.i, s.e_i, scale(0.5, subtract(scale(trace, torque), across)))
+    force = frame_to_ground(e, s.i, s.e_i, force)
+    push(e, s.j, force, add(moment, cross(arm_j.value, force)))
+    reach = add(arm_i.value, d.value)
+    push(e, s.i, scale(-1.0, force), scale(-1.0, add(moment, cross(reach, force))))

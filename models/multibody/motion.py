@@ -1,0 +1,113 @@
+"""The motion of a mechanism: places, multipliers, reactions of joints, drift of the constraints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.quantities import Vector
+from ..core.system import ModelError
+from .mechanism import Mechanism
+from .tables import DRIVEN
+
+# Cosine of the Cardan angle beta below which its rates are said to be lost.
+UPRIGHT = 1e-3
+
+
+class Reaction(NamedTuple):
+    """Load of a joint on its body j at its point P_j, in the axes of the ground: N and N m, (times, 3)."""
+
+    force: Vector
+    moment: Vector
+
+
+class Drift(NamedTuple):
+    """Largest violation of the constraints (m or rad), and of their rates."""
+
+    position: float
+    velocity: float
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Coordinates, velocities and accelerations (times, 6 n), multipliers (times, m) of a mechanism.
+
+    Accelerations and multipliers belong to the coordinates and velocities at each instant:
+    M a + J^T lambda = f, J a = gamma.
+    """
+
+    mechanism: Mechanism
+    times: Vector
+    q: Vector
+    v: Vector
+    a: Vector
+    multipliers: Vector
+    method: str
+
+    def position(self, body: str) -> Vector:
+        """The centre of mass (times, 3)."""
+        first = 6 * (self.mechanism.find_body(body) - 1)
+        return self.q[:, first : first + 3]
+
+    def angles(self, body: str) -> Vector:
+        """Cardan angles 1-2-3 (times, 3)."""
+        first = 6 * (self.mechanism.find_body(body) - 1)
+        return self.q[:, first + 3 : first + 6]
+
+    def multiplier(self, joint: str) -> Vector:
+        """The multipliers of a joint (times, constraints)."""
+        return self.multipliers[:, self.mechanism.find_rows(joint)]
+
+    def reaction(self, joint: str) -> Reaction:
+        """What the joint does to its body j, at the point P_j."""
+        rows, j = self.mechanism.find_rows(joint), self.mechanism.find_joint(joint)
+        body = self.mechanism.find_body(j.j)
+        column = slice(6 * (body - 1), 6 * body)
+        forces, moments = np.zeros((self.times.size, 3)), np.zeros((self.times.size, 3))
+        for n, (t, q, v) in enumerate(zip(self.times, self.q, self.v, strict=True)):
+            e = self.mechanism.evaluate(float(t), q, v)
+            load = -self.multipliers[n, rows] @ e.jacobian[rows, column]
+            forces[n] = load[:3]
+            moments[n] = load[3:] - np.cross(e.rotation[body] @ np.asarray(j.at_j, float), load[:3])
+        return Reaction(forces, moments)
+
+    @property
+    def drift(self) -> Drift:
+        """How far the constraints are violated."""
+        position = velocity = 0.0
+        for t, q, v in zip(self.times, self.q, self.v, strict=True):
+            e = self.mechanism.evaluate(float(t), q, v)
+            position = max(position, float(np.max(np.abs(e.constraint), initial=0.0)))
+            velocity = max(velocity, float(np.max(np.abs(e.jacobian @ v + e.rate), initial=0.0)))
+        return Drift(position, velocity)
+
+
+def complete(mechanism: Mechanism, times: Vector, q: Vector, v: Vector, method: str) -> Motion:
+    """The motion with its accelerations and multipliers."""
+    found = [mechanism.accelerate(float(t), *state) for t, *state in zip(times, q, v, strict=True)]
+    a, multipliers = (np.array(part) for part in zip(*found, strict=True))
+    return Motion(mechanism, times, q, v, a, multipliers, method)
+
+
+def explain_failure(mechanism: Mechanism, t: float, q: Vector, v: Vector, reason: str) -> ModelError:
+    """The error of an integration that cannot go on from there, with the joint that is about to lock."""
+    e = mechanism.evaluate(t, q, v)
+    tilts = np.abs(np.cos(q[4::6]))
+    if np.min(tilts) < UPRIGHT:
+        body = mechanism.bodies[int(np.argmin(tilts))].name
+        return ModelError(
+            f"body {body}: its Cardan angle beta reaches +-90 deg at t = {t:.6g} s, where the angles have no "
+            "rates; turn its axes so that it moves about x or z"
+        )
+    rows = e.jacobian / np.linalg.norm(e.jacobian, axis=1, keepdims=True)
+    combination = np.linalg.svd(rows)[0][:, -1]
+    name = mechanism.constraint_names[int(np.argmax(np.abs(combination)))]
+    angles = ", ".join(
+        f"{row['angle'] + (row['speed'] + 0.5 * row['acceleration'] * t) * t:.6g} rad"
+        for row in mechanism.tables.rows
+        if row["kind"] == DRIVEN
+    )
+    where = f"t = {t:.6g} s" + (f", drive angle {angles}" if angles else "")
+    return ModelError(f"the mechanism locks at {where}: {name} cannot be held any longer ({reason})")

@@ -1,0 +1,54 @@
+"""Second method: accelerations by the constraints' second derivatives (index 1), DOP853, projected steps.
+
+Hairer and Wanner (1996), Solving Ordinary Differential Equations II, section VII.2. It shares the equations
+with the first method, but neither the form nor the formulas, and uses gamma, which that one does not.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.integrate import DOP853
+
+from ..core.quantities import Vector
+from .equations import turn_coordinates
+from .ida import COORDINATE, VELOCITY
+from .mechanism import Mechanism, Start
+from .motion import Motion, complete, explain_failure
+
+
+def solve_projected(
+    mechanism: Mechanism, times: Vector, tolerance: float = 1e-9, start: Start | None = None
+) -> Motion:
+    """Motion at `times` (s, ascending) from the start at the first of them; see `solve_ida`."""
+    times = np.asarray(times, float)
+    start = start or mechanism.start(float(times[0]))
+    size = start.q.size
+
+    def rate(t: float, y: Vector) -> Vector:
+        q, v = y[:size].copy(), y[size:].copy()
+        change = np.empty(2 * size)
+        turn_coordinates(q, v, change)
+        change[size:] = mechanism.accelerate(t, q, v)[0]
+        return change
+
+    def project(t: float, y: Vector) -> Vector:
+        q = mechanism.project_coordinates(t, y[:size].copy(), y[size:].copy())
+        return np.concatenate([q, mechanism.project_velocities(t, q, y[size:].copy())])
+
+    sizes = np.repeat([COORDINATE, VELOCITY], size)
+    y0 = np.concatenate([start.q, start.v])
+    method = DOP853(rate, float(times[0]), y0, float(times[-1]), rtol=tolerance, atol=tolerance * sizes)
+    states = np.empty((times.size, 2 * size))
+    states[0], done = y0, 1
+    while method.status == "running":
+        reason = method.step()
+        if method.status == "failed":
+            raise explain_failure(mechanism, method.t, method.y[:size], method.y[size:], str(reason))
+        between = method.dense_output()
+        while done < times.size and times[done] <= method.t:
+            states[done] = project(times[done], between(times[done]))
+            done += 1
+        method.y = project(method.t, method.y)
+        method.f = rate(method.t, method.y)
+    name = f"projected DOP853, relative tolerance {tolerance:g}"
+    return complete(mechanism, times, states[:, :size], states[:, size:], name)
