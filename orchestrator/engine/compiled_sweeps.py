@@ -14,6 +14,7 @@ import numpy as np
 from models.compile.array_pointers import ArrayPointers, integers, mark_table, marks, numbers, table
 
 from ..participants.compiled import CALLS, FINE, NOT_FINITE, STEP, CompiledCalls, advance, give, take
+from ..participants.held_inputs import at_end, mean
 from .signals import gather, interpolate_part
 
 if TYPE_CHECKING:
@@ -23,7 +24,10 @@ if TYPE_CHECKING:
 # The calls come last: numba takes a record that begins with all of another's fields for a subtype of it,
 # and would run code that was compiled for the other.
 TURN = np.dtype(
-    [*((name, np.int64) for name in ("number", "first", "last", "first_given", "first_taken")), *CALLS.descr]
+    [
+        *((name, np.int64) for name in ("number", "first", "last", "first_given", "first_taken", "ends")),
+        *CALLS.descr,
+    ]
 )
 
 
@@ -49,6 +53,7 @@ class CompiledSweep:
             places.append(np.concatenate([np.arange(own.start, own.stop), n + own.start + one.rated]))
         memory = {
             "origins": np.concatenate(origins),
+            "held": np.concatenate([np.zeros(0, dtype=np.bool_), *(one.held for one in calls)]),
             "factors": np.concatenate([np.zeros(0), *(one.factors for one in calls)]),
             "offsets": np.concatenate([np.zeros(0), *(one.offsets for one in calls)]),
             "given": np.zeros(sum(map(len, origins))),
@@ -63,7 +68,7 @@ class CompiledSweep:
         given = taken = 0
         for turn, i, one in zip(self._turns, order, calls, strict=True):
             turn["number"], turn["first"], turn["last"] = i, e.wiring.slices[i].start, e.wiring.slices[i].stop
-            turn["first_given"], turn["first_taken"] = given, taken
+            turn["first_given"], turn["first_taken"], turn["ends"] = given, taken, one.ends
             one.bind(turn, memory["given"][given:], memory["taken"][taken:])
             given, taken = given + turn["given_count"], taken + turn["taken_count"]
 
@@ -101,8 +106,7 @@ def jacobi_sweep(
     m = memory[0]
     calls = integers(m.calls)
     for i in range(done, len(turns)):
-        _give(turns[i], m)
-        call, status = advance(turns[i], time, step)
+        call, status = _advance(turns[i], m, time, step)
         if call != FINE:
             return i, call, status
         calls[turns[i].number] += 1
@@ -129,8 +133,7 @@ def gauss_seidel_sweep(
     for i in range(max(0, done - 1), len(turns)):
         turn = turns[i]
         if i >= done:
-            _give(turn, m)
-            call, status = advance(turn, time, step)
+            call, status = _advance(turn, m, time, step)
             if call != FINE:
                 return i, call, status
             calls[turn.number] += 1
@@ -173,13 +176,22 @@ def propagate(
 
 
 @numba.njit(cache=True)
-def _give(turn: Any, m: Any) -> None:
-    """Compute the numbers that the FMU is given."""
-    given, origins, signals = numbers(m.given), integers(m.origins), table(m.signals)
+def _advance(turn: Any, m: Any, time: float, step: float) -> tuple[int, int]:
+    """Give the FMU its inputs and make the step; the call that did not succeed, or FINE, and its status."""
+    given, origins, signals, held = numbers(m.given), integers(m.origins), table(m.signals), marks(m.held)
     factors, offsets = numbers(m.factors), numbers(m.offsets)
     n = signals.shape[1]
-    for j in range(turn.first_given, turn.first_given + turn.given_count):
-        given[j] = factors[j] * signals[origins[j] // n, origins[j] % n] + offsets[j]
+    inputs = range(turn.first_given, turn.first_given + turn.given_count)
+    for j in inputs:
+        row, column = origins[j] // n, origins[j] % n
+        value = mean(signals, column, step) if held[j] else signals[row, column]
+        given[j] = factors[j] * value + offsets[j]
+    call, status = advance(turn, time, step)
+    if call == FINE and turn.ends:
+        for j in inputs:
+            given[j] = factors[j] * at_end(signals, origins[j] // n, origins[j] % n, step) + offsets[j]
+        call, status = give(turn)
+    return call, status
 
 
 @numba.njit(cache=True)

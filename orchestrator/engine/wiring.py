@@ -29,7 +29,7 @@ class Wiring:
     system's order.
     `targets[i]` are the driven inputs of participant i, `columns[i]` the numbers of their sources.
     Signals have the `degree`; `degrees` are the highest that each source may have, which are those that the
-    participants follow that it goes to. `held[i]`: participant i follows some driven input by degree 0 only.
+    participants follow that it goes to. `held[i]`: participant i holds some driven input over a step.
     """
 
     system: System

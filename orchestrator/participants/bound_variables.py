@@ -13,10 +13,11 @@ from models.core.system import suggestion
 from ..errors import ParticipantError
 from .binding import VariableBinding
 from .bound_calls import ArrayLayout
-from .capabilities import name_derivative
+from .capabilities import name_derivative, signal_degrees
 from .description import REALS, Description, Variable
 from .failures import ErrorReporter
 from .fmi_instance import FmiInstance
+from .held_inputs import average, move_to_end
 
 
 @dataclass
@@ -52,7 +53,8 @@ class BoundInputs:
     A derivative goes to the FMU's input `<input>_der1`, `_der2`, or else by the standard's call
     (canInterpolateInputs of FMI 2.0) to the inputs `called`, numbers of columns. Others are not given.
     `picked` are rows and columns of what goes to variables, `write` transfers all. `fixed` has the values
-    of inputs that nothing drives.
+    of inputs that nothing drives. `held` marks those of `picked` that the FMU holds over a step (see
+    `held_inputs`).
     """
 
     def __init__(
@@ -69,6 +71,9 @@ class BoundInputs:
                     rows.append(order)
                     columns.append(column)
         self.picked = np.array(rows, dtype=np.int64), np.array(columns, dtype=np.int64)
+        degrees = np.array(signal_degrees(fmu.description, names), dtype=np.int64)
+        self.held = degrees[self.picked[1]] == 0 if len(memory) > 1 else np.zeros(len(found), dtype=np.bool_)
+        self._values = np.zeros(len(found))
         self.binding = fmu.bind(found, fixed)
         # Where every derivative is taken, the bound memory is handed over as it is.
         whole = len(found) == memory.size and self.binding.plain
@@ -87,6 +92,16 @@ class BoundInputs:
 
     def _write_picked(self) -> None:
         self.binding.set_values(self._memory[self.picked])
+
+    def write_means(self, step: float) -> None:
+        """Give held inputs the mean of their signal over the step that begins now."""
+        average(self._memory, *self.picked, self.held, step, self._values)
+        self.binding.set_values(self._values)
+
+    def write_ends(self, step: float) -> None:
+        """Give all inputs what their signals are at the end of the step just made."""
+        move_to_end(self._memory, *self.picked, step, self._values)
+        self.binding.set_values(self._values)
 
     def _call_derivatives(self, inputs: Sequence[int]) -> None:
         """Have derivatives of the inputs of these references set by the standard's call."""

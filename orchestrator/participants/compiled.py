@@ -51,13 +51,16 @@ class CompiledCalls:
     """The calls of a macro step that a participant offers to compiled code; wrappers change their part.
 
     The FMU is given `factors` times the bound inputs at `picked` (rows, columns) plus `offsets`, and returns
-    its outputs, then the rates of the outputs `rated`.
+    its outputs, then the rates of the outputs `rated`. Those of `picked` that are `held` get the mean over
+    the step; `ends`: after the step all get the value at its end.
     `describe(record)` fills in addresses. `fail(call, status, time, step)` raises the error of a call; it
     returns if the step was made after all. `references(names)` are those of outputs that compiled code can
     read, or None.
     """
 
     picked: tuple[Any, Any]
+    held: Any
+    ends: bool
     factors: Vector
     offsets: Vector
     given: Any

@@ -52,7 +52,8 @@ class FmuSettings:
 class FmuParticipant:
     """Implements `Participant` for the FMU at `path`; `close` deletes where it is unpacked (`folder`).
 
-    Which derivatives of inputs it takes, and which rates it gives, is in `bound_variables`. Integers and
+    Which derivatives of inputs it takes, and which rates it gives, is in `bound_variables`. Inputs that it
+    holds over a step get the mean of their signal there, and after it the value at its end. Integers and
     booleans are exchanged as the nearest number. After `connect`, `follows` marks the `inputs` that it takes.
     """
 
@@ -86,8 +87,10 @@ class FmuParticipant:
             self.close()
             raise
         self._fmu = OpenFmu(description, self._fmi, self._errors)
+        self._step = self._fmi.bind_step(self._errors.fail_step)
+        holds = 0 in signal_degrees(description, [v.name for v in description.list_variables("input")])
         # What runs in every step are such functions themselves, not methods around them.
-        self.advance = self._fmi.bind_step(self._errors.fail_step)
+        self.advance = self._advance_with_means if holds else self._step
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return signal_degrees(self._fmu.description, input_names)
@@ -99,9 +102,20 @@ class FmuParticipant:
         self.follows = np.zeros(bound.inputs.shape, dtype=np.bool_)
         self.follows[self._inputs.picked] = True
         self.follows[:, self._inputs.called] = True
+        driven = {bound.input_names[i] for i in self._inputs.picked[1][self._inputs.held]}
+        depends = self._fmu.description.depends
+        at_once = any(driven.intersection(depends.get(name, driven)) for name in bound.output_names)
+        self._ends = bool(driven) and (at_once or bool(bound.rates.size))
         self._all = self._fmu.bind(self._settings.outputs)
         self._all.bind_get(self._errors.fail_to_read)
         return self._outputs.given
+
+    def _advance_with_means(self, time: float, step: float) -> None:
+        if self._inputs.held.any():
+            self._inputs.write_means(step)
+        self._step(time, step)
+        if self._ends:
+            self._inputs.write_ends(step)
 
     def compiled_calls(self) -> CompiledCalls | str:
         inputs, outputs = self._inputs, self._outputs
@@ -115,8 +129,8 @@ class FmuParticipant:
         count = len(given)
         # -0.0 leaves every number as it is, also -0.0.
         return CompiledCalls(
-            inputs.picked, np.ones(count), np.full(count, -0.0), given, taken, outputs.rated,
-            self._describe, self._raise_failed, self._errors.check_end, self._find_readable,
+            inputs.picked, inputs.held, self._ends, np.ones(count), np.full(count, -0.0), given, taken,
+            outputs.rated, self._describe, self._raise_failed, self._errors.check_end, self._find_readable,
         )  # fmt: skip
 
     def initialise(self, start_time: float, stop_time: float) -> None:
@@ -158,6 +172,8 @@ class FmuParticipant:
         """Raise the error of a call that compiled code made; not of a step that was made after all."""
         if call == STEP:
             self._errors.fail_step(status, time, step)
+            if self._ends:
+                self._inputs.write_ends(step)
         else:
             self._errors.fail(status, FAILED_CALLS[call])
 

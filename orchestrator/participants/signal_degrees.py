@@ -15,9 +15,8 @@ from .capabilities import HIGHEST
 def find_highest_degrees(connections: Sequence[Connection], followed: Mapping[Port, int]) -> dict[Port, int]:
     """By source, from the degree that is `followed` at each target.
 
-    A signal has the lowest degree of all its targets. A loop of participants has one degree: where one of
-    them holds its input, which then is late by half a step or early, the others hold theirs too. Measured on
-    two masses, Gauss-Seidel with a held and a linear signal is six times worse than with two held ones.
+    A signal has the lowest degree of all its targets, and a loop of participants one degree. An input that is
+    held (0) gets the mean of its signal, whatever its degree (see `held_inputs`).
     """
     names = list(dict.fromkeys(port.instance for c in connections for port in (c.source, c.target)))
     ends = np.array([[names.index(p.instance) for p in (c.source, c.target)] for c in connections], dtype=int)
@@ -27,7 +26,7 @@ def find_highest_degrees(connections: Sequence[Connection], followed: Mapping[Po
     own: dict[Port, int] = {}
     of_loop: dict[int, int] = {}
     for c, (source, target) in zip(connections, ends, strict=True):
-        degree = followed[c.target]
+        degree = followed[c.target] or HIGHEST
         own[c.source] = min(degree, own.get(c.source, HIGHEST))
         if loop[source] == loop[target]:
             of_loop[loop[source]] = min(degree, of_loop.get(loop[source], HIGHEST))

@@ -14,14 +14,6 @@ from ..participants.description import Description, DescriptionError, read_descr
 from ..participants.signal_degrees import find_highest_degrees
 from . import Scenario, parse_ends
 
-# The value that a held input gets for a macro step, by master.
-GIVEN = {
-    "jacobi": "at the step's start",
-    "gauss_seidel": "at the step's end from participants that come before, else that at its start",
-    "iterated": "at the step's end",
-    "newton": "at the step's end",
-}
-
 
 class FmuLimits:
     """The limits of the given .fmu files, by their descriptions; unreadable files are left out."""
@@ -53,12 +45,7 @@ class FmuLimits:
     @property
     def held_inputs(self) -> list[Port]:
         """The connected inputs that FMUs hold over a macro step."""
-        return [c.target for c in self._connections if self._get_degree(c.target) == 0]
-
-    @property
-    def highest_degree(self) -> int:
-        """The highest degree that some signal can have."""
-        return max(self._find_degrees().values(), default=HIGHEST)
+        return [c.target for c in self._connections if self.get_degree(c.target) == 0]
 
     @property
     def lowest_degree(self) -> int:
@@ -71,13 +58,14 @@ class FmuLimits:
         sources = {c.source for c in self._connections}
         for c in self._connections:
             about = self._about.get(c.target.instance)
-            if about is None or min(degree, degrees[c.source], self._get_degree(c.target)) > 0:
+            if about is None or min(degree, degrees[c.source], self.get_degree(c.target)) > 0:
                 continue
             for source in sources:
                 if source.instance == c.target.instance and _differentiates(about, source, c.target):
                     yield source, c.target
 
-    def _get_degree(self, target: Port) -> int:
+    def get_degree(self, target: Port) -> int:
+        """The degree of the signals that an input follows; 0: it is held over a macro step."""
         about = self._about.get(target.instance)
         if about is None or target.variable not in about.variables:
             return HIGHEST
@@ -85,7 +73,7 @@ class FmuLimits:
         return HIGHEST if self._scenario.components[target.instance].substeps > 1 else own
 
     def _find_degrees(self) -> dict[Port, int]:
-        followed = {c.target: self._get_degree(c.target) for c in self._connections}
+        followed = {c.target: self.get_degree(c.target) for c in self._connections}
         return find_highest_degrees(self._connections, followed)
 
 
@@ -99,11 +87,11 @@ def _differentiates(about: Description, output: Port, target: Port) -> bool:
 def list_limit_warnings(scenario: Scenario) -> list[str]:
     """A warning for each limit that the scenario exceeds."""
     limits, master = FmuLimits(scenario), scenario.master.build()
-    found = [_describe_held(scenario.master.name, master, limits.held_inputs)] if limits.held_inputs else []
+    found = [_describe_held(limits.held_inputs, master)] if limits.held_inputs else []
     for output, target in dict.fromkeys(limits.find_differentiated(master.degree)):
         remedy = (
             "take extrapolation = 'linear' or a higher one"
-            if limits.highest_degree > 0
+            if limits.get_degree(target) > 0
             else "take an FMU that takes the slope of this input (_der1)"
         )
         found.append(
@@ -122,10 +110,13 @@ def list_limit_warnings(scenario: Scenario) -> list[str]:
     return found
 
 
-def _describe_held(name: str, master: Any, held: Sequence[Port]) -> str:
-    signal = f"not extrapolation = {master.extrapolation!r}; so do all values in a loop with them"
-    return (
-        f"{', '.join(map(str, held))}: the FMUs hold these inputs over a macro step (no _der1, no "
-        f"canInterpolateInputs): with {name} they get the value {GIVEN[name]}"
-        f"{', ' + signal if master.degree else ''}; the error is of first order in macro_step"
-    )
+def _describe_held(held: Sequence[Port], master: Any) -> str:
+    known = f"{', '.join(map(str, held))}: the FMUs hold these inputs over a macro step (no _der1, no "
+    if master.degree:
+        effect = "they get the mean of their signal, and the error is of second order in macro_step at best"
+    else:
+        effect = (
+            "with extrapolation = 'hold' the error is of first order in macro_step; with 'linear' they get "
+            "the mean of their signal, and it is of second order"
+        )
+    return f"{known}canInterpolateInputs): {effect}"

@@ -123,7 +123,7 @@ def open_third_party(system, tmp_path_factory):
 def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_responses(
     master, tmp_path_factory
 ):
-    """The FMU holds its input, as its responses show: the component in its place has another limit."""
+    """The FMU holds its input, and gets the mean of its signal."""
     system = masses_with_fmu()
     where = solve_trajectory(system, 0.2, SPACING)
     unit = open_third_party(system, tmp_path_factory)
@@ -135,8 +135,6 @@ def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_resp
     unit.close()
     assert measured.held_inputs == ["force"]
     limit = find_stability_limit(behaviour, 1e-4, 0.5, [])
-    component = find_stability_limit(Behaviour(linearise_at(system, where, 20, []), master), 1e-4, 0.5, [])
-    assert not 0.9 < limit / component < 1.1
 
     def open_participants():
         first = in_process("first", system.instances["first"])

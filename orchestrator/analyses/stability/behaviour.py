@@ -19,6 +19,7 @@ from ...masters import Master
 from ...masters.interface import bind_interface
 from ...masters.parts import find_parts, step_in_parts
 from ...masters.protocol import MasterStep
+from .extrapolation_error import HERMITE
 from .linear import compute_spectral_radius
 from .linear_participants import LinearCoupling
 from .linearisation import Point
@@ -150,6 +151,13 @@ class Behaviour:
     def degrees(self) -> Vector:
         """Degrees of the signals, limited to what participants follow."""
         return self._couplings.get(self.point, self.master, 1).degrees
+
+    @property
+    def order(self) -> int:
+        """Order of the error of the signals: the second at most where a participant holds inputs."""
+        lowest = int(min(self.degrees))
+        order = 4 if lowest == HERMITE else lowest + 1
+        return min(order, 2) if self._couplings.get(self.point, self.master, 1).holds else order
 
     def macro_step(self, step: float) -> MacroStep | None:
         """The macro step; None if the master's iteration does not converge."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -24,6 +25,7 @@ class Linear:
 
     At a kink the matrices hold the steeper slope. `scale` are the states' nominal sizes. `followed`
     (ROWS x inputs) is 1 for the Taylor coefficients of its inputs that the participant uses; None: all.
+    Where it uses the value only it holds the input, and gets the mean over the step.
     """
 
     A: Vector
@@ -34,6 +36,12 @@ class Linear:
     kinks: tuple[str, ...] = ()
     followed: Vector | None = None
     _steps: dict[float, tuple[Vector, Vector, Vector]] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def held(self) -> Any:
+        """Which inputs it holds."""
+        inputs = self.B.shape[1]
+        return np.zeros(inputs, dtype=bool) if self.followed is None else self.followed[1] == 0.0
 
     def step(self, h: float) -> tuple[Vector, Vector, Vector]:
         """(Phi, Gamma, E) for inputs u(s) = sum over k of U[k] s^k/k!, the rows of U one after another.

@@ -6,6 +6,7 @@ matrix off the master itself, with one copy for each column.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any, cast
@@ -78,6 +79,7 @@ class LinearParticipant:
         inputs, outputs = linear.B.shape[1], linear.C.shape[0]
         self._U = np.zeros((ROWS, inputs, count))
         self.trajectory = np.zeros((ROWS, inputs, count))
+        self.straight = np.zeros((inputs, count))  # change of the trajectory's inputs over the step
         self.course_end = np.zeros((2, outputs, count))
         # Deviation of the inputs and its rate; outputs and rates of the trajectory.
         self._u = np.zeros((2, inputs, count))
@@ -92,7 +94,7 @@ class LinearParticipant:
 
     def reset(self) -> None:
         """Set all deviations to zero."""
-        for memory in (self.x, self._U, self._u, self._y, self.trajectory, self.course_end):
+        for memory in (self.x, self._U, self._u, self._y, self.trajectory, self.straight, self.course_end):
             memory[:] = 0.0
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
@@ -118,14 +120,19 @@ class LinearParticipant:
         given = self._U.reshape(ROWS, -1)
         given[: len(self._inputs), self._into] = self._inputs
         if self._linear.followed is not None:
-            self._U *= self._linear.followed[:, :, None]
+            self._U *= np.where(self._linear.held, 1.0, self._linear.followed)[:, :, None]
         self._u[:] = self._U[:2] - self.trajectory[:2]
 
     def advance(self, time: float, step: float) -> None:
         phi, gamma, ends = self._linear.step(step)
-        deviation = (self._U - self.trajectory).reshape(-1, self.count)
-        self.x[:] = phi @ self.x + gamma @ deviation
-        self._u[:] = (ends @ deviation).reshape(self._u.shape)
+        deviation = self._U - self.trajectory
+        self._u[:] = (ends @ deviation.reshape(-1, self.count)).reshape(self._u.shape)
+        if (held := self._linear.held).any():
+            means = [step**k / math.factorial(k + 1) for k in range(ROWS)]
+            deviation[:, held] = -self.trajectory[:, held]
+            deviation[0, held] += np.tensordot(means, self._U[:, held], 1) + 0.5 * self.straight[held]
+            deviation[1, held] -= self.straight[held] / step
+        self.x[:] = phi @ self.x + gamma @ deviation.reshape(-1, self.count)
         self._y[:] = self.course_end
 
     def read(self) -> None:
@@ -228,6 +235,13 @@ class LinearCoupling:
         return int(np.argmin(np.append(followed[1 : HIGHEST + 1, column] > 0.0, False)))
 
     @property
+    def holds(self) -> bool:
+        """Whether a participant holds a connected input."""
+        linears = self._linears or {}
+        targets = (c.target for c in self.system.connections)
+        return any(self._find_highest_degree(linears, target) == 0 for target in targets)
+
+    @property
     def size(self) -> int:
         """The size of the evolving data."""
         return self.states + self.rows * self.sources * (2 if self.rated else 1)
@@ -274,8 +288,8 @@ class LinearCoupling:
     def add_extrapolation_error(self, amounts: Vector, step: float) -> None:
         """Let the trajectory deviate from the extrapolated signals by `amounts` in the next step.
 
-        Amounts are in nominal units, (shapes after shapes of exchanged values) x copies. Call after
-        `set_state`.
+        Amounts are in nominal units, (shapes after shapes of exchanged values) x copies; before the shapes
+        comes the change of the values over the step. Call after `set_state`.
         """
         e, given = self.coupling, amounts.shape[1]
         for number in np.flatnonzero(np.any(amounts, axis=1)):
@@ -286,17 +300,21 @@ class LinearCoupling:
             )
             port = e.wiring.sources[source * self.count]
             variable = port.variable.partition("#")[0]
-            if kind >= len(shapes_over_step):  # this signal's degree is lower than others'
+            if kind > len(shapes_over_step):  # this signal's degree is lower than others'
                 continue
             error = self.nominal[source] * amounts[number]
             unit = self.units[port.instance]
             column = self.system.instances[port.instance].component.outputs.index(variable)
-            unit.course_end[:, column, :given] += at_end[:, kind, None] * error
+            if kind:
+                unit.course_end[:, column, :given] += at_end[:, kind - 1, None] * error
             for c in self.system.connections:
                 if c.source.instance == port.instance and c.source.variable == variable:
                     into = self.system.instances[c.target.instance].component.inputs.index(c.target.variable)
-                    trajectory = self.units[c.target.instance].trajectory
-                    trajectory[:, into, :given] += shapes_over_step[kind][:, None] * error
+                    target = self.units[c.target.instance]
+                    if kind:
+                        target.trajectory[:, into, :given] += shapes_over_step[kind - 1][:, None] * error
+                    else:
+                        target.straight[into, :given] += error
 
 
 def _build_static(component: Component) -> Linear:

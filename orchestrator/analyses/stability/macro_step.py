@@ -33,8 +33,9 @@ class MacroStep:
     """data(t + H) = matrix data(t) + defect amounts, all in nominal units.
 
     The data are the participants' states, then rows of exchanged values, newest first, and, with rates, as
-    many rows of those times H. `amounts` are the extrapolation errors of the true solution's values over the
-    step (`compute_extrapolation_error`), shape after shape, for signals of these `degrees`.
+    many rows of those times H. `amounts` are the changes of the true solution's values over the step, which
+    count for held inputs, and their extrapolation errors (`compute_extrapolation_error`), shape after shape,
+    for signals of these `degrees`.
     """
 
     step: float
@@ -56,7 +57,7 @@ def build_macro_step(coupling: LinearCoupling, master: Master, step: float) -> M
     Raises LinAlgError if the converged end values are not unique.
     """
     size, sources = coupling.size, coupling.sources
-    kinds = len(build_shapes(step, coupling.degree))
+    kinds = 1 + len(build_shapes(step, coupling.degree))
     columns, defect = np.empty((size, size)), np.empty((size, kinds * sources))
     for part, data in _unit_columns(size, coupling.count):
         coupling.set_state(data, step)
@@ -69,9 +70,9 @@ def build_macro_step(coupling: LinearCoupling, master: Master, step: float) -> M
     rates = coupling.states + coupling.rows * sources
     for source, degree in enumerate(coupling.degrees):
         for kind, (value, rate) in enumerate(evaluate_ends(step, int(degree)).T):
-            defect[coupling.states + source, kind * sources + source] -= value
+            defect[coupling.states + source, (1 + kind) * sources + source] -= value
             if coupling.rated:
-                defect[rates + source, kind * sources + source] -= rate * step
+                defect[rates + source, (1 + kind) * sources + source] -= rate * step
     return MacroStep(step, coupling.degrees.copy(), coupling.states, sources, columns, defect)
 
 
@@ -91,7 +92,10 @@ class SampledTrajectory:
     rates: Vector
 
     def compute_extrapolation_errors(self, count: int, degrees: Vector) -> Vector:
-        """Extrapolation errors of steps of `count` instants, (steps x shapes x sources)."""
+        """Changes over steps of `count` instants, and extrapolation errors, (steps x (1 + shapes) x sources).
+
+        A signal of degree 0 has the change as its error.
+        """
         middles = self.values[count // 2 :: count] if count % 2 == 0 else None
         step = count * self.interval
         found = {
@@ -101,9 +105,10 @@ class SampledTrajectory:
             for degree in np.unique(degrees)
         }
         shape = next(iter(found.values())).shape
-        amounts = np.zeros((shape[0], max(one.shape[1] for one in found.values()), shape[2]))
+        amounts = np.zeros((shape[0], 1 + max(one.shape[1] for one in found.values()), shape[2]))
+        amounts[1:, 0] = np.diff(self.values[::count], axis=0) * (degrees > 0)
         for degree, one in found.items():
-            amounts[:, : one.shape[1], degrees == degree] = one[:, :, degrees == degree]
+            amounts[:, 1 : 1 + one.shape[1], degrees == degree] = one[:, :, degrees == degree]
         return amounts
 
 

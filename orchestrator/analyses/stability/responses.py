@@ -147,12 +147,14 @@ class Responses(ParticipantLinearisation):
         """Find the Taylor coefficients of its inputs to which it responds as the linear system does."""
         unit, h = self._participant, self._spacing
         followed = np.ones((ROWS, len(self.input_names)))
+        degrees = np.array(unit.signal_degrees(self.input_names), dtype=int)
+        followed[1:, degrees == 0] = 0.0
         rest = self._respond(t, held, np.zeros_like(held), saved)[1]
         _, gamma, ends = linear.step(h)
         effect = linear.C @ gamma + linear.D @ ends[: len(self.input_names)]
         size = self._layouts[1].nominal[self._rows]
         for k in range(1, ROWS - 1):
-            for j in self._perturbed:
+            for j in self._perturbed[degrees[self._perturbed] > 0]:
                 # The value at the end changes by a small share.
                 nominal = self._layouts[0].nominal[self._columns[j]]
                 amount = SHARES[2] * nominal * math.factorial(k) / h**k

@@ -18,7 +18,6 @@ from ...masters import MASTERS, Master, find_name
 from ...scenario import Scenario
 from ...scenario.fmu_limits import FmuLimits
 from .behaviour import Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
-from .extrapolation_error import HERMITE
 from .linearisation import Linearisation, Point, linearise_points, select_participants
 from .macro_step import SampledTrajectory, predict_errors, sample_trajectory
 from .partition import Partition
@@ -282,11 +281,11 @@ class _Surveyor:
         if interval < found.limit and self._compute_excess(found.errors.get(step, {})) > 1.0:
             found.errors[interval] = self._predict_errors(behaviour, 1)
         found.errors = dict(sorted(found.errors.items()))
-        lowest = int(min(behaviour.degrees))
-        order = 4 if lowest == HERMITE else lowest + 1
         excess = {at: self._compute_excess(errors) for at, errors in found.errors.items()}
-        found.accurate_step = find_step_at_error(excess, order, 1.0)
-        safe = min(find_step_at_error(excess, order, 1.0 / WITHIN), found.limit / AWAY, self._longest)
+        found.accurate_step = find_step_at_error(excess, behaviour.order, 1.0)
+        safe = min(
+            find_step_at_error(excess, behaviour.order, 1.0 / WITHIN), found.limit / AWAY, self._longest
+        )
         found.advised_step = round_down(safe)
 
     def _estimate_cost(self, found: AssessedMethod) -> None:

@@ -215,6 +215,7 @@ class ParticipantLinearisation(ABC):
         """Sentences about what makes the result doubtful."""
         if self.held_inputs:
             yield (
-                f"{self.name} holds its inputs {', '.join(self.held_inputs)} over a step (no _der1): every "
-                "signal is held there; limits and errors account for it."
+                f"{self.name} holds its inputs {', '.join(self.held_inputs)} over a step (no _der1) and gets "
+                "the mean of each signal: the error is of second order at best; limits and errors account "
+                "for it."
             )

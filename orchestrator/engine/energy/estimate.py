@@ -1,9 +1,10 @@
 """Energies over power bonds of participants that do not count them: estimated from what is exchanged.
 
-Over a step an input is the polynomial that the participant was given. Its own effort or flow is known at
-both ends: the cubic through values and rates where it gives rates, else the straight line. The product is
-integrated exactly (Gauss), so that the estimate is of fourth order in the macro step with rates, of second
-without. A motion inside the step that the ends do not show, an impact say, is missed.
+Over a step an input is the polynomial that the participant was given, or the mean of it that was held. Its
+own effort or flow is known at both ends: the cubic through values and rates where it gives rates, else the
+straight line. The product is integrated exactly (Gauss), so that the estimate is of fourth order in the macro
+step with rates, of second without. A motion inside the step that the ends do not show, an impact say, is
+missed.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, System
 
 from ...participants import Participant
+from ...participants.held_inputs import mean
 from ...participants.protocol import BoundVariables
 from ...participants.wrapping import StatefulWrapper
 from .bonds import find_exchanged_bonds
@@ -95,7 +97,8 @@ class Estimating(StatefulWrapper):
         rated = self._participant.connect(bound._replace(outputs=self._values, rates=self._slopes))
         self._rated = np.array(rated, dtype=bool)
         orders = np.arange(len(bound.inputs))[:, None]
-        self._followed = orders <= np.array(self.signal_degrees(input_names))
+        degrees = np.array(self.signal_degrees(input_names), dtype=int)
+        self._followed, self._held = orders <= degrees, np.flatnonzero(degrees == 0).tolist()
         # Variables are numbered through inputs, then outputs.
         names = [*input_names, *output_names]
         self._efforts = [names.index(bond.effort) for bond in self._bonds]
@@ -124,6 +127,8 @@ class Estimating(StatefulWrapper):
         self._participant.read()
         value, slope = self._values.copy(), self._slopes.copy()
         signals = np.where(self._followed, self._given, 0.0)
+        for column in self._held:
+            signals[0, column] = mean(self._given, column, step)
         self._participant.advance(time, step)
         self._participant.read()
         self._fresh = True

@@ -59,9 +59,10 @@ def interpolation_nodes(history: History, degree: int, length: float) -> NodePol
 
 
 def effective_degree(coupling: Coupling) -> int:
-    """Degree of the signals that limit the order: of those that participants follow the lowest, quadratic
-    where a Hermite signal lacks rates."""
-    lowest = coupling.state.history.degrees[coupling.wiring.connected].min(initial=coupling.wiring.degree)
+    """Degree of the signals that limit the order: of those that participants follow the lowest, linear where
+    a participant holds its inputs, quadratic where a Hermite signal lacks rates."""
+    highest = min(coupling.wiring.degree, 1) if any(coupling.wiring.held) else coupling.wiring.degree
+    lowest = coupling.state.history.degrees[coupling.wiring.connected].min(initial=highest)
     if lowest == 3 and not coupling.state.history.rated[coupling.wiring.connected].all():
         return 2
     return int(lowest)
