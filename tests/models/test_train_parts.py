@@ -325,7 +325,8 @@ def loads_at_rest(system):
     return column(system, outputs[None, :], "valve_contact.load")[0]
 
 
-@pytest.mark.parametrize("speed", [1000.0, pytest.param(1600.0, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("speed", [1000.0, 1600.0])
 def test_loads_of_a_pushrod_train(speed, record):
     """Contacts so stiff leave 1e-4 of the loads; their resonances are those of 30 times the stiffness."""
     preload = 660.0 - loads_at_rest(pushrod_train(speed))

@@ -121,6 +121,7 @@ def test_too_tight_a_tolerance_is_not_a_success(tmp_path: Path) -> None:
     assert "outside the tolerance" in done.stdout
 
 
+@pytest.mark.long
 def test_a_train_with_lash_in_equal_steps_is_told_the_remedy(tmp_path: Path) -> None:
     """Seat and cam take up the valve between two steps; the remedy keeps the tolerance."""
     changes = ("lash=0.2 mm", "seat_stiffness=2e7", "seat_damping=300")

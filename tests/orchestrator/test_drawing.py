@@ -78,7 +78,13 @@ def test_only_shafts_have_drawings(tmp_path: Path) -> None:
         load(write(tmp_path, GOOD, "flywheel"))
 
 
-@pytest.mark.parametrize(("speed", "preload"), [(1000, 330), (100, 330), (10, 330), (20, 3000)])
+@pytest.mark.parametrize(
+    ("speed", "preload"),
+    [
+        (1000, 330),
+        *(pytest.param(*case, marks=pytest.mark.long) for case in ((100, 330), (10, 330), (20, 3000))),
+    ],
+)
 def test_a_slow_shaft_finds_its_rest_in_its_bearings(speed: int, preload: int) -> None:
     """The journals sink until film or asperities carry the cam's load, which Newton's method overshoots."""
     content = read_contents(list_shipped()["shaft-in-bearings"])

@@ -222,6 +222,7 @@ class Impulses:
         self.bound = float(np.abs(impulse).sum() * step * np.abs(self.records["flywheel.acceleration"]).max())
 
 
+@pytest.mark.long
 def test_impulses_take_their_work_from_the_shaft(record):
     found = Impulses(inertia=0.1)
     assert found.destroyed > found.bound > 0.0

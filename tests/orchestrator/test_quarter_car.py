@@ -40,11 +40,11 @@ TIGHT = 1e-12
         (Jacobi("linear"), 2.0, 5.65e-4),
         (Jacobi("quadratic"), 3.0, 4.75e-4),
         (Jacobi("hermite"), 4.0, 1e-6),
-        (Iterated("hold", TIGHT), 1.0, 6.75e-3),
+        pytest.param(Iterated("hold", TIGHT), 1.0, 6.75e-3, marks=pytest.mark.long),
         pytest.param(Iterated("linear", TIGHT), 2.0, 1.15e-4, marks=pytest.mark.long),
         pytest.param(Iterated("quadratic", TIGHT), 3.0, 1e-5, marks=pytest.mark.long),
         (Iterated("hermite", TIGHT), 4.0, 7.65e-9),
-        (Newton("hermite", TIGHT), 4.0, 7.65e-9),
+        pytest.param(Newton("hermite", TIGHT), 4.0, 7.65e-9, marks=pytest.mark.long),
     ],
     ids=str,
 )

@@ -64,6 +64,7 @@ def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_
     assert step > 0.01
 
 
+@pytest.mark.long
 def test_the_figure_explains_its_colours_and_lines(masses, tmp_path):
     found = analyse_scenario(masses, ["macro_step=0.02"], out=tmp_path / "out")
     (legend,) = draw_figure(found).legends

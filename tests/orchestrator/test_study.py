@@ -275,6 +275,7 @@ def test_a_point_that_kills_its_process_is_recorded_and_the_rest_goes_on(tmp_pat
         assert np.array_equal(found["sum"].where(~lethal), (found["x"] + found["y"]).where(~lethal), True)
 
 
+@pytest.mark.long
 def test_a_study_needs_no_cache_folder(tmp_path: Path) -> None:
     """Here one that everyone may write; what workers have instead goes with them."""
     for name in ("cache", "temporary"):
@@ -373,6 +374,7 @@ def test_a_scheduler_that_ends_is_named_and_what_is_finished_is_kept(tmp_path: P
     assert 3 <= np.count_nonzero(read_status(store)) < 20
 
 
+@pytest.mark.long
 def test_a_module_beside_the_study_is_imported_by_the_workers(tmp_path: Path) -> None:
     shutil.copy(ROOT / "tests" / "orchestrator" / "known_analyses.py", tmp_path / "mine.py")
     points = "[points]\nkind = 'grid'\naxes.x = ['1 mm', 3.0]\n"

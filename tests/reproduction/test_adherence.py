@@ -134,6 +134,7 @@ def independent_difference(speed_rpm, substeps, stiffness=1.0):
     return independent_train.compliant_difference(speed, TURNS[speed_rpm], SAMPLES, substeps, stiffness)
 
 
+@pytest.mark.long
 def test_compliant_contact_agrees_with_adherence(record):
     """A linear contact of 3.85e8 N/m, less stiff than Hertz's under high loads, gives 6.9e-4 and 1.36e-2."""
     for speed_rpm, substeps, linear in ((1000, 8, 6.9e-4), (3000, 3, 1.36e-2)):

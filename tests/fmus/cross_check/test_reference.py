@@ -119,6 +119,7 @@ def test_the_slider_cranks_horizon() -> None:
     assert 10.0 < np.max(moved("slider_crank", "psi", 1e-8, "psi")) / 1e-8 < 1000.0
 
 
+@pytest.mark.long
 def test_the_piston_cranks_forget_a_small_error() -> None:
     """As the README of `piston_crank` says: sequences of impacts end in sliding, and leave nothing of it."""
     off = moved("piston_crank", "offset", 1e-9, "piston_offset")

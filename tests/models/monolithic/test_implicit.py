@@ -107,6 +107,7 @@ def test_both_methods_tend_to_one_course() -> None:
         assert apart(course(Sdirk4, 8e-6), best, name) < 1e-3
 
 
+@pytest.mark.long
 def test_the_reference_publishes_the_difference_of_its_methods() -> None:
     found = solve(ringing(), TIMES, longest_step=8e-6)
     assert found.method_names == ("SDIRK4, steps of 8e-06 s", "BDF3, steps of 2e-06 s")

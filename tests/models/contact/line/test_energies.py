@@ -100,6 +100,7 @@ def test_asperities_store_the_work_of_their_pressure(separation: float) -> None:
     assert (low.energy - high.energy) / (2.0 * step * sigma) == pytest.approx(here.pressure, rel=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("load_is_given", LOAD_IS_GIVEN)
 def test_the_account_closes_with_the_order_of_the_steps(load_is_given: bool, record) -> None:
     """What is left over differs from step to half the step by a quarter each time (measured 0.24, 0.25)."""
