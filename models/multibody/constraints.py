@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from ..compile.kernel import kernel
 from ..valve_train.cams.lift import Lift
-from .tables import AHEAD, DRIVEN, PERPENDICULAR, Evaluation
+from .tables import AHEAD, DRIVEN, PERPENDICULAR, Evaluation, Rows
 from .vectors import Arrow, add, cross, dot, pick, scale, subtract, to_ground
 
 
@@ -53,10 +53,10 @@ def second_of_product(a: Moving, b: Moving) -> float:
 
 
 @kernel
-def put(e: Evaluation, k: int, body: int, force: Arrow, moment: Arrow) -> None:
+def put(out: Rows, k: int, body: int, force: Arrow, moment: Arrow) -> None:
     """Add to the row k of the Jacobian at the velocity and angular velocity of the body."""
     if body > 0:
-        row, c = e.jacobian[k], 6 * (body - 1)
+        row, c = out.jacobian[k], 6 * (body - 1)
         row[c] += force.x
         row[c + 1] += force.y
         row[c + 2] += force.z
@@ -66,18 +66,18 @@ def put(e: Evaluation, k: int, body: int, force: Arrow, moment: Arrow) -> None:
 
 
 @kernel
-def keep_perpendicular(e: Evaluation, k: int, row: Any) -> None:
+def keep_perpendicular(e: Evaluation, out: Rows, k: int, row: Any) -> None:
     """C = a b."""
     a, b = carry(e, row.i, row.a), carry(e, row.j, row.b)
     moment, none = cross(a.value, b.value), Arrow(0.0, 0.0, 0.0)
-    put(e, k, row.i, none, moment)
-    put(e, k, row.j, none, scale(-1.0, moment))
-    e.constraint[k] = dot(a.value, b.value)
-    e.gamma[k] = -second_of_product(a, b)
+    put(out, k, row.i, none, moment)
+    put(out, k, row.j, none, scale(-1.0, moment))
+    out.value[k] = dot(a.value, b.value)
+    out.gamma[k] = -second_of_product(a, b)
 
 
 @kernel
-def drive(t: float, e: Evaluation, k: int, row: Any) -> None:
+def drive(t: float, e: Evaluation, out: Rows, k: int, row: Any) -> None:
     """C = a(t) b = sin(phi - theta): j turns to the angle phi = phi0 + phi0' t + phi0'' t^2/2 against i.
 
     a = a1 sin(phi) - a2 cos(phi) with two axes of i, b the first axis of j. The multiplier is the torque of
@@ -101,23 +101,23 @@ def drive(t: float, e: Evaluation, k: int, row: Any) -> None:
         ),
     )
     moment, none = cross(a, b.value), Arrow(0.0, 0.0, 0.0)
-    put(e, k, row.i, none, moment)
-    put(e, k, row.j, none, scale(-1.0, moment))
-    e.constraint[k] = dot(a, b.value)
-    e.rate[k] = speed * dot(turned, b.value)
-    e.gamma[k] = -second_of_product(total, b)
+    put(out, k, row.i, none, moment)
+    put(out, k, row.j, none, scale(-1.0, moment))
+    out.value[k] = dot(a, b.value)
+    out.rate[k] = speed * dot(turned, b.value)
+    out.gamma[k] = -second_of_product(total, b)
 
 
 @kernel
-def keep_ahead(e: Evaluation, k: int, row: Any) -> None:
+def keep_ahead(e: Evaluation, out: Rows, k: int, row: Any) -> None:
     """C = a d - offset."""
     a = carry(e, row.i, row.a)
     arm_i, arm_j = carry(e, row.i, row.p_i), carry(e, row.j, row.p_j)
     d = differ(point_at(e, row.j, arm_j), point_at(e, row.i, arm_i))
-    put(e, k, row.i, scale(-1.0, a.value), cross(a.value, add(d.value, arm_i.value)))
-    put(e, k, row.j, a.value, cross(arm_j.value, a.value))
-    e.constraint[k] = dot(a.value, d.value) - row.offset
-    e.gamma[k] = -second_of_product(a, d)
+    put(out, k, row.i, scale(-1.0, a.value), cross(a.value, add(d.value, arm_i.value)))
+    put(out, k, row.j, a.value, cross(arm_j.value, a.value))
+    out.value[k] = dot(a.value, d.value) - row.offset
+    out.gamma[k] = -second_of_product(a, d)
 
 
 @kernel
@@ -131,11 +131,11 @@ def find_cam_angle(e: Evaluation, row: Any) -> float:
 
 
 @kernel
-def follow_cam(e: Evaluation, k: int, row: Any, base_radius: float, profile: Lift) -> None:
+def follow_cam(e: Evaluation, out: Rows, k: int, row: Any, base_radius: float, profile: Lift) -> float:
     """C = R0 + s(psi) - n d: a flat face with normal n, fixed in j, on the cam i with its centre at P_i.
 
     Kushwaha et al. 2000, section 4.1, with a contact condition in place of (27) and (30). The multiplier is
-    the contact load W.
+    the contact load W. Returns psi', the speed of the cam against the face.
     """
     n, first, second = carry(e, row.j, row.b), carry(e, row.i, row.a), carry(e, row.i, row.a2)
     arm_i, arm_j = carry(e, row.i, row.p_i), carry(e, row.j, row.p_j)
@@ -149,19 +149,20 @@ def follow_cam(e: Evaluation, k: int, row: Any, base_radius: float, profile: Lif
     # psi' = g (omega_i - omega_j).
     g = add(scale(c, cross(n.value, second.value)), scale(s, cross(n.value, first.value)))
     lever = scale(profile.ds / square, g)
-    put(e, k, row.i, n.value, subtract(lever, cross(n.value, arm_i.value)))
+    put(out, k, row.i, n.value, subtract(lever, cross(n.value, arm_i.value)))
     back = cross(n.value, subtract(d.value, arm_j.value))
-    put(e, k, row.j, scale(-1.0, n.value), scale(-1.0, add(lever, back)))
-    e.constraint[k] = base_radius + profile.s - dot(n.value, d.value)
-    e.gamma[k] = second_of_product(n, d) - profile.dds * turning * turning - profile.ds * bent
+    put(out, k, row.j, scale(-1.0, n.value), scale(-1.0, add(lever, back)))
+    out.value[k] = base_radius + profile.s - dot(n.value, d.value)
+    out.gamma[k] = second_of_product(n, d) - profile.dds * turning * turning - profile.ds * bent
+    return turning
 
 
 @kernel
-def constrain(t: float, e: Evaluation, k: int, row: Any) -> None:
+def constrain(t: float, e: Evaluation, out: Rows, k: int, row: Any) -> None:
     """Fill the row k, of a joint without a cam."""
     if row.kind == AHEAD:
-        keep_ahead(e, k, row)
+        keep_ahead(e, out, k, row)
     elif row.kind == DRIVEN:
-        drive(t, e, k, row)
+        drive(t, e, out, k, row)
     elif row.kind == PERPENDICULAR:
-        keep_perpendicular(e, k, row)
+        keep_perpendicular(e, out, k, row)

@@ -8,6 +8,8 @@ constraints. On a rigid shaft a fixed joint holds the cam with 6 more.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,7 +18,8 @@ from ..valve_train.cams.law import LAW
 from ..valve_train.cams.profile import CamProfile
 from ..valve_train.valve_spring import lumping
 from .bodies import GROUND, Body
-from .forces import ElasticField, SpringDamper, beam_stiffness, modal_damping
+from .fill import Force
+from .forces import ElasticField, LubricatedCam, SpringDamper, beam_stiffness, modal_damping
 from .joints import cylindrical, fixed, flat_cam, prescribed_rotation, translational
 from .mechanism import Mechanism
 
@@ -32,54 +35,93 @@ ALONG_SHAFT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 BEARING, DRIVE, CONTACT, GUIDE = "bearing", "drive", "contact", "guide"
 
 
+@dataclass(frozen=True)
+class TrainStart:
+    """Where the train's parts are at t = 0, as the components' states tell it (m, rad); default: at rest."""
+
+    position: float = 0.0
+    coil_positions: Sequence[float] = ()
+    film: float = 1e-6
+    twist: float = 0.0
+    bending: float = 0.0
+    slope: float = 0.0
+
+
 def direct_train(
-    camshaft: Any, valve: Any, speed: float, coil_masses: int = 2, profile: CamProfile = LAW
+    camshaft: Any,
+    valve: Any,
+    speed: float,
+    *,
+    coil_masses: int = 2,
+    lubricant: Any = None,
+    profile: CamProfile = LAW,
+    start: TrainStart | None = None,
 ) -> Mechanism:
     """K's train from the parameters of `camshaft` and `valve_spring`, at a cam speed (rad/s).
 
-    The seat and gas forces are left out; the follower stays on the cam.
+    The follower stays on the cam, or, with the parameters of an `ehl_contact` as `lubricant`, rides on its
+    oil film. Seat and gas force are left out.
     """
-    base, length = float(camshaft.base_radius), float(camshaft.shaft_length)
-    heights = base + SPRING_LENGTH * np.arange(coil_masses + 2) / (coil_masses + 1)
+    begin = start or TrainStart(coil_positions=(0.0,) * coil_masses)
+    length = float(camshaft.shaft_length)
     coils = [f"spring mass {i + 5}" for i in range(coil_masses)]
-    share = lumping(coil_masses)
-    coil_mass = share.mass * valve.spring_rate / (math.pi * valve.surge_frequency) ** 2
-    transverse, polar = float(camshaft.transverse_inertia), float(camshaft.polar_inertia)
-    bodies = [
-        Body("shaft", SHAFT_MASS, SHAFT_INERTIA),
-        Body("cam", float(camshaft.mass), (transverse, transverse, polar), (0.0, 0.0, length)),
-        Body("follower", float(valve.valve_mass), FOLLOWER_INERTIA, (0.0, base, length)),
-        *(
-            Body(name, coil_mass, COIL_INERTIA, (0.0, y, length))
-            for name, y in zip(coils, heights[1:-1], strict=True)
-        ),
-    ]
     joints = [
         cylindrical(BEARING, GROUND, "shaft"),
         prescribed_rotation(DRIVE, GROUND, "shaft", speed),
-        flat_cam(CONTACT, "cam", "follower", camshaft, foot=_find_foot(camshaft)),
         translational(GUIDE, GROUND, "follower", at_i=(0.0, 0.0, length)),
         *(translational(f"guide of {name}", GROUND, name, at_i=(0.0, 0.0, length)) for name in coils),
     ]
-    chain = ["follower", *coils, GROUND]
-    rates = [share.end_rate, *[share.inner_rate] * (coil_masses - 1), share.end_rate]
-    forces: list[Any] = [
-        _make_coil(
-            lower,
-            upper,
-            r * float(valve.spring_rate),
-            valve,
-            float(heights[1] - base),
-            float(heights[-1]),
-            length,
-        )
-        for lower, upper, r in zip(chain[:-1], chain[1:], rates, strict=True)
-    ]
+    forces: list[Force] = _list_coils(camshaft, valve, coils)
+    contact = flat_cam(CONTACT, "cam", "follower", camshaft, foot=_find_foot(camshaft))
+    if lubricant is None:
+        joints.insert(2, contact)
+    else:
+        forces.append(LubricatedCam(contact, lubricant, begin.film))
     if camshaft.flexible:
-        forces.append(_make_shaft(camshaft, (float(camshaft.mass),) * 3 + (polar, transverse, transverse)))
+        forces.append(_make_shaft(camshaft))
     else:
         joints.append(fixed("shaft and cam", "shaft", "cam", at_i=(0.0, 0.0, length)))
-    return Mechanism(bodies, joints, forces, profile=profile)
+    return Mechanism(_list_bodies(camshaft, valve, coils, speed, begin), joints, forces, profile=profile)
+
+
+def _list_bodies(
+    camshaft: Any, valve: Any, coils: Sequence[str], speed: float, begin: TrainStart
+) -> list[Body]:
+    base, length = float(camshaft.base_radius), float(camshaft.shaft_length)
+    coil_mass = lumping(len(coils)).mass * valve.spring_rate / (math.pi * valve.surge_frequency) ** 2
+    transverse, polar = float(camshaft.transverse_inertia), float(camshaft.polar_inertia)
+    installed = SPRING_LENGTH / (len(coils) + 1)
+    places = [base + (i + 1) * installed + y for i, y in enumerate(begin.coil_positions)]
+    turning = (0.0, 0.0, speed)
+    return [
+        Body("shaft", SHAFT_MASS, SHAFT_INERTIA, angular_velocity=turning),
+        Body(
+            "cam", float(camshaft.mass), (transverse, transverse, polar), (0.0, begin.bending, length),
+            (-begin.slope, 0.0, begin.twist), angular_velocity=turning,
+        ),
+        Body("follower", float(valve.valve_mass), FOLLOWER_INERTIA, (0.0, base + begin.position, length)),
+        *(
+            Body(name, coil_mass, COIL_INERTIA, (0.0, y, length))
+            for name, y in zip(coils, places, strict=True)
+        ),
+    ]  # fmt: skip
+
+
+def _list_coils(camshaft: Any, valve: Any, coils: Sequence[str]) -> list[Force]:
+    """The segments of the spring, from follower to head; each carries the preload at its installed length."""
+    share, installed = lumping(len(coils)), SPRING_LENGTH / (len(coils) + 1)
+    head = (0.0, float(camshaft.base_radius) + SPRING_LENGTH, float(camshaft.shaft_length))
+    chain = ["follower", *coils, GROUND]
+    shares = [share.end_rate, *[share.inner_rate] * (len(coils) - 1), share.end_rate]
+    rates = [part * float(valve.spring_rate) for part in shares]
+    proportion = valve.damping_ratio / (math.pi * valve.surge_frequency)
+    return [
+        SpringDamper(
+            lower, upper, rate, installed + valve.preload / rate, proportion * rate,
+            at_j=head if upper == GROUND else (0.0, 0.0, 0.0),
+        )
+        for lower, upper, rate in zip(chain, chain[1:], rates, strict=False)
+    ]  # fmt: skip
 
 
 def _find_foot(camshaft: Any) -> tuple[float, float, float]:
@@ -87,20 +129,13 @@ def _find_foot(camshaft: Any) -> tuple[float, float, float]:
     return -math.sin(camshaft.phase), math.cos(camshaft.phase), 0.0
 
 
-def _make_coil(
-    lower: str, upper: str, rate: float, valve: Any, installed: float, head: float, z: float
-) -> SpringDamper:
-    """A segment of the spring, which carries the preload at its installed length."""
-    damping = valve.damping_ratio / (math.pi * valve.surge_frequency) * rate
-    end = (0.0, head, z) if upper == GROUND else (0.0, 0.0, 0.0)
-    return SpringDamper(lower, upper, rate, installed + valve.preload / rate, damping, at_j=end)
-
-
-def _make_shaft(camshaft: Any, masses: tuple[float, ...]) -> ElasticField:
+def _make_shaft(camshaft: Any) -> ElasticField:
     """K (33) between the driven end and the cam, every mode damped alike."""
     stiffness = beam_stiffness(
         camshaft.shaft_length, camshaft.shaft_diameter, camshaft.youngs_modulus, camshaft.poissons_ratio
     )
-    damping = modal_damping(stiffness, np.array(masses), camshaft.shaft_damping_ratio)
+    turning = [camshaft.polar_inertia, camshaft.transverse_inertia, camshaft.transverse_inertia]
+    masses = np.array([*3 * [camshaft.mass], *turning], float)
+    damping = modal_damping(stiffness, masses, camshaft.shaft_damping_ratio)
     rest = (float(camshaft.shaft_length), 0.0, 0.0)
     return ElasticField("shaft", "cam", stiffness, damping, rest, axes_i=ALONG_SHAFT, axes_j=ALONG_SHAFT)

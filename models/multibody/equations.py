@@ -9,11 +9,14 @@ from ..compile.kernel import kernel
 from ..core.quantities import Vector
 from .constraints import constrain, find_cam_angle, follow_cam
 from .loads import load_field, load_spring, push
+from .lubrication import lubricate
 from .tables import FLAT_CAM, Evaluation, Tables
 from .vectors import Arrow, cross, fill_rotation, pick, scale, to_body, to_ground, turn_angles
 
 # Share of a coordinate's or velocity's size by which the Jacobian's differences move it.
 DIFFERENCE = 1e-7
+# Size of a film (m).
+FILM = 1e-6
 
 
 @kernel
@@ -47,11 +50,11 @@ def load_inertia(b: int, tables: Tables, e: Evaluation) -> None:
 
 @cache
 def make_evaluate(lift: Any) -> Any:
-    """The kernel evaluate(t, q, v, tables, evaluation); `lift` is the kernel of the cams' profiles."""
+    """The kernel evaluate(t, q, v, film, tables, evaluation); `lift` is the kernel of cam profiles."""
 
     @kernel
-    def evaluate(t: float, q: Vector, v: Vector, tables: Tables, e: Evaluation) -> None:
-        e.force[:], e.jacobian[:, :], e.rate[:] = 0.0, 0.0, 0.0
+    def evaluate(t: float, q: Vector, v: Vector, film: Vector, tables: Tables, e: Evaluation) -> None:
+        e.force[:], e.held.jacobian[:, :], e.held.rate[:], e.touch.jacobian[:, :] = 0.0, 0.0, 0.0, 0.0
         place_bodies(q, v, e)
         for b in range(tables.mass.shape[0]):
             load_inertia(b, tables, e)
@@ -59,9 +62,15 @@ def make_evaluate(lift: Any) -> Any:
             row = tables.rows[k]
             if row.kind == FLAT_CAM:
                 cam = tables.cams[row.cam]
-                follow_cam(e, k, row, cam.base_radius, lift(find_cam_angle(e, row), cam))
+                follow_cam(e, e.held, k, row, cam.base_radius, lift(find_cam_angle(e, row), cam))
             else:
-                constrain(t, e, k, row)
+                constrain(t, e, e.held, k, row)
+        for k in range(tables.touches.shape[0]):
+            row = tables.touches[k]
+            cam = tables.cams[row.cam]
+            profile = lift(find_cam_angle(e, row), cam)
+            turning = follow_cam(e, e.touch, k, row, cam.base_radius, profile)
+            lubricate(e, k, row, cam.base_radius, profile, turning, film[k], tables.lubricants[k])
         for k in range(tables.springs.shape[0]):
             load_spring(e, tables.springs[k])
         for k in range(tables.fields.shape[0]):
@@ -85,8 +94,8 @@ def turn_coordinates(q: Vector, v: Vector, rate: Vector) -> None:
 def make_residual(lift: Any) -> Any:
     """The kernel of the stabilised form of index 2 (Gear, Gupta and Leimkuhler 1985).
 
-    With y = (q, v, lambda, mu):
-    q' - T (v - J^T mu), M v' - f + J^T lambda, J v + C_t, C.
+    With y = (q, v, h, lambda, mu), h the films:
+    q' - T (v - J^T mu), M v' - f + J^T lambda, h' - h'(q, v, h), J v + C_t, C.
     """
     evaluate = make_evaluate(lift)
 
@@ -94,24 +103,27 @@ def make_residual(lift: Any) -> Any:
     def residual(
         t: float, y: Vector, dy: Vector, tables: Tables, e: Evaluation, moved: Vector, r: Vector
     ) -> None:
-        size, m = 6 * tables.mass.shape[0], tables.rows.shape[0]
+        size, m, contacts = 6 * tables.mass.shape[0], tables.rows.shape[0], tables.touches.shape[0]
         q, v = y[:size], y[size : 2 * size]
-        evaluate(t, q, v, tables, e)
+        first = 2 * size + contacts
+        evaluate(t, q, v, y[2 * size : first], tables, e)
+        for k in range(contacts):
+            r[2 * size + k] = dy[2 * size + k] - e.film_rate[k]
         for i in range(size):
             moved[i] = v[i]
             r[size + i] = -e.force[i]
             for j in range(6 * (i // 6), 6 * (i // 6) + 6):
                 r[size + i] += e.mass[i, j] * dy[size + j]
         for k in range(m):
-            load, correction, rate = y[2 * size + k], y[2 * size + m + k], e.rate[k]
+            load, correction, rate = y[first + k], y[first + m + k], e.held.rate[k]
             for i in range(size):
-                share = e.jacobian[k, i]
+                share = e.held.jacobian[k, i]
                 if share != 0.0:
                     moved[i] -= share * correction
                     r[size + i] += share * load
                     rate += share * v[i]
-            r[2 * size + k] = rate
-            r[2 * size + m + k] = e.constraint[k]
+            r[first + k] = rate
+            r[first + m + k] = e.held.value[k]
         turn_coordinates(q, moved, r)
         for i in range(size):
             r[i] = dy[i] - r[i]
@@ -121,7 +133,7 @@ def make_residual(lift: Any) -> Any:
 
 @cache
 def make_matrix(lift: Any) -> Any:
-    """The kernel that fills dF/dy + c dF/dy' of the residual F; its columns of q and v by differences."""
+    """The kernel that fills dF/dy + c dF/dy' of the residual F; its columns of q, v and h by differences."""
     residual = make_residual(lift)
 
     @kernel
@@ -129,21 +141,24 @@ def make_matrix(lift: Any) -> Any:
         t: float, c: float, y: Vector, dy: Vector, tables: Tables, e: Evaluation, scratch: Vector, out: Any
     ) -> None:
         size, m = 6 * tables.mass.shape[0], tables.rows.shape[0]
+        first = 2 * size + tables.touches.shape[0]
         moved, base, other, place = scratch[0], scratch[1], scratch[2], scratch[3]
         residual(t, y, dy, tables, e, moved, base)
         out[:, :] = 0.0
         for k in range(m):
-            turn_coordinates(y[:size], e.jacobian[k], other)
+            turn_coordinates(y[:size], e.held.jacobian[k], other)
             for i in range(size):
-                out[i, 2 * size + m + k] = other[i]
-                out[size + i, 2 * size + k] = e.jacobian[k, i]
+                out[i, first + m + k] = other[i]
+                out[size + i, first + k] = e.held.jacobian[k, i]
         for i in range(size):
             out[i, i] = c
             for j in range(6 * (i // 6), 6 * (i // 6) + 6):
                 out[size + i, size + j] = c * e.mass[i, j]
+        for i in range(2 * size, first):
+            out[i, i] = c
         place[:] = y
-        for j in range(2 * size):
-            change = DIFFERENCE * max(abs(y[j]), 1e-2)
+        for j in range(first):
+            change = DIFFERENCE * (FILM if j >= 2 * size else max(abs(y[j]), 1e-2))
             place[j] = y[j] + change
             residual(t, place, dy, tables, e, moved, other)
             for i in range(other.shape[0]):

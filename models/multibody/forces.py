@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from scipy.linalg import sqrtm
@@ -11,6 +12,7 @@ from scipy.linalg import sqrtm
 from ..core.quantities import Vector
 from ..core.system import ModelError
 from .bodies import ORIGIN, Point
+from .joints import Joint
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,23 @@ class SpringDamper:
     damping: float = 0.0
     at_i: Point = ORIGIN
     at_j: Point = ORIGIN
+
+
+@dataclass(frozen=True)
+class LubricatedCam:
+    """A flat face on a cam with an oil film: the unilateral law of `ehl_contact` in place of a constraint.
+
+    `contact` is what `flat_cam` gives, `lubricant` the record of the contact's parameters, `film` the
+    thickness (m) at the start.
+    """
+
+    contact: Joint
+    lubricant: Any
+    film: float = 1e-6
+
+    @property
+    def name(self) -> str:
+        return self.contact.name
 
 
 @dataclass(frozen=True)

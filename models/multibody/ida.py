@@ -8,7 +8,7 @@ import numpy as np
 from sksundae.ida import IDA
 
 from ..core.quantities import Vector
-from .equations import make_matrix, make_residual
+from .equations import FILM, make_matrix, make_residual
 from .mechanism import Mechanism, Start
 from .motion import Motion, complete, explain_failure
 from .tables import make_evaluation
@@ -31,9 +31,11 @@ def solve_ida(
     times = np.asarray(times, float)
     start = start or mechanism.start(float(times[0]))
     size, m = start.q.size, start.multipliers.size
-    tables, e = mechanism.tables, make_evaluation(len(mechanism.bodies), m)
+    contacts = len(mechanism.contacts)
+    first = 2 * size + contacts
+    tables, e = mechanism.tables, make_evaluation(len(mechanism.bodies), m, contacts)
     residual, matrix = make_residual(mechanism.profile.lift), make_matrix(mechanism.profile.lift)
-    width = 2 * size + 2 * m
+    width = first + 2 * m
     # SUNDIALS hands out read-only views, for which numba would compile every kernel once more.
     own, own_rate, moved, scratch = np.empty(width), np.empty(width), np.empty(width), np.empty((4, width))
 
@@ -46,16 +48,17 @@ def solve_ida(
         matrix(t, c, own, own_rate, tables, e, scratch, out)
 
     y0, dy0 = np.zeros(width), np.zeros(width)
-    y0[:size], y0[size : 2 * size], y0[2 * size : 2 * size + m] = start.q, start.v, start.multipliers
+    y0[:first], y0[first : first + m] = np.concatenate([start.q, start.v, start.film]), start.multipliers
     fill_residual(float(times[0]), y0, dy0, scratch[0])
-    dy0[:size], dy0[size : 2 * size] = -scratch[0, :size], start.a
-    sizes = np.repeat([COORDINATE, VELOCITY, MULTIPLIER], [size, size, 2 * m])
+    dy0[:first] = -scratch[0, :first]
+    dy0[size : 2 * size] = start.a
+    sizes = np.repeat([COORDINATE, VELOCITY, FILM, MULTIPLIER], [size, size, contacts, 2 * m])
     solver = IDA(
         fill_residual,
         jacfn=fill_matrix,
         rtol=tolerance,
         atol=tolerance * sizes,
-        algebraic_idx=list(range(2 * size, width)),
+        algebraic_idx=list(range(first, width)),
         max_num_steps=STEP_LIMIT,
     )
     # Of an interval without an instant inside the solver returns all its steps.
@@ -68,4 +71,4 @@ def solve_ida(
         )
     name = f"IDA, stabilised form of index 2, relative tolerance {tolerance:g}"
     y = y if times.size > 2 else y[::2]
-    return complete(mechanism, times, y[:, :size], y[:, size : 2 * size], name)
+    return complete(mechanism, times, y[:, :first], name)

@@ -5,19 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ..core.quantities import Layout, Vector
+from ..core.quantities import Vector
 from ..core.system import ModelError
 from ..valve_train.cams.law import LAW
 from ..valve_train.cams.profile import CamProfile
 from .bodies import GROUND, ORIGIN, Body, Point
 from .equations import make_evaluate, turn_coordinates
-from .forces import ElasticField, SpringDamper
+from .fill import Force, fill_tables
+from .forces import LubricatedCam
 from .joints import Joint
-from .tables import FIELD, ROW, SPRING, Evaluation, Tables, make_evaluation
+from .tables import Evaluation, Tables, make_evaluation
 
 # A row of the Jacobian of which less than this share is new depends on the rows before it.
 INDEPENDENT = 1e-9
@@ -29,12 +30,13 @@ LONGEST_MOVE = 0.3
 
 
 class Start(NamedTuple):
-    """Consistent initial values: coordinates, velocities, accelerations (6 n,), multipliers (m,)."""
+    """Values that agree: coordinates, velocities, accelerations (6 n,), multipliers (m,), films (c,)."""
 
     q: Vector
     v: Vector
     a: Vector
     multipliers: Vector
+    film: Vector
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ class Mechanism:
 
     bodies: Sequence[Body]
     joints: Sequence[Joint]
-    forces: Sequence[SpringDamper | ElasticField] = ()
+    forces: Sequence[Force] = ()
     gravity: Point = ORIGIN
     profile: CamProfile = LAW
 
@@ -78,72 +80,29 @@ class Mechanism:
         return names.index(name)
 
     @cached_property
+    def contacts(self) -> tuple[str, ...]:
+        """Names of the lubricated contacts."""
+        return tuple(force.name for force in self.forces if isinstance(force, LubricatedCam))
+
+    @cached_property
     def tables(self) -> Tables:
         """The mechanism's numbers for kernels."""
-        return Tables(
-            mass=np.array([body.mass for body in self.bodies], float),
-            inertia=np.array([body.inertia for body in self.bodies], float),
-            gravity=np.array(self.gravity, float),
-            rows=self._list_rows(),
-            springs=self._list_springs(),
-            fields=self._list_fields(),
-            cams=self._list_cams(),
-        )
-
-    def _list_rows(self) -> Any:
-        rows, k, cam = np.zeros(len(self.constraint_names), ROW), 0, 0
-        for joint in self.joints:
-            for constraint in joint.constraints:
-                fields = {"i": self.find_body(joint.i), "j": self.find_body(joint.j), "cam": cam}
-                for name, value in {**fields, **constraint.fields}.items():
-                    rows[k][name] = value
-                k += 1
-            cam += joint.cam is not None
-        return rows
-
-    def _list_springs(self) -> Any:
-        found = [force for force in self.forces if isinstance(force, SpringDamper)]
-        springs = np.zeros(len(found), SPRING)
-        for row, s in zip(springs, found, strict=True):
-            row["i"], row["j"], row["p_i"], row["p_j"] = (
-                self.find_body(s.i),
-                self.find_body(s.j),
-                s.at_i,
-                s.at_j,
-            )
-            row["length"], row["stiffness"], row["damping"] = s.length, s.stiffness, s.damping
-        return springs
-
-    def _list_fields(self) -> Any:
-        found = [force for force in self.forces if isinstance(force, ElasticField)]
-        fields = np.zeros(len(found), FIELD)
-        for row, s in zip(fields, found, strict=True):
-            row["i"], row["j"], row["p_i"], row["p_j"] = (
-                self.find_body(s.i),
-                self.find_body(s.j),
-                s.at_i,
-                s.at_j,
-            )
-            row["e_i"], row["e_j"], row["rest"] = s.axes_i, s.axes_j, s.rest
-            row["stiffness"], row["damping"] = s.stiffness, s.damping
-        return fields
-
-    def _list_cams(self) -> Any:
-        layout = Layout(self.profile.parameters, {"table_points": 0})
-        records = [joint.cam for joint in self.joints if joint.cam is not None] or [layout.defaults()]
-        cams = np.zeros(len(records), records[0].dtype)
-        for i, cam in enumerate(records):
-            cams[i] = cam
-        return cams.view(np.recarray)
+        return fill_tables(self.bodies, self.joints, self.forces, self.gravity, self.profile, self.find_body)
 
     @cached_property
     def _storage(self) -> Evaluation:
-        return make_evaluation(len(self.bodies), len(self.constraint_names))
+        return make_evaluation(len(self.bodies), len(self.constraint_names), len(self.contacts))
 
-    def evaluate(self, t: float, q: Vector, v: Vector) -> Evaluation:
-        """The equations at an instant; the next call overwrites them."""
-        make_evaluate(self.profile.lift)(t, q, v, self.tables, self._storage)
+    def evaluate(self, t: float, q: Vector, v: Vector, film: Vector | None = None) -> Evaluation:
+        """The equations at an instant, which the next call overwrites; without `film`, with the start's."""
+        films = self.start_film if film is None else film
+        make_evaluate(self.profile.lift)(t, q, v, films, self.tables, self._storage)
         return self._storage
+
+    @cached_property
+    def start_film(self) -> Vector:
+        """Film thickness (m) of the contacts at the start."""
+        return np.array([force.film for force in self.forces if isinstance(force, LubricatedCam)], float)
 
     def start(self, t: float = 0.0) -> Start:
         """Put the mechanism together at t: positions, velocities, accelerations and multipliers that agree.
@@ -153,25 +112,25 @@ class Mechanism:
         q = self._assemble(t)
         v = np.concatenate([[*b.velocity, *b.angular_velocity] for b in self.bodies]).astype(float)
         v = self.project_velocities(t, q, v)
-        a, multipliers = self.accelerate(t, q, v)
-        return Start(q, v, a, multipliers)
+        a, multipliers = self.accelerate(t, q, v, self.start_film)
+        return Start(q, v, a, multipliers, self.start_film.copy())
 
     def _assemble(self, t: float) -> Vector:
         q = np.concatenate([[*body.position, *body.angles] for body in self.bodies]).astype(float)
         v, change = np.zeros_like(q), np.empty_like(q)
         for _ in range(ASSEMBLY_STEPS):
             e = self.evaluate(t, q, v)
-            if np.max(np.abs(e.constraint), initial=0.0) <= ASSEMBLED:
+            if np.max(np.abs(e.held.value), initial=0.0) <= ASSEMBLED:
                 self._refuse_redundant(e)
                 return q
-            step = np.asarray(-np.linalg.lstsq(e.jacobian, e.constraint, rcond=1e-12)[0], float)
+            step = np.asarray(-np.linalg.lstsq(e.held.jacobian, e.held.value, rcond=1e-12)[0], float)
             step *= min(1.0, LONGEST_MOVE / np.max(np.abs(step), initial=LONGEST_MOVE))
             turn_coordinates(q, step, change)
             q += change
-        worst = int(np.argmax(np.abs(e.constraint)))
+        worst = int(np.argmax(np.abs(e.held.value)))
         raise ModelError(
             f"the mechanism cannot be assembled at t = {t:g} s: {self.constraint_names[worst]} is left with "
-            f"{e.constraint[worst]:.3g}; look at the lengths of its bodies, or start nearer to where they fit"
+            f"{e.held.value[worst]:.3g}; look at the lengths of its bodies, or start nearer to where they fit"
         )
 
     def find_redundant(self, jacobian: Vector) -> tuple[str, ...]:
@@ -191,7 +150,7 @@ class Mechanism:
         return tuple(redundant)
 
     def _refuse_redundant(self, e: Evaluation) -> None:
-        if redundant := self.find_redundant(e.jacobian):
+        if redundant := self.find_redundant(e.held.jacobian):
             raise ModelError(
                 f"redundant constraints: {'; '.join(redundant)}. The joints before already hold this: take "
                 "joints that hold less, e.g. cylindrical for revolute"
@@ -200,12 +159,16 @@ class Mechanism:
     def project_velocities(self, t: float, q: Vector, v: Vector) -> Vector:
         """The nearest velocities that the joints allow."""
         e = self.evaluate(t, q, v)
-        return v - e.jacobian.T @ np.linalg.solve(e.jacobian @ e.jacobian.T, e.jacobian @ v + e.rate)
+        return v - e.held.jacobian.T @ np.linalg.solve(
+            e.held.jacobian @ e.held.jacobian.T, e.held.jacobian @ v + e.held.rate
+        )
 
     def project_coordinates(self, t: float, q: Vector, v: Vector) -> Vector:
         """One of Newton's steps towards coordinates that the joints allow."""
         e, change = self.evaluate(t, q, v), np.empty_like(q)
-        turn_coordinates(q, e.jacobian.T @ np.linalg.solve(e.jacobian @ e.jacobian.T, e.constraint), change)
+        turn_coordinates(
+            q, e.held.jacobian.T @ np.linalg.solve(e.held.jacobian @ e.held.jacobian.T, e.held.value), change
+        )
         return q - change
 
     @property
@@ -213,11 +176,15 @@ class Mechanism:
         """Degrees of freedom that joints and drives leave: 6 n - m."""
         return 6 * len(self.bodies) - len(self.constraint_names)
 
-    def accelerate(self, t: float, q: Vector, v: Vector) -> tuple[Vector, Vector]:
+    def accelerate(self, t: float, q: Vector, v: Vector, film: Vector) -> tuple[Vector, Vector]:
         """Accelerations and multipliers: M a + J^T lambda = f, J a = gamma."""
-        e = self.evaluate(t, q, v)
-        m, size = e.jacobian.shape
+        e = self.evaluate(t, q, v, film)
+        m, size = e.held.jacobian.shape
         matrix = np.zeros((size + m, size + m))
-        matrix[:size, :size], matrix[:size, size:], matrix[size:, :size] = e.mass, e.jacobian.T, e.jacobian
-        solution = np.linalg.solve(matrix, np.concatenate([e.force, e.gamma]))
+        matrix[:size, :size], matrix[:size, size:], matrix[size:, :size] = (
+            e.mass,
+            e.held.jacobian.T,
+            e.held.jacobian,
+        )
+        solution = np.linalg.solve(matrix, np.concatenate([e.force, e.held.gamma]))
         return solution[:size], solution[size:]

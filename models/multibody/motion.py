@@ -34,16 +34,18 @@ class Drift(NamedTuple):
 class Motion:
     """Coordinates, velocities and accelerations (times, 6 n), multipliers (times, m) of a mechanism.
 
-    Accelerations and multipliers belong to the coordinates and velocities at each instant:
-    M a + J^T lambda = f, J a = gamma.
+    Films and loads (times, c) are those of its lubricated contacts. Accelerations and multipliers
+    belong to the coordinates and velocities at each instant: M a + J^T lambda = f, J a = gamma.
     """
 
     mechanism: Mechanism
     times: Vector
     q: Vector
     v: Vector
+    film: Vector
     a: Vector
     multipliers: Vector
+    loads: Vector
     method: str
 
     def position(self, body: str) -> Vector:
@@ -60,6 +62,17 @@ class Motion:
         """The multipliers of a joint (times, constraints)."""
         return self.multipliers[:, self.mechanism.find_rows(joint)]
 
+    def load(self, contact: str) -> Vector:
+        """Load of a cam (times,): a lubricated contact's, or the multiplier of one that is held."""
+        contacts = self.mechanism.contacts
+        return (
+            self.loads[:, contacts.index(contact)] if contact in contacts else self.multiplier(contact)[:, 0]
+        )
+
+    def film_thickness(self, contact: str) -> Vector:
+        """Film of a lubricated contact (times,)."""
+        return self.film[:, self.mechanism.contacts.index(contact)]
+
     def reaction(self, joint: str) -> Reaction:
         """What the joint does to its body j, at the point P_j."""
         rows, j = self.mechanism.find_rows(joint), self.mechanism.find_joint(joint)
@@ -68,7 +81,7 @@ class Motion:
         forces, moments = np.zeros((self.times.size, 3)), np.zeros((self.times.size, 3))
         for n, (t, q, v) in enumerate(zip(self.times, self.q, self.v, strict=True)):
             e = self.mechanism.evaluate(float(t), q, v)
-            load = -self.multipliers[n, rows] @ e.jacobian[rows, column]
+            load = -self.multipliers[n, rows] @ e.held.jacobian[rows, column]
             forces[n] = load[:3]
             moments[n] = load[3:] - np.cross(e.rotation[body] @ np.asarray(j.at_j, float), load[:3])
         return Reaction(forces, moments)
@@ -79,16 +92,21 @@ class Motion:
         position = velocity = 0.0
         for t, q, v in zip(self.times, self.q, self.v, strict=True):
             e = self.mechanism.evaluate(float(t), q, v)
-            position = max(position, float(np.max(np.abs(e.constraint), initial=0.0)))
-            velocity = max(velocity, float(np.max(np.abs(e.jacobian @ v + e.rate), initial=0.0)))
+            position = max(position, float(np.max(np.abs(e.held.value), initial=0.0)))
+            velocity = max(velocity, float(np.max(np.abs(e.held.jacobian @ v + e.held.rate), initial=0.0)))
         return Drift(position, velocity)
 
 
-def complete(mechanism: Mechanism, times: Vector, q: Vector, v: Vector, method: str) -> Motion:
-    """The motion with its accelerations and multipliers."""
-    found = [mechanism.accelerate(float(t), *state) for t, *state in zip(times, q, v, strict=True)]
-    a, multipliers = (np.array(part) for part in zip(*found, strict=True))
-    return Motion(mechanism, times, q, v, a, multipliers, method)
+def complete(mechanism: Mechanism, times: Vector, states: Vector, method: str) -> Motion:
+    """The motion whose states (q, v, films) are rows of `states`, with all that belongs to them."""
+    size = 6 * len(mechanism.bodies)
+    q, v, film = states[:, :size], states[:, size : 2 * size], states[:, 2 * size :]
+    a, loads = np.empty_like(q), np.empty_like(film)
+    multipliers = np.empty((times.size, len(mechanism.constraint_names)))
+    for n, t in enumerate(times):
+        a[n], multipliers[n] = mechanism.accelerate(float(t), q[n], v[n], film[n])
+        loads[n] = mechanism.evaluate(float(t), q[n], v[n], film[n]).load
+    return Motion(mechanism, times, q, v, film, a, multipliers, loads, method)
 
 
 def explain_failure(mechanism: Mechanism, t: float, q: Vector, v: Vector, reason: str) -> ModelError:
@@ -101,7 +119,7 @@ def explain_failure(mechanism: Mechanism, t: float, q: Vector, v: Vector, reason
             f"body {body}: its Cardan angle beta reaches +-90 deg at t = {t:.6g} s, where the angles have no "
             "rates; turn its axes so that it moves about x or z"
         )
-    rows = e.jacobian / np.linalg.norm(e.jacobian, axis=1, keepdims=True)
+    rows = e.held.jacobian / np.linalg.norm(e.held.jacobian, axis=1, keepdims=True)
     combination = np.linalg.svd(rows)[0][:, -1]
     name = mechanism.constraint_names[int(np.argmax(np.abs(combination)))]
     angles = ", ".join(

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from ..core.quantities import Vector
-from .equations import turn_coordinates
+from .equations import FILM, turn_coordinates
 from .ida import COORDINATE, VELOCITY
 from .mechanism import Mechanism, Start
 from .motion import Motion, complete, explain_failure
@@ -25,25 +25,29 @@ def solve_projected(
     size = start.q.size
 
     def rate(t: float, y: Vector) -> Vector:
-        q, v = y[:size].copy(), y[size:].copy()
-        change = np.empty(2 * size)
+        q, v, film = y[:size].copy(), y[size : 2 * size].copy(), y[2 * size :].copy()
+        change = np.empty_like(y)
         turn_coordinates(q, v, change)
-        change[size:] = mechanism.accelerate(t, q, v)[0]
+        change[size : 2 * size] = mechanism.accelerate(t, q, v, film)[0]
+        change[2 * size :] = mechanism.evaluate(t, q, v, film).film_rate
         return change
 
     def project(t: float, y: Vector) -> Vector:
-        q = mechanism.project_coordinates(t, y[:size].copy(), y[size:].copy())
-        return np.concatenate([q, mechanism.project_velocities(t, q, y[size:].copy())])
+        v = y[size : 2 * size].copy()
+        q = mechanism.project_coordinates(t, y[:size].copy(), v)
+        return np.concatenate([q, mechanism.project_velocities(t, q, v), y[2 * size :]])
 
-    sizes = np.repeat([COORDINATE, VELOCITY], size)
-    y0 = np.concatenate([start.q, start.v])
+    sizes = np.repeat([COORDINATE, VELOCITY, FILM], [size, size, start.film.size])
+    y0 = np.concatenate([start.q, start.v, start.film])
     method = DOP853(rate, float(times[0]), y0, float(times[-1]), rtol=tolerance, atol=tolerance * sizes)
-    states = np.empty((times.size, 2 * size))
+    states = np.empty((times.size, y0.size))
     states[0], done = y0, 1
     while method.status == "running":
         reason = method.step()
         if method.status == "failed":
-            raise explain_failure(mechanism, method.t, method.y[:size], method.y[size:], str(reason))
+            raise explain_failure(
+                mechanism, method.t, method.y[:size], method.y[size : 2 * size], str(reason)
+            )
         between = method.dense_output()
         while done < times.size and times[done] <= method.t:
             states[done] = project(times[done], between(times[done]))
@@ -51,4 +55,4 @@ def solve_projected(
         method.y = project(method.t, method.y)
         method.f = rate(method.t, method.y)
     name = f"projected DOP853, relative tolerance {tolerance:g}"
-    return complete(mechanism, times, states[:, :size], states[:, size:], name)
+    return complete(mechanism, times, states, name)

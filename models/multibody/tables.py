@@ -66,11 +66,22 @@ class Tables(NamedTuple):
     rows: Any  # (m,) of ROW
     springs: Any  # of SPRING
     fields: Any  # of FIELD
+    touches: Any  # (c,) of ROW: flat cams with an oil film
+    lubricants: Any  # records of their contacts' parameters; at least one, which may be unused
     cams: Any  # records of the cams' parameters; at least one, which may be unused
 
 
+class Rows(NamedTuple):
+    """Scalar constraints at an instant: C, J, C_t, gamma."""
+
+    value: Vector  # (m,)
+    jacobian: Vector  # (m, 6 n)
+    rate: Vector  # (m,)
+    gamma: Vector  # (m,)
+
+
 class Evaluation(NamedTuple):
-    """A mechanism's equations at an instant; the kernel `evaluate` fills it.
+    """The equations of a mechanism at an instant; the kernel `evaluate` fills it.
 
     The velocities are, of each body, that of its centre of mass and its angular velocity, both in the axes
     of the ground. M v' = f - J^T lambda, C = 0, J v + C_t = 0, J v' = gamma.
@@ -82,13 +93,18 @@ class Evaluation(NamedTuple):
     omega: Vector  # (n + 1, 3)
     mass: Vector  # M, (6 n, 6 n), block diagonal
     force: Vector  # f, (6 n,), with the gyroscopic moments
-    constraint: Vector  # C, (m,)
-    jacobian: Vector  # J, (m, 6 n)
-    rate: Vector  # C_t, (m,)
-    gamma: Vector  # (m,)
+    held: Rows  # of the joints
+    touch: Rows  # overlaps of the c contacts
+    load: Vector  # of the contacts, (c,)
+    film_rate: Vector  # (c,)
 
 
-def make_evaluation(bodies: int, constraints: int) -> Evaluation:
+def make_rows(bodies: int, count: int) -> Rows:
+    """Storage for so many constraints."""
+    return Rows(np.zeros(count), np.zeros((count, 6 * bodies)), np.zeros(count), np.zeros(count))
+
+
+def make_evaluation(bodies: int, constraints: int, contacts: int) -> Evaluation:
     """Storage for the equations; the ground rests."""
     rotation = np.zeros((bodies + 1, 3, 3))
     rotation[0] = np.eye(3)
@@ -99,8 +115,8 @@ def make_evaluation(bodies: int, constraints: int) -> Evaluation:
         omega=np.zeros((bodies + 1, 3)),
         mass=np.zeros((6 * bodies, 6 * bodies)),
         force=np.zeros(6 * bodies),
-        constraint=np.zeros(constraints),
-        jacobian=np.zeros((constraints, 6 * bodies)),
-        rate=np.zeros(constraints),
-        gamma=np.zeros(constraints),
+        held=make_rows(bodies, constraints),
+        touch=make_rows(bodies, contacts),
+        load=np.zeros(contacts),
+        film_rate=np.zeros(contacts),
     )
