@@ -39,6 +39,7 @@ BEARING, DRIVE, CONTACT, GUIDE = "bearing", "drive", "contact", "guide"
 class TrainStart:
     """Where the train's parts are at t = 0, as the components' states tell it (m, rad); default: at rest."""
 
+    angle: float = 0.0
     position: float = 0.0
     coil_positions: Sequence[float] = ()
     film: float = 1e-6
@@ -67,7 +68,7 @@ def direct_train(
     coils = [f"spring mass {i + 5}" for i in range(coil_masses)]
     joints = [
         cylindrical(BEARING, GROUND, "shaft"),
-        prescribed_rotation(DRIVE, GROUND, "shaft", speed),
+        prescribed_rotation(DRIVE, GROUND, "shaft", speed, begin.angle),
         translational(GUIDE, GROUND, "follower", at_i=(0.0, 0.0, length)),
         *(translational(f"guide of {name}", GROUND, name, at_i=(0.0, 0.0, length)) for name in coils),
     ]
@@ -94,10 +95,10 @@ def _list_bodies(
     places = [base + (i + 1) * installed + y for i, y in enumerate(begin.coil_positions)]
     turning = (0.0, 0.0, speed)
     return [
-        Body("shaft", SHAFT_MASS, SHAFT_INERTIA, angular_velocity=turning),
+        Body("shaft", SHAFT_MASS, SHAFT_INERTIA, angles=(0.0, 0.0, begin.angle), angular_velocity=turning),
         Body(
             "cam", float(camshaft.mass), (transverse, transverse, polar), (0.0, begin.bending, length),
-            (-begin.slope, 0.0, begin.twist), angular_velocity=turning,
+            (-begin.slope, 0.0, begin.angle + begin.twist), angular_velocity=turning,
         ),
         Body("follower", float(valve.valve_mass), FOLLOWER_INERTIA, (0.0, base + begin.position, length)),
         *(

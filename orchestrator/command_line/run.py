@@ -30,6 +30,10 @@ def run_scenario(
         bool, typer.Option("--native", help="Take FMUs in machine code where the scenario has them built.")
     ] = False,
     master: Annotated[str | None, typer.Option(help="Use another master.")] = None,
+    witness: Annotated[
+        str | None,
+        typer.Option(help="multibody: put the same train beside the run, as bodies with joints."),
+    ] = None,
     overwrite: Annotated[
         bool,
         typer.Option("--overwrite", help="Replace a result in the folder, as soon as the run has begun."),
@@ -47,6 +51,7 @@ def run_scenario(
     from ..store.output_folder import refuse_overwriting_source
 
     overrides = [f"master.name={master}"] if master else []
+    overrides += [f"reference.witness={witness}"] if witness else []
     overrides += set_ or []
     loaded = load(scenario, overrides)
     if native:

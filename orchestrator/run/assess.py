@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -18,6 +18,7 @@ from ..store.result_file import ResultFile
 from .comparison import Errors, compare, largest_uncertainty, verdict
 from .plan import Plan, collect_output_quantities
 from .record import ENDS, NOT_COMPARED, OUTSIDE, WITHIN, Ending, Record, classify_ending
+from .witness import Testimony, hear_witness
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
@@ -43,6 +44,7 @@ class Report:
     verdict: str = "not compared"
     reference_time_s: float | None = None
     reference_uncertainty: float | None = None
+    witness: Testimony | None = None
 
 
 def assess(plan: Plan, record: Record, result: ResultFile, reporter: Reporter) -> Report:
@@ -106,7 +108,17 @@ def _compare(plan: Plan, result: ResultFile, reporter: Reporter, report: Report)
         verdict=text if within else text + _advise_on_events(scenario, report.contacts),
         reference_time_s=reference.wall_time_s,
         reference_uncertainty=largest_uncertainty(errors),
+        witness=_hear_witness(plan, coupled, reference, reporter),
     )
+
+
+def _hear_witness(
+    plan: Plan, coupled: Mapping[str, Vector], reference: Reference, reporter: Reporter
+) -> Testimony | None:
+    if plan.scenario.reference.witness == "none":
+        return None
+    with reporter.stage("multibody witness"):
+        return hear_witness(plan.system, reference, coupled)
 
 
 def _advise_on_events(scenario: Scenario, contacts: ContactSummaries) -> str:

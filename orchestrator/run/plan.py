@@ -15,6 +15,7 @@ from ..reporter import Reporter
 from ..scenario import BUILT_KINDS, Scenario
 from ..scenario.checks import check_reference
 from ..scenario.system import Builder, build_system, resolve_start
+from .witness import check_witness
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,7 @@ def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: b
     """Make every check of the scenario and build its FMUs. Raises ScenarioError or ModelError."""
     system = build_system(scenario)
     check_reference(scenario, system)
+    check_witness(scenario, system)
     with reporter.stage("FMUs"):
         fmus = resolve_fmus(scenario, build)
     return Plan(scenario, resolve_start(scenario, system), fmus, figures)

@@ -36,6 +36,7 @@ from .comparison import Errors, VariableError
 from .plan import Plan
 from .record import FAILED, INTERRUPTED, Ending
 from .summary import Summary
+from .witness import Testimony
 
 PACKAGES = ("tribocosim", "numpy", "scipy", "numba", "scikit-sundae", "fmpy", "pythonfmu")
 
@@ -139,6 +140,8 @@ def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], repor
         reporter.line(f"{summary.scenario}: {summary.verdict}")
     if summary.errors:
         reporter.console.print(_tabulate(summary.errors))
+    if summary.witness:
+        reporter.console.print(_tabulate_witness(summary.witness))
     if summary.coupled_time_s:
         speed = summary.macro_steps / summary.coupled_time_s
         reference = summary.reference_time_s
@@ -177,6 +180,26 @@ def _tabulate(errors: Errors) -> Table:
             "" if error.tolerance is None else f"{error.tolerance:.0e}",
             _mark(error),
         )
+    return table
+
+
+def _tabulate_witness(witness: Testimony) -> Table:
+    """Coupled run, reference and witness side by side."""
+    table = Table(
+        title="Coupled run, monolithic reference and multibody model (SI units: least, largest)",
+        caption=f"{witness.method}\n{witness.constraints} constraints, {witness.freedoms} freedoms, "
+        f"constraints kept to {witness.drift:.0e}; {witness.wall_time_s:.1f} s",
+        title_justify="left",
+        caption_justify="left",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+    )
+    table.add_column("quantity", overflow="fold")
+    for column in ("coupled", "reference", "multibody", "coupled,\nrelative RMS", "reference,\nrelative RMS"):
+        table.add_column(column, justify="right", no_wrap=True)
+    for name, row in witness.quantities.items():
+        spans = (f"{low:.6g}\n{high:.6g}" for low, high in (row.coupled, row.reference, row.multibody))
+        table.add_row(Text(name), *spans, f"{row.coupled_difference:.1e}", f"{row.reference_difference:.1e}")
     return table
 
 

@@ -18,6 +18,7 @@ from .assess import MACRO_STEPS, Report
 from .comparison import Errors
 from .plan import Plan
 from .record import FAILED, Ending, Record, Warnings
+from .witness import Testimony
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,7 @@ class Summary:
     coupled_time_s: float = 0.0
     reference_time_s: float | None = None
     reference_uncertainty: float | None = None
+    witness: Testimony | None = None
     errors: Errors = field(default_factory=dict)
     contacts: ContactSummaries = field(default_factory=dict)
     contacts_from: str = MACRO_STEPS

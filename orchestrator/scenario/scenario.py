@@ -45,6 +45,11 @@ class ReferenceTable(Table):
         description="Longest step of the reference where a component solves for a pressure field, which the "
         "tolerance has no part in (s, or a text with a unit); default: 8 us",
     )
+    witness: Literal["none", "multibody"] = Field(
+        "none",
+        description="Solve a direct-acting valve train a third time, as bodies with joints and multipliers, "
+        "and put its loads beside those of the run",
+    )
 
 
 class EnergyTable(Table):
