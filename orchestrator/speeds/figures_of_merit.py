@@ -95,8 +95,20 @@ def _at(part: Part, i: int) -> float:
     return float(part.angle[i] % (2.0 * math.pi))
 
 
+def _least_load(contact: Part) -> int:
+    """The sample of the least load while the cam lifts: a train with lash has none on the base circle."""
+    return int(np.argmin(np.where(contact.lifted, contact["load"], np.inf)))
+
+
+def _film_feed(contact: Part) -> float:
+    """Of the power that goes through the film, to and fro, the share that stays in the motion."""
+    power = contact["load"] * contact["squeeze_velocity"]
+    gross = contact.mean(np.abs(power))
+    return contact.mean(power) / gross if gross > 0.0 else 0.0
+
+
 def lost_share(contact: Part) -> float:
-    """Of the cycle, while the cam lifts: a train with lash has no load on the base circle."""
+    """Of the cycle, while the cam lifts."""
     return contact.mean((contact["load"] <= 0.0) & contact.lifted)
 
 
@@ -121,10 +133,13 @@ def _ramp_left(part: Part) -> float:
 
 
 CONTACT: Mapping[str, Number] = {
-    "least_load": (Result("N", "least load"), lambda c: float(np.min(c["load"]))),
+    "least_load": (
+        Result("N", "least load while the cam lifts"),
+        lambda c: float(c["load"][_least_load(c)]),
+    ),
     "least_load_angle": (
         Result("rad", "cam angle of the least load", display_unit=DEGREES),
-        lambda c: _at(c, int(np.argmin(c["load"]))),
+        lambda c: _at(c, _least_load(c)),
     ),
     "largest_load": (Result("N", "largest load"), lambda c: float(np.max(c["load"]))),
     "lost": (Result("1", "share of the cycle that lifts without load"), lost_share),
@@ -144,6 +159,11 @@ CONTACT: Mapping[str, Number] = {
         Result("1", "least film thickness over roughness"),
         lambda c: float(np.min(c["film_ratio"])),
     ),
+    "film_power": (
+        Result("W", "mean power that the growing film gives to the motion"),
+        lambda c: c.mean(c["load"] * c["squeeze_velocity"]),
+    ),
+    "film_feed": (Result("1", "share of the film's power that the motion keeps"), _film_feed),
     "friction_power": (Result("W", "mean friction power"), _friction_power),
     "friction_torque": (Result("N.m", "mean friction power over the speed of the cam"), _friction_torque),
 }

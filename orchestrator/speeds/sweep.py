@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -14,9 +15,11 @@ import xarray
 from rich.table import Table
 
 from models.contact.records import CONTACTS
+from models.core.quantities import Vector
 from models.core.system import ModelError, System
 from models.monolithic.cycle import STEADY
 
+from ..assessment.contacts.lines import FED
 from ..plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_summary
 from ..plots.style import save_figure
 from ..reporter import Reporter
@@ -59,6 +62,8 @@ def sweep(
     separation = find_separation(subject, table)
     if separation is not None:
         reporter.line(separation.text)
+    for text in describe_feeding(table):
+        reporter.line(text)
     summary = {"scenario": subject.scenario.name, "separation": separation and separation._asdict()}
     (out / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", "utf-8")
     files = publish(subject, table, out)
@@ -129,6 +134,27 @@ def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:
     return found
 
 
+def describe_feeding(table: xarray.Dataset) -> Iterator[str]:
+    """A sentence on each contact whose film formula feeds its vibrations."""
+    for name in map(str, table.data_vars):
+        contact, _, number = name.rpartition(".")
+        if number != "film_feed" or not (fed := table[name].values > FED).any():
+            continue
+        power = float(np.max(table[f"{contact}.film_power"].values[fed]))
+        yield (
+            f"{contact}: at {_list_speeds(table['speed'].values[fed])} its film formula gives up to "
+            f"{power:.3g} W to the motion, which no shaft supplies: it feeds vibrations, so that loads, bounces and "
+            "separations come out too large; compare with "
+            f"--set components.{contact}.parameters.film_model=dowson_toyoda"
+        )
+
+
+def _list_speeds(speeds: Vector) -> str:
+    """One speed, or the first and the last of several."""
+    first, last = f"{speeds[0] * RPM:.0f}", f"{speeds[-1] * RPM:.0f}"
+    return f"{first} r/min" if first == last else f"{len(speeds)} speeds from {first} to {last} r/min"
+
+
 class Separation(NamedTuple):
     """The lowest speed (r/min) at which a contact is lost while the cam lifts, or None; and in words."""
 
@@ -156,7 +182,9 @@ def find_separation(subject: SpeedSubject, table: xarray.Dataset) -> Separation 
         found = RPM * bisect_separation(separated, float(speeds[first - 1]), float(speeds[first]))
     except ModelError as error:
         return Separation(None, f"the speed of separation was not found: {error}")
-    return Separation(round(found, 2), f"contact is lost from {found:.1f} r/min")
+    again = speeds[first:][~lost[first:]]
+    kept = f", and kept again at {_list_speeds(again)}" if again.size else ""
+    return Separation(round(found, 2), f"contact is lost from {found:.1f} r/min{kept}")
 
 
 def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path) -> list[Path]:

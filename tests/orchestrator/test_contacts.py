@@ -64,6 +64,22 @@ def lasting(time, holds):
     return float(np.sum(0.5 * np.diff(time) * (holds[1:].astype(float) + holds[:-1])))
 
 
+@pytest.mark.parametrize(("rate", "feeds"), [(2e-3, True), (1e-5, False), (-2e-3, False)])
+def test_a_film_that_grows_under_load_gives_its_work_to_the_motion(run, rate, feeds):
+    """100 N on a film that grows at a rate: power is the product, a coefficient of friction it over the
+    load and the entraining velocity (1 m/s)."""
+    system, columns = run
+    entrained = next(str(c.source) for c in system.connections if c.target.variable == "entraining_velocity")
+    steady = {"contact.load": 100.0, "contact.squeeze_velocity": rate, entrained: 1.0}
+    filled = {name: np.full(RECORDS, value) for name, value in steady.items()}
+    found = summaries(system, columns | filled)
+    summary = found["contact"]
+    assert summary.film_power == pytest.approx(100.0 * rate)
+    assert summary.film_feed == pytest.approx(np.sign(rate))
+    assert summary.film_friction == pytest.approx(rate)
+    assert any("feeds vibrations" in text for text in told(found)) == feeds
+
+
 def test_shares_and_extremes_agree_with_the_flags_of_the_contact(run):
     """Groups are listed exactly if their flag fell under load, with share of time and extremes beyond it."""
     system, columns = run

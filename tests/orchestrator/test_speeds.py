@@ -46,8 +46,12 @@ def test_a_sweep_leaves_a_table_cycles_and_figures(swept: tuple[Path, str]) -> N
         assert (out / name).stat().st_size > 10_000
     with xarray.open_dataset(out / "cycles.nc", engine="h5netcdf") as cycles:
         assert dict(cycles.sizes) == {"speed": 3, "share": 721}
-        least = cycles["contact.load"].min("share").values
-    np.testing.assert_allclose([float(row["contact.least_load [N]"]) for row in rows], least)
+        lift = cycles["camshaft.cam_lift"]
+        least = cycles["contact.load"].where(lift > 0.1 * lift.max()).min("share").values
+    # The file has every tenth of the samples that the table is made of.
+    found = np.array([float(row["contact.least_load [N]"]) for row in rows])
+    assert (found <= least).all()
+    np.testing.assert_allclose(found, least, rtol=0.02)
 
 
 def test_friction_stress_and_orders_follow_from_the_cycles(swept: tuple[Path, str]) -> None:

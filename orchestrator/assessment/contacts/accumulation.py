@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numba
@@ -32,6 +33,8 @@ COURSE = np.dtype(
             for name in (
                 "duration", "loaded_duration", "longest_step", "least_load", "largest_load", "load_time",
                 "pressure", "pressure_time", "yield_duration", "film", "film_time", "film_ratio",
+                # Of the film, as it grows under the load (J): net and gross work; load times distance rolled.
+                "film_work", "film_gross", "rolled",
                 # Separations: how many, the longest, the largest gap, since when the present one lasts.
                 "separations", "longest_separation", "separation_time", "gap", "gap_time", "since",
                 # Landings: how many, and the hardest.
@@ -39,7 +42,7 @@ COURSE = np.dtype(
                 # The present landing; `touched` is NaN where there is none.
                 "touched", "touch_speed", "peak", "peak_steps", "steps", "touch_impulse", "falling",
                 # The step before.
-                "time", "load", "deflection", "closing_speed", "yielding",
+                "time", "load", "deflection", "closing_speed", "yielding", "film_power", "rolling",
             )
         ],
     )
@@ -101,6 +104,7 @@ def accumulate(memory: Any, summaries: Any, time: float) -> None:
         step = 0.0 if np.isnan(c.time) else time - c.time
         _extremes(c, row, scale[0], load, time, step)
         speed, radius = abs(row[6]), row[7]
+        _work(c, load * row[4], load * speed, step)
         squeeze = row[4] / speed if speed > 0.0 else np.nan
         groups = (scale[1], squeeze, scale[2] * load / radius, scale[3] * speed / radius)
         for k in range(4):
@@ -133,6 +137,16 @@ def _extremes(c: Any, row: Any, limit: float, load: float, time: float, step: fl
         if row[2] < c.film:
             c.film, c.film_time = row[2], time
         c.film_ratio = min(c.film_ratio, row[3])
+
+
+@numba.njit(cache=True)
+def _work(c: Any, film_power: float, rolling: float, step: float) -> None:
+    """By the trapezoidal rule; what is not finite, as at a radius of zero, counts as nothing."""
+    film_power = film_power if math.isfinite(film_power) else 0.0
+    c.film_work += 0.5 * step * (c.film_power + film_power)
+    c.film_gross += 0.5 * step * (abs(c.film_power) + abs(film_power))
+    c.rolled += 0.5 * step * (c.rolling + rolling)
+    c.film_power, c.rolling = film_power, rolling
 
 
 @numba.njit(cache=True)

@@ -83,6 +83,9 @@ class ContactSummary:
     (0: smooth), which of a film that is `solved` for is that of its central film. A dry contact's films are
     0.
 
+    `film_power` (W) is what the growing film gives to the motion on average, `film_feed` the share of the
+    power through the film, to and fro, that stays there, `film_friction` the coefficient of rolling friction
+    that would take as much.
     `lost` is the share of the time without load, `yielding` that above the `elastic_limit` (Pa).
     `longest_step` (s): extremes were looked for at least that often. `angle_of` is the variable that `angles`
     (deg) of the times are of, "" where none is known.
@@ -100,6 +103,9 @@ class ContactSummary:
     film_time: float
     film_ratio: float
     longest_step: float
+    film_power: float = 0.0
+    film_feed: float = 0.0
+    film_friction: float = 0.0
     separation: Separation | None = None
     impact: Impact | None = None
     ranges: dict[str, Excursion] = field(default_factory=dict)
@@ -247,6 +253,9 @@ def _course(c: Any, ranges: Vector, parameters: Mapping[str, float]) -> ContactS
         film_time=float(c.film_time),
         film_ratio=0.0 if dry else float(c.film_ratio),
         longest_step=float(c.longest_step),
+        film_power=float(c.film_work / c.duration) if c.duration else 0.0,
+        film_feed=float(c.film_work / c.film_gross) if c.film_gross else 0.0,
+        film_friction=float(c.film_work / c.rolled) if c.rolled else 0.0,
         separation=separation,
         impact=impact,
         ranges=excursions,
