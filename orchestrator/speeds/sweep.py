@@ -143,8 +143,8 @@ def describe_feeding(table: xarray.Dataset) -> Iterator[str]:
         power = float(np.max(table[f"{contact}.film_power"].values[fed]))
         yield (
             f"{contact}: at {_list_speeds(table['speed'].values[fed])} its film formula gives up to "
-            f"{power:.3g} W to the motion, which no shaft supplies: it feeds vibrations, so that loads, bounces and "
-            "separations come out too large; compare with "
+            f"{power:.3g} W to the motion, which no shaft supplies: it feeds vibrations, so that loads, "
+            "bounces and separations come out too large; compare with "
             f"--set components.{contact}.parameters.film_model=dowson_toyoda"
         )
 
