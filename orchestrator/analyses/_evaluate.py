@@ -160,10 +160,14 @@ def build_analyses_table() -> Table:
     )
 
 
+# Columns of a table that are not broken.
+WHOLE = ("analysis", "parameter", "result", "default", "unit")
+
+
 def _build_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for name in columns:
-        table.add_column(name, no_wrap=name not in ("value", "meaning", "what it says"), justify="left")
+        table.add_column(name, no_wrap=name in WHOLE, justify="left", overflow="fold")
     for row in rows:
         table.add_row(*map(Text, row))
     return table

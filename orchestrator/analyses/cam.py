@@ -180,7 +180,12 @@ def _describe_shape(radius: Vector, values: Mapping[str, Any]) -> str:
     """
     follower = math.inf if values["follower"] == "flat" else values["radius"]
     if np.any((radius <= 0.0) & (radius + follower >= 0.0)):
-        return "undercut: the contour crosses itself; enlarge base_radius, or take a smaller radius"
+        if values["follower"] == "flat":  # its rho = R_0 + s + s'' is as much larger as the base circle
+            needed = 1e3 * (values["base_radius"] - radius.min())
+            remedy = f"base_radius > {needed:.4g} mm is needed"
+        else:
+            remedy = "enlarge base_radius, or take a smaller radius"
+        return f"undercut: the contour crosses itself; {remedy}"
     if np.any(radius < 0.0):
         return f"hollow flank: takes a grinding wheel of at most {-1e3 * radius[radius < 0.0].max():.4g} mm"
     return "convex"
@@ -222,9 +227,13 @@ ANALYSIS = Analysis(
         "largest_pressure_angle": Result("rad", "largest pressure angle", display_unit="deg"),
         "reversals": Result("deg", "cam angles at which the entraining velocity vanishes", text=True),
         "slope_at_reversals": Result("m/rad", "slope of the lubrication characteristic 2 u/omega there"),
-        "table_residual": Result("m", "lift table: rms of its differences from the smoothed lift"),
-        "table_resolution": Result("m", "lift table: resolution found"),
-        "curvature_uncertainty": Result("m", "lift table: standard deviation of s'', per rad^2"),
+        "table_residual": Result(
+            "m", "lift table: rms of its differences from the smoothed lift", display_unit="um"
+        ),
+        "table_resolution": Result("m", "lift table: resolution found", display_unit="um"),
+        "curvature_uncertainty": Result(
+            "m", "lift table: standard deviation of s'', per rad^2", display_unit="mm"
+        ),
     },
     evaluate=_evaluate,
     table=_tabulate,

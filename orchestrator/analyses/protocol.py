@@ -50,14 +50,20 @@ class Parameter:
     @property
     def allowed(self) -> str:
         """The allowed values in words."""
+        if self._is_text:
+            return "text"
         words = self.quantity.describe_range().removeprefix("one of ")
         return f"whole, {words}" if self.integer else words
+
+    @property
+    def _is_text(self) -> bool:
+        return isinstance(self.default, str) and not self.choices
 
     def check_value(self, name: str, value: Any) -> Value:
         """`value` (a text may have a unit) as `evaluate` gets it; MistakeError with the allowed range."""
         if not isinstance(value, (bool, int, float, str)):
             raise MistakeError(f"{name} = {value!r} ({self.description}): must be a single value")
-        if isinstance(self.default, str) and not self.choices:
+        if self._is_text:
             return str(value)
         try:
             found = parse_value(self.quantity, value)

@@ -94,7 +94,8 @@ def find_conversion(text: str, given: str, unit: str) -> tuple[float, float]:
         raise UnitError(f"{text!r}: the FMU's unit {unit!r} is unknown; write a plain number in it") from None
     if _find_dimension(units) != _find_dimension(wanted):
         needed = "a plain number" if unit == "1" else f"a unit like {unit}"
-        raise UnitError(f"{text!r}: the unit {given} does not fit, {needed} is needed")
+        celsius = " (C is the coulomb; degrees Celsius are degC)" if (given, unit) == ("C", "K") else ""
+        raise UnitError(f"{text!r}: the unit {given} does not fit, {needed} is needed{celsius}")
     zero, one = (float(_load_registry().Quantity(n, units).to(wanted).magnitude) for n in (0.0, 1.0))
     return (one - zero if zero else one), zero
 

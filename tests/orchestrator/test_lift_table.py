@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -206,9 +207,13 @@ def test_a_table_without_lift_is_named(tmp_path):
         analysis.evaluate(analysis.complete({"lift_table": str(table)}))
 
 
-@pytest.mark.parametrize(("base_radius", "shape"), [(8e-3, "undercut"), (21e-3, "convex")])
-def test_a_flat_follower_needs_a_convex_cam(base_radius, shape):
-    """R0 + s + s'' > 0 everywhere; else the contour crosses itself."""
+def test_a_flat_follower_needs_a_convex_cam():
+    """R0 + s + s'' > 0 everywhere, else the contour crosses itself: convex just above the radius it names."""
     analysis = load_analysis("cam")
-    found = analysis.evaluate(analysis.complete({"base_radius": base_radius}))
-    assert found["shape"].startswith(shape)
+
+    def describe(base_radius):
+        return analysis.evaluate(analysis.complete({"base_radius": base_radius}))["shape"]
+
+    needed = 1e-3 * float(re.search(r"base_radius > ([\d.]+) mm", describe(8e-3))[1])
+    assert describe(0.999 * needed).startswith("undercut")
+    assert describe(1.001 * needed) == "convex"
