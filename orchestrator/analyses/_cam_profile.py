@@ -23,7 +23,8 @@ from models.valve_train.camshaft import camshaft
 from models.valve_train.followers.shape import FOLLOWERS, Follower
 
 from ..errors import MistakeError
-from ..scenario.lift_table import LiftTableError, read_lift_table
+from ..scenario.angle_table import AngleTableError
+from ..scenario.lift_table import read_lift_table
 from .protocol import Parameter
 
 # Of a follower: the geometry's field, and the parameter with its default.
@@ -88,7 +89,7 @@ def build_profile(values: Mapping[str, Any]) -> Profile:
 def _build_table_profile(values: Mapping[str, Any]) -> Profile:
     try:
         smoothed = read_lift_table(Path(values["lift_table"]).expanduser()).smooth()
-    except LiftTableError as error:
+    except AngleTableError as error:
         raise MistakeError(f"lift_table: {error}") from None
     points = smoothed.points
     begin, end = (values[name] or found for name, found in zip(TABLE_EVENT, smoothed.event, strict=True))

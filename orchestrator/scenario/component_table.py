@@ -15,11 +15,13 @@ from models.core.quantities import Layout
 
 from ..errors import one_of
 from ..participants import ThirdPartyComponent, is_made_here, read_component
+from .angle_table import AngleTableError
 from .drawing import ShaftDrawing, insert_drawing
 from .fields import Table, Written
 from .force_table import ForceTable, insert_force_table
-from .lift_table import LiftTableError, insert_lift_table
+from .lift_table import insert_lift_table
 from .oil import OILED, OilSheet, Temperature, insert_oil
+from .pressure_table import insert_pressure_table
 from .third_party_values import convert_enumerations, select_strings
 from .values import Faults, Value, build_component, parse_values
 
@@ -51,6 +53,11 @@ class ComponentTable(Table):
         None,
         description="CSV file of cam angles and lifts, for a cam through points; it becomes `structure` and "
         "`parameters`",
+    )
+    pressure_table: str | None = Field(
+        None,
+        description="CSV file of crank angles and absolute pressures of a cycle, for cylinder_gas; it "
+        "becomes `structure` and `parameters`",
     )
     drawing: ShaftDrawing | None = Field(
         None,
@@ -113,8 +120,26 @@ class ComponentTable(Table):
             raise Faults(("lift_table", f": {table.get('component')} has no cam profile; leave it out"))
         try:
             return insert_lift_table(table)
-        except LiftTableError as error:
+        except AngleTableError as error:
             raise Faults(("lift_table", f": {error}")) from None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_pressure_table(cls, table: Any) -> Any:
+        """Replace a pressure table by the points of the cycle."""
+        if not isinstance(table, dict) or table.get("pressure_table") is None:
+            return table
+        if table.get("component") != "cylinder_gas":
+            raise Faults(
+                (
+                    "pressure_table",
+                    f": {table.get('component')} has none; leave it out, or take a cylinder_gas",
+                )
+            )
+        try:
+            return insert_pressure_table(table)
+        except AngleTableError as error:
+            raise Faults(("pressure_table", f": {error}")) from None
 
     @model_validator(mode="before")
     @classmethod

@@ -118,16 +118,17 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _resolve_paths(content: dict[str, Any], folder: Path) -> None:
-    """Make paths of .fmu files and lift tables, which are relative to `folder`, absolute."""
+    """Make paths of .fmu files and of tables, which are relative to `folder`, absolute."""
     components = content.get("components")
     for table in components.values() if isinstance(components, dict) else ():
         if not isinstance(table, dict):
             continue
-        kind, lifts = table.get("participant"), table.get("lift_table")
+        kind = table.get("participant")
         if isinstance(kind, str) and kind.endswith(".fmu"):
             table["participant"] = str(folder / Path(kind).expanduser())
-        if isinstance(lifts, str):
-            table["lift_table"] = str(folder / Path(lifts).expanduser())
+        for key in ("lift_table", "pressure_table"):
+            if isinstance(table.get(key), str):
+                table[key] = str(folder / Path(table[key]).expanduser())
 
 
 def merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:

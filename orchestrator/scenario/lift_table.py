@@ -1,15 +1,12 @@
-"""Lift tables: CSV files of cam angle and lift, smoothed to the points of a cam profile.
+"""Lift tables: files of cam angle and lift (`angle_table`), smoothed to the points of a cam profile.
 
-The first line names both columns with their units, `angle [deg], lift [mm]`. Comma, semicolon or tab
-separate; with semicolon or tab a comma may be the decimal sign. Lines that begin with # are comments. Where
-the table says nothing the cam is round: its ends must then be on the base circle.
+Where the table says nothing the cam is round: its ends must then be on the base circle.
 """
 
 from __future__ import annotations
 
 import functools
 import math
-import re
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -21,17 +18,13 @@ from models.valve_train.cams.law import LawParameters
 from models.valve_train.cams.smoothing import SmoothedLift, smooth_lift
 from models.valve_train.cams.table import TURN, TableParameters
 
-from .units import UnitError, to_unit
+from .angle_table import AngleTableError, Kind, read_angle_table
 
 # A gap is longer than this many times the usual spacing.
 GAP = 3.0
 # Lifts up to this part of the largest are on the base circle.
 ROUND = 1e-3
-EXAMPLE = "the first line names the columns with their units, e.g. angle [deg], lift [mm]"
-
-
-class LiftTableError(ValueError):
-    """A file that is no lift table."""
+LIFT = Kind("lift", "m", 1, "the cam (a crank turns twice as far)", "angle [deg], lift [mm]")
 
 
 @dataclass(frozen=True)
@@ -48,7 +41,7 @@ class LiftTable:
         try:
             return smooth_lift(angle, lift, self.rounding)
         except ValueError as error:
-            raise LiftTableError(str(error)) from None
+            raise AngleTableError(str(error)) from None
 
     def _close(self) -> tuple[Vector, Vector]:
         """The samples with those of the base circle, if the table leaves it out."""
@@ -58,7 +51,7 @@ class LiftTable:
             return self.angle, self.lift
         ends = max(abs(self.lift[0]), abs(self.lift[-1]))
         if ends > ROUND * self.lift.max():
-            raise LiftTableError(
+            raise AngleTableError(
                 f"the table ends at {math.degrees(self.angle[0]):g} and {math.degrees(self.angle[-1]):g} deg "
                 f"with {1e3 * ends:g} mm of lift: continue it to the base circle, or over the whole turn"
             )
@@ -68,22 +61,11 @@ class LiftTable:
 
 
 def read_lift_table(path: Path) -> LiftTable:
-    """The samples of a file. LiftTableError that names the file, the line and the remedy."""
-    try:
-        text = path.read_text("utf-8-sig")
-    except OSError as error:
-        raise LiftTableError(f"{path}: cannot be read ({error.strerror})") from None
-    except UnicodeDecodeError:
-        raise LiftTableError(f"{path}: is no text file; {EXAMPLE}") from None
-    lines = [
-        (n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"
-    ]
-    if not lines:
-        raise LiftTableError(f"{path}: is empty; {EXAMPLE}")
-    try:
-        return _parse(lines)
-    except LiftTableError as error:
-        raise LiftTableError(f"{path}: {error}") from None
+    """The samples of a file. AngleTableError that names the file, the line and the remedy."""
+    angle, lift, rounding = read_angle_table(path, LIFT)
+    if not lift.max() > 0.0:
+        raise AngleTableError(f"{path}: its largest lift is {1e3 * lift.max():g} mm: must be > 0")
+    return LiftTable(*_cut_at_a_turn(angle, lift), rounding)
 
 
 @functools.lru_cache(maxsize=16)
@@ -92,8 +74,8 @@ def smooth_file(path: Path, changed: int) -> SmoothedLift:
     table = read_lift_table(path)
     try:
         return table.smooth()
-    except LiftTableError as error:
-        raise LiftTableError(f"{path}: {error}") from None
+    except AngleTableError as error:
+        raise AngleTableError(f"{path}: {error}") from None
 
 
 # Parameters of a law without its ramps, which a table replaces: a scenario that is extended may have them.
@@ -114,75 +96,7 @@ def insert_lift_table(table: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _parse(lines: list[tuple[int, str]]) -> LiftTable:
-    number, header = lines[0]
-    separator = next((s for s in (";", "\t", ",") if s in header), None)
-    if separator is None:
-        raise LiftTableError(f"line {number}, {header.strip()!r}: has one column; {EXAMPLE}")
-    names = header.split(separator)
-    angle_unit, lift_unit = _read_unit(names, 0, "rad"), _read_unit(names, 1, "m")
-    rows = [_read_row(n, line, separator) for n, line in lines[1:]]
-    if len(rows) < 2:
-        raise LiftTableError(f"has {len(rows)} rows of numbers; a lift table has one for each degree or so")
-    angle = np.array([row[0] for row in rows]) * angle_unit
-    lift = np.array([row[1] for row in rows]) * lift_unit
-    if not lift.max() > 0.0:
-        raise LiftTableError(f"its largest lift is {1e3 * lift.max():g} mm: must be > 0")
-    _check_order(angle, lines)
-    if angle[-1] < angle[0]:
-        angle, lift = angle[::-1], lift[::-1]
-    return LiftTable(*_cut_at_a_turn(angle, lift), rounding=_find_step([row[2] for row in rows]) * lift_unit)
-
-
-def _read_unit(names: list[str], column: int, unit: str) -> float:
-    """What the column's unit is in `unit`."""
-    what = ("angle", "lift")[column]
-    written = re.search(r"[\[(]\s*([^\])]+?)\s*[\])]", names[column])
-    if written is None:
-        raise LiftTableError(f"column {column + 1}, {names[column].strip()!r}: has no unit; {EXAMPLE}")
-    try:
-        return to_unit(f"1 {written[1]}", unit)
-    except UnitError:
-        raise LiftTableError(
-            f"column {column + 1}, {names[column].strip()!r}: is no {what}; {EXAMPLE}"
-        ) from None
-
-
-def _read_row(number: int, line: str, separator: str) -> tuple[float, float, int]:
-    """Angle, lift, and decimals of the lift."""
-    cells = [cell.strip() for cell in line.split(separator)]
-    if separator != ",":
-        cells = [cell.replace(",", ".") for cell in cells]
-    try:
-        angle, lift = float(cells[0]), float(cells[1])
-    except (ValueError, IndexError):
-        raise LiftTableError(f"line {number}, {line.strip()!r}: must begin with two numbers") from None
-    if not (math.isfinite(angle) and math.isfinite(lift)):
-        raise LiftTableError(f"line {number}, {line.strip()!r}: must be finite numbers")
-    mantissa, _, exponent = cells[1].lower().partition("e")
-    return angle, lift, len(mantissa.partition(".")[2]) - int(exponent or 0)
-
-
-def _check_order(angle: Vector, lines: list[tuple[int, str]]) -> None:
-    wrong = np.flatnonzero(np.diff(angle) * (angle[-1] - angle[0]) <= 0.0)
-    if wrong.size:
-        number, line = lines[int(wrong[0]) + 2]
-        raise LiftTableError(
-            f"line {number}, {line.strip()!r}: the angles must ascend (or descend) without repetition"
-        )
-    turned = math.degrees(abs(angle[-1] - angle[0]))
-    if turned > 360.0 * (1.0 + 1e-9):
-        raise LiftTableError(
-            f"spans {turned:g} deg: must be at most 360 deg of the cam (a crank turns twice as far)"
-        )
-
-
 def _cut_at_a_turn(angle: Vector, lift: Vector) -> tuple[Vector, Vector]:
     """Without the last sample where it repeats the first one a turn later."""
     repeated = angle[-1] - angle[0] > TURN * (1.0 - 1e-9)
     return (angle[:-1], lift[:-1]) if repeated else (angle, lift)
-
-
-def _find_step(decimals: list[int]) -> float:
-    """The step of numbers with so many decimals: that of the most precise one."""
-    return float(10.0 ** -max(decimals))

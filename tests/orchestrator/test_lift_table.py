@@ -12,8 +12,9 @@ import pytest
 from orchestrator.analyses import load as load_analysis
 from orchestrator.errors import MistakeError
 from orchestrator.scenario import ScenarioError
+from orchestrator.scenario.angle_table import AngleTableError
 from orchestrator.scenario.files import SHIPPED, load
-from orchestrator.scenario.lift_table import LiftTableError, read_lift_table
+from orchestrator.scenario.lift_table import read_lift_table
 
 ANGLES = np.arange(100.0, 261.0)
 
@@ -83,13 +84,13 @@ def test_a_table_of_the_event_and_one_of_the_turn_give_the_same_cam(tmp_path):
 def test_what_is_no_lift_table_is_named_with_its_place(tmp_path, text, message):
     path = tmp_path / "cam.csv"
     path.write_text(text)
-    with pytest.raises(LiftTableError, match=message) as raised:
+    with pytest.raises(AngleTableError, match=message) as raised:
         read_lift_table(path)
     assert str(path) in str(raised.value)
 
 
 def test_a_table_that_ends_above_the_base_circle_is_refused(tmp_path):
-    with pytest.raises(LiftTableError, match="base circle"):
+    with pytest.raises(AngleTableError, match="base circle"):
         read_lift_table(write(tmp_path / "cut.csv", angles=np.arange(120.0, 240.0))).smooth()
 
 

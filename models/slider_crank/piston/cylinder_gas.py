@@ -8,17 +8,20 @@ heat release at constant volume, by the share burned (Eriksson and Andersson 200
 
 with the volume of Heywood (2.6). Then blowdown to the exhaust's pressure, the exhaust stroke, and over the
 overlap of the valves to the intake's; both changes are smooth (3 r^2 - 2 r^3), chosen here.
+
+Or it goes through points, a measured cycle: the cubics that have p and dp/dtheta of both ends.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 from ...compile.kernel import kernel
 from ...core.bonds import counts_energies
 from ...core.component import Component, check_sizes
+from ...core.points import find_segment
 from ...core.quantities import Layout, Quantity, Vector, per_element
 from ...core.requirements import Requirement
 from ...plausible import ANGLE, AREA, GAS_PRESSURE, PART_LENGTH
@@ -28,11 +31,13 @@ TURN = 2.0 * math.pi
 # Wiebe's constants, Heywood (9.27).
 EFFICIENCY, FORM = 5.0, 3.0
 _DEGREE = math.pi / 180.0
+# The description of an FMU has three variables for each point.
+LEAST_POINTS, MOST_POINTS = 4, 2000
 
 
 @dataclass
-class CylinderGasParameters:
-    """Defaults chosen here: full load of a petrol engine at 2000 r/min (4.9 MPa at most)."""
+class CylinderParameters:
+    """What the pressure acts on."""
 
     crank_radius: Annotated[
         float,
@@ -52,6 +57,38 @@ class CylinderGasParameters:
     bore_area: Annotated[float, Quantity("m2", "area of the bore", nominal=1e-2, positive=True)] = (
         0.25 * math.pi * 0.086**2
     )
+    crankcase_pressure: Annotated[
+        float,
+        Quantity(
+            "Pa",
+            "pressure under the piston",
+            nominal=1e5,
+            minimum=0.0,
+            display_unit="kPa",
+            plausible=GAS_PRESSURE,
+        ),
+    ] = 100e3
+    firing_angle: Annotated[
+        float, Quantity("rad", "crank angle of the firing dead centre", display_unit="deg", plausible=ANGLE)
+    ] = 0.0
+    valve_area: Annotated[
+        Vector,
+        Quantity(
+            "m2",
+            "area of a valve's head",
+            nominal=1e-3,
+            positive=True,
+            display_unit="mm2",
+            plausible=AREA,
+            size="valves",
+        ),
+    ] = per_element(0.25 * math.pi * 0.030**2)
+
+
+@dataclass
+class CylinderGasParameters(CylinderParameters):
+    """Defaults chosen here: full load of a petrol engine at 2000 r/min (4.9 MPa at most)."""
+
     compression_ratio: Annotated[
         float, Quantity("1", "largest over smallest volume", nominal=10.0, minimum=1.1)
     ] = 10.0
@@ -77,17 +114,6 @@ class CylinderGasParameters:
             plausible=GAS_PRESSURE,
         ),
     ] = 108e3
-    crankcase_pressure: Annotated[
-        float,
-        Quantity(
-            "Pa",
-            "pressure under the piston",
-            nominal=1e5,
-            minimum=0.0,
-            display_unit="kPa",
-            plausible=GAS_PRESSURE,
-        ),
-    ] = 100e3
     compression_exponent: Annotated[
         float, Quantity("1", "polytropic exponent n_c of the compression", minimum=1.0)
     ] = 1.3
@@ -97,9 +123,6 @@ class CylinderGasParameters:
     pressure_ratio: Annotated[
         float, Quantity("1", "rise R by heat release at constant volume; 1: motored", minimum=1.0)
     ] = 4.0
-    firing_angle: Annotated[
-        float, Quantity("rad", "crank angle of the firing dead centre", display_unit="deg", plausible=ANGLE)
-    ] = 0.0
     burn_start: Annotated[
         float,
         Quantity("rad", "begin of heat release before dead centre", minimum=0.0, display_unit="deg"),
@@ -117,18 +140,30 @@ class CylinderGasParameters:
         float,
         Quantity("rad", "change to intake pressure, about dead centre", positive=True, display_unit="deg"),
     ] = 30.0 * _DEGREE
-    valve_area: Annotated[
+
+
+@dataclass
+class GasTableParameters(CylinderParameters):
+    """Absolute pressure at crank angles after the firing dead centre, which ascend within a cycle."""
+
+    cycle_turns: Annotated[
+        float, Quantity("1", "turns of the crank in a cycle: 2 of a four-stroke engine", minimum=1.0)
+    ] = 2.0
+    pressure_angle: Annotated[
         Vector,
         Quantity(
-            "m2",
-            "area of a valve's head",
-            nominal=1e-3,
-            positive=True,
-            display_unit="mm2",
-            plausible=AREA,
-            size="valves",
+            "rad", "crank angle of a point after dead centre", display_unit="deg", size="pressure_points"
         ),
-    ] = per_element(0.25 * math.pi * 0.030**2)
+    ] = per_element()
+    point_pressure: Annotated[
+        Vector,
+        Quantity(
+            "Pa", "absolute pressure at a point", nominal=1e5, display_unit="kPa", size="pressure_points"
+        ),
+    ] = per_element()
+    pressure_slope: Annotated[
+        Vector, Quantity("Pa", "dp/dtheta at a point, by radian", nominal=1e5, size="pressure_points")
+    ] = per_element()
 
 
 @dataclass
@@ -197,31 +232,40 @@ def pressure(theta: float, p: CylinderGasParameters) -> float:
 
 
 @kernel
-def gauge_pressure(u: CylinderGasInputs, p: CylinderGasParameters) -> float:
-    return pressure(u.crank_angle, p) - p.crankcase_pressure
+def pressure_through_points(theta: float, p: GasTableParameters) -> float:
+    """Absolute pressure (Pa): Hermite's cubic between two points."""
+    segment = find_segment(theta - p.firing_angle, p.pressure_angle, p.cycle_turns * TURN)
+    i, j, h = segment.first, segment.last, segment.length
+    r = segment.into / h
+    begin, end = p.point_pressure[i], p.point_pressure[j]
+    rise, fall = h * p.pressure_slope[i], h * p.pressure_slope[j]
+    return begin + r * (
+        rise + r * (3.0 * (end - begin) - 2.0 * rise - fall + r * (2.0 * (begin - end) + rise + fall))
+    )
+
+
+def make_gas(pressure: Any) -> tuple[Any, Any]:
+    """The kernels `derivative` and `output` of a gas of that pressure(theta, p)."""
+
+    @kernel
+    def derivative(t: float, x: CylinderGasState, u: CylinderGasInputs, p: Any, dx: CylinderGasState) -> None:
+        r, sine = p.crank_radius, math.sin(u.crank_angle)
+        slope = r * math.cos(u.crank_angle) / math.sqrt(p.rod_length**2 - (r * sine) ** 2)
+        gauge = pressure(u.crank_angle, p) - p.crankcase_pressure
+        dx.indicated_work = gauge * p.bore_area * r * sine * (1.0 + slope) * u.crank_speed
+
+    @kernel
+    def output(t: float, x: CylinderGasState, u: CylinderGasInputs, p: Any, y: CylinderGasOutputs) -> None:
+        y.gas_pressure = pressure(u.crank_angle, p) - p.crankcase_pressure
+        for i in range(p.valve_area.size):
+            y.valve_force[i] = p.valve_area[i] * y.gas_pressure
+        y.indicated_work = x.indicated_work
+
+    return derivative, output
 
 
 @kernel
-def derivative(
-    t: float, x: CylinderGasState, u: CylinderGasInputs, p: CylinderGasParameters, dx: CylinderGasState
-) -> None:
-    r, sine = p.crank_radius, math.sin(u.crank_angle)
-    slope = r * math.cos(u.crank_angle) / math.sqrt(p.rod_length**2 - (r * sine) ** 2)
-    dx.indicated_work = gauge_pressure(u, p) * p.bore_area * r * sine * (1.0 + slope) * u.crank_speed
-
-
-@kernel
-def output(
-    t: float, x: CylinderGasState, u: CylinderGasInputs, p: CylinderGasParameters, y: CylinderGasOutputs
-) -> None:
-    y.gas_pressure = gauge_pressure(u, p)
-    for i in range(p.valve_area.size):
-        y.valve_force[i] = p.valve_area[i] * y.gas_pressure
-    y.indicated_work = x.indicated_work
-
-
-@kernel
-def energy(t: float, x: CylinderGasState, u: CylinderGasInputs, p: CylinderGasParameters, e: Vector) -> None:
+def energy(t: float, x: CylinderGasState, u: CylinderGasInputs, p: Any, e: Vector) -> None:
     """Nothing is stored here: the gas is a source of the piston that it pushes."""
     e[:] = 0.0
 
@@ -239,8 +283,42 @@ def blows_down_before_overlap(p: CylinderGasParameters, told: Vector) -> bool:
     return p.exhaust_opening <= latest
 
 
+@kernel
+def pressure_angles_ascend(p: GasTableParameters, told: Vector) -> bool:
+    """Within a cycle."""
+    n = p.pressure_angle.size
+    for i in range(n):
+        following = p.pressure_angle[i + 1] if i + 1 < n else p.pressure_angle[0] + p.cycle_turns * TURN
+        if not p.pressure_angle[i] < following:
+            told[0], told[1] = i + 1.0, math.degrees(p.pressure_angle[i])
+            told[2] = math.degrees(following)
+            return False
+    return True
+
+
+@kernel
+def pressures_are_absolute(p: GasTableParameters, told: Vector) -> bool:
+    for i in range(p.point_pressure.size):
+        if not p.point_pressure[i] > 0.0:
+            told[0], told[1] = i + 1.0, p.point_pressure[i]
+            return False
+    return True
+
+
+CRANK_TURNS = Requirement(crank_turns, "crank_radius = {0:g} m: must be less than rod_length = {1:g} m")
+TABLE_REQUIREMENTS = (
+    CRANK_TURNS,
+    Requirement(
+        pressure_angles_ascend,
+        "pressure_angle[{0:.0f}] = {1:g} deg: must be less than the next one, {2:g} deg (of the last point: "
+        "the first one a cycle later)",
+    ),
+    Requirement(
+        pressures_are_absolute, "point_pressure[{0:.0f}] = {1:g} Pa: must be > 0, an absolute pressure"
+    ),
+)
 REQUIREMENTS = (
-    Requirement(crank_turns, "crank_radius = {0:g} m: must be less than rod_length = {1:g} m"),
+    CRANK_TURNS,
     Requirement(burns_in_compression, "burn_start = {0:g} rad: must be at most {1:g} rad, in compression"),
     Requirement(
         blows_down_before_overlap,
@@ -251,14 +329,18 @@ REQUIREMENTS = (
 
 
 @counts_energies
-def cylinder_gas(valves: int = 1) -> Component:
-    """Gas pressure of a four-stroke cycle, and its forces on the heads of the valves."""
+def cylinder_gas(valves: int = 1, pressure_points: int = 0) -> Component:
+    """Gas pressure of a four-stroke cycle, or through points of a cycle; its forces on the valves' heads."""
     check_sizes(valves=valves)
-    sizes = {"valves": valves}
+    if pressure_points and not LEAST_POINTS <= pressure_points <= MOST_POINTS:
+        allowed = f"must be 0 (a cycle by a formula) or from {LEAST_POINTS} to {MOST_POINTS}"
+        raise ValueError(f"pressure_points = {pressure_points}: {allowed}")
+    sizes = {"valves": valves, "pressure_points": pressure_points}
+    derivative, output = make_gas(pressure_through_points if pressure_points else pressure)
     return Component(
         name="cylinder_gas",
         description="Gas pressure of a four-stroke cycle by the crank angle",
-        parameters=Layout(CylinderGasParameters, sizes),
+        parameters=Layout(GasTableParameters if pressure_points else CylinderGasParameters, sizes),
         state=Layout(CylinderGasState),
         inputs=Layout(CylinderGasInputs),
         outputs=Layout(CylinderGasOutputs, sizes),
@@ -269,6 +351,6 @@ def cylinder_gas(valves: int = 1) -> Component:
             ("gas_pressure", *(f"valve_force[{i + 1}]" for i in range(valves))), ("crank_angle",)
         ),
         structure=sizes,
-        requirements=REQUIREMENTS,
+        requirements=TABLE_REQUIREMENTS if pressure_points else REQUIREMENTS,
         resting=(),
     )

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 from ...compile.kernel import kernel
+from ...core.points import find_segment
 from ...core.quantities import Quantity, Vector, per_element
 from ...core.requirements import Requirement
 from ...plausible import CAM_RADIUS
@@ -98,37 +99,10 @@ def check_table(points: int) -> None:
         )
 
 
-class Segment(NamedTuple):
-    """Between two points: the first one's index, the angle from it, the angle to the second, its index."""
-
-    first: int
-    into: float
-    length: float
-    last: int
-
-
-@kernel
-def find_segment(angle: float, p: Any) -> Segment:
-    """By bisection; the last segment closes the turn."""
-    n = p.table_angle.size
-    into = angle - p.table_angle[0]
-    into -= TURN * math.floor(into / TURN)
-    low, high = 0, n
-    while high - low > 1:
-        middle = (low + high) // 2
-        if p.table_angle[middle] - p.table_angle[0] <= into:
-            low = middle
-        else:
-            high = middle
-    begin = p.table_angle[low] - p.table_angle[0]
-    end = p.table_angle[high] - p.table_angle[0] if high < n else TURN
-    return Segment(low, into - begin, end - begin, high if high < n else 0)
-
-
 @kernel
 def lift_between_points(angle: float, p: Any) -> Lift:
     """The polynomial of degree 5 that has s, s' and s'' of both ends of its segment."""
-    segment = find_segment(angle, p)
+    segment = find_segment(angle, p.table_angle, TURN)
     i, j, h = segment.first, segment.last, segment.length
     x = segment.into / h
     c0, c1, c2 = p.table_lift[i], h * p.table_slope[i], 0.5 * h * h * p.table_curvature[i]
@@ -164,7 +138,7 @@ def find_table_breaks(angle: float, p: Any) -> Breaks:
     breaks = add_ramp_breaks(False, p.event_end, angle, breaks, p)
     if p.smooth != 0.0:
         return breaks
-    n, i = p.table_angle.size, find_segment(angle, p).first
+    n, i = p.table_angle.size, find_segment(angle, p.table_angle, TURN).first
     for near in range(i - 1, i + 3):
         breaks = turn_to_break(p.table_angle[near % n], angle, breaks)
     return breaks
