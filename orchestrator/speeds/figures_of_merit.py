@@ -172,6 +172,10 @@ VALVE: Mapping[str, Number] = {
         Result("m", "largest lift", display_unit=MILLIMETRES),
         lambda v: float(np.max(v["valve_lift"])),
     ),
+    "lift_area": (
+        Result("m", "lift, integrated over the cam angle in radians", display_unit="mm"),
+        lambda v: float(np.trapezoid(v["valve_lift"], v.angle)),
+    ),
     "seating_velocity": (Result("m/s", "velocity of landing"), _seating_velocity),
     "ramp_left": (Result("1", "lift of the cam over its ramp's height at landing"), _ramp_left),
     "bounce": (Result("m", "bounce after landing", display_unit=MICROMETRES), _bounce),
@@ -229,7 +233,9 @@ TABLES: Mapping[str, Mapping[str, Number]] = {
     "camshaft": SHAFT,
     "valve_spring": VALVE,
     "lash_adjuster": ADJUSTER,
-    "valve": {name: VALVE[name] for name in ("largest_lift", "seating_velocity", "ramp_left", "bounce")},
+    "valve": {
+        name: VALVE[name] for name in ("largest_lift", "lift_area", "seating_velocity", "ramp_left", "bounce")
+    },
     "coil_spring": SPRING,
     "journal_bearing": BEARING,
     "pivot_friction": PIVOT,

@@ -62,7 +62,7 @@ def sweep(
     separation = find_separation(subject, table)
     if separation is not None:
         reporter.line(separation.text)
-    for text in describe_feeding(table):
+    for text in (*describe_lift_loss(table), *describe_feeding(table)):
         reporter.line(text)
     summary = {"scenario": subject.scenario.name, "separation": separation and separation._asdict()}
     (out / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", "utf-8")
@@ -132,6 +132,20 @@ def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:
         if name is not None and np.any(np.isfinite(table[name].values)):
             found.append((head, name, scale))
     return found
+
+
+def describe_lift_loss(table: xarray.Dataset) -> Iterator[str]:
+    """A sentence on each valve: what its lift loses of the area that it has at the lowest speed."""
+    for name in (str(name) for name in table.data_vars if str(name).endswith(".lift_area")):
+        area, speeds = table[name].values, table["speed"].values * RPM
+        loss = 1.0 - area / area[0]
+        worst = int(np.argmax(np.abs(loss)))
+        if worst:
+            change = f"{100.0 * abs(loss[worst]):.2g} % {'less' if loss[worst] > 0.0 else 'more'}"
+            yield (
+                f"{name.rpartition('.')[0]}: the area under its lift is {change} at {speeds[worst]:.0f} than at "
+                f"{speeds[0]:.0f} r/min"
+            )
 
 
 def describe_feeding(table: xarray.Dataset) -> Iterator[str]:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray
 
+from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
 from models.monolithic.cycle import Cycle
 from orchestrator.plots.speeds import find_orders
@@ -71,6 +72,18 @@ def test_friction_stress_and_orders_follow_from_the_cycles(swept: tuple[Path, st
     second = np.trapezoid(load * np.exp(-2j * angle), angle) / np.pi
     # Both ends of the cycle agree within 1e-5.
     assert amplitude[0, 1] == pytest.approx(abs(second), rel=1e-5)
+
+
+def test_the_area_under_the_lift_is_that_of_the_cam(swept: tuple[Path, str]) -> None:
+    """S (B + 2 d) of a cycloid's rise and fall with a dwell, less what the contact gives under its load."""
+    out, said_text = swept
+    table = read_table(out)
+    p = CATALOGUE["camshaft"]().parameters
+    rise, dwell = p.field("rise_angle").start, p.field("dwell_half_width").start
+    exact = p.field("lift").start * (rise + 2.0 * dwell)
+    area = table["valve_spring.lift_area"].values
+    np.testing.assert_allclose(area, exact, rtol=5e-3)
+    assert "valve_spring: the area under its lift is" in said_text
 
 
 def test_it_tells_the_speed_of_separation(swept: tuple[Path, str]) -> None:
