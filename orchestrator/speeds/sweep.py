@@ -142,8 +142,9 @@ def describe_lift_loss(table: xarray.Dataset) -> Iterator[str]:
         worst = int(np.argmax(np.abs(loss)))
         if worst:
             change = f"{100.0 * abs(loss[worst]):.2g} % {'less' if loss[worst] > 0.0 else 'more'}"
+            valve = name.rpartition(".")[0]
             yield (
-                f"{name.rpartition('.')[0]}: the area under its lift is {change} at {speeds[worst]:.0f} than at "
+                f"{valve}: the area under its lift is {change} at {speeds[worst]:.0f} than at "
                 f"{speeds[0]:.0f} r/min"
             )
 
