@@ -19,8 +19,8 @@ from models.core.system import Connection, Port, System
 from .linear import Linear
 from .linearisation import Point
 
-# All orders of a loop of up to this many participants are compared; of a longer one, three.
-PERMUTED = 5
+# All orders of a loop are compared if there are no more than this; else three.
+MOST_ORDERS = 120
 
 
 class Partition:
@@ -99,7 +99,7 @@ class Partition:
         numbers: dict[tuple[str, ...], range] = {}
         for kind, choice in zip(kinds, choices, strict=True):
             numbers[kind] = range(min(len(choice), len(numbers.get(kind, choice))))
-        if math.prod(len(each) for each in numbers.values()) > math.factorial(PERMUTED):
+        if math.prod(len(each) for each in numbers.values()) > MOST_ORDERS:
             numbers = {kind: each[:2] for kind, each in numbers.items()}
         for chosen in itertools.product(*numbers.values()):
             number = dict(zip(numbers, chosen, strict=True))
@@ -107,11 +107,32 @@ class Partition:
             yield tuple(itertools.chain.from_iterable(parts))
 
     def _list_sequences(self, group: list[str]) -> list[tuple[str, ...]]:
-        if len(group) <= PERMUTED:
-            return list(itertools.permutations(group))
-        # Along direct feedthrough, against it, and as listed.
+        """Along direct feedthrough, against it, as listed, and all others if these are not too many.
+
+        Only of participants that exchange values does it matter which one advances first.
+        """
         along = tuple(dict.fromkeys(name for name in self.system.order if name in group))
-        return list(dict.fromkeys([along, along[::-1], tuple(group)]))
+        few = [along, along[::-1], tuple(group)]
+        ends = ({c.source.instance, c.target.instance} & set(group) for c in self.counting)
+        pairs = sorted({tuple(sorted(pair)) for pair in ends if len(pair) == 2})
+        if 2 ** len(pairs) <= MOST_ORDERS:
+            directions = itertools.product(*((pair, pair[::-1]) for pair in pairs))
+            return list(dict.fromkeys(filter(None, (_sort(group, first) for first in directions))))
+        if math.factorial(len(group)) <= MOST_ORDERS:
+            return list(itertools.permutations(group))
+        return list(dict.fromkeys(few))
+
+
+def _sort(names: Sequence[str], first: Sequence[tuple[str, str]]) -> tuple[str, ...]:
+    """The names with the first of each pair before the second, else as listed; () if that cannot be."""
+    placed: list[str] = []
+    while len(placed) < len(names):
+        waiting = {after for before, after in first if before not in placed}
+        ready = [name for name in names if name not in placed and name not in waiting]
+        if not ready:
+            return ()
+        placed.append(ready[0])
+    return tuple(placed)
 
 
 def _find_effects(linear: Linear) -> Vector:

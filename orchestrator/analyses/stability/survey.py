@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -98,6 +99,8 @@ DOWN, UP = 8.0, 256.0
 AWAY, WITHIN = 1.5, 2.0
 # A point is harder if it is unstable at this share of the limit found so far.
 ALMOST = 0.97
+# Orders are compared at steps longer by this factor.
+LONGER = 1.05
 
 
 def survey(
@@ -141,9 +144,10 @@ def survey(
 def _list_masters(scenario: Scenario, system: System, surveyor: _Surveyor) -> list[Master]:
     """The scenario's own master, then every master with every signal, in the best order."""
     own = scenario.master.build()
-    order, stiff = surveyor.find_order(), surveyor.partition.stiff
-    if getattr(own, "order", None) == () and order == tuple(system.instances):
-        own = replace(own, order=order)
+    signals = list(DEGREES)[: surveyor.highest + 1]
+    orders, stiff = {signal: surveyor.find_order(signal) for signal in signals}, surveyor.partition.stiff
+    if getattr(own, "order", None) == () and orders[own.extrapolation] == tuple(system.instances):
+        own = replace(own, order=orders[own.extrapolation])
     masters: list[Master] = [own]
     for kind in MASTERS.values():
         options = {item.name for item in fields(kind)}
@@ -153,7 +157,7 @@ def _list_masters(scenario: Scenario, system: System, surveyor: _Surveyor) -> li
         base: Any = own if isinstance(own, kind) else kind()
         if "iterate" in options and not base.iterate and stiff:
             base = replace(base, iterate=stiff)
-        for signal in list(DEGREES)[: surveyor.highest + 1]:
+        for signal, order in orders.items():
             ordered = {"order": order} if "order" in options else {}
             masters.append(replace(base, extrapolation=signal, **ordered))
     return list(dict.fromkeys(masters))
@@ -198,23 +202,22 @@ class _Surveyor:
         events = any(i.component.events for i in self.system.instances.values())
         return self.points[int(np.argsort(excess)[-1 if events else len(excess) // 2])]
 
-    def find_order(self) -> tuple[str, ...]:
-        """The most stable order of a Gauss-Seidel sweep, and of equally stable ones the most accurate."""
-        kind = MASTERS["gauss_seidel"]
+    def find_order(self, signal: str) -> tuple[str, ...]:
+        """The Gauss-Seidel order that is stable up to the longest step; of several the most accurate."""
+        kind = partial(MASTERS["gauss_seidel"], extrapolation=signal)
         orders = list(self.partition.list_orders())
         if len(orders) == 1:
             return orders[0]
+        found = {order: Behaviour(self.hardest_point, kind(order=order), self._couplings) for order in orders}
         listed = Behaviour(self.hardest_point, kind(), self._couplings)
         limit = find_stability_limit(listed, self._first, self._longest, [])
-        beyond = min(1.5 * limit, self._longest)
-        radius = {
-            order: Behaviour(self.hardest_point, kind(order=order), self._couplings).evaluate(beyond).radius
-            for order in orders
-        }
-        least = min(radius.values())
-        equal = [order for order in orders if radius[order] <= 1.001 * least]
-        step = self.scenario.macro_step
-        if len(equal) == 1 or not limit > step:
+        step, equal = min(max(ALMOST * limit, self._first), self._longest), orders
+        while stable := [order for order in equal if found[order].evaluate(step).stable]:
+            equal = stable
+            if len(equal) == 1 or step == self._longest:
+                break
+            step = min(LONGER * step, self._longest)
+        if len(equal) == 1 or not limit > self.scenario.macro_step:
             return equal[0]
         return min(
             equal,
