@@ -123,7 +123,7 @@ class Partition:
         return list(dict.fromkeys(few))
 
 
-def _sort(names: Sequence[str], first: Sequence[tuple[str, str]]) -> tuple[str, ...]:
+def _sort(names: Sequence[str], first: Sequence[Sequence[str]]) -> tuple[str, ...]:
     """The names with the first of each pair before the second, else as listed; () if that cannot be."""
     placed: list[str] = []
     while len(placed) < len(names):

@@ -6,7 +6,6 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -204,13 +203,16 @@ class _Surveyor:
 
     def find_order(self, signal: str) -> tuple[str, ...]:
         """The Gauss-Seidel order that is stable up to the longest step; of several the most accurate."""
-        kind = partial(MASTERS["gauss_seidel"], extrapolation=signal)
+
+        def build(point: Point, order: tuple[str, ...] = ()) -> Behaviour:
+            master = MASTERS["gauss_seidel"](extrapolation=signal, order=order)
+            return Behaviour(point, master, self._couplings)
+
         orders = list(self.partition.list_orders())
         if len(orders) == 1:
             return orders[0]
-        found = {order: Behaviour(self.hardest_point, kind(order=order), self._couplings) for order in orders}
-        listed = Behaviour(self.hardest_point, kind(), self._couplings)
-        limit = find_stability_limit(listed, self._first, self._longest, [])
+        found = {order: build(self.hardest_point, order) for order in orders}
+        limit = find_stability_limit(build(self.hardest_point), self._first, self._longest, [])
         step, equal = min(max(ALMOST * limit, self._first), self._longest), orders
         while stable := [order for order in equal if found[order].evaluate(step).stable]:
             equal = stable
@@ -221,11 +223,7 @@ class _Surveyor:
             return equal[0]
         return min(
             equal,
-            key=lambda order: max(
-                self._predict_errors(
-                    Behaviour(self.typical, kind(order=order), self._couplings), FINER
-                ).values()
-            ),
+            key=lambda order: max(self._predict_errors(build(self.typical, order), FINER).values()),
         )
 
     def assess(self, master: Master) -> AssessedMethod:
