@@ -134,9 +134,9 @@ def test_the_film_carries_the_train_as_in_the_components(record: Callable[..., N
     begin = equilibrium(system, 0.0)
     states = dict(zip(system.state.names, begin, strict=True))
     start = TrainStart(
-        states["valve_spring.position"],
-        (states["valve_spring.coil_position[1]"], states["valve_spring.coil_position[2]"]),
-        states["contact.film_thickness"],
+        position=states["valve_spring.position"],
+        coil_positions=(states["valve_spring.coil_position[1]"], states["valve_spring.coil_position[2]"]),
+        film=states["contact.film_thickness"],
     )
     times = np.linspace(0.0, 0.06, 3001)
     minimal = solve(system, times, 1e-9, x0=begin)
