@@ -19,6 +19,7 @@ from .angle_table import AngleTableError
 from .drawing import ShaftDrawing, insert_drawing
 from .fields import Table, Written
 from .force_table import ForceTable, insert_force_table
+from .lift_segments import LiftSegments, insert_lift_segments
 from .lift_table import insert_lift_table
 from .oil import OILED, OilSheet, Temperature, insert_oil
 from .pressure_table import insert_pressure_table
@@ -53,6 +54,11 @@ class ComponentTable(Table):
         None,
         description="CSV file of cam angles and lifts, for a cam through points; it becomes `structure` and "
         "`parameters`",
+    )
+    lift_segments: LiftSegments | None = Field(
+        None,
+        description="Cam by segments of its acceleration; it becomes `structure` and `parameters`",
+        exclude=True,
     )
     pressure_table: str | None = Field(
         None,
@@ -111,15 +117,18 @@ class ComponentTable(Table):
 
     @model_validator(mode="before")
     @classmethod
-    def _read_lift_table(cls, table: Any) -> Any:
-        """Replace a lift table by the points of the cam profile."""
-        if not isinstance(table, dict) or table.get("lift_table") is None:
+    def _read_cam(cls, table: Any) -> Any:
+        """Replace a lift table, or segments, by the points of the cam profile."""
+        given = [key for key in ("lift_table", "lift_segments") if isinstance(table, dict) and table.get(key)]
+        if not given:
             return table
         component = CATALOGUE.get(str(table.get("component")))
         if component is None or "table_points" not in inspect.signature(component).parameters:
-            raise Faults(("lift_table", f": {table.get('component')} has no cam profile; leave it out"))
+            raise Faults((given[0], f": {table.get('component')} has no cam profile; leave it out"))
+        if len(given) > 1:
+            raise Faults(("lift_segments", ": stands beside lift_table; leave one of them out"))
         try:
-            return insert_lift_table(table)
+            return insert_lift_table(table) if given[0] == "lift_table" else insert_lift_segments(table)
         except AngleTableError as error:
             raise Faults(("lift_table", f": {error}")) from None
 
