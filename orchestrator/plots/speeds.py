@@ -55,6 +55,7 @@ def draw_summary(tables: Mapping[str, xarray.Dataset]) -> Figure:
             _draw_curves(panel, scale, names, table, line)
         _limit_to_contact(panel, scale, names, tables)
         panel.set_title(title)
+        panel.ticklabel_format(axis="y", useOffset=False)
     for panel in axes.flat[max(0, len(shown) - 3) : len(shown)]:
         panel.set_xlabel("Speed (r/min)")
         panel.tick_params(labelbottom=True)
@@ -64,9 +65,9 @@ def draw_summary(tables: Mapping[str, xarray.Dataset]) -> Figure:
 def _limit_to_contact(
     axes: Axes, scale: float, names: list[str], tables: Mapping[str, xarray.Dataset]
 ) -> None:
-    """Scale a panel by the speeds with contact, if there are some: blows after separation hide all else."""
+    """Scale a panel by the speeds with contact: blows after separation hide all else."""
     kept = [
-        scale * table[name].values[_in_contact(table)]
+        scale * table[name].values[_shown_speeds(table)]
         for table in tables.values()
         for name in names
         if name in table
@@ -78,10 +79,12 @@ def _limit_to_contact(
         axes.set_ylim(values.min() - margin, values.max() + margin)
 
 
-def _in_contact(table: xarray.Dataset) -> NDArray[np.bool_]:
-    """The speeds at which no contact is lost."""
+def _shown_speeds(table: xarray.Dataset) -> NDArray[np.bool_]:
+    """The speeds at which no contact is lost, or all where that is less than half."""
+    every = np.ones(table.sizes["speed"], dtype=np.bool_)
     lost = [table[name].values > 0.0 for name in table.data_vars if str(name).endswith(".lost")]
-    return ~np.any(lost, axis=0) if lost else np.ones(table.sizes["speed"], dtype=np.bool_)
+    kept = ~np.any(lost, axis=0) if lost else every
+    return kept if 2 * np.count_nonzero(kept) >= kept.size else every
 
 
 def _has_values(table: xarray.Dataset, name: str) -> bool:
