@@ -63,6 +63,7 @@ def _convert(quantity: Quantity, default: Any) -> Parameter:
         maximum=quantity.maximum if math.isfinite(quantity.maximum) else None,
         choices=quantity.choices,
         positive=quantity.positive,
+        plausible=quantity.plausible,
     )
 
 

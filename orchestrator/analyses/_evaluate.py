@@ -38,7 +38,10 @@ def analyse(
     """Compute, print and write into `out` (default: results/NAME), which changes when all is computed."""
     reporter = reporter or Reporter()
     analysis = load(name)
-    values = analysis.complete(dict(parse_setting(text) for text in settings))
+    given = dict(parse_setting(text) for text in settings)
+    values = analysis.complete(given)
+    for doubt in analysis.list_doubts(given):
+        reporter.line(doubt)
     folder = out or Path("results") / analysis.name
     held = find_results(folder, analysis.name, overwrite)
     with create_folder(folder):

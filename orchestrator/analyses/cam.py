@@ -11,11 +11,13 @@ import xarray
 from scipy.optimize import brentq
 
 from models.core.quantities import Vector
+from models.plausible import SPEED
 from models.valve_train.cams.lift import Lift
 from models.valve_train.cams.table import TURN
 from models.valve_train.followers.shape import FOLLOWERS, Follower, sample_angles, trace_shape
 
 from ..errors import MistakeError
+from ..scenario.lift_table import doubt_event
 from ._cam_profile import (
     GEOMETRY,
     NONE,
@@ -154,10 +156,20 @@ def _evaluate_table(
         "largest_pressure_angle": float(np.abs(pressure).max()),
         "reversals": ", ".join(f"{math.degrees(a):.2f}" for a in zeros) or "none",
         "slope_at_reversals": float(max(slopes, default=math.nan)),
+        "table_doubts": _list_doubts(profile) if smoothing else "",
         "table_residual": smoothing.residual if smoothing else math.nan,
         "table_resolution": smoothing.resolution if smoothing else math.nan,
         "curvature_uncertainty": smoothing.curvature_error if smoothing else math.nan,
     }
+
+
+def _list_doubts(profile: Profile) -> str:
+    """What may be wrong with a lift table."""
+    doubts = [doubt] if (doubt := doubt_event(*profile.event)) else []
+    if profile.smoothing and profile.smoothing.doubtful:
+        angle, deviation = profile.smoothing.doubtful
+        doubts.append(f"the row at {math.degrees(angle):.5g} deg is {1e3 * deviation:.3g} mm off the others")
+    return "; ".join(doubts) or "none"
 
 
 def _find_reversals(angles: Vector, entraining: Callable[[float], float]) -> tuple[list[float], list[float]]:
@@ -204,7 +216,9 @@ ANALYSIS = Analysis(
         "lift_table": Parameter("", "1", "CSV file of cam angle and lift, instead of a law"),
         **TABLE_EVENT,
         **list_law_parameters(),
-        "speed": Parameter(1000.0 * math.pi / 30.0, "rad/s", "speed of the cam", positive=True),
+        "speed": Parameter(
+            1000.0 * math.pi / 30.0, "rad/s", "speed of the cam", positive=True, plausible=SPEED
+        ),
         "follower": Parameter("flat", "1", "the follower that has the lift", choices=_FOLLOWERS),
         **GEOMETRY,
         "other": Parameter(
@@ -227,6 +241,7 @@ ANALYSIS = Analysis(
         "largest_pressure_angle": Result("rad", "largest pressure angle", display_unit="deg"),
         "reversals": Result("deg", "cam angles at which the entraining velocity vanishes", text=True),
         "slope_at_reversals": Result("m/rad", "slope of the lubrication characteristic 2 u/omega there"),
+        "table_doubts": Result("1", "lift table: what may be wrong with it", text=True),
         "table_residual": Result(
             "m", "lift table: rms of its differences from the smoothed lift", display_unit="um"
         ),

@@ -7,10 +7,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from models.core.quantities import Quantity
+from models.core.quantities import Plausible, Quantity
 from models.core.system import suggestion
 
 from ..errors import MistakeError
+from ..scenario.units import is_bare
 from ..scenario.values import Value, parse_value, to_number
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ class Parameter:
     """One argument of an analysis: its default, unit (SI symbols), meaning and allowed range.
 
     `positive` excludes zero, `choices` are names, `integer` asks for a whole number. A bool as default asks
-    for true or false, a text without choices for any text.
+    for true or false, a text without choices for any text. `plausible` are the usual magnitudes.
     """
 
     default: Value
@@ -34,6 +35,7 @@ class Parameter:
     choices: tuple[str, ...] = ()
     integer: bool = False
     positive: bool = False
+    plausible: Plausible | None = None
 
     @property
     def quantity(self) -> Quantity:
@@ -45,6 +47,7 @@ class Parameter:
             positive=self.positive,
             choices=self.choices,
             boolean=isinstance(self.default, bool),
+            plausible=self.plausible,
         )
 
     @property
@@ -58,6 +61,14 @@ class Parameter:
     @property
     def _is_text(self) -> bool:
         return isinstance(self.default, str) and not self.choices
+
+    def doubt(self, name: str, value: Any) -> str:
+        """A warning of a number without a unit that is plausible only in another one; "" if there is none."""
+        text = str(value)
+        if isinstance(value, bool) or self._is_text or self.choices or not is_bare(text):
+            return ""
+        doubt = self.quantity.doubt(float(text))
+        return doubt and f"{name} = {float(text):g} {self.unit} ({self.description}): {doubt} Write the unit"
 
     def check_value(self, name: str, value: Any) -> Value:
         """`value` (a text may have a unit) as `evaluate` gets it; MistakeError with the allowed range."""
@@ -115,6 +126,11 @@ class Analysis:
         if name not in self.parameters:
             raise MistakeError(f"{self.name} has no parameter {name!r}; {suggestion(name, self.parameters)}")
         return self.parameters[name]
+
+    def list_doubts(self, values: Mapping[str, Any]) -> list[str]:
+        """Warnings of these values."""
+        doubts = (self.parameter(name).doubt(name, value) for name, value in values.items())
+        return [doubt for doubt in doubts if doubt]
 
     def complete(self, values: Mapping[str, Any]) -> dict[str, Value]:
         """`values` checked, and the defaults of the other parameters; MistakeError for a fault."""

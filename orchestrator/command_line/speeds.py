@@ -45,6 +45,9 @@ def run_speeds(
     from ..speeds.sweep import Range, sweep
     from ..study.run import Where
 
+    for name, value in (("--from", low), ("--to", high)):
+        if doubt := SPEED.doubt(name, value):
+            raise MistakeError(doubt)
     ends = [float(SPEED.check_value(name, value)) for name, value in (("--from", low), ("--to", high))]
     if not ends[0] < ends[1]:
         rpm = [f"{end * 30.0 / math.pi:.4g} rpm" for end in ends]

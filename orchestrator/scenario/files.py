@@ -18,6 +18,7 @@ from models.core.system import suggestion
 
 from ..masters import MASTERS
 from . import Scenario, ScenarioError, build_scenario, find_tables
+from .lift_table import CAM_KEYS, replace_law
 from .ssp import read_package as contents_of_package
 from .values import to_value
 
@@ -132,8 +133,13 @@ def _resolve_paths(content: dict[str, Any], folder: Path) -> None:
 
 
 def merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    """Merge `over` into `base`: tables are merged, connections added, other values and oils replaced."""
+    """Merge `over` into `base`: tables are merged, connections added, other values and oils replaced.
+
+    A component's `lift_table` or `lift_segments` replaces the law.
+    """
     result = dict(base)
+    for key in CAM_KEYS & over.keys():
+        replace_law(result, key)
     for key, value in over.items():
         below = result.get(key)
         if key == "connections" and isinstance(below, list) and isinstance(value, list):
@@ -187,6 +193,8 @@ def put(content: dict[str, Any], path: str, value: Any, said: str = "") -> None:
         table = table.setdefault(key, {})
         if not isinstance(table, dict):
             raise ScenarioError(f"{said}{path}: {'.'.join(keys[: i + 1])} is not a table")
+    if keys[-1] in CAM_KEYS:
+        replace_law(table, keys[-1])
     table[keys[-1]] = value
 
 

@@ -11,7 +11,7 @@ from pydantic import Field, ValidationError
 from models.valve_train.cams.segments import Rise, join_sides, scale_rise
 
 from .fields import Table, in_unit
-from .lift_table import OF_LAWS
+from .lift_table import check_no_law
 from .messages import place_faults
 from .values import Faults
 
@@ -36,6 +36,7 @@ class LiftSegments(Table):
 
 def insert_lift_segments(table: dict[str, Any]) -> dict[str, Any]:
     """A component's table with the points of its `lift_segments` among structure and parameters."""
+    check_no_law(table, "lift_segments")
     try:
         given = LiftSegments.model_validate(table["lift_segments"])
     except ValidationError as error:
@@ -51,10 +52,9 @@ def insert_lift_segments(table: dict[str, Any]) -> dict[str, Any]:
         raise Faults(("lift_segments", f": spans {math.degrees(turned):.4g} deg: must be at most 360 deg"))
     event = {"event_begin": float(points.angle[0]), "event_end": float(points.angle[-1])}
     rest = {key: value for key, value in table.items() if key != "lift_segments"}
-    kept = {name: value for name, value in table.get("parameters", {}).items() if name not in OF_LAWS}
     return rest | {
         "structure": {**table.get("structure", {}), "table_points": points.angle.size},
-        "parameters": {**points.parameters(), **event, **kept},
+        "parameters": {**points.parameters(), **event, **table.get("parameters", {})},
     }
 
 

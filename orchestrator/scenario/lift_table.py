@@ -14,17 +14,30 @@ from typing import Any
 import numpy as np
 
 from models.core.quantities import Vector
+from models.plausible import CAM_LIFT
 from models.valve_train.cams.law import LawParameters
 from models.valve_train.cams.smoothing import SmoothedLift, smooth_lift
 from models.valve_train.cams.table import TURN, TableParameters
 
 from .angle_table import AngleTableError, Kind, read_angle_table
+from .values import Faults
 
 # A gap is longer than this many times the usual spacing.
 GAP = 3.0
 # Lifts up to this part of the largest are on the base circle.
 ROUND = 1e-3
-LIFT = Kind("lift", "m", 1, "the cam (a crank turns twice as far)", "angle [deg], lift [mm]")
+LIFT = Kind(
+    "lift",
+    "m",
+    1,
+    "the cam; for degrees of the crank write 'crank angle [deg]'",
+    "angle [deg], lift [mm]",
+    per_crank=0.5,
+)
+
+
+# Keys of a component's table that give a cam through points.
+CAM_KEYS = frozenset({"lift_table", "lift_segments"})
 
 
 @dataclass(frozen=True)
@@ -49,8 +62,8 @@ class LiftTable:
         gap = self.angle[0] + TURN - self.angle[-1]
         if gap <= GAP * spacing:
             return self.angle, self.lift
-        ends = max(abs(self.lift[0]), abs(self.lift[-1]))
-        if ends > ROUND * self.lift.max():
+        ends = max(self.lift[0], self.lift[-1], key=abs)
+        if abs(ends) > ROUND * self.lift.max():
             raise AngleTableError(
                 f"the table ends at {math.degrees(self.angle[0]):g} and {math.degrees(self.angle[-1]):g} deg "
                 f"with {1e3 * ends:g} mm of lift: continue it to the base circle, or over the whole turn"
@@ -65,6 +78,10 @@ def read_lift_table(path: Path) -> LiftTable:
     angle, lift, rounding = read_angle_table(path, LIFT)
     if not lift.max() > 0.0:
         raise AngleTableError(f"{path}: its largest lift is {1e3 * lift.max():g} mm: must be > 0")
+    if doubt := CAM_LIFT.reason * (not CAM_LIFT.holds(lift.max())):
+        raise AngleTableError(
+            f"{path}: its largest lift is {1e3 * lift.max():g} mm, but {doubt}; correct the header's unit"
+        )
     return LiftTable(*_cut_at_a_turn(angle, lift), rounding)
 
 
@@ -78,22 +95,48 @@ def smooth_file(path: Path, changed: int) -> SmoothedLift:
         raise AngleTableError(f"{path}: {error}") from None
 
 
-# Parameters of a law without its ramps, which a table replaces: a scenario that is extended may have them.
+# Lobes of valve trains, with long ramps, turn no further (rad).
+LONGEST_EVENT = math.radians(240.0)
+# Parameters of a law without its ramps, which a table replaces.
 OF_LAWS = {field.name for field in fields(LawParameters)} - {field.name for field in fields(TableParameters)}
 
 
 def insert_lift_table(table: dict[str, Any]) -> dict[str, Any]:
     """A component's table with the points of its `lift_table` among structure and parameters."""
+    check_no_law(table, "lift_table")
     path = Path(table["lift_table"])
     changed = path.stat().st_mtime_ns if path.exists() else 0
     smoothed = smooth_file(path, changed)
     points, event = smoothed.points, dict(zip(("event_begin", "event_end"), smoothed.event, strict=True))
     rest = {key: value for key, value in table.items() if key != "lift_table"}
-    kept = {name: value for name, value in table.get("parameters", {}).items() if name not in OF_LAWS}
     return rest | {
         "structure": {**table.get("structure", {}), "table_points": points.angle.size},
-        "parameters": {**points.parameters(), **event, **kept},
+        "parameters": {**points.parameters(), **event, **table.get("parameters", {})},
     }
+
+
+def replace_law(table: dict[str, Any], key: str) -> None:
+    """Take other cams out of a component's table that gets this one of CAM_KEYS."""
+    for other in CAM_KEYS - {key}:
+        table.pop(other, None)
+    parameters = table.get("parameters")
+    if isinstance(parameters, dict):
+        table["parameters"] = {name: value for name, value in parameters.items() if name not in OF_LAWS}
+
+
+def doubt_event(begin: float, end: float) -> str:
+    """Why a cam through points that lifts between these angles (rad) is doubtful; "" if it isn't."""
+    if end - begin <= LONGEST_EVENT:
+        return ""
+    turned = math.degrees(end - begin)
+    return f"the cam lifts over {turned:.4g} deg: name the crank's angles 'crank angle [deg]' in the table"
+
+
+def check_no_law(table: dict[str, Any], key: str) -> None:
+    """Refuse parameters of a law beside this key."""
+    for name in table.get("parameters", {}):
+        if name in OF_LAWS:
+            raise Faults((f"parameters.{name}", f": has no meaning beside {key}; leave one of them out"))
 
 
 def _cut_at_a_turn(angle: Vector, lift: Vector) -> tuple[Vector, Vector]:

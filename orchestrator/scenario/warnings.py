@@ -8,6 +8,7 @@ from ..participants import ThirdPartyComponent
 from . import Scenario, parse_line
 from .capabilities import list_unsynchronised
 from .fmu_limits import list_limit_warnings
+from .lift_table import doubt_event
 from .third_party_values import list_bare_numbers
 from .values import WithUnit
 
@@ -29,6 +30,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
     return [
         *found,
         *_list_doubtful(scenario),
+        *_list_long_cams(scenario),
         *_list_unloaded(scenario),
         *_list_other_units(scenario),
         *list_unsynchronised(scenario),
@@ -58,6 +60,16 @@ def _list_doubtful(scenario: Scenario) -> list[str]:
                         f"({quantity.description}): {doubt} Write the unit"
                     )
     return found
+
+
+def _list_long_cams(scenario: Scenario) -> list[str]:
+    """Warn of cams through points that lift too long."""
+    return [
+        f"components.{name}: {doubt}"
+        for name, table in scenario.components.items()
+        if "table_points" in table.structure
+        and (doubt := doubt_event(*(table.parameters[key] for key in ("event_begin", "event_end"))))
+    ]
 
 
 def _list_other_units(scenario: Scenario) -> list[str]:

@@ -42,7 +42,9 @@ class Part:
 
     def mean(self, values: Vector | NDArray[np.bool_]) -> float:
         """Over the cycle."""
-        return float(np.trapezoid(values, self.cycle.times) / self.cycle.times[-1])
+        # The sum of two truth values is a truth value.
+        numbers = np.asarray(values, dtype=np.float64)
+        return float(np.trapezoid(numbers, self.cycle.times) / self.cycle.times[-1])
 
 
 Number = tuple[Result, Callable[[Part], float]]
@@ -112,6 +114,21 @@ def lost_share(contact: Part) -> float:
     return contact.mean((contact["load"] <= 0.0) & contact.lifted)
 
 
+def lost_on_nose(contact: Part) -> float:
+    """Of the cycle: losses that begin where the cam slows the valve down (s'' < 0); nan for several cams.
+
+    On the flanks, where s'' > 0, a contact is lost as it rebounds from the take-up of lash or play.
+    """
+    cams = _find_cams(contact.cycle)
+    if len(cams) != 1:
+        return math.nan
+    lift = contact.cycle[f"{cams[0]}.cam_lift"]
+    slows = np.gradient(np.gradient(lift, contact.angle), contact.angle) < 0.0
+    lost = (contact["load"] <= 0.0) & contact.lifted
+    begin = np.maximum.accumulate(np.where(lost & ~np.append(False, lost[:-1]), np.arange(lost.size), 0))
+    return contact.mean(lost & slows[begin])
+
+
 def _friction_power(part: Part) -> float:
     return part.mean(part["friction_force"] * part["sliding_velocity"])
 
@@ -121,15 +138,23 @@ def _friction_torque(part: Part) -> float:
     return _friction_power(part) * part.cycle.times[-1] / float(part.angle[-1] - part.angle[0])
 
 
-def _ramp_left(part: Part) -> float:
-    """Lift of the one cam over the height of its ramp, as the valve lands: above 1 the ramp has not begun."""
+def _landing_lift(part: Part) -> float:
+    """Lift of the one cam as the valve lands: a measure of the ramp that is left."""
     landing, cams = _landing(part), _find_cams(part.cycle)
     if landing is None or len(cams) != 1:
+        return math.nan
+    return float(part.cycle[f"{cams[0]}.cam_lift"][landing])
+
+
+def _ramp_left(part: Part) -> float:
+    """Lift of the one cam over the height of its ramp, as the valve lands: above 1 the ramp has not begun."""
+    cams = _find_cams(part.cycle)
+    if len(cams) != 1:
         return math.nan
     instance = part.cycle.system.instances[cams[0]]
     has_ramps = "ramp_height" in instance.component.parameters.names
     height = parameter_of(instance, "ramp_height") if has_ramps else 0.0
-    return float(part.cycle[f"{cams[0]}.cam_lift"][landing]) / height if height > 0.0 else math.nan
+    return _landing_lift(part) / height if height > 0.0 else math.nan
 
 
 CONTACT: Mapping[str, Number] = {
@@ -143,6 +168,10 @@ CONTACT: Mapping[str, Number] = {
     ),
     "largest_load": (Result("N", "largest load"), lambda c: float(np.max(c["load"]))),
     "lost": (Result("1", "share of the cycle that lifts without load"), lost_share),
+    "lost_on_nose": (
+        Result("1", "share of the cycle in losses of contact that begin where the cam slows the valve"),
+        lost_on_nose,
+    ),
     "peak_pressure": (
         Result("Pa", "largest Hertz pressure", display_unit=MEGAPASCAL),
         lambda c: float(np.max(c["maximum_pressure"])),
@@ -152,11 +181,11 @@ CONTACT: Mapping[str, Number] = {
         lambda c: float(np.max(c["maximum_pressure"])) / c.parameter("elastic_limit"),
     ),
     "least_film": (
-        Result("m", "least film thickness", display_unit=MICROMETRES),
+        Result("m", "least film thickness, of smooth surfaces", display_unit=MICROMETRES),
         lambda c: float(np.min(c["minimum_film_thickness"])),
     ),
     "least_film_ratio": (
-        Result("1", "least film thickness over roughness"),
+        Result("1", "least film over roughness; the film bears the fluid's share of the load"),
         lambda c: float(np.min(c["film_ratio"])),
     ),
     "film_power": (
@@ -177,6 +206,10 @@ VALVE: Mapping[str, Number] = {
         lambda v: float(np.trapezoid(v["valve_lift"], v.angle)),
     ),
     "seating_velocity": (Result("m/s", "velocity of landing"), _seating_velocity),
+    "landing_lift": (
+        Result("m", "lift of the one cam at landing", display_unit=MILLIMETRES),
+        _landing_lift,
+    ),
     "ramp_left": (Result("1", "lift of the cam over its ramp's height at landing"), _ramp_left),
     "bounce": (Result("m", "bounce after landing", display_unit=MICROMETRES), _bounce),
     "spring_margin": (Result("1", "least load on the open valve over the spring's force"), _spring_margin),
@@ -234,7 +267,8 @@ TABLES: Mapping[str, Mapping[str, Number]] = {
     "valve_spring": VALVE,
     "lash_adjuster": ADJUSTER,
     "valve": {
-        name: VALVE[name] for name in ("largest_lift", "lift_area", "seating_velocity", "ramp_left", "bounce")
+        name: VALVE[name]
+        for name in ("largest_lift", "lift_area", "seating_velocity", "landing_lift", "ramp_left", "bounce")
     },
     "coil_spring": SPRING,
     "journal_bearing": BEARING,
@@ -284,11 +318,11 @@ def _find_cams(cycle: Cycle) -> list[str]:
     return [name for name, i in cycle.system.instances.items() if "cam_lift" in i.component.outputs.names]
 
 
-def is_separated(cycle: Cycle) -> bool:
-    """Whether a contact is lost while the cam lifts."""
-    lifted = find_lifted(cycle)
+def is_separated(cycle: Cycle, angle: Vector, number: str = "lost") -> bool:
+    """Whether a contact is lost while the cam lifts; `lost_on_nose`: where it slows the valve."""
+    lifted, (_, share) = find_lifted(cycle), CONTACT[number]
     contacts = [name for name, kind in kinds_of(cycle.system).items() if kind in CONTACTS]
-    return any(bool(np.any((cycle[f"{name}.load"] <= 0.0) & lifted)) for name in contacts)
+    return any(share(Part(cycle, name, angle, lifted)) > 0.0 for name in contacts)
 
 
 def kinds_of(system: System) -> dict[str, str]:

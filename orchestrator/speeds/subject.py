@@ -12,6 +12,7 @@ from typing import Any
 
 import xarray
 
+from models import plausible
 from models.core.quantities import Vector
 from models.core.system import ModelError, System
 from models.monolithic.cycle import Cycle, find_cycle
@@ -26,7 +27,9 @@ from ..scenario.values import Value
 from ..scenario.warnings import list_warnings
 from .figures_of_merit import describe_numbers, kinds_of, measure, parameter_of
 
-SPEED = Parameter(1000.0 * math.pi / 30.0, "rad/s", "speed of the flywheel", positive=True)
+SPEED = Parameter(
+    1000.0 * math.pi / 30.0, "rad/s", "speed of the flywheel", positive=True, plausible=plausible.SPEED
+)
 # Components with a cam.
 CAMS = ("camshaft", "tappet", "finger")
 # Of a period. Contacts vibrate at some 10 kHz: with a tenth of these, peaks were up to a third too low. Of
@@ -89,10 +92,14 @@ class SpeedSubject:
         period = count_turns(system) * 2.0 * math.pi / speed
         return find_cycle(system, period, [f"{self.flywheel}.angle"], samples=SAMPLES)
 
+    def find_motion_at(self, speed: float) -> tuple[Cycle, Vector]:
+        """The cycle at this speed (rad/s), and the cam angles (rad) of its samples."""
+        cycle = self.find_cycle_at(speed)
+        return cycle, find_cam_angle(cycle, self.flywheel)
+
     def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
         speed = float(values["speed"])
-        cycle = self.find_cycle_at(speed)
-        angle = find_cam_angle(cycle, self.flywheel)
+        cycle, angle = self.find_motion_at(speed)
         if self.folder is not None:
             save_cycle(cycle, angle, cycle_path(Path(self.folder), speed))
         return measure(cycle, angle) | {"change": cycle.change, "periods": float(cycle.periods)}

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray
+from numpy.typing import NDArray
 from rich.table import Table
 
 from models.contact.records import CONTACTS
@@ -123,6 +124,7 @@ def select_columns(table: xarray.Dataset) -> list[tuple[str, str, float]]:
         ("film um", ".least_film", 1e6),
         ("margin", ".spring_margin", 1.0),
         ("seating m/s", ".seating_velocity", 1.0),
+        ("at lift mm", ".landing_lift", 1e3),
         ("torque N m", ".largest_torque", 1.0),
     )
     found = []
@@ -171,35 +173,63 @@ def _list_speeds(speeds: Vector) -> str:
 
 
 class Separation(NamedTuple):
-    """The lowest speed (r/min) at which a contact is lost while the cam lifts, or None; and in words."""
+    """The lowest speeds (r/min) at which a contact is lost while the cam lifts, and at which it is lost where
+    the cam slows the valve; None where it is kept. And in words."""
 
     speed: float | None
+    nose_speed: float | None
     text: str
 
 
 def find_separation(subject: SpeedSubject, table: xarray.Dataset) -> Separation | None:
     """None for a train without contacts."""
-    names = [str(name) for name in table.data_vars if str(name).endswith(".lost")]
-    if not names:
+    lost, on_nose = (_find_lost(table, number) for number in ("lost", "lost_on_nose"))
+    if not lost.size:
         return None
-    lost = np.max([table[name].values for name in names], axis=0) > 0.0
     speeds = table["speed"].values
     if not lost.any():
-        return Separation(None, f"contact is kept up to {speeds[-1] * RPM:.0f} r/min")
+        return Separation(None, None, f"contact is kept up to {speeds[-1] * RPM:.0f} r/min")
+    if lost[0]:
+        return Separation(None, None, f"contact is lost at {speeds[0] * RPM:.0f} r/min, the lowest speed")
+    try:
+        speed = _bisect(subject, speeds, lost, "lost")
+        nose = _bisect(subject, speeds, on_nose, "lost_on_nose") if on_nose.any() else None
+    except ModelError as error:
+        return Separation(None, None, f"the speed of separation was not found: {error}")
+    again = speeds[int(np.argmax(lost)) :][~lost[int(np.argmax(lost)) :]]
+    kept = f", and kept again at {_list_speeds(again)}" if again.size else ""
+    text = f"contact is lost from {speed:.1f} r/min{kept}{_describe_place(table, speed, nose)}"
+    return Separation(round(speed, 2), nose and round(nose, 2), text)
+
+
+def _find_lost(table: xarray.Dataset, number: str) -> NDArray[np.bool_]:
+    """By speed, whether any contact has this share; empty for a train without contacts."""
+    shares = [table[name].values for name in map(str, table.data_vars) if name.endswith(f".{number}")]
+    return np.any(np.array(shares) > 0.0, axis=0)
+
+
+def _bisect(subject: SpeedSubject, speeds: Vector, lost: NDArray[np.bool_], number: str) -> float:
+    """The speed (r/min) between the last one with contact and the first one without."""
     first = int(np.argmax(lost))
-    if first == 0:
-        return Separation(None, f"contact is lost at {speeds[0] * RPM:.0f} r/min, the lowest speed")
 
     def separated(speed: float) -> bool:
-        return is_separated(subject.find_cycle_at(speed))
+        return is_separated(*subject.find_motion_at(speed), number)
 
-    try:
-        found = RPM * bisect_separation(separated, float(speeds[first - 1]), float(speeds[first]))
-    except ModelError as error:
-        return Separation(None, f"the speed of separation was not found: {error}")
-    again = speeds[first:][~lost[first:]]
-    kept = f", and kept again at {_list_speeds(again)}" if again.size else ""
-    return Separation(round(found, 2), f"contact is lost from {found:.1f} r/min{kept}")
+    kept = float(speeds[max(first - 1, 0)])
+    return RPM * bisect_separation(separated, kept, float(speeds[first]))
+
+
+def _describe_place(table: xarray.Dataset, speed: float, nose: float | None) -> str:
+    """Whether contact is lost over the nose, where the spring is too weak, or only on the flanks."""
+    if all(
+        np.isnan(table[name].values).all() for name in map(str, table.data_vars) if "lost_on_nose" in name
+    ):
+        return ""
+    if nose is None:
+        return "; it rebounds on the flanks, and is not lost where the cam slows the valve"
+    if nose - speed < 1.0:
+        return ", where the cam slows the valve"
+    return f"; on the flanks, where it rebounds, and where the cam slows the valve from {nose:.1f} r/min"
 
 
 def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path) -> list[Path]:

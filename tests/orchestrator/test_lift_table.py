@@ -8,13 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from orchestrator.analyses import load as load_analysis
 from orchestrator.errors import MistakeError
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.angle_table import AngleTableError
 from orchestrator.scenario.files import SHIPPED, load
-from orchestrator.scenario.lift_table import read_lift_table
+from orchestrator.scenario.lift_table import LiftTable, read_lift_table
+from orchestrator.scenario.warnings import list_warnings
 
 ANGLES = np.arange(100.0, 261.0)
 
@@ -79,6 +82,11 @@ def test_a_table_of_the_event_and_one_of_the_turn_give_the_same_cam(tmp_path):
         ("angle [deg], lift [mm]\n1, 2\n400, 3", "spans 399 deg"),
         ("angle [deg], lift [mm]\n1, 2", "1 rows"),
         ("angle lift\n1 2", "one column"),
+        ("angle [deg], lift [mm]\n1, 2,439\n2, 3,1", "semicolons"),
+        ("angle [deg], lift [m]\n1, 2\n2, 3", "0.1 to 100 mm"),
+        ("angle [deg], lift [um]\n1, 2\n2, 3", "0.1 to 100 mm"),
+        ("angle [deg], lift [mm]\n1, 2\n0, 3\n2, 3\n4, 3", "line 3"),
+        ("PK\0\x03", "no text file"),
     ],
 )
 def test_what_is_no_lift_table_is_named_with_its_place(tmp_path, text, message):
@@ -87,6 +95,64 @@ def test_what_is_no_lift_table_is_named_with_its_place(tmp_path, text, message):
     with pytest.raises(AngleTableError, match=message) as raised:
         read_lift_table(path)
     assert str(path) in str(raised.value)
+
+
+def test_spreadsheets_encodings_and_german_degrees_are_read(tmp_path):
+    plain = read_lift_table(write(tmp_path / "plain.csv"))
+    text = write(tmp_path / "german.csv", "Winkel [Grad];Hub [mm]", "{0:g};{1:.4f}").read_text()
+    for content in (text, text.replace("Grad", "°")):
+        for encoding in ("cp1252", "utf-16", "utf-8-sig"):
+            path = tmp_path / "encoded.csv"
+            path.write_bytes(content.replace(".", ",").encode(encoding))
+            np.testing.assert_array_equal(read_lift_table(path).lift, plain.lift)
+
+
+@pytest.mark.parametrize("shift", [-150.0, 0.0, 100.0])
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_table_that_passes_zero_is_the_same_cam(tmp_path, shift, direction):
+    angles = ANGLES[::direction]
+    path = tmp_path / "turned.csv"
+    rows = [f"{(a + shift) % 360:g}, {s:.4f}" for a, s in zip(angles, lift(angles), strict=True)]
+    path.write_text("\n".join(["angle [deg], lift [mm]", *rows]))
+    table, plain = read_lift_table(path), read_lift_table(write(tmp_path / "plain.csv"))
+    turned = np.degrees(table.angle - plain.angle) - shift
+    np.testing.assert_allclose(turned, 360.0 * round(float(turned[0]) / 360.0), atol=1e-10)
+    np.testing.assert_array_equal(table.lift, plain.lift)
+
+
+def test_crank_angles_are_halved_and_doubted_without_their_name(tmp_path):
+    named = write(tmp_path / "named.csv", "crank angle [deg], lift [mm]", "{0:g}, {1:.4f}")
+    np.testing.assert_allclose(read_lift_table(named).angle, np.radians(ANGLES) / 2, rtol=1e-15)
+    rows = [f"{2 * a:g}, {s:.4f}" for a, s in zip(ANGLES - 90, lift(ANGLES), strict=True)]
+    (tmp_path / "cam.csv").write_text("\n".join(["angle [deg], lift [mm]", *rows]))
+    file = tmp_path / "own.toml"
+    file.write_text('extends = "my-cam"\n[components.camshaft]\nlift_table = "cam.csv"\n')
+    assert [line for line in list_warnings(load(file)) if "crank" in line]
+
+
+@pytest.mark.parametrize(("rounding", "noise"), [(1e-3, 0.0), (1e-4, 0.0), (1e-6, 2e-3)])
+@given(row=st.integers(40, 120), error=st.sampled_from([-0.1, -0.02, 0.02, 0.1]))
+@settings(max_examples=10, deadline=None)
+def test_one_wrong_row_is_named_and_none_without_it(rounding, noise, row, error):
+    """The row's deviation from the spline through the others is its error."""
+    random = np.random.default_rng(row)
+    lifts = lift(ANGLES) + noise * random.standard_normal(ANGLES.size)
+    lifts = np.round(lifts / rounding) * rounding
+    assert LiftTable(np.radians(ANGLES), 1e-3 * lifts, 0.0).smooth().doubtful is None
+    lifts[row] += error
+    angle, deviation = LiftTable(np.radians(ANGLES), 1e-3 * lifts, 0.0).smooth().doubtful
+    assert angle == np.radians(ANGLES[row])
+    assert deviation == pytest.approx(
+        1e-3 * error, abs=1e-3 * (0.02 * abs(error) + 2.0 * rounding + 5.0 * noise)
+    )
+
+
+def test_a_parameter_of_a_law_beside_the_table_is_refused(tmp_path):
+    with pytest.raises(ScenarioError, match=r"parameters\.lift: has no meaning beside lift_table"):
+        load("my-cam", ["components.camshaft.parameters.lift=9 mm"])
+    path = write(tmp_path / "cam.csv")
+    own = load("valve-train-flexible", [f"components.camshaft.lift_table={path}"])
+    assert own.components["camshaft"].structure["table_points"] == 360
 
 
 def test_a_table_that_ends_above_the_base_circle_is_refused(tmp_path):

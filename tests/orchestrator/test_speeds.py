@@ -181,6 +181,33 @@ def test_numbers_of_a_made_cycle() -> None:
     assert found["valve.surge_force"] == pytest.approx(0.0, abs=1e-9)
 
 
+def test_losses_on_the_flanks_and_over_the_nose_are_told_apart() -> None:
+    """A harmonic lift slows the valve in its upper half. A loss belongs to where it begins."""
+    kinds = {"cam": CATALOGUE["camshaft"](), "contact": CATALOGUE["ehl_contact"]()}
+    system = System({name: Instance(kind, {}) for name, kind in kinds.items()}, ())
+    share = np.linspace(0.0, 1.0, 3601)
+    angle = 2.0 * math.pi * share
+    made = {"cam.cam_lift": 4e-3 * (1.0 - np.cos(angle)), "cam.cam_angle": angle}
+
+    def lose(*spans: tuple[float, float]) -> tuple[float, float]:
+        lost = np.any([(share >= begin) & (share < end) for begin, end in spans], axis=0)
+        outputs = np.zeros((share.size, sum(kind.outputs.size for kind in kinds.values())))
+        cycle = Cycle(system, share, np.zeros((share.size, system.inputs.size)), outputs, system.x0, 0.0, 1)
+        for name, values in (made | {"contact.load": np.where(lost, 0.0, 500.0)}).items():
+            cycle[name][:] = values
+        found = measure(cycle, angle)
+        return found["contact.lost"], found["contact.lost_on_nose"]
+
+    # A loss ends between two samples.
+    close = 0.6 / 3600
+    on_flank, on_nose, across = (0.15, 0.20), (0.45, 0.55), (0.24, 0.30)
+    assert lose() == (0.0, 0.0)
+    assert lose(on_flank) == pytest.approx((0.05, 0.0), abs=close)
+    assert lose(across) == pytest.approx((0.06, 0.0), abs=close)
+    assert lose(on_nose) == pytest.approx((0.1, 0.1), abs=close)
+    assert lose(on_flank, on_nose) == pytest.approx((0.15, 0.1), abs=2 * close)
+
+
 def test_numbers_of_a_made_cycle_of_a_bearing() -> None:
     """Extremes, and the mean of a loss that rises from 0 to 6 W and stays there as long."""
     from models.catalogue import CATALOGUE

@@ -25,6 +25,9 @@ MOST_KNOTS = 720
 LEAST_SAMPLES = 12
 # Lifts above this part of the largest belong to the event.
 EVENT = 1e-3
+# A sample is doubtful that deviates from the spline of the others more than this many times the median.
+# Samples with even or normal errors stay below 5.
+DOUBTFUL = 8.0
 
 
 @dataclass(frozen=True)
@@ -32,13 +35,16 @@ class SmoothedLift:
     """The spline at its knots, with what it says of the samples.
 
     `residual`: rms of the samples' differences from the spline (m). `noise`: standard deviation of the
-    samples' errors (m). `curvature_error`: largest standard deviation of s'' (m/rad^2).
+    samples' errors (m). `curvature_error`: largest standard deviation of s'' (m/rad^2). `doubtful`: cam angle
+    (rad) of the sample that deviates most from the spline of the others, and its deviation (m), where that is
+    far more than usual.
     """
 
     points: Points
     residual: float
     noise: float
     curvature_error: float
+    doubtful: tuple[float, float] | None
 
     @property
     def resolution(self) -> float:
@@ -109,7 +115,22 @@ def smooth_lift(angle: Vector, lift: Vector, rounding: float = 0.0) -> SmoothedL
         residual=math.sqrt(squares / angle.size),
         noise=noise,
         curvature_error=noise * float(spread.max()),
+        doubtful=_find_doubtful(angle, lift, matrix @ to_coefficients, z, kept),
     )
+
+
+def _find_doubtful(
+    angle: Vector, lift: Vector, basis: Vector, z: Vector, kept: Vector
+) -> tuple[float, float] | None:
+    """The sample with the largest deviation from the spline of the others, (y - s)/(1 - h), if it is far
+    more than usual; h is its leverage. Craven and Wahba (1979), Lemma 3.1."""
+    leverage = basis**2 @ kept
+    deviation = (lift - basis @ (kept * z)) / np.maximum(1.0 - leverage, 1e-9)
+    event = lift > EVENT * lift.max()
+    worst = int(np.argmax(np.where(event, np.abs(deviation), 0.0)))
+    if abs(deviation[worst]) <= DOUBTFUL * float(np.median(np.abs(deviation[event]))):
+        return None
+    return float(angle[worst]), float(deviation[worst])
 
 
 class _PeriodicBasis:

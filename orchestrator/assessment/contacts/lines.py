@@ -49,7 +49,8 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
     if summary.film > 0.0:
         text += f"; least film {1e6 * summary.film:.3g} µm {at('film')}, "
         which = "least ratio of the central film to roughness" if summary.solved else "least film ratio"
-        text += f"{which} {summary.film_ratio:.2g}" if summary.film_ratio > 0.0 else "smooth surfaces"
+        shared = "" if summary.solved else " under the fluid's share of the load"
+        text += f"{which} {summary.film_ratio:.2g}{shared}" if summary.film_ratio > 0.0 else "smooth surfaces"
     yield text if summary.separation else f"{text}; contact kept"
     if s := summary.separation:
         plural = "s" * (s.count > 1)
