@@ -64,12 +64,12 @@ def _list_doubtful(scenario: Scenario) -> list[str]:
 
 def _list_long_cams(scenario: Scenario) -> list[str]:
     """Warn of cams through points that lift too long."""
-    return [
-        f"components.{name}: {doubt}"
-        for name, table in scenario.components.items()
-        if "table_points" in table.structure
-        and (doubt := doubt_event(*(table.parameters[key] for key in ("event_begin", "event_end"))))
-    ]
+    found = []
+    for name, table in scenario.components.items():
+        if "table_points" in table.structure:
+            begin, end = (float(table.parameters[key]) for key in ("event_begin", "event_end"))
+            found += [f"components.{name}: {doubt}"] if (doubt := doubt_event(begin, end)) else []
+    return found
 
 
 def _list_other_units(scenario: Scenario) -> list[str]:
