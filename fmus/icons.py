@@ -112,6 +112,14 @@ def pivot_friction(axes: Axes) -> None:
     axes.add_patch(Circle((4.4, 5), 1.6, facecolor="white", **_LINE))
 
 
+def roller(axes: Axes) -> None:
+    """A roller on its pin, with its spin."""
+    axes.add_patch(Circle((5, 5), 4.0, facecolor=STEEL, **_LINE))
+    axes.add_patch(Circle((5, 5), 1.2, facecolor="white", **_LINE))
+    axes.add_patch(Arc((5, 5), 5.2, 5.2, theta1=20, theta2=160, color=INK, linewidth=2.5))
+    axes.annotate("", (7.5, 5.6), (7.3, 6.3), arrowprops={"arrowstyle": "->", "color": INK, "lw": 2.5})
+
+
 def lash_adjuster(axes: Axes) -> None:
     axes.add_patch(Rectangle((2.6, 0.8), 4.8, 6.4, facecolor=STEEL, **_LINE))
     axes.add_patch(Rectangle((3.4, 1.6), 3.2, 2.0, facecolor=OIL, **_LINE))
@@ -254,6 +262,7 @@ ICONS: tuple[Callable[[Axes], None], ...] = (
     rod,
     rocker,
     pivot_friction,
+    roller,
     lash_adjuster,
     ehl_contact,
     ehl_line_contact,

@@ -23,6 +23,7 @@ from .valve_train.lash_adjuster import lash_adjuster
 from .valve_train.pivot_friction import pivot_friction
 from .valve_train.rocker import rocker
 from .valve_train.rod import rod
+from .valve_train.roller import roller
 from .valve_train.shaft import shaft
 from .valve_train.tappet import tappet
 from .valve_train.valve import valve
@@ -41,6 +42,7 @@ CATALOGUE: Mapping[str, Callable[..., Component]] = {
     "rod": rod,
     "rocker": rocker,
     "pivot_friction": pivot_friction,
+    "roller": roller,
     "lash_adjuster": lash_adjuster,
     "ehl_contact": ehl_contact,
     "ehl_line_contact": ehl_line_contact,

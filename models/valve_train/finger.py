@@ -150,6 +150,9 @@ class FingerInputs(CamInputs, TipInputs):
     pivot_torque: Annotated[
         float, Quantity("N.m", "torque of the pivot's friction against the rotation", nominal=0.1)
     ] = 0.0
+    roller_torque: Annotated[
+        float, Quantity("N.m", "torque of a roller that may slip, against the rotation", nominal=0.1)
+    ] = 0.0
 
 
 @dataclass
@@ -237,7 +240,7 @@ def accelerate(lever: Lever, x: FingerState, u: FingerInputs, p: Any) -> Forces:
     moment = u.cam_load * (arm.x * k.normal_y - arm.y * k.normal_x)
     force = u.cam_load * k.normal_y - support - u.tip_load
     moment -= u.tip_load * tip.by_rotation + u.tip_friction * tip.sliding
-    moment -= u.pivot_torque
+    moment -= u.pivot_torque + u.roller_torque
     if p.rolls == 0.0:
         moment += u.cam_friction * (arm.wished_x * k.normal_x + arm.wished_y * k.normal_y)
         force += u.cam_friction * k.normal_x
@@ -364,6 +367,7 @@ def finger(table_points: int = 0) -> Component:
             *TIP_BONDS,
             PowerBond("pivot_force", "pivot_velocity", -1),
             PowerBond("pivot_torque", "rotation_rate", -1),
+            PowerBond("roller_torque", "rotation_rate", -1),
         ),
         requirements=(
             INERTIA_IS_OF_ITS_MASS,

@@ -1,20 +1,13 @@
-"""Friction of a lever's pivot: Coulomb friction that sticks, and viscous friction.
+"""Friction of a lever's pivot: Coulomb friction that sticks (see `slider`), and viscous friction.
 
-A spring with a damper, in series with a Coulomb slider (Prandtl 1928, Jenkins 1962): the touching surfaces
-twist by z before they slide, so that the pivot sticks without an event. With the limit T_c = mu r |F| + T_0,
-which varies with the load F,
-
-    T  = k (z + tau omega), between -T_c and T_c       where it is cut off, the pivot slides
-    z' = (T/k - z)/tau                                 omega, while the pivot sticks
-
-and the whole torque is T + c omega. T omega is the rate of k z^2/2 and losses, none of them negative.
+The dry torque T has the limit T_c = mu r |F| + T_0, which varies with the load F; the whole one is
+T + c omega.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 from ..compile.kernel import kernel
 from ..core.bonds import counts_energies
@@ -22,6 +15,7 @@ from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Layout, Quantity, Vector
 from ..plausible import PART_LENGTH
+from .slider import Slip, find_slip, lost_power
 
 
 @dataclass
@@ -81,15 +75,6 @@ class PivotFrictionOutputs:
     power_loss: Annotated[float, Quantity("W", "power lost to friction", nominal=1.0)] = 0.0
 
 
-class Twist(NamedTuple):
-    """Torque that sticking would take, and the dry torque (N m); rates of twist and of sliding (rad/s)."""
-
-    sticking: float
-    torque: float
-    rate: float
-    sliding: float
-
-
 @kernel
 def sliding_torque(u: PivotFrictionInputs, p: PivotFrictionParameters) -> float:
     """T_c = mu r |F| + T_0."""
@@ -97,21 +82,15 @@ def sliding_torque(u: PivotFrictionInputs, p: PivotFrictionParameters) -> float:
 
 
 @kernel
-def find_twist(x: PivotFrictionState, u: PivotFrictionInputs, p: PivotFrictionParameters) -> Twist:
-    limit = sliding_torque(u, p)
-    sticking = p.sticking_stiffness * (x.twist + p.relaxation_time * u.rotation_rate)
-    if abs(sticking) <= limit:
-        return Twist(sticking, sticking, u.rotation_rate, 0.0)
-    torque = math.copysign(limit, sticking)
-    rate = (torque / p.sticking_stiffness - x.twist) / p.relaxation_time
-    return Twist(sticking, torque, rate, u.rotation_rate - rate)
+def find_twist(x: PivotFrictionState, u: PivotFrictionInputs, p: PivotFrictionParameters) -> Slip:
+    return find_slip(x.twist, u.rotation_rate, sliding_torque(u, p), p.sticking_stiffness, p.relaxation_time)
 
 
 @kernel
-def lost_power(twist: Twist, u: PivotFrictionInputs, p: PivotFrictionParameters) -> float:
-    """By sliding, which has the sign of T, by the damped twist, and by viscosity."""
-    damped = p.sticking_stiffness * p.relaxation_time * twist.rate**2
-    return twist.torque * twist.sliding + damped + p.viscous_coefficient * u.rotation_rate**2
+def lost_to_friction(slip: Slip, u: PivotFrictionInputs, p: PivotFrictionParameters) -> float:
+    """By the surfaces, and by viscosity."""
+    dry = lost_power(slip, p.sticking_stiffness, p.relaxation_time)
+    return dry + p.viscous_coefficient * u.rotation_rate**2
 
 
 @kernel
@@ -134,11 +113,11 @@ def output(
     y: PivotFrictionOutputs,
 ) -> None:
     twist = find_twist(x, u, p)
-    y.friction_torque = twist.torque + p.viscous_coefficient * u.rotation_rate
+    y.friction_torque = twist.transmitted + p.viscous_coefficient * u.rotation_rate
     y.sliding_torque = sliding_torque(u, p)
     y.sticking_margin = y.sliding_torque - abs(twist.sticking)
     y.sliding_rate = twist.sliding
-    y.power_loss = lost_power(twist, u, p)
+    y.power_loss = lost_to_friction(twist, u, p)
 
 
 @kernel
@@ -146,7 +125,7 @@ def energy(
     t: float, x: PivotFrictionState, u: PivotFrictionInputs, p: PivotFrictionParameters, e: Vector
 ) -> None:
     e[0] = 0.5 * p.sticking_stiffness * x.twist**2
-    e[1] = lost_power(find_twist(x, u, p), u, p)
+    e[1] = lost_to_friction(find_twist(x, u, p), u, p)
     e[2] = 0.0
 
 

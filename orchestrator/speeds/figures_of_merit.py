@@ -247,6 +247,13 @@ ADJUSTER: Mapping[str, Number] = {
 PIVOT: Mapping[str, Number] = {
     "friction_power": (Result("W", "mean friction power"), lambda p: p.mean(p["power_loss"])),
 }
+ROLLER: Mapping[str, Number] = {
+    "largest_slip": (
+        Result("1", "largest share of the rolling velocity by which the roller slides"),
+        lambda r: float(np.max(np.abs(r["slip_ratio"]))),
+    ),
+    **PIVOT,
+}
 BEARING: Mapping[str, Number] = {
     "bearing_load": (Result("N", "largest load of the bearing"), lambda b: float(np.max(b["load"]))),
     **{name: CONTACT[name] for name in ("least_film", "least_film_ratio")},
@@ -273,6 +280,7 @@ TABLES: Mapping[str, Mapping[str, Number]] = {
     "coil_spring": SPRING,
     "journal_bearing": BEARING,
     "pivot_friction": PIVOT,
+    "roller": ROLLER,
     **dict.fromkeys(CONTACTS, CONTACT),
 }
 

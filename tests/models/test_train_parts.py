@@ -38,6 +38,8 @@ PARTS = {
     "rocker of small motion": ("rocker", {"small_motion": 1.0, "valve_angle": 0.2}),
     "pivot friction": ("pivot_friction", {"viscous_coefficient": 1e-3}),
     "loaded pivot friction": ("pivot_friction", {"preload_torque": 1e-3, "sticking_stiffness": 2e4}),
+    "roller": ("roller", {}),
+    "slipping roller": ("roller", {"traction_coefficient": 1e-4, "pin_damping": 1e-4}),
     "adjuster": ("lash_adjuster", {}),
     "adjuster with air": ("lash_adjuster", {"air_content": 0.05}),
     "adjuster with isothermal air": ("lash_adjuster", {"air_content": 0.05, "air_exponent": 1.0}),

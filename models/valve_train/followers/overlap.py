@@ -39,6 +39,9 @@ class CamInputs:
     cam_friction: Annotated[float, Quantity("N", "friction on the cam against its sliding", nominal=10.0)] = (
         0.0
     )
+    surface_speed: Annotated[
+        float, Quantity("m/s", "speed of a pad's surface along its body: of a roller that may slip")
+    ] = 0.0
 
 
 @dataclass
@@ -54,6 +57,12 @@ class CamOutputs:
         float, Quantity("m/s", "mean surface velocity relative to the contact")
     ] = 0.0
     sliding_velocity: Annotated[float, Quantity("m/s", "velocity of cam over follower surface")] = 0.0
+    rolling_velocity: Annotated[
+        float, Quantity("m/s", "surface_speed at which nothing would slide; 0 where nothing can")
+    ] = 0.0
+    surface_velocity: Annotated[
+        float, Quantity("m/s", "surface_speed of a pad; 0 for a roller without slip")
+    ] = 0.0
     radius_of_curvature: Annotated[
         float, Quantity("m", "reduced radius of cam and follower", nominal=1e-2, display_unit="mm")
     ] = 0.02
@@ -86,8 +95,10 @@ FORCES = (*PLACE, "cam_load", "cam_friction")
 CAM_FEEDTHROUGH = {
     "overlap": PLACE,
     "overlap_rate": MOTION,
-    "entraining_velocity": (*ANGLE, "cam_speed"),
-    "sliding_velocity": MOTION,
+    "entraining_velocity": (*ANGLE, "cam_speed", "surface_speed"),
+    "sliding_velocity": (*MOTION, "surface_speed"),
+    "rolling_velocity": MOTION,
+    "surface_velocity": ("surface_speed",),
     "radius_of_curvature": ANGLE,
     "pressure_angle": ANGLE,
     "cam_radius": ANGLE,
@@ -103,6 +114,7 @@ CAM_FEEDTHROUGH = {
 CAM_BONDS = (
     PowerBond("cam_load", "overlap_rate", -1),
     PowerBond("cam_friction", "sliding_velocity", -1),
+    PowerBond("cam_friction", "surface_velocity", -1),
     PowerBond("cam_torque", "cam_speed", +1),
     PowerBond("cam_force_x", "axis_velocity_x", -1),
     PowerBond("cam_force_y", "axis_velocity_y", -1),
@@ -146,9 +158,11 @@ def find_overlap(k: CamContact, wished_x: float, wished_y: float, c: Centre, u: 
 def show_cam(k: CamContact, o: Overlap, arc_curvature: float, rolls: bool, u: Any, y: Any) -> None:
     """The outputs of a contact, but lift and event. A roller has the surface velocity of its cam."""
     y.overlap, y.overlap_rate = o.value, o.rate
-    y.sliding_velocity = 0.0 if rolls else o.sliding
+    y.surface_velocity = 0.0 if rolls else u.surface_speed
+    y.rolling_velocity = 0.0 if rolls else o.sliding
+    y.sliding_velocity = y.rolling_velocity - y.surface_velocity
     follower_rate = k.cam_rate if rolls else k.follower_rate
-    y.entraining_velocity = 0.5 * u.cam_speed * (k.cam_rate + follower_rate)
+    y.entraining_velocity = 0.5 * u.cam_speed * (k.cam_rate + follower_rate) + 0.5 * y.surface_velocity
     y.radius_of_curvature = 1.0 / (1.0 / k.radius + arc_curvature)
     y.pressure_angle = math.atan2(k.normal_x, k.normal_y)
     y.cam_radius = k.radius

@@ -1,0 +1,23 @@
+"""FMU of the roller."""
+
+from ..fmi.description import Experiment
+from ..fmi.terminals import Terminal
+
+EXPERIMENT = Experiment(stop_time=0.1, step_size=1e-5)
+
+TERMINALS = {
+    "carrier": Terminal(
+        "roller",
+        "the body that carries the pin, and the cam",
+        {
+            "speed": "surface_speed",
+            "rolling_velocity": "rolling_velocity",
+            "traction": "traction",
+        },
+    ),
+    "pin": Terminal(
+        "pivot_friction",
+        "friction of the pin",
+        {"speed": "spin", "load": "load", "torque": "pin_torque"},
+    ),
+}

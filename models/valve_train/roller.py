@@ -1,0 +1,170 @@
+"""Spin of a roller on its pin: the cam drives it by traction, its inertia and the pin hold it back.
+
+It is the moving surface of a `pad` of tappet or finger, with the surface speed r omega. omega is the spin
+about the body that carries the pin, v the surface speed at which nothing would slide:
+
+    J (omega - beta')' = r T - T_p - c omega
+
+The traction T sticks and slides as a `slider` with the slip v - r omega and the limit mu W. beta' is the
+rotation of the carrier against the spin, T_p + c omega the friction of the pin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector
+from ..plausible import CURVATURE
+from .slider import Slip, find_slip, lost_power
+
+
+@dataclass
+class RollerParameters:
+    """Defaults: a steel ring of 9 mm and 12 mm length on its pin."""
+
+    radius: Annotated[
+        float,
+        Quantity(
+            "m", "radius r of the roller", nominal=1e-2, positive=True, display_unit="mm",
+            plausible=CURVATURE,
+        ),
+    ] = 9e-3  # fmt: skip
+    inertia: Annotated[
+        float, Quantity("kg.m2", "moment of inertia J about the pin", nominal=1e-6, positive=True)
+    ] = 8e-7
+    traction_coefficient: Annotated[
+        float, Quantity("1", "largest traction over load, mu", nominal=0.05, minimum=0.0)
+    ] = 0.05
+    pin_damping: Annotated[
+        float, Quantity("N.m.s", "viscous friction c of the pin over speed", nominal=1e-5, minimum=0.0)
+    ] = 1e-5
+    sticking_stiffness: Annotated[
+        float, Quantity("N/m", "stiffness k of the sticking surfaces", nominal=1e7, positive=True)
+    ] = 1e7
+    relaxation_time: Annotated[
+        float, Quantity("s", "damping of their shift over the stiffness, tau", nominal=1e-5, positive=True)
+    ] = 3e-5
+
+
+@dataclass
+class RollerState:
+    absolute_spin: Annotated[
+        float, Quantity("rad/s", "spin in space, omega - beta'", nominal=100.0, display_unit="rpm")
+    ] = 0.0
+    creep: Annotated[float, Quantity("m", "elastic shift z of the sticking surfaces", nominal=1e-6)] = 0.0
+
+
+@dataclass
+class RollerInputs:
+    rolling_velocity: Annotated[float, Quantity("m/s", "surface speed v at which nothing would slide")] = 0.0
+    load: Annotated[float, Quantity("N", "load W of the contact", nominal=500.0)] = 0.0
+    pin_torque: Annotated[
+        float, Quantity("N.m", "further friction T_p of the pin, against the spin", nominal=0.01)
+    ] = 0.0
+    rotation_rate: Annotated[
+        float, Quantity("rad/s", "rotation beta' of the carrier, against the spin", nominal=10.0)
+    ] = 0.0
+
+
+@dataclass
+class RollerOutputs:
+    surface_speed: Annotated[float, Quantity("m/s", "r omega along the carrier")] = 0.0
+    spin: Annotated[
+        float, Quantity("rad/s", "spin omega about the carrier", nominal=100.0, display_unit="rpm")
+    ] = 0.0
+    traction: Annotated[float, Quantity("N", "traction T of the cam", nominal=10.0)] = 0.0
+    traction_margin: Annotated[
+        float,
+        Quantity("N", "largest traction less what sticking would take; negative: it slides", nominal=10.0),
+    ] = 0.0
+    slip_ratio: Annotated[
+        float, Quantity("1", "share of the rolling velocity by which the surfaces slide")
+    ] = 0.0
+    carrier_torque: Annotated[
+        float,
+        Quantity("N.m", "torque on the carrier, with the spin, beyond that of a fixed pad", nominal=0.01),
+    ] = 0.0
+    power_loss: Annotated[float, Quantity("W", "power lost to slip, and to the pin's damping")] = 0.0
+
+
+@kernel
+def find_creep(x: RollerState, u: RollerInputs, p: RollerParameters) -> Slip:
+    slip = u.rolling_velocity - p.radius * (x.absolute_spin + u.rotation_rate)
+    limit = p.traction_coefficient * max(0.0, u.load)
+    return find_slip(x.creep, slip, limit, p.sticking_stiffness, p.relaxation_time)
+
+
+@kernel
+def braking_torque(x: RollerState, u: RollerInputs, p: RollerParameters) -> float:
+    """T_p + c omega."""
+    return u.pin_torque + p.pin_damping * (x.absolute_spin + u.rotation_rate)
+
+
+@kernel
+def lost_to_friction(x: RollerState, u: RollerInputs, p: RollerParameters) -> float:
+    creep = lost_power(find_creep(x, u, p), p.sticking_stiffness, p.relaxation_time)
+    return creep + p.pin_damping * (x.absolute_spin + u.rotation_rate) ** 2
+
+
+@kernel
+def derivative(t: float, x: RollerState, u: RollerInputs, p: RollerParameters, dx: RollerState) -> None:
+    creep = find_creep(x, u, p)
+    dx.absolute_spin = (p.radius * creep.transmitted - braking_torque(x, u, p)) / p.inertia
+    dx.creep = creep.rate
+
+
+@kernel
+def output(t: float, x: RollerState, u: RollerInputs, p: RollerParameters, y: RollerOutputs) -> None:
+    creep = find_creep(x, u, p)
+    y.spin = x.absolute_spin + u.rotation_rate
+    y.surface_speed = p.radius * y.spin
+    y.traction = creep.transmitted
+    y.traction_margin = p.traction_coefficient * max(0.0, u.load) - abs(creep.sticking)
+    y.slip_ratio = creep.sliding / u.rolling_velocity if u.rolling_velocity != 0.0 else 0.0
+    y.carrier_torque = braking_torque(x, u, p) - p.radius * creep.transmitted
+    y.power_loss = lost_to_friction(x, u, p)
+
+
+@kernel
+def energy(t: float, x: RollerState, u: RollerInputs, p: RollerParameters, e: Vector) -> None:
+    e[0] = 0.5 * p.inertia * x.absolute_spin**2 + 0.5 * p.sticking_stiffness * x.creep**2
+    e[1] = lost_to_friction(x, u, p)
+    e[2] = 0.0
+
+
+@counts_energies
+def roller() -> Component:
+    """J (omega - beta')' = r T - T_p - c omega, with the traction T of at most mu W."""
+    surfaces = ("rolling_velocity", "load", "rotation_rate")
+    return Component(
+        tolerance=FINE_TOLERANCE,
+        name="roller",
+        description="Spin of a roller that may slip on its cam",
+        parameters=Layout(RollerParameters),
+        state=Layout(RollerState),
+        inputs=Layout(RollerInputs),
+        outputs=Layout(RollerOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough={
+            "surface_speed": ("rotation_rate",),
+            "spin": ("rotation_rate",),
+            "traction": surfaces,
+            "traction_margin": surfaces,
+            "slip_ratio": surfaces,
+            "carrier_torque": (*surfaces, "pin_torque"),
+            "power_loss": surfaces,
+        },
+        bonds=(
+            PowerBond("traction", "rolling_velocity", +1),
+            PowerBond("pin_torque", "spin", -1),
+            PowerBond("carrier_torque", "rotation_rate", +1),
+        ),
+        event_indicators=("traction_margin",),
+    )
