@@ -68,6 +68,13 @@ class FollowerParameters:
             plausible=OFFSET,
         ),
     ] = 0.0
+    tilt: Annotated[
+        float,
+        Quantity(
+            "rad", "tilt of a flat face: of its normal from the path towards axis_x", nominal=0.1,
+            minimum=-1.0, maximum=1.0, display_unit="deg",
+        ),
+    ] = 0.0  # fmt: skip
     mass: Annotated[
         float, Quantity("kg", "mass of the follower", nominal=0.1, positive=True, plausible=PART_MASS)
     ] = 0.1
@@ -115,7 +122,7 @@ class TappetOutputs(CamOutputs):
 def touch(cam: Lift, p: Any) -> CamContact:
     """The contact at this lift."""
     if p.follower == FLAT:
-        return touch_flat(cam, Flat(p.base_radius))
+        return touch_flat(cam, Flat(p.base_radius, p.tilt))
     return touch_translating(cam, Translating(p.base_radius, p.follower_radius, p.offset))
 
 
@@ -175,7 +182,8 @@ def make_motion(profile: CamProfile) -> tuple[Any, Any]:
         y.side_force = u.cam_load * k.normal_x
         if p.follower != ROLLER:
             y.side_force -= u.cam_friction * k.normal_y
-        y.contact_offset = k.x if p.follower == FLAT else -p.follower_radius * y.pressure_angle
+        along = k.arm + cam.s * k.normal_x
+        y.contact_offset = along if p.follower == FLAT else -p.follower_radius * y.pressure_angle
         y.profile_angle = angle
         y.cam_lift = cam.s
         y.next_event = min(t + time_to_break(find_breaks(angle, p), u.cam_speed, 0.0), NO_EVENT)

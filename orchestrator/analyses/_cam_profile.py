@@ -30,6 +30,9 @@ from .protocol import Parameter
 # Of a follower: the geometry's field, and the parameter with its default.
 GEOMETRY = {
     "radius": Parameter(10e-3, "m", "radius of roller or pad", positive=True),
+    "tilt": Parameter(
+        0.0, "rad", "tilt of a flat follower's face from normal to its path", minimum=-1.0, maximum=1.0
+    ),
     "offset": Parameter(0.0, "m", "offset of a translating follower's path from the cam's axis"),
     "cam_arm": Parameter(28e-3, "m", "finger: from the pivot to the centre of roller or pad"),
     "pivot_angle": Parameter(

@@ -139,10 +139,11 @@ def write_results(
 
 
 def build_results_table(analysis: Analysis, results: Mapping[str, float | str]) -> Table:
-    """The results with their units."""
+    """The results with their units, without those that say nothing here."""
     rows = (
         (name, *_format_result(results[name], result), result.description)
         for name, result in analysis.results.items()
+        if str(results[name]) not in ("", "nan")
     )
     return _build_table(("result", "value", "unit", "meaning"), rows)
 

@@ -115,6 +115,38 @@ def test_largest_lift_and_reversals_of_the_finger(finger_lift, record):
 
 
 @settings(max_examples=25, deadline=None)
+@given(st.floats(-0.5, 0.5))
+def test_a_tilted_face_gets_its_lift_back_and_does_no_other_work(tilt):
+    """Round trip over the shape. The load's arm is the slope times n_y; sliding is that of the cam on the face;
+    and the same cam lifts a face across its path by cos(tilt) times as much."""
+    tilted = Flat(R0, tilt)
+    shape = trace_shape(ANGLES, flat_lift, FOLLOWERS["flat"], tilted)
+    assert shape.radius.min() > 0.0
+    found = FOLLOWERS["flat"].follow(shape, tilted)
+    exact = np.array([flat_lift(a) for a in found.angle])
+    for value, wished in zip((found.lift, found.slope, found.curvature), exact.T, strict=True):
+        np.testing.assert_allclose(value, wished, atol=1e-12)
+    across = FOLLOWERS["flat"].follow(shape, FLAT)
+    assert across.lift.max() == pytest.approx(math.cos(tilt) * found.lift.max(), rel=1e-12)
+    h = 1e-5
+    for degrees in (100.0, 140.0, 180.0, 230.0):
+        a = math.radians(degrees)
+        contact, cam = FOLLOWERS["flat"].touch(flat_lift(a), tilted), flat_lift(a)
+        assert contact.arm == pytest.approx(cam.ds * contact.normal_y, abs=1e-15)
+        assert contact.arm == pytest.approx(contact.x * contact.normal_y - contact.y * contact.normal_x)
+        # Of the points' velocities: the cam's, less the face's s', along t = (-n_y, n_x).
+        sliding = contact.x * contact.normal_x + contact.y * contact.normal_y - cam.ds * contact.normal_x
+        assert contact.cam_rate - contact.follower_rate == pytest.approx(sliding, abs=1e-15)
+        places = []
+        for turn in (-h, h):
+            lift = flat_lift(a + turn)
+            there = FOLLOWERS["flat"].touch(lift, tilted)
+            places.append(there.x * there.normal_y - (there.y - lift.s) * there.normal_x)
+        rate = (places[1] - places[0]) / (2.0 * h)
+        assert contact.follower_rate == pytest.approx(rate, abs=1e-8)
+
+
+@settings(max_examples=25, deadline=None)
 @given(
     st.sampled_from(["roller", "finger_pad"]),
     st.floats(4e-3, 30e-3),

@@ -22,6 +22,7 @@ from .systems import column, outputs_of, rates_of, run, turn
 EVALUATION = "independent evaluation"
 PARTS = {
     "flat tappet": ("tappet", {"guide_damping": 5.0}),
+    "tilted tappet": ("tappet", {"tilt": 0.3, "guide_damping": 5.0}),
     "roller tappet": ("tappet", {"follower": 1.0, "follower_radius": 9e-3, "offset": 2e-3}),
     "pad tappet": ("tappet", {"follower": 2.0, "follower_radius": 40e-3, "offset": -3e-3}),
     "pad finger": ("finger", {"pivot_stiffness": 1e7, "pivot_damping": 50.0}),

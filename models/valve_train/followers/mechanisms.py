@@ -11,16 +11,20 @@ from .arc import ArcMotion, CamContact, touch_arc
 
 
 class Flat(NamedTuple):
-    """Base circle radius of the cam (m)."""
+    """Base circle radius of the cam (m), and tilt of the face (rad): that of its normal from y towards x."""
 
     base_radius: float
+    tilt: float = 0.0
 
 
 @kernel
 def touch_flat(cam: Lift, g: Flat) -> CamContact:
-    """The contact is s' beside the axis; rho = R0 + s + s''."""
-    radius = g.base_radius + cam.s + cam.dds
-    return CamContact(cam.ds, g.base_radius + cam.s, 0.0, 1.0, cam.ds, radius, radius, cam.dds, 0.0)
+    """The face is p = R0 + s cos(tilt) off the axis, the contact p' beside it; rho = p + p''."""
+    n_x, n_y = math.sin(g.tilt), math.cos(g.tilt)
+    distance, aside, bend = g.base_radius + cam.s * n_y, cam.ds * n_y, cam.dds * n_y
+    x, y = distance * n_x + aside * n_y, distance * n_y - aside * n_x
+    radius = distance + bend
+    return CamContact(x, y, n_x, n_y, aside, radius, radius, bend + cam.ds * n_x, 0.0)
 
 
 class Translating(NamedTuple):

@@ -56,12 +56,13 @@ def trace_shape(angles: Vector, lift: LiftLaw, follower: Follower, geometry: Any
 
 
 def follow_flat(shape: CamShape, g: Flat) -> Points:
-    """p = point . normal, p' along the tangent, p'' = rho - p, at the angle of the normal."""
-    angle = np.unwrap(np.arctan2(shape.normal_x, shape.normal_y))
+    """p = point . normal, p' along the tangent, p'' = rho - p, at the angle of the normal less the tilt."""
+    angle = np.unwrap(np.arctan2(shape.normal_x, shape.normal_y)) - g.tilt
     _check_progress(angle, shape, math.inf)
     p = shape.x * shape.normal_x + shape.y * shape.normal_y
     slope = shape.x * shape.normal_y - shape.y * shape.normal_x
-    return _order(angle, (p - g.base_radius, slope, shape.radius - p))
+    part = math.cos(g.tilt)
+    return _order(angle, ((p - g.base_radius) / part, slope / part, (shape.radius - p) / part))
 
 
 class Pose(NamedTuple):
