@@ -82,9 +82,7 @@ class RollerOutputs:
         float,
         Quantity("N", "largest traction less what sticking would take; negative: it slides", nominal=10.0),
     ] = 0.0
-    slip_ratio: Annotated[
-        float, Quantity("1", "share of the rolling velocity by which the surfaces slide")
-    ] = 0.0
+    slip: Annotated[float, Quantity("m/s", "velocity by which the surfaces slide")] = 0.0
     carrier_torque: Annotated[
         float,
         Quantity("N.m", "torque on the carrier, with the spin, beyond that of a fixed pad", nominal=0.01),
@@ -125,7 +123,7 @@ def output(t: float, x: RollerState, u: RollerInputs, p: RollerParameters, y: Ro
     y.surface_speed = p.radius * y.spin
     y.traction = creep.transmitted
     y.traction_margin = p.traction_coefficient * max(0.0, u.load) - abs(creep.sticking)
-    y.slip_ratio = creep.sliding / u.rolling_velocity if u.rolling_velocity != 0.0 else 0.0
+    y.slip = creep.sliding
     y.carrier_torque = braking_torque(x, u, p) - p.radius * creep.transmitted
     y.power_loss = lost_to_friction(x, u, p)
 
@@ -157,7 +155,7 @@ def roller() -> Component:
             "spin": ("rotation_rate",),
             "traction": surfaces,
             "traction_margin": surfaces,
-            "slip_ratio": surfaces,
+            "slip": surfaces,
             "carrier_torque": (*surfaces, "pin_torque"),
             "power_loss": surfaces,
         },

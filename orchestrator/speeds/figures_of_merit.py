@@ -249,8 +249,8 @@ PIVOT: Mapping[str, Number] = {
 }
 ROLLER: Mapping[str, Number] = {
     "largest_slip": (
-        Result("1", "largest share of the rolling velocity by which the roller slides"),
-        lambda r: float(np.max(np.abs(r["slip_ratio"]))),
+        Result("m/s", "largest velocity by which the roller slides"),
+        lambda r: float(np.max(np.abs(r["slip"]))),
     ),
     **PIVOT,
 }

@@ -117,7 +117,7 @@ def test_largest_lift_and_reversals_of_the_finger(finger_lift, record):
 @settings(max_examples=25, deadline=None)
 @given(st.floats(-0.5, 0.5))
 def test_a_tilted_face_gets_its_lift_back_and_does_no_other_work(tilt):
-    """Round trip over the shape. The load's arm is the slope times n_y; sliding is that of the cam on the face;
+    """Round trip over the shape. The load's arm is the slope times n_y; sliding is that of cam on face;
     and the same cam lifts a face across its path by cos(tilt) times as much."""
     tilted = Flat(R0, tilt)
     shape = trace_shape(ANGLES, flat_lift, FOLLOWERS["flat"], tilted)
