@@ -112,6 +112,13 @@ def pivot_friction(axes: Axes) -> None:
     axes.add_patch(Circle((4.4, 5), 1.6, facecolor="white", **_LINE))
 
 
+def pad_friction(axes: Axes) -> None:
+    """A pad that slides to and fro."""
+    axes.add_patch(Rectangle((0.7, 0.8), 8.6, 3.0, facecolor=STEEL, **_LINE))
+    axes.add_patch(Arc((5, 8.2), 8.0, 8.0, theta1=225, theta2=315, color=INK, linewidth=2.5))
+    axes.annotate("", (8.2, 7.0), (1.8, 7.0), arrowprops={"arrowstyle": "<->", "color": INK, "lw": 2.5})
+
+
 def roller(axes: Axes) -> None:
     """A roller on its pin, with its spin."""
     axes.add_patch(Circle((5, 5), 4.0, facecolor=STEEL, **_LINE))
@@ -262,6 +269,7 @@ ICONS: tuple[Callable[[Axes], None], ...] = (
     rod,
     rocker,
     pivot_friction,
+    pad_friction,
     roller,
     lash_adjuster,
     ehl_contact,

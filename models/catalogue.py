@@ -20,6 +20,7 @@ from .valve_train.coil_spring import coil_spring
 from .valve_train.finger import finger
 from .valve_train.journal_bearing import journal_bearing
 from .valve_train.lash_adjuster import lash_adjuster
+from .valve_train.pad_friction import pad_friction
 from .valve_train.pivot_friction import pivot_friction
 from .valve_train.rocker import rocker
 from .valve_train.rod import rod
@@ -42,6 +43,7 @@ CATALOGUE: Mapping[str, Callable[..., Component]] = {
     "rod": rod,
     "rocker": rocker,
     "pivot_friction": pivot_friction,
+    "pad_friction": pad_friction,
     "roller": roller,
     "lash_adjuster": lash_adjuster,
     "ehl_contact": ehl_contact,

@@ -280,6 +280,7 @@ TABLES: Mapping[str, Mapping[str, Number]] = {
     "coil_spring": SPRING,
     "journal_bearing": BEARING,
     "pivot_friction": PIVOT,
+    "pad_friction": PIVOT,
     "roller": ROLLER,
     **dict.fromkeys(CONTACTS, CONTACT),
 }

@@ -184,3 +184,20 @@ def test_levers_feel_the_torque_of_their_pivot(name):
     held = rates_of(lever, heavy, {"rotation_rate": 3.0}, {"pivot_torque": 2.0})
     assert 1e6 * (free["rotation_rate"] - held["rotation_rate"]) == pytest.approx(2.0, rel=1e-6)
     assert outputs_of(lever, {}, {"rotation_rate": 3.0}, {})["rotation_rate"] == 3.0
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(-1.0, 1.0), st.floats(0.0, 3000.0), st.floats(-1e-4, 1e-4))
+def test_a_pad_is_a_pivot_with_a_radius_of_a_metre(velocity, load, creep):
+    pad = CATALOGUE["pad_friction"]()
+    laws = {"friction_coefficient": 0.1, "sticking_stiffness": 1e7, "relaxation_time": 3e-5}
+    laws |= {"viscous_coefficient": 2.0}
+    moving = {"sliding_velocity": velocity, "load": load}
+    turning = {"rotation_rate": velocity, "load": load}
+    slides = outputs_of(pad, laws, {"creep": creep}, moving)
+    turns = outputs_of(PIVOT, laws | {"radius": 1.0}, {"twist": creep}, turning)
+    names = {"friction_force": "friction_torque", "slip": "sliding_rate"}
+    for name in ("friction_force", "sticking_margin", "slip", "power_loss"):
+        assert slides[name] == pytest.approx(turns[names.get(name, name)], rel=1e-12, abs=1e-12)
+    rates = rates_of(pad, laws, {"creep": creep}, moving)["creep"]
+    assert rates == rates_of(PIVOT, laws | {"radius": 1.0}, {"twist": creep}, turning)["twist"]

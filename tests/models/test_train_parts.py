@@ -39,6 +39,8 @@ PARTS = {
     "rocker of small motion": ("rocker", {"small_motion": 1.0, "valve_angle": 0.2}),
     "pivot friction": ("pivot_friction", {"viscous_coefficient": 1e-3}),
     "loaded pivot friction": ("pivot_friction", {"preload_torque": 1e-3, "sticking_stiffness": 2e4}),
+    "pad friction": ("pad_friction", {"viscous_coefficient": 3.0}),
+    "sliding pad friction": ("pad_friction", {"friction_coefficient": 1e-4}),
     "roller": ("roller", {}),
     "slipping roller": ("roller", {"traction_coefficient": 1e-4, "pin_damping": 1e-4}),
     "adjuster": ("lash_adjuster", {}),

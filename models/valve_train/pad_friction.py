@@ -1,0 +1,115 @@
+"""Friction of a pad that slides to and fro: Coulomb friction that sticks (see `slider`), and viscous one.
+
+The friction of a contact jumps where its sliding turns back. This one goes through zero there, as its
+surfaces give elastically. Its dry part has the limit mu W under the load W; the whole one is T + c v_s.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from ..compile.kernel import kernel
+from ..core.bonds import counts_energies
+from ..core.component import Component, PowerBond
+from ..core.integrator import FINE_TOLERANCE
+from ..core.quantities import Layout, Quantity, Vector
+from .slider import Slip, find_slip, lost_power
+
+
+@dataclass
+class PadFrictionParameters:
+    """Defaults: mixed lubrication; under 500 N the surfaces give by 5 um before they slide."""
+
+    friction_coefficient: Annotated[
+        float, Quantity("1", "Coulomb's coefficient of friction mu", nominal=0.1, minimum=0.0)
+    ] = 0.1
+    viscous_coefficient: Annotated[
+        float, Quantity("N.s/m", "viscous friction c over velocity", nominal=1.0, minimum=0.0)
+    ] = 0.0
+    sticking_stiffness: Annotated[
+        float, Quantity("N/m", "stiffness k of the sticking surfaces", nominal=1e7, positive=True)
+    ] = 1e7
+    relaxation_time: Annotated[
+        float, Quantity("s", "damping of their shift over the stiffness, tau", nominal=1e-5, positive=True)
+    ] = 3e-5
+
+
+@dataclass
+class PadFrictionState:
+    creep: Annotated[float, Quantity("m", "elastic shift z of the sticking surfaces", nominal=1e-6)] = 0.0
+
+
+@dataclass
+class PadFrictionInputs:
+    sliding_velocity: Annotated[float, Quantity("m/s", "velocity v_s of one surface on the other")] = 0.0
+    load: Annotated[float, Quantity("N", "load W of the contact", nominal=500.0)] = 0.0
+
+
+@dataclass
+class PadFrictionOutputs:
+    friction_force: Annotated[float, Quantity("N", "friction against the sliding", nominal=10.0)] = 0.0
+    sticking_margin: Annotated[
+        float, Quantity("N", "limit less what sticking would take; negative: it slides", nominal=10.0)
+    ] = 0.0
+    slip: Annotated[float, Quantity("m/s", "velocity by which the surfaces slide")] = 0.0
+    power_loss: Annotated[float, Quantity("W", "power lost to friction", nominal=1.0)] = 0.0
+
+
+@kernel
+def find_creep(x: PadFrictionState, u: PadFrictionInputs, p: PadFrictionParameters) -> Slip:
+    limit = p.friction_coefficient * max(0.0, u.load)
+    return find_slip(x.creep, u.sliding_velocity, limit, p.sticking_stiffness, p.relaxation_time)
+
+
+@kernel
+def lost_to_friction(slip: Slip, u: PadFrictionInputs, p: PadFrictionParameters) -> float:
+    """By the surfaces, and by viscosity."""
+    dry = lost_power(slip, p.sticking_stiffness, p.relaxation_time)
+    return dry + p.viscous_coefficient * u.sliding_velocity**2
+
+
+@kernel
+def derivative(
+    t: float, x: PadFrictionState, u: PadFrictionInputs, p: PadFrictionParameters, dx: PadFrictionState
+) -> None:
+    dx.creep = find_creep(x, u, p).rate
+
+
+@kernel
+def output(
+    t: float, x: PadFrictionState, u: PadFrictionInputs, p: PadFrictionParameters, y: PadFrictionOutputs
+) -> None:
+    slip = find_creep(x, u, p)
+    y.friction_force = slip.transmitted + p.viscous_coefficient * u.sliding_velocity
+    y.sticking_margin = p.friction_coefficient * max(0.0, u.load) - abs(slip.sticking)
+    y.slip = slip.sliding
+    y.power_loss = lost_to_friction(slip, u, p)
+
+
+@kernel
+def energy(t: float, x: PadFrictionState, u: PadFrictionInputs, p: PadFrictionParameters, e: Vector) -> None:
+    e[0] = 0.5 * p.sticking_stiffness * x.creep**2
+    e[1] = lost_to_friction(find_creep(x, u, p), u, p)
+    e[2] = 0.0
+
+
+@counts_energies
+def pad_friction() -> Component:
+    """T = k (z + tau v_s), at most mu W; z' = (T/k - z)/tau."""
+    moving = ("sliding_velocity", "load")
+    return Component(
+        tolerance=FINE_TOLERANCE,
+        name="pad_friction",
+        description="Friction of a pad that slides to and fro: sticking, sliding and viscous",
+        parameters=Layout(PadFrictionParameters),
+        state=Layout(PadFrictionState),
+        inputs=Layout(PadFrictionInputs),
+        outputs=Layout(PadFrictionOutputs),
+        derivative=derivative,
+        output=output,
+        energy=energy,
+        feedthrough=dict.fromkeys(("friction_force", "sticking_margin", "slip", "power_loss"), moving),
+        bonds=(PowerBond("friction_force", "sliding_velocity", +1),),
+        event_indicators=("sticking_margin",),
+    )
