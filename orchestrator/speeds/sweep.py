@@ -15,6 +15,7 @@ import xarray
 from numpy.typing import NDArray
 from rich.table import Table
 
+from models.contact.films import GROWING
 from models.contact.records import CONTACTS
 from models.core.quantities import Vector
 from models.core.system import ModelError, System
@@ -63,7 +64,7 @@ def sweep(
     separation = find_separation(subject, table)
     if separation is not None:
         reporter.line(separation.text)
-    for text in (*describe_lift_loss(table), *describe_feeding(table)):
+    for text in (*describe_lift_loss(table), *describe_feeding(subject, table)):
         reporter.line(text)
     summary = {"scenario": subject.scenario.name, "separation": separation and separation._asdict()}
     (out / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", "utf-8")
@@ -151,11 +152,13 @@ def describe_lift_loss(table: xarray.Dataset) -> Iterator[str]:
             )
 
 
-def describe_feeding(table: xarray.Dataset) -> Iterator[str]:
-    """A sentence on each contact whose film formula feeds its vibrations."""
+def describe_feeding(subject: SpeedSubject, table: xarray.Dataset) -> Iterator[str]:
+    """A sentence on each contact whose film formula grows with the load and feeds its vibrations."""
     for name in map(str, table.data_vars):
         contact, _, number = name.rpartition(".")
         if number != "film_feed" or not (fed := table[name].values > FED).any():
+            continue
+        if subject.scenario.components[contact].parameters.get("film_model", GROWING) != GROWING:
             continue
         power = float(np.max(table[f"{contact}.film_power"].values[fed]))
         yield (

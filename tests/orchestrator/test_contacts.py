@@ -77,7 +77,7 @@ def test_a_film_that_grows_under_load_gives_its_work_to_the_motion(run, rate, fe
     assert summary.film_power == pytest.approx(100.0 * rate)
     assert summary.film_feed == pytest.approx(np.sign(rate))
     assert summary.film_friction == pytest.approx(rate)
-    assert any("feeds vibrations" in text for text in told(found)) == feeds
+    assert any("film_model = 'dowson_toyoda'" in text for text in told(found)) == feeds
 
 
 def test_shares_and_extremes_agree_with_the_flags_of_the_contact(run):

@@ -33,6 +33,10 @@ FILMS: dict[str, Any] = {
 }
 
 
+# Whose film grows with its load: it can feed vibrations of the contact.
+GROWING = "kushwaha"
+
+
 def _choose(number: int, film: Any, others: Any) -> Any:
     @kernel
     def selected_film(

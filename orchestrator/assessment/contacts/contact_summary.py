@@ -10,7 +10,7 @@ import numpy as np
 
 from models.compile.array_pointers import ArrayPointers
 from models.contact.ehl_contact import TABLE_3
-from models.contact.films import FILMS
+from models.contact.films import FILMS, GROWING
 from models.contact.films.groups import groups
 from models.contact.hertz import elastic_compliance
 from models.contact.records import CONTACTS
@@ -85,7 +85,7 @@ class ContactSummary:
 
     `film_power` (W) is what the growing film gives to the motion on average, `film_feed` the share of the
     power through the film, to and fro, that stays there, `film_friction` the coefficient of rolling friction
-    that would take as much.
+    that would take as much, `film_grows` whether the formula's film grows with the load.
     `lost` is the share of the time without load, `yielding` that above the `elastic_limit` (Pa).
     `longest_step` (s): extremes were looked for at least that often. `angle_of` is the variable that `angles`
     (deg) of the times are of, "" where none is known.
@@ -105,6 +105,7 @@ class ContactSummary:
     longest_step: float
     film_power: float = 0.0
     film_feed: float = 0.0
+    film_grows: bool = False
     film_friction: float = 0.0
     separation: Separation | None = None
     impact: Impact | None = None
@@ -254,6 +255,7 @@ def _course(c: Any, ranges: Vector, parameters: Mapping[str, float]) -> ContactS
         film_ratio=0.0 if dry else float(c.film_ratio),
         longest_step=float(c.longest_step),
         film_power=float(c.film_work / c.duration) if c.duration else 0.0,
+        film_grows=parameters.get("film_model") == float(list(FILMS).index(GROWING)),
         film_feed=float(c.film_work / c.film_gross) if c.film_gross else 0.0,
         film_friction=float(c.film_work / c.rolled) if c.rolled else 0.0,
         separation=separation,

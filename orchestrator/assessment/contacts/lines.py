@@ -75,14 +75,15 @@ def _warnings(name: str, summary: ContactSummary, fixed_steps: bool) -> Iterator
         pressure, limit = f"{summary.pressure / 1e9:.3g} GPa", f"{summary.elastic_limit / 1e9:.3g} GPa"
         yield (
             f"the pressure reaches {pressure} at t = {summary.pressure_time:.6g} s, above the elastic limit "
-            f"of {limit} ({100.0 * summary.yielding:.2g} % of the time): the bodies yield, which is not "
+            f"of {limit} ({_percent(summary.yielding)} % of the time): the bodies yield, which is not "
             f"computed; lower the load, or set components.{name}.parameters.elastic_limit to the material's"
         )
     if summary.film_feed > FED and summary.film_friction > ROLLING:
+        cure = f"compare with components.{name}.parameters.film_model = 'dowson_toyoda'"
         yield (
-            f"the film formula gives {summary.film_power:.3g} W to the motion, which no shaft supplies: it "
-            "feeds vibrations, so that loads, bounces and separations come out too large; compare with "
-            f"components.{name}.parameters.film_model = 'dowson_toyoda', which has no squeeze term"
+            f"the film gives {summary.film_power:.3g} W to the motion, which no shaft supplies: it feeds "
+            "vibrations, so that loads, bounces and separations come out too large; "
+            + (cure if summary.film_grows else "reduce macro_step or use step control")
         )
     impact = summary.impact
     if fixed_steps and impact and not impact.resolved and impact.load >= 0.5 * summary.largest_load:
