@@ -1,1 +1,31 @@
-"""tribocosim: the packages `models`, `fmus` and `orchestrator`, and the command."""
+"""tribocosim: valve trains and slider-cranks as FMUs, coupled and compared with a reference.
+
+>>> import tribocosim
+>>> scenario = tribocosim.load("valve-train").with_({"components.camshaft.parameters.lift": "9 mm"})
+>>> result = tribocosim.run(scenario)
+>>> result.coupled["contact.load"]
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .api import MistakeError as MistakeError
+    from .api import Result as Result
+    from .api import RunError as RunError
+    from .api import Scenario as Scenario
+    from .api import load as load
+    from .api import open as open
+    from .api import run as run
+
+__all__ = ["MistakeError", "Result", "RunError", "Scenario", "load", "open", "run"]
+
+
+def __getattr__(name: str) -> Any:
+    """Import the interface when it is first asked for: the command begins with less."""
+    if name not in __all__:
+        raise AttributeError(f"module 'tribocosim' has no attribute {name!r}")
+    from . import api
+
+    return getattr(api, name)

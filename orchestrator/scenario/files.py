@@ -71,7 +71,7 @@ def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
     content = read_contents(path)
     for text in overrides:
         override(content, text)
-    _resolve_paths(content, Path.cwd())  # of the overrides; those of the file are absolute
+    resolve_paths(content, Path.cwd())  # of the overrides; those of the file are absolute
     try:
         return build_scenario(content)
     except ScenarioError as error:
@@ -98,7 +98,7 @@ def read_contents(path: Path, chain: tuple[Path, ...] = ()) -> dict[str, Any]:
     content = contents_of_package(path) if path.suffix == ".ssp" else _read(path)
     base = content.pop("extends", None)
     content.setdefault("name", path.stem)
-    _resolve_paths(content, path.parent)
+    resolve_paths(content, path.parent)
     if base is None:
         return content
     if not isinstance(base, str):
@@ -118,7 +118,7 @@ def _read(path: Path) -> dict[str, Any]:
         raise ScenarioError(f"{path}: not a valid TOML file: {error}") from None
 
 
-def _resolve_paths(content: dict[str, Any], folder: Path) -> None:
+def resolve_paths(content: dict[str, Any], folder: Path) -> None:
     """Make paths of .fmu files and of tables, which are relative to `folder`, absolute."""
     components = content.get("components")
     for table in components.values() if isinstance(components, dict) else ():

@@ -1,0 +1,153 @@
+"""Scenarios and runs from Python: what the commands do, with results as xarray."""
+
+from __future__ import annotations
+
+import copy
+import io
+import json
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+
+from orchestrator.command_line.fmu import build_fmu
+from orchestrator.errors import MistakeError, RunError
+from orchestrator.reporter import Reporter
+from orchestrator.run.pipeline import run as run_pipeline
+from orchestrator.scenario import build_scenario
+from orchestrator.scenario.files import find, put, read_contents, resolve_paths
+from orchestrator.store.result_file import open_result
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+    from orchestrator.scenario import Scenario as CheckedScenario
+
+__all__ = ["MistakeError", "Result", "RunError", "Scenario", "load", "open", "run"]
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """The tables of a scenario file. MistakeError with a line for each fault, as soon as it is made."""
+
+    content: Mapping[str, Any]
+
+    def __post_init__(self) -> None:
+        self.check()
+
+    @property
+    def name(self) -> str:
+        return str(self.content["name"])
+
+    def check(self) -> CheckedScenario:
+        """With all defaults, in SI units."""
+        return build_scenario(copy.deepcopy(dict(self.content)))
+
+    def with_(self, changes: Mapping[str, Any]) -> Scenario:
+        """Another scenario, with values at paths: {"components.camshaft.parameters.lift": "9 mm"}."""
+        content = copy.deepcopy(dict(self.content))
+        for path, value in changes.items():
+            put(content, path, value)
+        resolve_paths(content, Path.cwd())
+        return Scenario(content)
+
+
+@dataclass(frozen=True)
+class Result:
+    """A run: what was computed, in SI units, and how it compares with the reference.
+
+    `coupled`, `reference` (None if there is none) and `steps` are over time; variables are called
+    "component.variable" and have their unit in `attrs`. `summary` is the content of summary.json, with
+    `errors` by variable. `folder` is where all of it lies, None if it was not kept.
+    """
+
+    coupled: xarray.Dataset
+    reference: xarray.Dataset | None
+    steps: xarray.Dataset | None
+    summary: Mapping[str, Any]
+    folder: Path | None
+
+    @property
+    def verdict(self) -> str:
+        """Whether the run is within the scenario's tolerance."""
+        return str(self.summary["verdict"])
+
+    @property
+    def within(self) -> bool:
+        """True if it is complete and within its tolerance of the reference."""
+        return int(self.summary["exit_status"]) == 0
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Relative RMS error of each variable against the reference; empty without one."""
+        return {name: error["relative_rms"] for name, error in self.summary["errors"].items()}
+
+    def plot(self, *variables: str) -> Figure:
+        """Each variable over time, coupled and reference, below each other."""
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(8.0, 2.2 * len(variables) + 0.6), layout="constrained")
+        grid = figure.subplots(len(variables), sharex=True, squeeze=False)
+        for axes, name in zip(grid[:, 0], variables, strict=True):
+            if name not in self.coupled:
+                raise MistakeError(f"{name}: is no variable of the result; see list(result.coupled)")
+            values = self.coupled[name]
+            axes.plot(values["time"], values, label="coupled")
+            if self.reference is not None and name in self.reference:
+                axes.plot(self.reference["time"], self.reference[name], "--", label="reference")
+            axes.set_ylabel(f"{name}\n[{values.attrs.get('units', '1')}]")
+        if len(variables):
+            grid[-1, 0].set_xlabel("time [s]")
+            grid[0, 0].legend()
+        return figure
+
+
+def load(source: str | Path | Mapping[str, Any]) -> Scenario:
+    """A shipped scenario by its name, a .toml or .ssp file, or tables. MistakeError for a fault."""
+    if isinstance(source, Mapping):
+        return Scenario({"name": "scenario", **copy.deepcopy(dict(source))})
+    return Scenario(read_contents(find(source)))
+
+
+def run(
+    scenario: Scenario | str | Path,
+    out: str | Path | None = None,
+    *,
+    overwrite: bool = False,
+    figures: bool = False,
+    progress: bool = False,
+) -> Result:
+    """Run a scenario and compare it with its reference, as `tribocosim run` does.
+
+    `out` keeps everything in a folder, as the command does; without it nothing is left behind. `figures` are
+    drawn into that folder. `progress` prints what the command prints.
+    MistakeError for a fault of the scenario, RunError if the run fails; its folder has what was computed.
+    """
+    if not isinstance(scenario, Scenario):
+        scenario = load(scenario)
+    if out is not None:
+        return _run(scenario, Path(out), overwrite, figures, progress)
+    with tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
+        found = _run(scenario, Path(folder) / "run", overwrite, figures, progress)
+        return Result(found.coupled, found.reference, found.steps, found.summary, None)
+
+
+def _run(scenario: Scenario, folder: Path, overwrite: bool, figures: bool, progress: bool) -> Result:
+    reporter = Reporter(None if progress else Console(file=io.StringIO()))
+    summary = run_pipeline(scenario.check(), folder, build_fmu, reporter, overwrite, figures)
+    if not summary.complete:
+        raise RunError(summary.message)
+    return open(folder)
+
+
+def open(folder: str | Path) -> Result:
+    """The result in the folder of a run, read into memory. FileNotFoundError if there is none."""
+    folder = Path(folder)
+    with open_result(folder) as tree:
+        groups = {name: node.to_dataset().load() for name, node in tree.children.items()}
+    summary = json.loads((folder / "summary.json").read_text("utf-8"))
+    return Result(groups["coupled"], groups.get("reference"), groups.get("steps"), summary, folder)
