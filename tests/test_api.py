@@ -121,3 +121,40 @@ def test_the_page_runs(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert "within the tolerance" in done.stdout
     assert (tmp_path / "load.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("name", ["valve-train", "valve-train-controlled"])
+def test_a_session_makes_the_steps_of_the_run_to_the_bit(name: str) -> None:
+    """Also after going back to a snapshot, and to the start."""
+    scenario = tribocosim.load(name).with_(SHORT)
+    run = tribocosim.run(scenario).coupled
+    loads = dict(zip(run["time"].values.tolist(), run["contact.load"].values.tolist(), strict=True))
+
+    def follow(session: tribocosim.session, until: float) -> int:
+        seen = 0
+        while session.time < until:
+            session.step()
+            if session.time in loads:
+                assert session["contact.load"] == loads[session.time]
+                seen += 1
+        return seen
+
+    with tribocosim.session(scenario) as session:
+        follow(session, 1e-3)
+        snapshot = session.save()
+        assert follow(session, 4e-3) > 10
+        session.restore(snapshot)
+        assert session.time == snapshot.time
+        assert follow(session, 4e-3) > 10
+        session.reset()
+        assert follow(session, 4e-3) > 10
+        with pytest.raises(tribocosim.MistakeError, match="stop_time"):
+            session.step()
+
+
+def test_a_session_names_outputs_that_there_are_not() -> None:
+    with (
+        tribocosim.session(tribocosim.load("two-masses")) as session,
+        pytest.raises(tribocosim.MistakeError, match="must be one of"),
+    ):
+        session["nothing"]

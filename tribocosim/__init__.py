@@ -18,8 +18,9 @@ if TYPE_CHECKING:
     from .api import load as load
     from .api import open as open
     from .api import run as run
+    from .api import session as session
 
-__all__ = ["MistakeError", "Result", "RunError", "Scenario", "load", "open", "run"]
+__all__ = ["MistakeError", "Result", "RunError", "Scenario", "load", "open", "run", "session"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,8 +1,7 @@
-"""Scenarios and runs from Python: what the commands do, with results as xarray."""
+"""Runs from Python: what the commands do, with results as xarray."""
 
 from __future__ import annotations
 
-import copy
 import io
 import json
 import tempfile
@@ -17,43 +16,16 @@ from orchestrator.command_line.fmu import build_fmu
 from orchestrator.errors import MistakeError, RunError
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run as run_pipeline
-from orchestrator.scenario import build_scenario
-from orchestrator.scenario.files import find, put, read_contents, resolve_paths
 from orchestrator.store.result_file import open_result
+
+from .scenario import Scenario, load
+from .stepping import Session as session
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-    from orchestrator.scenario import Scenario as CheckedScenario
-
-__all__ = ["MistakeError", "Result", "RunError", "Scenario", "load", "open", "run"]
-
-
-@dataclass(frozen=True)
-class Scenario:
-    """The tables of a scenario file. MistakeError with a line for each fault, as soon as it is made."""
-
-    content: Mapping[str, Any]
-
-    def __post_init__(self) -> None:
-        self.check()
-
-    @property
-    def name(self) -> str:
-        return str(self.content["name"])
-
-    def check(self) -> CheckedScenario:
-        """With all defaults, in SI units."""
-        return build_scenario(copy.deepcopy(dict(self.content)))
-
-    def with_(self, changes: Mapping[str, Any]) -> Scenario:
-        """Another scenario, with values at paths: {"components.camshaft.parameters.lift": "9 mm"}."""
-        content = copy.deepcopy(dict(self.content))
-        for path, value in changes.items():
-            put(content, path, value)
-        resolve_paths(content, Path.cwd())
-        return Scenario(content)
+__all__ = ["MistakeError", "Result", "RunError", "Scenario", "load", "open", "run", "session"]
 
 
 @dataclass(frozen=True)
@@ -104,13 +76,6 @@ class Result:
             grid[-1, 0].set_xlabel("time [s]")
             grid[0, 0].legend()
         return figure
-
-
-def load(source: str | Path | Mapping[str, Any]) -> Scenario:
-    """A shipped scenario by its name, a .toml or .ssp file, or tables. MistakeError for a fault."""
-    if isinstance(source, Mapping):
-        return Scenario({"name": "scenario", **copy.deepcopy(dict(source))})
-    return Scenario(read_contents(find(source)))
 
 
 def run(

@@ -1,0 +1,48 @@
+"""Scenarios from Python: loaded, changed, checked."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from orchestrator.scenario import build_scenario
+from orchestrator.scenario.files import find, put, read_contents, resolve_paths
+
+if TYPE_CHECKING:
+    from orchestrator.scenario import Scenario as CheckedScenario
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """The tables of a scenario file. MistakeError with a line for each fault, as soon as it is made."""
+
+    content: Mapping[str, Any]
+
+    def __post_init__(self) -> None:
+        self.check()
+
+    @property
+    def name(self) -> str:
+        return str(self.content["name"])
+
+    def check(self) -> CheckedScenario:
+        """With all defaults, in SI units."""
+        return build_scenario(copy.deepcopy(dict(self.content)))
+
+    def with_(self, changes: Mapping[str, Any]) -> Scenario:
+        """Another scenario, with values at paths: {"components.camshaft.parameters.lift": "9 mm"}."""
+        content = copy.deepcopy(dict(self.content))
+        for path, value in changes.items():
+            put(content, path, value)
+        resolve_paths(content, Path.cwd())
+        return Scenario(content)
+
+
+def load(source: str | Path | Mapping[str, Any]) -> Scenario:
+    """A shipped scenario by its name, a .toml or .ssp file, or tables. MistakeError for a fault."""
+    if isinstance(source, Mapping):
+        return Scenario({"name": "scenario", **copy.deepcopy(dict(source))})
+    return Scenario(read_contents(find(source)))
