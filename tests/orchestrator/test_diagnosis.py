@@ -37,8 +37,14 @@ from .commands import said as said_by
 from .recorder import Recorder
 from .two_masses import two_masses
 
-OUTPUTS = ("flywheel.angle", "camshaft.surface_position", "contact.load", "valve_spring.velocity")
-LOAD, ANGLE = 2, 0
+OUTPUTS = (
+    "flywheel.angle",
+    "camshaft.surface_position",
+    "contact.load",
+    "valve_spring.velocity",
+    "camshaft.drive_torque",
+)
+LOAD, ANGLE, TORQUE = 2, 0, 4
 
 
 def made(length, reason="error", source=LOAD, iterations=1, rejected=0, error=0.1) -> Steps:  # type: ignore[no-untyped-def]
@@ -203,6 +209,14 @@ def test_a_rule_speaks_with_ground_and_is_silent_without(rule: str) -> None:
     scenario = "valve-train" if equal else "valve-train-controlled"
     assert words in said(facts(steps, *changes, scenario=scenario))[rule]
     assert rule not in said(facts(EQUAL if equal else CONTROLLED))
+
+
+def test_a_torque_that_moves_nothing_is_not_called_stiff() -> None:
+    """A flywheel takes notice of it where its speed is free."""
+    steps = made(np.full(1000, 1e-5), source=TORQUE)
+    gauss_seidel, free = "master.name=gauss_seidel", "components.flywheel.parameters.motion=free"
+    assert "stiff_connection" not in said(facts(steps, gauss_seidel))
+    assert "camshaft.drive_torque" in said(facts(steps, gauss_seidel, free))["stiff_connection"]
 
 
 @pytest.mark.parametrize(

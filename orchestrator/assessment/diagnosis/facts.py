@@ -46,6 +46,14 @@ class Facts:
             found[source.split(".")[0]].add(target.split(".")[0])
         return found
 
+    def is_felt(self, variable: str) -> bool:
+        """Whether what `variable` drives moves by it: a flywheel that prescribes its speed doesn't."""
+        return any(
+            table.component != "flywheel" or table.parameters.get("motion", "prescribed") != "prescribed"
+            for target in self.targets.get(variable, [])
+            for table in [self.scenario.components[target.split(".")[0]]]
+        )
+
     @property
     def weaker(self) -> bool:
         """The master accelerates its iteration, with less than there is."""

@@ -13,7 +13,7 @@ WORTH = 0.05  # of the doStep calls: a saving of less is not worth a change
 def stiff_connection(facts: Facts) -> str | None:
     """One variable's error limits most steps under a master that does not iterate."""
     name, share = facts.limiting
-    if share < MOST or facts.master.implicit or not facts.limits.restorable:
+    if share < MOST or facts.master.implicit or not facts.limits.restorable or not facts.is_felt(name):
         return None
     signal = list(DEGREES)[facts.limits.lowest_degree]
     return (
