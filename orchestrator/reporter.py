@@ -8,7 +8,6 @@ import sys
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -23,10 +22,11 @@ SHOWN_EVERY_S = 0.1
 
 
 class Bar:
-    """A progress bar: an observer of a coupled run, or set by `show`. The clock is read every 64 steps."""
+    """An observer of a coupled run that calls `show` with the share that is done; the clock is read every 64
+    steps."""
 
-    def __init__(self, progress: Progress, task: Any, stop_time: float) -> None:
-        self._progress, self._task, self._stop = progress, task, stop_time
+    def __init__(self, show: Callable[[float], object], stop_time: float) -> None:
+        self.show, self._stop = show, stop_time
         self._count = 0
         self._shown = 0.0
 
@@ -44,9 +44,6 @@ class Bar:
     def end(self, complete: bool, message: str) -> None:
         if complete:
             self.show(1.0)
-
-    def show(self, fraction: float) -> None:
-        self._progress.update(self._task, completed=fraction)
 
 
 class _Console(Console):
@@ -77,7 +74,8 @@ class Reporter:
         if not live:
             self.line(text)
         with progress, announce_compilation(COMPILING, self._compiling):
-            yield Bar(progress, progress.add_task(text, total=1.0), stop_time)
+            task = progress.add_task(text, total=1.0)
+            yield Bar(lambda share: progress.update(task, completed=share), stop_time)
 
     def _compiling(self) -> None:
         if not self._compiled:

@@ -15,12 +15,18 @@ if TYPE_CHECKING:
     from .api import Result as Result
     from .api import RunError as RunError
     from .api import Scenario as Scenario
+    from .api import analyse as analyse
     from .api import load as load
     from .api import open as open
     from .api import run as run
     from .api import session as session
+    from .api import speeds as speeds
+    from .api import study as study
 
-__all__ = ["MistakeError", "Result", "RunError", "Scenario", "load", "open", "run", "session"]
+__all__ = [
+    "MistakeError", "Result", "RunError", "Scenario", "analyse", "load", "open", "run", "session", "speeds",
+    "study",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import tempfile
 from collections.abc import Mapping
@@ -10,22 +9,24 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-
 from orchestrator.command_line.fmu import build_fmu
 from orchestrator.errors import MistakeError, RunError
-from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run as run_pipeline
 from orchestrator.store.result_file import open_result
 
+from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load
 from .stepping import Session as session
+from .studies import analyse, speeds, study
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-__all__ = ["MistakeError", "Result", "RunError", "Scenario", "load", "open", "run", "session"]
+__all__ = [
+    "MistakeError", "Result", "RunError", "Scenario", "analyse", "load", "open", "run", "session", "speeds",
+    "study",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -84,12 +85,13 @@ def run(
     *,
     overwrite: bool = False,
     figures: bool = False,
-    progress: bool = False,
+    progress: Progress | None = None,
 ) -> Result:
     """Run a scenario and compare it with its reference, as `tribocosim run` does.
 
     `out` keeps everything in a folder, as the command does; without it nothing is left behind. `figures` are
-    drawn into that folder. `progress` prints what the command prints.
+    drawn into that folder. `progress(stage, share)` is called with each stage and the share of it that is
+    done; an error that it raises ends the run.
     MistakeError for a fault of the scenario, RunError if the run fails; its folder has what was computed.
     """
     if not isinstance(scenario, Scenario):
@@ -101,8 +103,10 @@ def run(
         return Result(found.coupled, found.reference, found.steps, found.summary, None)
 
 
-def _run(scenario: Scenario, folder: Path, overwrite: bool, figures: bool, progress: bool) -> Result:
-    reporter = Reporter(None if progress else Console(file=io.StringIO()))
+def _run(
+    scenario: Scenario, folder: Path, overwrite: bool, figures: bool, progress: Progress | None
+) -> Result:
+    reporter = SilentReporter(progress)
     summary = run_pipeline(scenario.check(), folder, build_fmu, reporter, overwrite, figures)
     if not summary.complete:
         raise RunError(summary.message)

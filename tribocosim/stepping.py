@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import io
+import math
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any
 
 import numpy as np
-from rich.console import Console
 
 from orchestrator.command_line.fmu import build_fmu
+from orchestrator.engine.consistency import make_consistent
 from orchestrator.engine.coupling import Coupling
 from orchestrator.errors import MistakeError, one_of
-from orchestrator.reporter import Reporter
 from orchestrator.run.checkpoint import restore_participants, serialise_participants
 from orchestrator.run.participants import build_participants
 from orchestrator.run.plan import make_plan
+from orchestrator.scenario.units import UnitError, to_unit
 from orchestrator.stepping import list_event_outputs
 
+from .reporting import SilentReporter
 from .scenario import Scenario
 
 
@@ -39,15 +40,16 @@ class Session:
     ...     while s.time < s.stop_time:
     ...         s.step()
     ...         print(s.time, s["contact.load"])
+    ...         s.set("spring.gas_force", 200.0)
 
     The steps are those of the run, to the bit. RunError where one cannot be made.
     """
 
     def __init__(self, scenario: Scenario) -> None:
         checked = scenario.check()
-        plan = make_plan(checked, build_fmu, Reporter(Console(file=io.StringIO())), figures=False)
+        plan = make_plan(checked, build_fmu, SilentReporter(), figures=False)
         self.stop_time = checked.stop_time
-        self._outputs = plan.system.outputs
+        self._system, self._outputs = plan.system, plan.system.outputs
         master, self._steps = checked.build_master(), checked.build_steps()
         self._participants = build_participants(checked, plan.system, plan.fmus, lambda name, make: make())
         try:
@@ -78,8 +80,7 @@ class Session:
         """Make the next macro step; the time (s) at which it ends."""
         if self.time >= self.stop_time:
             raise MistakeError(f"the session has reached its stop_time = {self.stop_time:g} s")
-        if self._start is None and self.time == 0.0 and self._can_save:
-            self._start = self.save()
+        self._keep_start()
         self.time = self._steps.step(self.time).end
         return self.time
 
@@ -99,8 +100,49 @@ class Session:
         return float(values[self._outputs.names.index(name)])
 
     @property
-    def _can_save(self) -> bool:
-        return all(participant.restorable for participant in self._participants.values())
+    def inputs(self) -> list[str]:
+        """The inputs "component.input" that no connection drives: those that can be set."""
+        driven = {str(connection.target) for connection in self._system.connections}
+        return [name for name in self._system.inputs.names if name not in driven]
+
+    def set(self, name: str, value: float | str) -> None:
+        """Set one of `inputs` from now on: a number in SI units, or a text with its unit.
+
+        It jumps: outputs that follow it at once are computed anew, and the next step does not extrapolate
+        from before. MistakeError for a name that is not free, and a value out of range.
+        """
+        if name not in (free := self.inputs):
+            raise MistakeError(f"{name}: {one_of(free, name)} (inputs that no connection drives)")
+        number = self._check_input(name, value)
+        self._keep_start()
+        component, _, variable = name.partition(".")
+        coupling, history = self._coupling, self._coupling.state.history
+        self._participants[component].set_inputs({variable: number})
+        for i in coupling.wiring.all:
+            coupling.read(i)
+        make_consistent(coupling, self.time)
+        history.begin(self.time, coupling.state.values, coupling.state.rates)
+
+    def _check_input(self, name: str, value: float | str) -> float:
+        component, _, variable = name.partition(".")
+        layout = self._system.instances[component].component.inputs
+        try:
+            unit = layout.field(variable).quantity.unit
+            number = to_unit(value, unit) if isinstance(value, str) else float(value)
+        except UnitError as error:
+            raise MistakeError(f"{name}: {error}") from None
+        faults = layout.faults(layout.vector({variable: number}))
+        if not math.isfinite(number) or faults:
+            raise MistakeError(
+                "; ".join(f"{component}.{f}" for f in faults) or f"{name} = {number}: must be finite"
+            )
+        return number
+
+    def _keep_start(self) -> None:
+        """For `reset`, where all FMUs can save their state."""
+        restorable = all(participant.restorable for participant in self._participants.values())
+        if self._start is None and self.time == 0.0 and restorable:
+            self._start = self.save()
 
     def save(self) -> Snapshot:
         """The present state. RunError (CannotSerializeError) if an FMU cannot give its own."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Annotated
 
@@ -39,20 +38,12 @@ def run_speeds(
     mistake in the scenario or the command, 130: interrupted.
     """
     check_packages()
-    from ..errors import MistakeError
-    from ..scenario.files import load
-    from ..speeds.subject import SPEED
-    from ..speeds.sweep import Range, sweep
+    from ..reporter import Reporter
+    from ..scenario.files import load, read_changed
+    from ..speeds.sweep import parse_range, sweep
     from ..study.run import Where
 
-    for name, value in (("--from", low), ("--to", high)):
-        if doubt := SPEED.doubt(name, value):
-            raise MistakeError(doubt)
-    ends = [float(SPEED.check_value(name, value)) for name, value in (("--from", low), ("--to", high))]
-    if not ends[0] < ends[1]:
-        rpm = [f"{end * 30.0 / math.pi:.4g} rpm" for end in ends]
-        raise MistakeError(f"--from {low} ({rpm[0]}): must be less than --to {high} ({rpm[1]})")
-    folder = out or Path("results") / f"{load(scenario).name}-speeds"
-    return sweep(
-        scenario, set_ or [], Range(ends[0], ends[1], count), folder, Where(workers=workers), overwrite
-    )
+    speeds = parse_range(low, high, count)
+    folder = out or Path("results") / f"{load(scenario, set_ or []).name}-speeds"
+    tables = read_changed(scenario, set_ or [])
+    return sweep(tables, speeds, folder, Where(workers=workers), Reporter(), overwrite)

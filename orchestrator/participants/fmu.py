@@ -157,6 +157,10 @@ class FmuParticipant:
             self._fmi.exit_initialization()
         self._fmu.stepping = True
 
+    def set_inputs(self, values: Mapping[str, float]) -> None:
+        with self._errors.name_errors("setting the inputs"):
+            self._assign(values)
+
     def _describe(self, record: Any) -> None:
         """Fill in the addresses (see `compiled`) and keep the record, which counts warnings."""
         self._records.append(record)

@@ -14,7 +14,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NoReturn
@@ -123,6 +123,11 @@ class InOwnProcess:
 
     def finish_initialisation(self) -> None:
         self._call("finish_initialisation")
+        self._fresh = False
+
+    def set_inputs(self, values: Mapping[str, float]) -> None:
+        self._deliver()
+        self._call("set_inputs", values=dict(values))
         self._fresh = False
 
     def write(self) -> None:

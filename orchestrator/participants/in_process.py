@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -75,6 +75,12 @@ class InProcessParticipant:
         if faults := self._component.start_faults(self._p, self._x, self._u):
             raise ParticipantError(f"{self.name}: {'; '.join(faults)}")
 
+    def set_inputs(self, values: Mapping[str, float]) -> None:
+        for name, value in values.items():
+            self._u[self._component.inputs.index(name)] = value
+        self._U[0] = self._u
+        self._stale = True
+
     def write(self) -> None:
         self._U[: len(self._inputs), self._input_index] = self._inputs
         self._u[:] = self._U[0]
@@ -134,7 +140,7 @@ class InProcessParticipant:
     def restore(self, saved: Saved) -> None:
         self._t = saved[0]
         self._x[:] = saved[1]
-        self._u[:] = saved[2]
+        self._u[:] = self._U[0] = saved[2]
         self._du[:] = saved[3]
         self._y[:] = saved[4]
         self._stale = saved[5]

@@ -73,6 +73,9 @@ class Server:
     def initialise(self, times: list[float]) -> None:
         self.unit.initialise(*times)
 
+    def set_inputs(self, values: dict[str, float]) -> None:
+        self.unit.set_inputs(values)
+
     def finish_initialisation(self) -> None:
         self.unit.finish_initialisation()
 

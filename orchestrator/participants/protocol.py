@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 from models.core.quantities import Vector
@@ -57,6 +57,10 @@ class Participant(Protocol):
 
     def finish_initialisation(self) -> None:
         """Initial inputs and outputs are consistent; time may advance now."""
+        ...
+
+    def set_inputs(self, values: Mapping[str, float]) -> None:
+        """Between steps: other values of inputs that nothing drives, by name."""
         ...
 
     def write(self) -> None:

@@ -24,6 +24,7 @@ class ParticipantWrapper:
         self._participant = participant
         self.initialise = participant.initialise
         self.finish_initialisation = participant.finish_initialisation
+        self.set_inputs = participant.set_inputs
         self.close = participant.close
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:

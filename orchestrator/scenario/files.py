@@ -67,18 +67,24 @@ def _suggest_near(path: Path) -> str:
 
 def load(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
     """The scenario with `overrides` ("path=value") applied; ScenarioError with a line for each fault."""
-    path = find(name)
-    content = read_contents(path)
-    for text in overrides:
-        override(content, text)
-    resolve_paths(content, Path.cwd())  # of the overrides; those of the file are absolute
+    content = read_changed(name, overrides)
     try:
         return build_scenario(content)
     except ScenarioError as error:
+        path = find(name)
         own = list_faults(read_contents(path))  # without the overrides
         lines = str(error).split("\n")
         marked = (f"{f'{path.name}:' if line in own else '--set'} {line}" for line in lines)
         raise ScenarioError("\n".join(marked)) from None
+
+
+def read_changed(name: str | Path, overrides: Sequence[str] = ()) -> dict[str, Any]:
+    """The tables of a shipped scenario or a file, with `overrides` ("path=value") applied."""
+    content = read_contents(find(name))
+    for text in overrides:
+        override(content, text)
+    resolve_paths(content, Path.cwd())  # of the overrides; those of the file are absolute
+    return content
 
 
 def list_faults(content: dict[str, Any]) -> list[str]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray
@@ -22,17 +23,18 @@ from models.core.system import ModelError, System
 from models.monolithic.cycle import STEADY
 
 from ..assessment.contacts.lines import FED
+from ..errors import MistakeError
 from ..plots.speeds import NATURAL, draw_campbell, draw_map, draw_orders, draw_summary
 from ..plots.style import save_figure
 from ..reporter import Reporter
-from ..scenario.files import find, load, override, read_contents
+from ..scenario import build_scenario
 from ..study.files import Plan, parse_study
 from ..study.points import expand_points
 from ..study.run import Where, run
 from ..study.store import DONE
 from .figures_of_merit import is_separated, kinds_of, parameter_of
 from .separation import bisect_separation
-from .subject import SpeedSubject, count_turns, cycle_path, find_flywheel
+from .subject import SPEED, SpeedSubject, count_turns, cycle_path, find_flywheel
 
 STORE, CYCLES, ALL, SUMMARY = "speeds.zarr", "cycles", "cycles.nc", "summary.json"
 RPM = 30.0 / math.pi
@@ -48,14 +50,14 @@ class Range:
 
 
 def sweep(
-    name: str, overrides: list[str], speeds: Range, out: Path, where: Where, overwrite: bool = False
+    tables: Mapping[str, Any], speeds: Range, out: Path, where: Where, reporter: Reporter, overwrite: bool
 ) -> int:
-    """Find the cycles that are missing in the folder `out`, then the speed of separation; draw all.
+    """Find the cycles of a scenario that are missing in the folder `out`, then the speed of separation; draw
+    all.
 
     Returns the command's exit status. MistakeError before anything is written.
     """
-    reporter = Reporter()
-    plan, subject = make_plan(name, overrides, speeds, out)
+    plan, subject = make_plan(tables, speeds, out)
     status = run(plan, out / STORE, where, reporter, overwrite)
     table = read_table(out)
     if not table.sizes["speed"]:
@@ -80,19 +82,28 @@ def read_table(out: Path) -> xarray.Dataset:
     return table.isel(speed=np.flatnonzero(table["status"].values == DONE))
 
 
-def make_plan(name: str, overrides: list[str], speeds: Range, out: Path) -> tuple[Plan, SpeedSubject]:
+def parse_range(low: str, high: str, count: int) -> Range:
+    """Speeds given as texts; MistakeError where they are none, doubtful or in the wrong order."""
+    for name, value in (("--from", low), ("--to", high)):
+        if doubt := SPEED.doubt(name, value):
+            raise MistakeError(doubt)
+    ends = [float(SPEED.check_value(name, value)) for name, value in (("--from", low), ("--to", high))]
+    if not ends[0] < ends[1]:
+        rpm = [f"{end * RPM:.4g} rpm" for end in ends]
+        raise MistakeError(f"--from {low} ({rpm[0]}): must be less than --to {high} ({rpm[1]})")
+    return Range(ends[0], ends[1], count)
+
+
+def make_plan(tables: Mapping[str, Any], speeds: Range, out: Path) -> tuple[Plan, SpeedSubject]:
     """The study of a scenario's cycles; MistakeError for a fault of the scenario."""
-    scenario = load(name, overrides)
-    tables = read_contents(find(name))
-    for text in overrides:
-        override(tables, text)
+    scenario = build_scenario(copy.deepcopy(dict(tables)))
     subject = SpeedSubject(tables, find_flywheel(scenario), str((out / CYCLES).absolute()))
     axis = {"start": speeds.low, "stop": speeds.high, "count": speeds.count}
     study = parse_study(
         {
             "name": scenario.name,
             "description": f"{scenario.name} over speed",
-            "scenario": name,
+            "scenario": scenario.name,
             "points": {"kind": "grid", "axes": {"speed": axis}},
         }
     )

@@ -109,7 +109,8 @@ def load(name: str, build: Builder) -> Plan:
         )
     content.setdefault("name", path.stem)
     try:
-        return resolve(parse_study(content), path.parent, build)
+        study = parse_study(content)
+        return resolve(study, build_subject(study, path.parent, build))
     except MistakeError as error:
         lines = (f"{path.name}: {line}" for line in str(error).split("\n"))
         raise StudyError("\n".join(lines)) from None
@@ -124,9 +125,8 @@ def parse_study(content: Mapping[str, Any]) -> Study:
         raise StudyError("\n".join(lines)) from None
 
 
-def resolve(study: Study, folder: Path, build: Builder) -> Plan:
+def resolve(study: Study, subject: Subject) -> Plan:
     """Expand the points, with values in the parameters' units; MistakeError for a fault."""
-    subject = _build_subject(study, folder, build)
     points = expand_points(study.points, subject.resolve)
     taken = {STATUS, MESSAGE, POINT, *points.coordinates}
     if clash := taken & set(subject.results):
@@ -138,13 +138,18 @@ def resolve(study: Study, folder: Path, build: Builder) -> Plan:
     return Plan(study, subject, points)
 
 
-def _build_subject(study: Study, folder: Path, build: Builder) -> Subject:
+def build_subject(study: Study, folder: Path, build: Builder) -> Subject:
+    """The analysis or the scenario of a study, the latter by a path in `folder`."""
     if study.analysis is not None:
         fixed: dict[str, Value] = load_analysis(study.analysis).complete(study.fixed)
         return AnalysisSubject(study.analysis, fixed)
+    return build_scenario_subject(study, read_contents(find(str(study.scenario), folder)), build)
+
+
+def build_scenario_subject(study: Study, tables: dict[str, Any], build: Builder) -> Subject:
+    """The scenario of these tables, with the study's fixed values."""
     from .scenario_subject import ScenarioSubject
 
-    tables = read_contents(find(str(study.scenario), folder))
     for name, value in study.fixed.items():
         for path in study.names.get(name, [name]):
             put(tables, path, value)

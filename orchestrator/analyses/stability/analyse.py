@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ...errors import MistakeError
 from ...reporter import Reporter
+from ...scenario import Scenario
 from ...scenario.files import list_shipped, load
 from ...scenario.system import Builder, build_system, resolve_start
 from ...scenario.units import UnitError, to_unit
@@ -42,14 +43,11 @@ def analyse_scenario(
 
     reporter = reporter or Reporter()
     scenario = load(name, settings)
-    instants = [_parse_instant(text, scenario.stop_time) for text in at]
+    instants = parse_instants(at, scenario.stop_time)
     folder = out or Path("results") / f"{scenario.name}-{FILE}"
     held = find_results(folder, FILE, overwrite)
     with create_folder(folder):
-        with reporter.stage("stability and errors of every method") as bar:
-            system = resolve_start(scenario, build_system(scenario))
-            with open_linearisations(scenario, system, build, responses) as sources:
-                found = survey(scenario, system, instants, bar.show, sources)
+        found = survey_scenario(scenario, instants, reporter, build, responses)
         for file in held:
             file.unlink()
         files = write_survey(found, folder)
@@ -60,11 +58,28 @@ def analyse_scenario(
     return found
 
 
-def _parse_instant(text: str, stop: float) -> float:
-    try:
-        time = to_unit(text, "s")
-    except UnitError as error:
-        raise MistakeError(f"--at {text}: {error}") from None
-    if not 0.0 <= time <= stop:
-        raise MistakeError(f"--at {text}: must be between 0 and stop_time = {stop:g} s")
-    return time
+def survey_scenario(
+    scenario: Scenario,
+    instants: Sequence[float],
+    reporter: Reporter,
+    build: Builder | None = None,
+    responses: bool = False,
+) -> Survey:
+    """The survey about a scenario's start and these instants (s); options as of `analyse_scenario`."""
+    with reporter.stage("stability and errors of every method") as bar:
+        system = resolve_start(scenario, build_system(scenario))
+        with open_linearisations(scenario, system, build, responses) as sources:
+            return survey(scenario, system, instants, bar.show, sources)
+
+
+def parse_instants(at: Sequence[str], stop: float) -> list[float]:
+    """Instants (s) between 0 and `stop`, given in seconds or with a unit; MistakeError for others."""
+    instants = []
+    for text in at:
+        try:
+            instants.append(to_unit(text, "s"))
+        except UnitError as error:
+            raise MistakeError(f"--at {text}: {error}") from None
+        if not 0.0 <= instants[-1] <= stop:
+            raise MistakeError(f"--at {text}: must be between 0 and stop_time = {stop:g} s")
+    return instants

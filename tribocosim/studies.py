@@ -1,0 +1,131 @@
+"""Analyses, sweeps over speed and parameter studies from Python, with results as xarray."""
+
+from __future__ import annotations
+
+import copy
+import json
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from orchestrator.analyses import load as load_analysis
+from orchestrator.command_line.fmu import build_fmu
+from orchestrator.command_line.study import check_packages
+
+from .reporting import Progress, SilentReporter
+from .scenario import Scenario, load
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def analyse(
+    subject: Scenario | str | Path,
+    settings: Mapping[str, Any] | None = None,
+    *,
+    at: Sequence[str] = (),
+    responses: bool = False,
+    progress: Progress | None = None,
+) -> xarray.Dataset:
+    """An analysis by name with its `settings`, or how each master will do with a scenario.
+
+    Of a scenario: `settings` change it, `at` are further instants to linearise at, with `responses` all
+    participants are linearised by their responses. The same tables as the command `analyse` writes.
+    """
+    from orchestrator.analyses._evaluate import compute_table
+    from orchestrator.analyses.stability.analyse import is_scenario, parse_instants, survey_scenario
+    from orchestrator.analyses.stability.report import build_dataset
+
+    if not isinstance(subject, Scenario) and not is_scenario(str(subject)):
+        analysis = load_analysis(str(subject))
+        return compute_table(analysis, analysis.complete(dict(settings or {})))
+    scenario = subject if isinstance(subject, Scenario) else load(subject)
+    checked = scenario.with_(settings or {}).check()
+    instants = parse_instants(at, checked.stop_time)
+    return build_dataset(survey_scenario(checked, instants, SilentReporter(progress), build_fmu, responses))
+
+
+def speeds(
+    scenario: Scenario | str | Path,
+    low: str = "500 rpm",
+    high: str = "4000 rpm",
+    count: int = 36,
+    *,
+    out: str | Path | None = None,
+    workers: int | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> xarray.Dataset:
+    """The steady cycles of a valve train over the speed of its flywheel, as the command `speeds` finds them.
+
+    The attribute `separation` says in words from which speed contact is lost, `separation_speed` is that
+    speed (r/min; nan: none was found). `out` keeps table, cycles and figures in a folder; a sweep that was
+    stopped goes on there.
+    """
+    check_packages()
+    from orchestrator.speeds.sweep import SUMMARY, parse_range, read_table, sweep
+    from orchestrator.study.run import Where
+
+    if not isinstance(scenario, Scenario):
+        scenario = load(scenario)
+    chosen = parse_range(low, high, count)
+    with _open_folder(out, "speeds") as folder:
+        sweep(scenario.content, chosen, folder, Where(workers=workers), SilentReporter(progress), overwrite)
+        table = read_table(folder)
+        found = json.loads((folder / SUMMARY).read_text("utf-8"))["separation"] or {}
+    speed = found.get("speed")
+    return table.assign_attrs(
+        separation=found.get("text", ""), separation_speed=float("nan") if speed is None else speed
+    )
+
+
+def study(
+    tables: Mapping[str, Any] | str | Path,
+    scenario: Scenario | None = None,
+    *,
+    out: str | Path | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    overwrite: bool = False,
+    retry_failed: bool = False,
+) -> xarray.Dataset:
+    """A parameter study: a shipped one, a file, or its tables, on all cores or on a dask `scheduler`.
+
+    `scenario` is its subject; without it the tables name one. The variable `status` is 1 where a point is
+    done; `message` says why one failed. `out` keeps the zarr store; a study that was stopped goes on there.
+    """
+    check_packages()
+    import xarray
+
+    from orchestrator.study.files import build_scenario_subject, build_subject, parse_study, resolve
+    from orchestrator.study.files import load as load_study
+    from orchestrator.study.run import Where, run
+
+    if isinstance(tables, Mapping):
+        named = {"scenario": scenario.name} if scenario else {}
+        parsed = parse_study({"name": "study", **tables, **named})
+        subject = (
+            build_scenario_subject(parsed, copy.deepcopy(dict(scenario.content)), build_fmu)
+            if scenario
+            else build_subject(parsed, Path.cwd(), build_fmu)
+        )
+        plan = resolve(parsed, subject)
+    else:
+        plan = load_study(str(tables), build_fmu)
+    where = Where(scheduler, workers)
+    with _open_folder(out, "study.zarr") as store:
+        run(plan, store, where, SilentReporter(), overwrite, retry_failed)
+        with xarray.open_zarr(store) as found:
+            return found.load()
+
+
+@contextmanager
+def _open_folder(out: str | Path | None, name: str) -> Iterator[Path]:
+    """`out`, or one that is deleted afterwards."""
+    if out is not None:
+        yield Path(out)
+        return
+    with tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
+        yield Path(folder) / name
