@@ -25,7 +25,7 @@ class Bar:
     """An observer of a coupled run that calls `show` with the share that is done; the clock is read every 64
     steps."""
 
-    def __init__(self, show: Callable[[float], object], stop_time: float) -> None:
+    def __init__(self, show: Callable[[float], None], stop_time: float) -> None:
         self.show, self._stop = show, stop_time
         self._count = 0
         self._shown = 0.0
@@ -75,7 +75,11 @@ class Reporter:
             self.line(text)
         with progress, announce_compilation(COMPILING, self._compiling):
             task = progress.add_task(text, total=1.0)
-            yield Bar(lambda share: progress.update(task, completed=share), stop_time)
+
+            def show(share: float) -> None:
+                progress.update(task, completed=share)
+
+            yield Bar(show, stop_time)
 
     def _compiling(self) -> None:
         if not self._compiled:

@@ -8,9 +8,11 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import xarray
 
 import tribocosim
 
@@ -78,6 +80,23 @@ def test_changes_leave_the_scenario_as_it_is() -> None:
     assert changed.check().components["camshaft"].parameters["lift"] == 9e-3
     assert plain.check().components["camshaft"].parameters.get("lift") != 9e-3
     assert tribocosim.load(plain.content).check() == plain.check()
+
+
+def test_loading_fmus_never_changes_the_working_folder_of_other_threads() -> None:
+    before, seen, stop = os.getcwd(), set(), threading.Event()
+
+    def watch() -> None:
+        while not stop.is_set():
+            seen.add(os.getcwd())
+
+    thread = threading.Thread(target=watch)
+    thread.start()
+    for _ in range(20):
+        with tribocosim.session(spin(participant="fmu")):
+            pass
+    stop.set()
+    thread.join()
+    assert seen == {before}
 
 
 @pytest.mark.parametrize(
@@ -158,3 +177,124 @@ def test_a_session_names_outputs_that_there_are_not() -> None:
         pytest.raises(tribocosim.MistakeError, match="must be one of"),
     ):
         session["nothing"]
+
+
+FLYWHEEL = {"motion": "free", "inertia": 0.2, "initial_speed": 100.0}
+START = {"speed": 100.0}
+
+
+def spin(**component: Any) -> tribocosim.Scenario:
+    """A free flywheel without load."""
+    table = {"component": "flywheel", "parameters": FLYWHEEL, "start": START, **component}
+    return tribocosim.load(
+        {
+            "stop_time": 0.1,
+            "macro_step": 1e-3,
+            "components": {"wheel": table},
+            "reference": {"enabled": False},
+        }
+    )
+
+
+@pytest.mark.parametrize("kind", [{"participant": kind} for kind in ("in-process", "fmu", "native")])
+def test_an_input_that_is_set_acts_from_then_on(kind: dict[str, str]) -> None:
+    """J omega' = T, exact for a constant torque; going back restores the input too."""
+    with tribocosim.session(spin(**kind)) as session:
+        session.step_until(0.01)
+        before = session.save()
+        session.set("wheel.drive_torque", "3 N.m")
+        assert session["wheel.acceleration"] == pytest.approx(15.0, rel=1e-12)
+        session.step_until(0.03)
+        assert session["wheel.speed"] == pytest.approx(100.0 + 15.0 * 0.02, rel=1e-12)
+        session.restore(before)
+        session.step_until(0.03)
+        assert session["wheel.speed"] == pytest.approx(100.0, rel=1e-12)
+        session.reset()
+        assert (session.time, session["wheel.speed"]) == (0.0, 100.0)
+
+
+def test_an_input_of_an_fmu_in_its_own_process_is_set() -> None:
+    with tribocosim.session(spin(participant="fmu", process="own")) as session:
+        session.set("wheel.drive_torque", 2.0)
+        session.step_until(0.05)
+        assert session["wheel.speed"] == pytest.approx(100.5, rel=1e-12)
+
+
+def test_a_coupled_input_that_is_set_to_what_it_is_changes_nothing() -> None:
+    """But for the signals, which begin anew: within the error of the coupling."""
+    scenario = tribocosim.load("valve-train").with_(SHORT)
+    with tribocosim.session(scenario) as plain, tribocosim.session(scenario) as set_anew:
+        for session in (plain, set_anew):
+            session.step_until(2e-3)
+        assert "valve_spring.gas_force" in set_anew.inputs
+        assert "valve_spring.position" not in set_anew.inputs
+        set_anew.set("valve_spring.gas_force", 0.0)
+        for session in (plain, set_anew):
+            session.step_until(4e-3)
+        assert set_anew["contact.load"] == pytest.approx(plain["contact.load"], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("wheel.speed", 1.0, "that no connection drives"),
+        ("wheel.drive_torque", "3 mm", "wheel.drive_torque"),
+        ("wheel.drive_torque", float("nan"), "must be"),
+    ],
+)
+def test_inputs_that_cannot_be_set_are_named(name: str, value: Any, message: str) -> None:
+    with (
+        tribocosim.session(spin(participant="in-process")) as session,
+        pytest.raises(tribocosim.MistakeError, match=message),
+    ):
+        session.set(name, value)
+
+
+def test_progress_is_told_by_stages_and_may_end_the_run() -> None:
+    told: list[tuple[str, float]] = []
+    scenario = tribocosim.load("two-masses")
+    tribocosim.run(scenario, progress=lambda stage, share: told.append((stage, share)))
+    stages = list(dict.fromkeys(stage for stage, _ in told))
+    assert any("coupled run" in stage for stage in stages)
+    for stage in stages:
+        shares = [share for name, share in told if name == stage]
+        assert shares == sorted(shares)
+        assert (shares[0], shares[-1]) == (0.0, 1.0)
+
+    def stop(stage: str, share: float) -> None:
+        raise KeyError("enough")
+
+    with pytest.raises(KeyError, match="enough"):
+        tribocosim.run(scenario, progress=stop)
+
+
+def test_an_analysis_and_a_survey_have_the_tables_of_the_command(tmp_path: Path) -> None:
+    out = ("--out", str(tmp_path))
+    assert called("analyse", "cam", "--set", "points=90", *out).returncode == 0
+    assert called("analyse", "two-masses", *out).returncode == 0
+    with xarray.open_dataset(tmp_path / "cam.nc", engine="h5netcdf") as written:
+        assert written.equals(tribocosim.analyse("cam", {"points": 90}))
+    with xarray.open_dataset(tmp_path / "stability.nc", engine="h5netcdf") as written:
+        found = tribocosim.analyse(tribocosim.load("two-masses"))
+        np.testing.assert_array_equal(written["largest_stable_step"], found["largest_stable_step"])
+
+
+def test_a_study_is_a_table_over_its_axes() -> None:
+    scenario = tribocosim.load("two-masses").with_({"stop_time": 0.2, "reference.enabled": False})
+    axes = {"macro_step": [1e-3, 2e-3]}
+    table = tribocosim.study({"points": {"kind": "grid", "axes": axes}}, scenario, workers=1)
+    assert dict(table.sizes)["macro_step"] == 2
+    for i, step in enumerate(axes["macro_step"]):
+        alone = tribocosim.run(scenario.with_({"macro_step": step})).coupled
+        name = next(str(n) for n in alone.data_vars)
+        assert float(table[f"{name}.maximum"][i]) == float(alone[name].max())
+
+
+@pytest.mark.long
+def test_a_sweep_over_speed_has_the_cycles_of_the_command(tmp_path: Path) -> None:
+    ends = ("--from", "1000 rpm", "--to", "2000 rpm", "--count", "2")
+    assert called("speeds", "my-cam", *ends, "--out", str(tmp_path / "out")).returncode == 0
+    table = tribocosim.speeds("my-cam", "1000 rpm", "2000 rpm", 2, workers=1)
+    with xarray.open_zarr(tmp_path / "out" / "speeds.zarr") as written:
+        np.testing.assert_array_equal(written["contact.least_load"], table["contact.least_load"])
+    assert "contact is" in table.attrs["separation"]

@@ -28,6 +28,10 @@ class SilentReporter(Reporter):
             if tell is None:
                 yield bar
                 return
-            tell(text, 0.0)
-            yield Bar(lambda share: tell(text, share), stop_time)
-            tell(text, 1.0)
+
+            def show(share: float) -> None:
+                tell(text, share)
+
+            show(0.0)
+            yield Bar(show, stop_time)
+            show(1.0)

@@ -26,6 +26,7 @@ from .fmi2 import Fmi2
 from .fmi3 import Fmi3
 from .fmi_instance import FmiInstance
 from .protocol import BoundVariables
+from .staying import stay_in_folder
 
 FAILED_CALLS = {
     SET: "setting the inputs",
@@ -70,8 +71,7 @@ class FmuParticipant:
         self.restorable = description.restorable
         kind: Any = Fmi3 if description.version == "3.0" else Fmi2
         try:
-            # fmpy goes into the library's folder, and stays there where the library cannot be loaded.
-            with contextlib.chdir("."):
+            with stay_in_folder():
                 self._fmi: FmiInstance = kind(name, description, self._folder)
                 self._errors.fmi = self._fmi
                 self._fmi.instantiate(self._errors.log)

@@ -261,6 +261,7 @@ class Watched:
         self.finish_initialisation = guard_call(
             index, "end of initialisation", participant.finish_initialisation
         )
+        self.set_inputs = guard_call(index, "setting of inputs", participant.set_inputs)
         self.advance = watchdog.advancing(index, participant.advance)
         self.read_all = guard_call(index, "reading of all outputs", participant.read_all)
         self.save = mark_start(index, "saving of its state", participant.save)

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from orchestrator.study import store as module
-from orchestrator.study.files import Plan, parse_study, resolve
+from orchestrator.study.files import Plan, build_subject, parse_study, resolve
 from orchestrator.study.source import compute_fingerprint
 from orchestrator.study.store import Store, open_store
 from orchestrator.study.task import Outcome, evaluate
@@ -23,7 +23,8 @@ def refuse_build(name: str, structure: Any, kind: str = "") -> Path:
 
 def plan_study(points: dict[str, Any], analysis: str | None = PLAIN, **study: Any) -> Plan:
     content = {"name": "test", "analysis": analysis, "points": points} | study
-    return resolve(parse_study(content), Path(), refuse_build)
+    study = parse_study(content)
+    return resolve(study, build_subject(study, Path(), refuse_build))
 
 
 def plan_scenario(points: dict[str, Any], **study: Any) -> Plan:

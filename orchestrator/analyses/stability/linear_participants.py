@@ -116,6 +116,11 @@ class LinearParticipant:
     def finish_initialisation(self) -> None:
         pass
 
+    def set_inputs(self, values: Mapping[str, float]) -> None:
+        for name, value in values.items():
+            self._U[0, self._component.inputs.index(name)] = value
+        self._u[:] = self._U[:2] - self.trajectory[:2]
+
     def write(self) -> None:
         given = self._U.reshape(ROWS, -1)
         given[: len(self._inputs), self._into] = self._inputs
