@@ -18,7 +18,7 @@ _lock = threading.Lock()
 def stay_in_folder() -> Iterator[None]:
     """fmpy goes into the library's folder to load it, and stays there where that fails.
 
-    Only Windows looks there for what the library needs. Elsewhere other threads would write their files there.
+    Only Windows looks there for what the library needs. Elsewhere other threads would write files there.
     """
     with _lock, contextlib.ExitStack() as stack:
         if os.name == "nt":

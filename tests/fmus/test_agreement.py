@@ -10,6 +10,7 @@ from fmpy import read_model_description
 from fmus.build import NAMES, build
 
 from .conftest import Isolated
+from .names import mark_long
 from .reference import Reference, held, schedule, split, wave
 
 STEPS, STEP = 300, 1e-5
@@ -56,7 +57,7 @@ def expected_of(reference: Reference, plan: list) -> list[list[float]]:
     return expected
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", mark_long(NAMES))
 def test_fmu_equals_component(
     name: str, fmu_files: dict[str, Path], isolated: Isolated, tmp_path: Path, record
 ) -> None:

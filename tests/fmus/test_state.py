@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from fmus.build import NAMES
 
 from .instance import Instance
+from .names import mark_long
 from .reference import Reference, held, wave
 
 STEP = 1e-5
@@ -34,7 +35,7 @@ def drive(slave: Instance, name: str, t: float, steps: int, curved: bool = True,
 COMPONENTS = {name: Reference(name).component for name in NAMES}
 
 
-@pytest.fixture(scope="module", params=NAMES)
+@pytest.fixture(scope="module", params=mark_long(NAMES))
 def pair(
     request: pytest.FixtureRequest, unpacked: dict[str, Path]
 ) -> Iterator[tuple[str, Instance, Instance]]:

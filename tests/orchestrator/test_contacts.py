@@ -230,6 +230,7 @@ FAST = [
 ]  # fmt: skip
 
 
+@pytest.mark.long
 def test_contacts_and_warnings_do_not_depend_on_what_is_recorded(tmp_path: Path):
     """The follower leaves its cam and lands; from rows of 100 us its largest load was a sixth of it."""
     found, warned = [], []

@@ -123,6 +123,7 @@ def test_a_run_of_a_third_party_fmu_grows_beyond_the_limit_predicted_by_its_deri
     assert_growth_changes_at(limit, behaviour, system, open_participants)
 
 
+@pytest.mark.long
 def test_the_command_takes_derivatives_where_an_fmu_gives_them(tmp_path):
     scenario = write_masses(tmp_path, c_fmu("sprung", 3, tmp_path).as_posix())
     said = CliRunner().invoke(app, ["analyse", scenario, "--out", str(tmp_path / "out")])

@@ -130,7 +130,10 @@ def test_crank_angles_are_halved_and_doubted_without_their_name(tmp_path):
     assert [line for line in list_warnings(load(file)) if "crank" in line]
 
 
-@pytest.mark.parametrize(("rounding", "noise"), [(1e-3, 0.0), (1e-4, 0.0), (1e-6, 2e-3)])
+@pytest.mark.parametrize(
+    ("rounding", "noise"),
+    [(1e-3, 0.0), *(pytest.param(*case, marks=pytest.mark.long) for case in ((1e-4, 0.0), (1e-6, 2e-3)))],
+)
 @given(row=st.integers(40, 120), error=st.sampled_from([-0.1, -0.02, 0.02, 0.1]))
 @settings(max_examples=10, deadline=None)
 def test_one_wrong_row_is_named_and_none_without_it(rounding, noise, row, error):

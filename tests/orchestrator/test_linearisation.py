@@ -206,6 +206,7 @@ def analyse(tmp_path, path):
     return CliRunner().invoke(app, ["analyse", write_masses(tmp_path, path), "--out", str(tmp_path / "out")])
 
 
+@pytest.mark.long
 def test_the_command_tells_how_each_participant_was_linearised(tmp_path):
     shown = analyse(tmp_path, small_fmu("sound", tmp_path, restorable=True))
     assert shown.exit_code == 0, shown.output

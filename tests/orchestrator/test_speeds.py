@@ -93,6 +93,7 @@ def test_it_tells_the_speed_of_separation(swept: tuple[Path, str]) -> None:
     assert 2200.0 < float(line.split()[4]) < 3400.0
 
 
+@pytest.mark.long
 def test_the_same_command_takes_what_is_there(swept: tuple[Path, str]) -> None:
     out, _ = swept
     before = {path.name: path.stat().st_mtime_ns for path in (out / "cycles").iterdir()}

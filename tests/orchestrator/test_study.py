@@ -264,6 +264,7 @@ def test_a_running_scheduler_gives_the_same_store(cluster: str, undisturbed: Pat
     assert read_files(store) == read_files(undisturbed / "store.zarr")
 
 
+@pytest.mark.long
 def test_a_point_that_kills_its_process_is_recorded_and_the_rest_goes_on(tmp_path: Path) -> None:
     store = tmp_path / "store.zarr"
     done = tribocosim("study", str(write_study(tmp_path, "LETHAL")), "--out", str(store), "--workers=2")

@@ -264,7 +264,8 @@ def arguments(file, out):
 
 
 @pytest.mark.parametrize(
-    "kind", ["sleeps", pytest.param("waits in C", marks=pytest.mark.long), "holds the interpreter"]
+    "kind",
+    ["sleeps", *(pytest.param(k, marks=pytest.mark.long) for k in ("waits in C", "holds the interpreter"))],
 )
 def test_a_stalled_run_ends_with_status_3_and_its_results(kind, camshaft, tmp_path):
     file = write_tampered(camshaft, tmp_path / "stalls.fmu", STALLING.format(stall=STALLS[kind]))

@@ -144,6 +144,7 @@ def test_across_the_contact(runs: Runs) -> None:
     assert np.all((locate_constriction(cycle) * velocity)[away] > 0.0)
 
 
+@pytest.mark.long
 def test_every_formula_is_judged(runs: Runs) -> None:
     statements = [claim.judge(runs) for claim in CLAIMS]
     assert {f"cycle-{formula.name}" for formula in FORMULAS} <= {statement.key for statement in statements}

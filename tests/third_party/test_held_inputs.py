@@ -133,6 +133,7 @@ def test_signals_are_advised_for_held_inputs_by_what_they_give(tmp_path: Path) -
     assert 'extrapolation = "quadratic"' in (coupling.suggest_held_inputs(facts) or "")
 
 
+@pytest.mark.long
 def test_the_estimated_error_has_that_of_held_inputs(tmp_path: Path) -> None:
     """Within 5 % of that of a run."""
     more: dict[str, Any] = {"tolerance": {"second.position": 0.3}, "reference": {"enabled": True}}

@@ -94,7 +94,10 @@ def test_a_process_of_its_own_is_for_all_but_what_is_as_we_made_it(tmp_path: Pat
     assert re.search(VICES["crashing"], summary.message)
 
 
-@pytest.mark.parametrize(("vice", "version"), [("crashing", 2), ("quitting", 2), ("quitting", 3)])
+@pytest.mark.parametrize(
+    ("vice", "version"),
+    [("crashing", 2), ("quitting", 2), pytest.param("quitting", 3, marks=pytest.mark.long)],
+)
 def test_what_ends_the_run_s_process_leaves_what_was_recorded(
     vice: str, version: int, tmp_path: Path
 ) -> None:

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import pytest
-
 from fmus.native.fmu import NAMES
 
-# Those with impacts, vectors, events in time, a formula's choice and plain motion among them.
-ALWAYS = ("camshaft", "valve_spring", "ehl_contact", "slider_crank", "flywheel")
+from ..names import mark_long
 
-EVERY = [name if name in ALWAYS else pytest.param(name, marks=pytest.mark.long) for name in NAMES]
+EVERY = mark_long(NAMES)

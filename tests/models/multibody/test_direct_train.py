@@ -87,7 +87,10 @@ def test_ks_train_on_a_flexible_shaft(
     record("Multibody", f"{at}: guide moment (N m)", guide, moment, SOURCE, tolerance=6e-4)
 
 
-@pytest.mark.parametrize("speed_rpm", [600.0, 1000.0, 3000.0])
+@pytest.mark.parametrize(
+    "speed_rpm",
+    [pytest.param(600.0, marks=pytest.mark.long), 1000.0, pytest.param(3000.0, marks=pytest.mark.long)],
+)
 def test_multibody_and_minimal_model_agree_on_a_rigid_shaft(
     speed_rpm: float, record: Callable[..., None]
 ) -> None:

@@ -170,6 +170,7 @@ def test_an_opening_contact_returns_what_was_stored(pressed: Unit) -> None:
     assert returned + unit[DISSIPATED] - dissipated == pytest.approx(stored, rel=0.01)
 
 
+@pytest.mark.long
 def test_a_jump_of_the_approach_is_told_beside_what_steps_gain() -> None:
     """Stored energy rises by the load times the jump, to its first order."""
     unit = counting()

@@ -1,0 +1,15 @@
+"""The components of which FMUs are made in every run of the tests, and the others, which take long."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import pytest
+
+# Those with impacts, vectors, events in time, a formula's choice and plain motion among them.
+ALWAYS = ("camshaft", "valve_spring", "ehl_contact", "slider_crank", "flywheel")
+
+
+def mark_long(names: Iterable[str]) -> list:
+    """Parameters of a test, the others than ALWAYS marked as long."""
+    return [name if name in ALWAYS else pytest.param(name, marks=pytest.mark.long) for name in names]
