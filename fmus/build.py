@@ -7,6 +7,7 @@ the texts. A build does not run the code that it packs.
 from __future__ import annotations
 
 import importlib
+import inspect
 import io
 import os
 import tempfile
@@ -15,19 +16,20 @@ import zipfile
 from collections.abc import Mapping
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 import pythonfmu
 
 from fmus.fmi.archive import compute_digest, seal
-from models.catalogue import CATALOGUE
+from models.catalogue import CATALOGUE, find_factory, identify, is_own
 from models.core.component import Component
 
 from .cross_check.inside import REFERENCE_NOTE, references
-from .documentation import render_page
+from .documentation import MARKER, render_page
 from .fmi.description import GUID_PLACE, PYTHON, Experiment, Origin, model_description
 from .fmu_cache import cache_path, recall, tidy, use_cached
 from .patch_elf import add_needed_library
-from .sources import collect_sources
+from .sources import collect_sources, name_module
 
 HERE = Path(__file__).parent
 
@@ -91,17 +93,19 @@ def build(
     KeyError for an unknown name; ValueError for sizes that the component refuses, and for a bad `libpython`.
     """
     if destination is not None:
-        return write_fmu(pack_files(collect_files(name, structure, libpython)), name, Path(destination))
+        files = collect_files(name, structure, libpython)
+        return write_fmu(pack_files(files), identify(name), Path(destination))
 
     def find() -> Path:
         files = collect_files(name, structure, libpython)
-        target = cache_path(name, compute_digest(files))
+        target = cache_path(identify(name), compute_digest(files))
         if not use_cached(target):
-            write_fmu(pack_files(files), name, target)
+            write_fmu(pack_files(files), identify(name), target)
             tidy(target.parent)
         return target
 
-    return recall(name, f"{structure} {libpython} {metadata.version('pythonfmu')}", find)
+    choice = f"{structure} {libpython} {metadata.version('pythonfmu')} {digest_own(name)}"
+    return recall(identify(name), choice, find)
 
 
 def write_fmu(content: bytes, name: str, destination: Path) -> Path:
@@ -139,26 +143,26 @@ def collect_files(
 ) -> dict[str, bytes]:
     """The FMU's files by path."""
     sizes, component = resolve_component(name, structure)
-    factory = CATALOGUE[name]
+    factory, called = find_factory(name), identify(name)
     package, code = collect_sources(factory)
     files = {f"resources/{path}": content for path, content in code.items()}
     script = _SCRIPT.format(
-        name=name,
+        name=called,
         package=package,
-        module=factory.__module__,
+        module=name_module(factory),
         factory=factory.__name__,
         structure=sizes,
     ).encode()
-    stem = f"{name}_{compute_digest({package: script})[:16]}"
+    stem = f"{called}_{compute_digest({package: script})[:16]}"
     files[f"resources/{stem}.py"] = script
     files["resources/slavemodule.txt"] = stem.encode()
     licence = metadata.distribution("pythonfmu").read_text("licenses/LICENSE") or ""
     files["documentation/licenses/pythonfmu.txt"] = licence.encode()
-    files |= collect_binaries(name, libpython) | documents(name, component)
+    files |= collect_binaries(called, libpython) | documents(name, component)
     if has_reference(name, component):
         files |= references(name, exchange=False)
     made_by = origin(f"PythonFMU {pythonfmu.__version__}")
-    xml = model_description(component, name, experiment(name), made_by, PYTHON)
+    xml = model_description(component, called, experiment(name), made_by, PYTHON)
     guid = uuid.UUID(compute_digest(files | {"modelDescription.xml": xml.encode()})[:32])
     files["modelDescription.xml"] = xml.replace(GUID_PLACE, f"{{{guid}}}").encode()
     return files
@@ -166,11 +170,11 @@ def collect_files(
 
 def resolve_component(name: str, structure: Mapping[str, int] | None) -> tuple[dict[str, int], Component]:
     """The sizes of an FMU, and the component with them; KeyError and ValueError as `build`."""
-    if name not in NAMES:
+    if name not in NAMES and not is_own(name):
         raise KeyError(f"FMU {name!r}: must be one of {', '.join(NAMES)}")
     sizes = {key: int(value) for key, value in sorted((structure or {}).items())}
     try:
-        return sizes, CATALOGUE[name](**sizes)
+        return sizes, find_factory(name)(**sizes)
     except (TypeError, ValueError) as error:
         raise ValueError(f"structure of {name}: {error}") from None
 
@@ -182,8 +186,22 @@ def has_reference(name: str, component: Component) -> bool:
 
 def experiment(name: str) -> Experiment:
     """The default experiment of tools."""
-    offered: Experiment = importlib.import_module(f"fmus.{name}").EXPERIMENT
+    offered: Experiment = find_extra(name, "EXPERIMENT", Experiment(stop_time=1.0, step_size=1e-3))
     return offered
+
+
+def find_extra(name: str, constant: str, default: Any) -> Any:
+    """A constant of the component's folder here, of a user's own component of its module."""
+    place = find_factory(name).__module__ if is_own(name) else f"fmus.{name}"
+    return getattr(importlib.import_module(place), constant, default)
+
+
+def digest_own(name: str) -> str:
+    """A digest of the code of a user's own component; "" for ours."""
+    if not is_own(name):
+        return ""
+    file = Path(inspect.getfile(inspect.unwrap(find_factory(name))))
+    return compute_digest({file.name: file.read_bytes()})
 
 
 def origin(tool: str) -> Origin:
@@ -221,12 +239,18 @@ def collect_binaries(name: str, libpython: str | None) -> dict[str, bytes]:
 
 def documents(name: str, component: Component) -> dict[str, bytes]:
     """The documents and the icon of an FMU."""
-    folder = HERE / name
-    readme = (folder / "README.md").read_text("utf-8") + (
-        REFERENCE_NOTE if has_reference(name, component) else ""
-    )
+    if is_own(name):
+        module = Path(inspect.getfile(find_factory(name)))
+        about = inspect.getdoc(importlib.import_module(find_factory(name).__module__)) or ""
+        readme = f"# {identify(name)}\n\n```\n{about}\n```\n\n## Variables\n\n{MARKER}\n"
+        icon = module.with_suffix(".png")
+    else:
+        module = HERE / name
+        readme = (module / "README.md").read_text("utf-8")
+        readme += REFERENCE_NOTE if has_reference(name, component) else ""
+        icon = module / "model.png"
     return {
         "documentation/index.html": render_page(readme, component).encode(),
         "documentation/licenses/LICENSE": _license().encode(),
-        "model.png": (folder / "model.png").read_bytes(),
+        "model.png": (icon if icon.is_file() else HERE / "model.png").read_bytes(),
     }

@@ -257,6 +257,14 @@ def spring_stop(axes: Axes) -> None:
     bouncing_mass(axes, STEEL, OIL)
 
 
+def component(axes: Axes) -> None:
+    """Any component without an icon of its own: a body between two connections."""
+    axes.plot([0.8, 9.2], [5, 5], color=INK, linewidth=4)
+    axes.add_patch(Rectangle((2.8, 2.8), 4.4, 4.4, facecolor=STEEL, **_LINE))
+    for x in (0.9, 9.1):
+        axes.add_patch(Circle((x, 5), 0.7, facecolor=OIL, **_LINE))
+
+
 ICONS: tuple[Callable[[Axes], None], ...] = (
     camshaft,
     valve_spring,
@@ -302,3 +310,4 @@ def draw(icon: Callable[[Axes], None], path: Path) -> None:
 if __name__ == "__main__":
     for icon in ICONS:
         draw(icon, Path(__file__).parent / icon.__name__ / "model.png")
+    draw(component, Path(__file__).parent / "model.png")

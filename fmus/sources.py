@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import functools
+import inspect
+import re
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -17,6 +19,9 @@ from fmus.fmi.archive import compute_digest
 # Packages that the code in an FMU may import besides the standard library.
 RUN_TIME = {"numpy", "numba", "llvmlite"}
 
+# The folder of `models`, inside an FMU, with the module of a user's own component.
+OWN = "own"
+
 _SLAVE = ("host.py", "libpython.py", "variable_layout.py", "slave.py")
 
 
@@ -26,11 +31,16 @@ def collect_sources(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]
     The name has the digest of the content, so that two versions in one process do not share modules.
     """
     root = Path(models.__file__).parent
-    module = root.parent / Path(*factory.__module__.split(".")).with_suffix(".py")
-    files = {
-        f"models/{path.relative_to(root).as_posix()}": path.read_bytes()
-        for path in find_imports(module, root)
-    }
+    module = Path(inspect.getfile(inspect.unwrap(factory)))
+    files: dict[str, bytes] = {}
+    if module.is_relative_to(root):
+        begin = [module]
+    else:
+        text, begin = _relocate(module, root)
+        files |= {f"models/{OWN}/{module.name}": text.encode(), f"models/{OWN}/__init__.py": b""}
+    # The slave needs the integrator, whatever the component imports.
+    imported = {path for one in begin for path in find_imports(one, root)}
+    files |= {f"models/{path.relative_to(root).as_posix()}": path.read_bytes() for path in imported}
     files |= {name: (Path(__file__).parent / name).read_bytes() for name in _SLAVE}
     base = Path(pythonfmu.__file__).parent
     files |= {
@@ -44,6 +54,37 @@ def collect_sources(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]
     )
     package = f"tribocosim_{compute_digest(files)[:16]}"
     return package, {f"{package}/{name}": content for name, content in sorted(files.items())}
+
+
+def name_module(factory: Callable[..., Any]) -> str:
+    """The module of the factory inside an FMU's package."""
+    module = Path(inspect.getfile(inspect.unwrap(factory)))
+    if module.is_relative_to(Path(models.__file__).parent):
+        return factory.__module__
+    return f"models.{OWN}.{module.stem}"
+
+
+def _relocate(module: Path, root: Path) -> tuple[str, list[Path]]:
+    """The text of a user's module as one of the folder OWN of `models`, and the files of ours it imports.
+
+    ImportError for imports that an FMU cannot have.
+    """
+    lines = module.read_text("utf-8").splitlines(keepends=True)
+    found: list[Path] = []
+    for node in ast.walk(ast.parse("".join(lines), str(module))):
+        if isinstance(node, ast.ImportFrom) and not node.level and f"{node.module}.".startswith("models."):
+            base = root.parent.joinpath(*str(node.module).split("."))
+            for place in (base, *(base / imported.name for imported in node.names)):
+                found += _files(place)
+            line = lines[node.lineno - 1]
+            lines[node.lineno - 1] = re.sub(r"from\s+models(\.|\s+)", r"from ..", line, count=1)
+        elif isinstance(node, ast.ImportFrom) and node.level:
+            raise ImportError(f"{module.name}: imports from {'.' * node.level}: put all of it into one file")
+        elif isinstance(node, (ast.Import, ast.ImportFrom)):
+            names = [node.module] if isinstance(node, ast.ImportFrom) else [name.name for name in node.names]
+            for name in names:
+                _refuse_foreign(str(name).partition(".")[0], module.name)
+    return "".join(lines), found
 
 
 def find_imports(module: Path, root: Path, packages: bool = True) -> list[Path]:
@@ -83,7 +124,8 @@ def _parse_imports(file: Path, root: Path) -> Iterator[Path]:
         elif isinstance(node, (ast.Import, ast.ImportFrom)):
             names = [node.module] if isinstance(node, ast.ImportFrom) else [name.name for name in node.names]
             for name in names:
-                _refuse_foreign(str(name).partition(".")[0], file, root)
+                place = file.relative_to(root.parent).as_posix()
+                _refuse_foreign(str(name).partition(".")[0], place)
 
 
 def _files(base: Path) -> Iterator[Path]:
@@ -92,10 +134,9 @@ def _files(base: Path) -> Iterator[Path]:
             yield path
 
 
-def _refuse_foreign(package: str, file: Path, root: Path) -> None:
+def _refuse_foreign(package: str, place: str) -> None:
     if package not in RUN_TIME and package not in sys.stdlib_module_names:
-        place = file.relative_to(root.parent)
         allowed = ", ".join(sorted(RUN_TIME))
         raise ImportError(
-            f"{place} imports {package}: an FMU may import {allowed} and the standard library only"
+            f"{place} imports {package}: an FMU may import {allowed}, the standard library, and from models"
         )

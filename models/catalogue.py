@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import functools
+import importlib
+import os
+import sys
 from collections.abc import Callable, Mapping
 
 from .contact.ehl_contact import ehl_contact
@@ -60,3 +64,32 @@ CATALOGUE: Mapping[str, Callable[..., Component]] = {
     "falling_mass": falling_mass,
     "spring_stop": spring_stop,
 }
+
+
+def is_own(name: str) -> bool:
+    """Whether the name is that of a user's own component, "module:factory"."""
+    return ":" in name
+
+
+def identify(name: str) -> str:
+    """The name by which an FMU is called: that of the component, of a user's own that of its factory."""
+    return name.rpartition(":")[2]
+
+
+@functools.cache
+def find_factory(name: str) -> Callable[..., Component]:
+    """The factory of a component of the catalogue, or of a user's own as "module:factory".
+
+    The module lies where the command is called, or is installed. KeyError for a name that is not in the
+    catalogue, ValueError for a module or factory that cannot be imported.
+    """
+    if not is_own(name):
+        return CATALOGUE[name]
+    module, _, attribute = name.partition(":")
+    if (here := os.getcwd()) not in sys.path:
+        sys.path.append(here)
+    try:
+        factory: Callable[..., Component] = getattr(importlib.import_module(module), attribute)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise ValueError(f"{name}: cannot be imported ({error})") from None
+    return factory

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .api import RunError as RunError
     from .api import Scenario as Scenario
     from .api import analyse as analyse
+    from .api import build_fmu as build_fmu
     from .api import load as load
     from .api import open as open
     from .api import run as run
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
     from .api import study as study
 
 __all__ = [
-    "MistakeError", "Result", "RunError", "Scenario", "analyse", "load", "open", "run", "session", "speeds",
-    "study",
+    "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "load", "open", "run",
+    "session", "speeds", "study",
 ]  # fmt: skip
 
 

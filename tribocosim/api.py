@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from orchestrator.command_line.fmu import build_fmu
+from orchestrator.command_line.fmu import build_fmu as build_cached_fmu
 from orchestrator.errors import MistakeError, RunError
 from orchestrator.run.pipeline import run as run_pipeline
 from orchestrator.store.result_file import open_result
 
+from .fmu import build_fmu as build_fmu
 from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load
 from .stepping import Session as session
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = [
-    "MistakeError", "Result", "RunError", "Scenario", "analyse", "load", "open", "run", "session", "speeds",
-    "study",
+    "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "load", "open", "run",
+    "session", "speeds", "study",
 ]  # fmt: skip
 
 
@@ -107,7 +108,7 @@ def _run(
     scenario: Scenario, folder: Path, overwrite: bool, figures: bool, progress: Progress | None
 ) -> Result:
     reporter = SilentReporter(progress)
-    summary = run_pipeline(scenario.check(), folder, build_fmu, reporter, overwrite, figures)
+    summary = run_pipeline(scenario.check(), folder, build_cached_fmu, reporter, overwrite, figures)
     if not summary.complete:
         raise RunError(summary.message)
     return open(folder)

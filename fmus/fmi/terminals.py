@@ -6,7 +6,6 @@ Members of connected terminals have the same name, and equal values.
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import count
@@ -30,9 +29,8 @@ class Terminal:
     partial: bool = False
 
 
-def find_terminals(name: str, variables: Collection[str]) -> dict[str, Terminal]:
-    """The terminals of a component whose FMU has these variables."""
-    stated: Mapping[str, Terminal] = getattr(importlib.import_module(f"fmus.{name}"), "TERMINALS", {})
+def find_terminals(stated: Mapping[str, Terminal], variables: Collection[str]) -> dict[str, Terminal]:
+    """The terminals, as a component's folder states them, of an FMU that has these variables."""
     return {
         label: terminal
         for each, stem in stated.items()
@@ -51,14 +49,14 @@ def _elements(name: str, stem: Terminal, variables: Collection[str]) -> Iterator
         yield name.replace(EACH, f"[{i}]"), Terminal(stem.kind, stem.description, members, stem.partial)
 
 
-def terminals_and_icons(name: str, variables: Collection[str]) -> str:
+def terminals_and_icons(stated: Mapping[str, Terminal], variables: Collection[str]) -> str:
     """The XML text; the icon beside it is icon.png."""
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     drawn = SubElement(root, "GraphicalRepresentation")
     corners = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
     SubElement(drawn, "CoordinateSystem", corners, suggestedScalingFactorTo_mm="0.1")
     SubElement(drawn, "Icon", corners)
-    terminals = find_terminals(name, variables)
+    terminals = find_terminals(stated, variables)
     if not terminals:
         return to_xml(root)
     listed = SubElement(root, "Terminals")

@@ -5,11 +5,11 @@ from __future__ import annotations
 import uuid
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from importlib import import_module, metadata
+from importlib import metadata
 from pathlib import Path
 
 from fmus.fmi.archive import compute_digest
-from models.catalogue import CATALOGUE
+from models.catalogue import find_factory, identify, is_own
 from models.core.component import Component
 
 from .. import build as python_build
@@ -53,7 +53,7 @@ def build(
     """
     sizes, component = python_build.resolve_component(name, structure)
     check_component(name)
-    label = f"{name}-native" if fmi == 2 else f"{name}-native-fmi{fmi}"
+    label = f"{identify(name)}-native" if fmi == 2 else f"{identify(name)}-native-fmi{fmi}"
 
     @cache
     def pack() -> bytes:
@@ -67,7 +67,8 @@ def build(
         return target
 
     try:
-        target = recall(label, f"{sizes} {sorted(platforms)} {_versions()}", find)
+        choice = f"{sizes} {sorted(platforms)} {_versions()} {python_build.digest_own(name)}"
+        target = recall(label, choice, find)
         if destination is None:
             return target
         content = target.read_bytes()
@@ -89,33 +90,35 @@ def collect_files(
     """The FMU's files by path."""
     progress("its equations and their derivatives")
     kernels = _kernels(name, tuple(sorted(sizes.items())), tuple(smooth(component)))
+    called = identify(name)
     made_by = python_build.origin("LLVM and zig")
     experiment = python_build.experiment(name)
     if fmi == 2:
-        xml = model_description(component, name, experiment, made_by, NATIVE, EXCHANGE)
+        xml = model_description(component, called, experiment, made_by, NATIVE, EXCHANGE)
     else:
-        xml = description3.model_description(component, name, experiment, made_by)
+        xml = description3.model_description(component, called, experiment, made_by)
     unnamed = {
-        **tables(component, name, "", "", fmi),
+        **tables(component, called, "", "", fmi),
         "kernels.ll": "".join(kernels),
         "modelDescription.xml": xml,
     }
     digest = compute_digest({**_runtime(), **{path: text.encode() for path, text in unnamed.items()}})
     token = f"{{{uuid.UUID(digest[:32])}}}"
-    named = tables(component, name, digest[:16], token, fmi)
+    named = tables(component, called, digest[:16], token, fmi)
     files = python_build.documents(name, component)
     if python_build.has_reference(name, component):
         files |= references(name, exchange=True)
     described = {variable.name for variable in Memory(component).variables()}
     icon = files.pop("model.png") if fmi == 3 else files["model.png"]
     files[f"{FOLDER}/icon.png"] = icon
-    files[f"{FOLDER}/{FOLDER}.xml"] = terminals_and_icons(name, described).encode()
+    stated = python_build.find_extra(name, "TERMINALS", {})
+    files[f"{FOLDER}/{FOLDER}.xml"] = terminals_and_icons(stated, described).encode()
     files["modelDescription.xml"] = xml.replace(GUID_PLACE, token).encode()
     for count, platform in enumerate(map(PLATFORMS.__getitem__, platforms), 1):
         progress(f"machine code for {platform.fmi3} ({count} of {len(platforms)})")
         folder = platform.fmi2 if fmi == 2 else platform.fmi3
-        library = shared_library(platform, kernels, named, name, fmi)
-        files[f"binaries/{folder}/{name}{platform.suffix}"] = library
+        library = shared_library(platform, kernels, named, called, fmi)
+        files[f"binaries/{folder}/{called}{platform.suffix}"] = library
     return files
 
 
@@ -128,11 +131,14 @@ def _kernels(name: str, sizes: tuple[tuple[str, int], ...], smooth_ones: tuple[s
 
 def _digest_inputs(name: str, sizes: Mapping[str, int], platforms: Sequence[str]) -> str:
     """The digest of all that the FMU is made of."""
-    package, _ = collect_sources(CATALOGUE[name])
+    package, _ = collect_sources(find_factory(name))
     here = Path(__file__).parent
     files = {f"fmus/{path.relative_to(here.parent)}": path.read_bytes() for path in here.parent.rglob("*.py")}
-    documents = {path.name: path.read_bytes() for path in (here.parent / name).iterdir() if path.is_file()}
-    documents |= references(name, exchange=True)
+    documents: dict[str, bytes] = {}
+    if not is_own(name):
+        folder = here.parent / name
+        documents = {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+        documents |= references(name, exchange=True)
     said = f"{package} {sorted(sizes.items())} {sorted(platforms)} {_versions()}"
     return compute_digest(files | documents | dict(_runtime()) | {"said": said.encode()})
 
@@ -156,7 +162,7 @@ def check_component(name: str) -> None:
 
 def _python_only(name: str) -> str:
     """Why there is no native FMU of the component: PYTHON_ONLY of its folder; "" if there is one."""
-    return str(getattr(import_module(f"fmus.{name}"), "PYTHON_ONLY", ""))
+    return str(python_build.find_extra(name, "PYTHON_ONLY", ""))
 
 
 # The components of which there are native FMUs.

@@ -82,13 +82,13 @@ def _translate(name: str, structure: Mapping[str, int]) -> str:
     for option in _SMALL:  # before what is imported calls its kernels
         llvm.set_option("", option)
 
-    from models.catalogue import CATALOGUE
+    from models.catalogue import find_factory
 
     from .entries import entries
 
     whole = llvm.parse_assembly("")
     symbols = {}
-    for entry in entries(CATALOGUE[name](**structure)):
+    for entry in entries(find_factory(name)(**structure)):
         compiled = njit(entry.signature, error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True)(
             entry.function
         )

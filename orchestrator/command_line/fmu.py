@@ -35,7 +35,7 @@ def build_fmu(name: str, structure: Mapping[str, int], kind: str = "fmu") -> Pat
         ) from None
     except MistakeError:
         raise
-    except (KeyError, ValueError) as error:
+    except (ImportError, KeyError, ValueError) as error:
         raise RunError(f"building the FMU {name}: {error.args[-1] if error.args else error}") from None
 
 
@@ -74,7 +74,9 @@ def _build_native_here(name: str, destination: Path | None, structure: Mapping[s
 
 @report_errors
 def fmu_build(
-    names: Annotated[list[str] | None, typer.Argument(help="Components.", show_default="all")] = None,
+    names: Annotated[
+        list[str] | None, typer.Argument(help="Components; your own as module:factory.", show_default="all")
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("."),
     structure: Annotated[
         list[str] | None, typer.Option(help="A structural size, e.g. coil_masses=8; may be repeated.")
@@ -96,17 +98,13 @@ def fmu_build(
     ] = None,
 ) -> None:
     """Build FMUs."""
-    for name in _check_options(names, structure, native, platform, fmi, libpython):
+    for name in check_options(names, structure, native, platform, fmi, libpython):
         sizes = dict(map(_parse_size, structure)) if structure else None
-        with _report_unwritable(out), _report_replacement(name, out):
-            print(
-                _build_native(name, out, sizes, platform, fmi)
-                if native
-                else _build_python(name, out, sizes, libpython)
-            )
+        with _report_replacement(name, out):
+            print(build_file(name, out, sizes, native, platform, fmi, libpython))
 
 
-def _check_options(
+def check_options(
     names: list[str] | None,
     structure: list[str] | None,
     native: bool,
@@ -117,6 +115,7 @@ def _check_options(
     """Check the options; return the components to build."""
     from fmus.build import NAMES
     from fmus.native.fmu import NAMES as NATIVE_NAMES
+    from models.catalogue import is_own
     from models.core.system import suggestion
 
     from ..errors import MistakeError
@@ -137,12 +136,12 @@ def _check_options(
     if libpython and native:
         raise MistakeError("--libpython: native FMUs need no Python; leave one of them out")
     for name in names or NAMES:
-        if name not in NAMES:
-            raise MistakeError(f"no FMU {name!r}; {suggestion(name, NAMES)}")
+        if name not in NAMES and not is_own(name):
+            raise MistakeError(f"no FMU {name!r}; {suggestion(name, NAMES)} (or your own as module:factory)")
         try:
             build_component(name, tuple((sizes or {}).items()))
         except ValueError as error:
-            raise MistakeError(f"--structure: {error}") from None
+            raise MistakeError(f"--structure: {error}" if sizes else str(error)) from None
     return names or (NATIVE_NAMES if native else NAMES)
 
 
@@ -157,6 +156,22 @@ def _report_unwritable(out: Path) -> Iterator[None]:
         raise MistakeError(f"{out}: cannot be written ({error.strerror}); choose another --out") from None
 
 
+def build_file(
+    name: str,
+    out: Path,
+    sizes: Mapping[str, int] | None,
+    native: bool,
+    platforms: list[str] | None = None,
+    fmi: int = 2,
+    libpython: str | None = None,
+) -> Path:
+    """The FMU's file in the folder `out`; MistakeError if it cannot be built, or written."""
+    with _report_unwritable(out):
+        if native:
+            return _build_native(name, out, sizes, platforms, fmi)
+        return _build_python(name, out, sizes, libpython)
+
+
 def _build_python(name: str, out: Path, sizes: Mapping[str, int] | None, libpython: str | None) -> Path:
     from fmus.build import build
 
@@ -164,7 +179,7 @@ def _build_python(name: str, out: Path, sizes: Mapping[str, int] | None, libpyth
 
     try:
         return build(name, out, sizes, libpython)
-    except ValueError as error:
+    except (ImportError, ValueError) as error:
         raise MistakeError(f"--libpython: {error}" if libpython else str(error)) from None
 
 
@@ -184,7 +199,7 @@ def _build_native(
     try:
         with _show_progress(name) as progress:
             return build(name, out, sizes, tuple(platforms or PLATFORMS), fmi, progress)
-    except (NativeBuildError, TranslationError) as error:
+    except (ImportError, NativeBuildError, TranslationError) as error:
         raise MistakeError(str(error)) from None
 
 
@@ -200,7 +215,9 @@ def _report_replacement(name: str, out: Path) -> Iterator[None]:
 
 def _list_files(name: str, out: Path) -> Sequence[Path]:
     """The existing FMUs of a component."""
-    files = [out] if out.suffix == ".fmu" else out.glob(f"{name}*.fmu")
+    from models.catalogue import identify
+
+    files = [out] if out.suffix == ".fmu" else out.glob(f"{identify(name)}*.fmu")
     return [file for file in files if file.is_file()]
 
 
@@ -268,14 +285,10 @@ def fmu_cross_check(
 
     from ..errors import MistakeError
 
-    for name in _check_options(names, None, native, platform, fmi, None):
+    for name in check_options(names, None, native, platform, fmi, None):
         with _report_unwritable(out), tempfile.TemporaryDirectory(prefix="tribocosim-") as folder:
             made = Path(folder)
-            file = (
-                _build_native(name, made, None, platform, fmi)
-                if native
-                else _build_python(name, made, None, None)
-            )
+            file = build_file(name, made, None, native, platform, fmi)
             tool = "tribocosim-native" if native else "tribocosim-python"
             try:
                 for place in lay_out(name, file, tool, out):

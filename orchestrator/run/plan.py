@@ -14,7 +14,7 @@ from ..engine.energy.counting import counting_structure
 from ..reporter import Reporter
 from ..scenario import BUILT_KINDS, Scenario
 from ..scenario.checks import check_reference
-from ..scenario.system import Builder, build_system, resolve_start
+from ..scenario.system import Builder, build_system, list_moved_starts, resolve_start
 from .witness import check_witness
 
 
@@ -57,7 +57,10 @@ def make_plan(scenario: Scenario, build: Builder, reporter: Reporter, figures: b
     check_witness(scenario, system)
     with reporter.stage("FMUs"):
         fmus = resolve_fmus(scenario, build)
-    return Plan(scenario, resolve_start(scenario, system), fmus, figures)
+    resolved = resolve_start(scenario, system)
+    for line in list_moved_starts(system, resolved):
+        reporter.line(line)
+    return Plan(scenario, resolved, fmus, figures)
 
 
 def collect_output_quantities(system: System) -> dict[str, Quantity]:

@@ -46,8 +46,8 @@ class ComponentTable(Table):
     )
     component: str | None = Field(
         None,
-        description="Name of the component in the catalogue; left out for an .fmu file that stands for "
-        "itself",
+        description="Name of the component in the catalogue, or your own as module:factory; left out for an "
+        ".fmu file that stands for itself",
         validate_default=True,
     )
     lift_table: str | None = Field(

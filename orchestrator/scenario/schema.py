@@ -29,7 +29,7 @@ def build_schema() -> dict[str, Any]:
     table = made["$defs"]["ComponentTable"]
     component = table["properties"]["component"]
     table["properties"]["component"] = {
-        "enum": list(CATALOGUE),
+        "anyOf": [{"enum": list(CATALOGUE)}, {"type": "string", "pattern": ":"}],
         "description": component["description"],
     }
     table["allOf"] = [

@@ -68,6 +68,21 @@ def resolve_start(scenario: Scenario, system: System) -> System:
     return resting
 
 
+def list_moved_starts(given: System, resolved: System) -> list[str]:
+    """A line for each start value of the scenario that its equilibrium has replaced by another."""
+    found = []
+    for name, instance in given.instances.items():
+        layout = instance.component.state
+        for state, value in instance.start.items():
+            quantity, now = layout.field(state).quantity, resolved.instances[name].start[state]
+            if abs(now - value) > 1e-6 * max(abs(value), quantity.nominal):
+                found.append(
+                    f"components.{name}.start.{state} = {value:g} {quantity.unit}: the equilibrium in which the "
+                    f'run begins has {now:g}; set start = "given" to begin with the start values'
+                )
+    return found
+
+
 def _select_start(layout: Layout, state: Vector) -> dict[str, float]:
     """The states that can be given a start value, by name."""
     named = layout.named(state)

@@ -7,7 +7,7 @@ import inspect
 from collections.abc import Mapping
 from typing import Any
 
-from models.catalogue import CATALOGUE
+from models.catalogue import CATALOGUE, find_factory, is_own
 from models.core.component import Component
 from models.core.quantities import Layout, Quantity
 from models.core.system import suggestion
@@ -38,14 +38,22 @@ def build_component(name: str, structure: tuple[tuple[str, int], ...] = ()) -> C
 
     ValueError for an unknown component or size, and for a size that the component refuses.
     """
-    if name not in CATALOGUE:
-        raise ValueError(f"no component {name!r}; {suggestion(name, CATALOGUE)}")
-    known = tuple(inspect.signature(CATALOGUE[name]).parameters)
+    if name not in CATALOGUE and not is_own(name):
+        raise ValueError(
+            f"no component {name!r}; {suggestion(name, CATALOGUE)} (or your own as module:factory)"
+        )
+    factory = find_factory(name)
+    known = tuple(inspect.signature(factory).parameters)
     for key, _ in structure:
         if key not in known:
             sizes = suggestion(key, known) if known else "it has no structural sizes"
             raise ValueError(f"{name} has no size {key!r}; {sizes}")
-    return CATALOGUE[name](**dict(structure))
+    component = factory(**dict(structure))
+    if not isinstance(component, Component):
+        raise ValueError(
+            f"{name}: gives a {type(component).__name__}, must be a models.core.component.Component"
+        )
+    return component
 
 
 def parse_value(quantity: Quantity, value: Any) -> Value:

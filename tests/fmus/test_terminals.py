@@ -9,13 +9,17 @@ from pathlib import Path
 import pytest
 
 import orchestrator
-from fmus.build import NAMES
+from fmus.build import NAMES, find_extra
 from fmus.fmi.terminals import Terminal, find_terminals, terminals_and_icons
 from fmus.fmi.validate import terminal_faults
 from fmus.variable_layout import Memory
 from models.catalogue import CATALOGUE
 
 SCENARIOS = Path(orchestrator.__file__).parent / "scenario" / "shipped"
+
+
+def stated(name: str) -> dict[str, Terminal]:
+    return find_extra(name, "TERMINALS", {})
 
 
 def variables_of(name: str, **structure: int) -> set[str]:
@@ -26,7 +30,7 @@ def variables_of(name: str, **structure: int) -> set[str]:
 @pytest.mark.parametrize("name", NAMES)
 def test_the_file_is_valid(name: str) -> None:
     variables = variables_of(name)
-    assert terminal_faults(terminals_and_icons(name, variables).encode(), variables) == []
+    assert terminal_faults(terminals_and_icons(stated(name), variables).encode(), variables) == []
 
 
 def scenario(name: str) -> dict:
@@ -46,7 +50,7 @@ def test_terminals_join_what_scenarios_connect(name: str) -> None:
         instance, _, variable = end.partition(".")
         entry = content["components"][instance]
         component = entry.get("component", instance)
-        terminals = find_terminals(component, variables_of(component, **entry.get("structure", {})))
+        terminals = find_terminals(stated(component), variables_of(component, **entry.get("structure", {})))
         found = set[tuple[str, str]]()
         for terminal in terminals.values():
             found |= {(terminal.kind, m) for m, v in terminal.members.items() if v == variable}
@@ -61,7 +65,7 @@ def test_members_of_one_kind_are_the_same() -> None:
     """Of terminals that are connected whole; a partial one has some of them, or more."""
     kinds: dict[str, list[Terminal]] = {}
     for name in NAMES:
-        for terminal in find_terminals(name, variables_of(name)).values():
+        for terminal in find_terminals(stated(name), variables_of(name)).values():
             kinds.setdefault(terminal.kind, []).append(terminal)
     for kind, terminals in kinds.items():
         known = set().union(*(t.members for t in terminals))
@@ -70,13 +74,13 @@ def test_members_of_one_kind_are_the_same() -> None:
 
 
 def test_arrays_have_a_terminal_for_each_element() -> None:
-    terminals = find_terminals("flywheel", variables_of("flywheel", loads=3))
+    terminals = find_terminals(stated("flywheel"), variables_of("flywheel", loads=3))
     assert list(terminals) == ["load[1]", "load[2]", "load[3]"]
     assert terminals["load[3]"].members["torque"] == "load_torque[3]"
 
 
 def test_faults_are_said() -> None:
-    xml = terminals_and_icons("valve_spring", {"load"})
+    xml = terminals_and_icons(stated("valve_spring"), {"load"})
     assert terminal_faults(xml.encode(), {"position", "load", "gas_force"}) == [
         "terminalsAndIcons/terminalsAndIcons.xml: terminal load: there is no variable velocity"
     ]

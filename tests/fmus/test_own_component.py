@@ -1,0 +1,129 @@
+"""A component in a user's own file: FMUs that need nothing else, runs, references, refusals."""
+
+from __future__ import annotations
+
+import re
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import tribocosim
+from models.catalogue import find_factory
+from orchestrator.scenario import build_scenario
+from orchestrator.scenario.system import build_system, list_moved_starts, resolve_start
+from orchestrator.scenario.warnings import list_warnings
+
+from ..orchestrator.commands import tribocosim as run_command
+from .conftest import Isolated
+
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "write-a-component.md"
+CODE, SCENARIO = (
+    re.search(rf"```{kind}\n(.+?)```", PAGE.read_text("utf-8"), re.DOTALL)[1] for kind in ("python", "toml")
+)
+
+STEPPED = """
+import sys
+slave = Instance({fmu!r}).initialize(0.0, **{{"angle_start": 0.5}})
+for k in range(200):
+    slave.step(k * 0.005, 0.005)
+ours = sorted({{name.partition(".")[0] for name in sys.modules}} & {{"models", "fmus", "my_parts"}})
+report([slave.get(["angle"])[0], ours])
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The page's file in an empty folder, which is the current one; forgotten afterwards."""
+    (tmp_path / "my_parts.py").write_text(CODE, "utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    monkeypatch.delitem(sys.modules, "my_parts", raising=False)
+    find_factory.cache_clear()
+    return tmp_path
+
+
+def solve_pendulum(time: float) -> float:
+    """m l^2 phi'' = -c phi' - m g l sin phi from 0.5 rad, by an independent solver."""
+
+    def rates(t: float, x: np.ndarray) -> list[float]:
+        return [x[1], (-0.01 * x[1] - 9.81 * 0.5 * np.sin(x[0])) / 0.25]
+
+    return float(solve_ivp(rates, (0.0, time), [0.5, 0.0], "DOP853", rtol=1e-12, atol=1e-14).y[0, -1])
+
+
+@pytest.mark.parametrize("native", [False, True])
+def test_its_fmu_moves_by_its_equations_where_nothing_else_is(
+    native: bool, folder: Path, isolated: Isolated
+) -> None:
+    path = tribocosim.build_fmu("my_parts:pendulum", folder, native=native)
+    angle, ours = isolated(STEPPED.format(fmu=str(path)))
+    assert ours == []
+    assert angle == pytest.approx(solve_pendulum(1.0), abs=1e-8)
+
+
+def test_the_page_s_scenario_is_within_its_tolerance_of_the_reference(folder: Path) -> None:
+    (folder / "pendulums.toml").write_text(SCENARIO, "utf-8")
+    result = tribocosim.run("pendulums.toml")
+    assert result.within
+    assert float(result.coupled["arm.angle"].min()) < -0.4
+
+
+def test_a_start_that_the_equilibrium_replaces_is_told() -> None:
+    tables = tomllib.loads(SCENARIO) | {
+        "components": {"ball": {"component": "falling_mass"}},
+        "tolerance": {},
+    }
+    tables["components"]["ball"]["start"] = {"position": 0.2}
+    given, replaced = (
+        [*list_warnings(build_scenario(tables | {"start": s}))] for s in ("given", "equilibrium")
+    )
+    assert not any("equilibrium" in line for line in given)
+    assert any("components.ball.start.position" in line for line in replaced)
+
+
+def test_a_start_that_the_equilibrium_replaces_is_told(folder: Path) -> None:
+    said = {}
+    for start in ("given", "equilibrium"):
+        tables = tomllib.loads(SCENARIO) | {"name": "pendulums", "start": start}
+        system = build_system(scenario := build_scenario(tables))
+        said[start] = list_moved_starts(system, resolve_start(scenario, system))
+    assert said["given"] == []
+    assert [line.partition(" = ")[0] for line in said["equilibrium"]] == [
+        "components.arm.start.angle",
+        "components.short.start.angle",
+    ]
+
+
+def test_a_change_of_the_file_makes_another_fmu(folder: Path) -> None:
+    """Also without a name for it: the cached one is of the old code."""
+    first = tribocosim.build_fmu("my_parts:pendulum", folder / "one").read_bytes()
+    again = tribocosim.build_fmu("my_parts:pendulum", folder / "two").read_bytes()
+    assert first == again
+    (folder / "my_parts.py").write_text(CODE.replace("9.81", "1.62"), "utf-8")
+    assert tribocosim.build_fmu("my_parts:pendulum", folder / "three").read_bytes() != first
+
+
+@pytest.mark.parametrize(
+    ("added", "name", "said"),
+    [
+        ("import scipy", "my_parts:pendulum", "imports scipy"),
+        ("import models.catalogue", "my_parts:pendulum", "from models"),
+        ("", "my_parts:nothing", "cannot be imported"),
+        ("", "nowhere:pendulum", "cannot be imported"),
+        ("", "my_parts:State", "must be a models.core.component.Component"),
+    ],
+)
+def test_what_cannot_be_an_fmu_is_named(added: str, name: str, said: str, folder: Path) -> None:
+    text = CODE.replace("import math\n", f"import math\n{added}\n")
+    (folder / "my_parts.py").write_text(text, "utf-8")
+    with pytest.raises(tribocosim.MistakeError, match=said):
+        tribocosim.build_fmu(name, folder)
+
+
+def test_the_command_builds_it(folder: Path) -> None:
+    done = run_command("fmu", "build", "my_parts:pendulum", "--out", str(folder), cwd=folder)
+    assert (done.returncode, done.stdout.strip()) == (0, str(folder / "pendulum.fmu"))
