@@ -77,8 +77,8 @@ def list_moved_starts(given: System, resolved: System) -> list[str]:
             quantity, now = layout.field(state).quantity, resolved.instances[name].start[state]
             if abs(now - value) > 1e-6 * max(abs(value), quantity.nominal):
                 found.append(
-                    f"components.{name}.start.{state} = {value:g} {quantity.unit}: the equilibrium in which the "
-                    f'run begins has {now:g}; set start = "given" to begin with the start values'
+                    f"components.{name}.start.{state} = {value:g} {quantity.unit}: the run begins in "
+                    f'equilibrium, at {now:g}; set start = "given" to begin with the start values'
                 )
     return found
 

@@ -15,7 +15,6 @@ import tribocosim
 from models.catalogue import find_factory
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.system import build_system, list_moved_starts, resolve_start
-from orchestrator.scenario.warnings import list_warnings
 
 from ..orchestrator.commands import tribocosim as run_command
 from .conftest import Isolated
@@ -70,19 +69,6 @@ def test_the_page_s_scenario_is_within_its_tolerance_of_the_reference(folder: Pa
     result = tribocosim.run("pendulums.toml")
     assert result.within
     assert float(result.coupled["arm.angle"].min()) < -0.4
-
-
-def test_a_start_that_the_equilibrium_replaces_is_told() -> None:
-    tables = tomllib.loads(SCENARIO) | {
-        "components": {"ball": {"component": "falling_mass"}},
-        "tolerance": {},
-    }
-    tables["components"]["ball"]["start"] = {"position": 0.2}
-    given, replaced = (
-        [*list_warnings(build_scenario(tables | {"start": s}))] for s in ("given", "equilibrium")
-    )
-    assert not any("equilibrium" in line for line in given)
-    assert any("components.ball.start.position" in line for line in replaced)
 
 
 def test_a_start_that_the_equilibrium_replaces_is_told(folder: Path) -> None:
