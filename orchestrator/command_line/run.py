@@ -40,10 +40,10 @@ def run_scenario(
     ] = False,
     no_figures: Annotated[bool, typer.Option("--no-figures", help="Draw no figures.")] = False,
 ) -> int:
-    """Run a scenario; exit status 0 if it is within its tolerance of the reference.
+    """Run a scenario; exit status 0 if it is within its tolerance of the reference, or wants none.
 
     1: outside the tolerance, 2: a mistake in the scenario or the command, 3: the run failed,
-    4: not compared (reference.enabled=false), 130: interrupted.
+    4: a reference was wanted and could not be computed, 130: interrupted.
     """
     from ..reporter import Reporter
     from ..run.pipeline import run

@@ -26,10 +26,14 @@ def applies(data: FigureData) -> bool:
 
 
 def choose_variables(data: FigureData) -> list[str]:
-    """Variables with a tolerance, or else those that are exchanged, as far as they vary."""
+    """Variables with a tolerance, or else those that are exchanged, as far as they vary and have an error."""
     exchanged = list(dict.fromkeys(data.drivers.values()))
     varying = [
-        [name for name in wanted if name in data.reference and compute_spread(data, name) > 0.0]
+        [
+            name
+            for name in wanted
+            if name in data.reference and compute_spread(data, name) > 0.0 and np.any(data.error(name))
+        ]
         for wanted in (data.tolerance, exchanged)
     ]
     return next((names for names in varying if names), [])
@@ -51,7 +55,7 @@ def draw(data: FigureData) -> Figure:
     size = (6.8 if columns == 1 else 10.4, 1.2 + (3.0 if rows == 1 else 2.0 * rows))
     figure, axes = create_subplots(rows, columns, figsize=size, sharey=True, squeeze=False)
     what = f"error of {len(shown)} of {len(names)} variables" if len(names) > len(shown) else "error"
-    add_title(figure, f"{data.title}: {what} against the monolithic reference")
+    add_title(figure, f"{data.title}: {what} against the reference")
     hidden = [
         _draw_panel(ax, data.of(name.split(".")[0]), name) for ax, name in zip(axes.flat, shown, strict=False)
     ]

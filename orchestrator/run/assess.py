@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -12,12 +13,15 @@ from models.core.system import System
 
 from ..assessment.contacts import ContactSummaries, summarise_rows, with_angles
 from ..assessment.diagnosis import Diagnosis, Facts, diagnose_steps, read_written_steps, suggestions
+from ..errors import RunError
 from ..reporter import Reporter
 from ..scenario import Scenario
+from ..scenario.capabilities import is_refined
 from ..store.result_file import ResultFile
 from .comparison import Errors, compare, largest_uncertainty, verdict
 from .plan import Plan, collect_output_quantities
 from .record import ENDS, NOT_COMPARED, OUTSIDE, WITHIN, Ending, Record, classify_ending
+from .refinement import describe_doubts, refine
 from .witness import Testimony, hear_witness
 
 if TYPE_CHECKING:
@@ -44,6 +48,7 @@ class Report:
     verdict: str = "not compared"
     reference_time_s: float | None = None
     reference_uncertainty: float | None = None
+    reference_method: str = "monolithic"
     witness: Testimony | None = None
 
 
@@ -56,9 +61,11 @@ def assess(plan: Plan, record: Record, result: ResultFile, reporter: Reporter) -
         return replace(
             report,
             verdict="not compared: the reference is switched off (reference.enabled)",
-            ending=Ending(True, False, "complete", NOT_COMPARED),
+            ending=Ending(True, False, "complete", WITHIN),
         )
     try:
+        if is_refined(plan.scenario):
+            return _refine(plan, result, reporter, report)
         return _compare(plan, result, reporter, report)
     except ENDS as error:
         return replace(report, ending=classify_ending(error, result.path.parent))
@@ -109,6 +116,41 @@ def _compare(plan: Plan, result: ResultFile, reporter: Reporter, report: Report)
         reference_time_s=reference.wall_time_s,
         reference_uncertainty=largest_uncertainty(errors),
         witness=_hear_witness(plan, coupled, reference, reporter),
+    )
+
+
+def _refine(plan: Plan, result: ResultFile, reporter: Reporter, report: Report) -> Report:
+    """Repeat the run with smaller steps, add its limit to the result, and compare."""
+    scenario, system, began = plan.scenario, plan.system, clock.perf_counter()
+    every = -(-result.length("coupled") // COMPARED_RECORDS)
+    coupled = result.read("coupled", ["time", *system.outputs.names], slice(None, None, every))
+    times = coupled.pop("time")
+    try:
+        refined = refine(plan, times, coupled, reporter)
+    except RunError as failure:
+        return replace(
+            report,
+            verdict=f"not compared: a run with smaller steps failed: {failure}",
+            ending=Ending(True, False, "complete", NOT_COMPARED),
+        )
+    quantities = collect_output_quantities(system)
+    result.write("reference", times, quantities, refined.outputs)
+    names = _select_compared(scenario, system)
+    columns = {name: refined.outputs[:, system.outputs.names.index(name)] for name in names}
+    nominal = {name: quantities[name].nominal for name in names}
+    chosen = {name: coupled[name] for name in names}
+    errors = compare(times, chosen, columns, refined.uncertainty, nominal, scenario.tolerance, refined.orders)
+    for name, error in errors.items():
+        result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
+    within, text = verdict(errors)
+    return replace(
+        report,
+        ending=Ending(True, False, "complete", WITHIN if within else OUTSIDE),
+        errors=errors,
+        reference_method="refinement",
+        verdict=text + describe_doubts(refined, scenario.tolerance),
+        reference_time_s=clock.perf_counter() - began,
+        reference_uncertainty=largest_uncertainty(errors),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
@@ -139,7 +140,7 @@ def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], repor
     if summary.complete:
         reporter.line(f"{summary.scenario}: {summary.verdict}")
     if summary.errors:
-        reporter.console.print(_tabulate(summary.errors))
+        reporter.console.print(_tabulate(summary.errors, summary.reference_method))
     if summary.witness:
         reporter.console.print(_tabulate_witness(summary.witness))
     if summary.coupled_time_s:
@@ -155,11 +156,15 @@ def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], repor
     reporter.line(f"results in {format_path(out)}: {names}")
 
 
-def _tabulate(errors: Errors) -> Table:
+REFERENCES = {"monolithic": "the monolithic reference", "refinement": "the limit of runs with smaller steps"}
+
+
+def _tabulate(errors: Errors, method: str) -> Table:
     """The comparison as a table; variables with a tolerance first."""
+    refined = method == "refinement"
     starred = any(error.below_uncertainty for error in errors.values())
     table = Table(
-        title="Coupled run against the monolithic reference (SI units)",
+        title=f"Coupled run against {REFERENCES[method]} (SI units)",
         caption="* below the reference's own uncertainty" if starred else None,
         title_justify="left",
         caption_justify="left",
@@ -167,7 +172,7 @@ def _tabulate(errors: Errors) -> Table:
         pad_edge=False,
     )
     table.add_column("variable", overflow="fold")
-    for column in ("max", "RMS", "relative\nRMS", "reference\n±", "allowed"):
+    for column in ("max", "RMS", "relative\nRMS", "reference\n±", *["order"] * refined, "allowed"):
         table.add_column(column, justify="right", no_wrap=True)
     table.add_column("")
     for name, error in sorted(errors.items(), key=lambda item: item[1].tolerance is None):
@@ -177,6 +182,7 @@ def _tabulate(errors: Errors) -> Table:
             f"{error.rms:.1e}",
             f"{error.relative_rms:.1e}{'*' if error.below_uncertainty else ''}",
             f"{error.uncertainty.relative_rms:.0e}",
+            *[f"{error.order:.2f}" if math.isfinite(error.order or math.nan) else "none"] * refined,
             "" if error.tolerance is None else f"{error.tolerance:.0e}",
             _mark(error),
         )

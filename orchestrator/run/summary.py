@@ -46,6 +46,7 @@ class Summary:
     coupled_time_s: float = 0.0
     reference_time_s: float | None = None
     reference_uncertainty: float | None = None
+    reference_method: str = Report.reference_method
     witness: Testimony | None = None
     errors: Errors = field(default_factory=dict)
     contacts: ContactSummaries = field(default_factory=dict)

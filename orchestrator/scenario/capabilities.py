@@ -16,30 +16,43 @@ WHOLE_STEPS = 1e-6
 
 
 def check_third_party(scenario: Scenario) -> None:
-    """ScenarioError where a reference or an equilibrium is wanted but the equations are not known: with
-    third-party FMUs, and with connections that change values."""
-    wanted = (
-        ("reference.enabled = true", "set reference.enabled = false")
-        if scenario.reference.enabled
-        else ("start = 'equilibrium'", "set start = 'given'")
-    )
-    if scenario.reference.enabled or scenario.start == "equilibrium":
-        for line in map(parse_line, scenario.connections):
-            if line.factor is not None or line.offset is not None:
-                raise ScenarioError(
-                    f"{wanted[0]}: the connection {str(line)!r} changes values, which the equations of the "
-                    f"system do not know; {wanted[1]}, or connect without factor and offset"
-                )
-    third_party = [name for name, table in scenario.components.items() if table.third_party]
-    if not third_party:
+    """ScenarioError where a monolithic reference or an equilibrium is wanted but the equations are not known,
+    and where refinement, which does without them, is not possible."""
+    unknown = describe_unknown(scenario)
+    if unknown and scenario.start == "equilibrium":
+        raise ScenarioError(f"start = 'equilibrium': {unknown}; set start = 'given'")
+    if not scenario.reference.enabled:
         return
-    named = f"{', '.join(third_party)}: third-party FMUs, whose equations are unknown"
-    if scenario.reference.enabled:
+    if unknown and scenario.reference.method == "monolithic":
         raise ScenarioError(
-            f"reference.enabled = true: {named}, so there is no reference; set reference.enabled = false"
+            f"reference.method = 'monolithic': {unknown}; set reference.method = 'refinement'"
         )
-    if scenario.start == "equilibrium":
-        raise ScenarioError(f"start = 'equilibrium': {named}; set start = 'given'")
+    steps = "[step_control]" if scenario.step_control else "event_tolerance"
+    if is_refined(scenario) and (scenario.step_control or scenario.event_tolerance is not None):
+        reason = (
+            f"the reference is by refinement ({unknown})" if unknown else "reference.method = 'refinement'"
+        )
+        raise ScenarioError(
+            f"{steps}: {reason}, which needs steps of one length; leave it out, or set "
+            "reference.enabled = false"
+        )
+
+
+def is_refined(scenario: Scenario) -> bool:
+    """Whether the reference is by refinement."""
+    method = scenario.reference.method
+    return method == "refinement" or (method == "auto" and bool(describe_unknown(scenario)))
+
+
+def describe_unknown(scenario: Scenario) -> str:
+    """What of the system's equations is not known, in words; empty if all are."""
+    third_party = [name for name, table in scenario.components.items() if table.third_party]
+    if third_party:
+        return f"{', '.join(third_party)}: third-party FMUs, whose equations are unknown"
+    for line in map(parse_line, scenario.connections):
+        if line.factor is not None or line.offset is not None:
+            return f"the connection {str(line)!r} changes values, which the equations do not know"
+    return ""
 
 
 def check_capabilities(scenario: Scenario) -> None:

@@ -34,9 +34,14 @@ class ScenarioError(MistakeError):
 
 
 class ReferenceTable(Table):
-    """The monolithic reference."""
+    """The reference: the monolithic solution, or the limit of runs with smaller macro steps."""
 
-    enabled: bool = Field(True, description="Solve it and compare the coupled run with it")
+    enabled: bool = Field(True, description="Compare the coupled run with it")
+    method: Literal["auto", "monolithic", "refinement"] = Field(
+        "auto",
+        description="All equations solved together, or the run repeated with half and a quarter of its macro "
+        "steps and extrapolated; auto: the first where all equations are known",
+    )
     tolerance: Annotated[Tolerance, Field(lt=1.0)] = Field(
         1e-10, description="Relative tolerance of the reference's solvers"
     )

@@ -203,7 +203,7 @@ def test_the_first_run_on_a_machine_has_its_limit_and_says_that_it_compiles(tmp_
     out = tmp_path / "out"
     changes = ["--set=stop_time=10 ms", "--set=reference.enabled=false", "--set=call_time_limit=0.5 s"]
     done = tribocosim("run", "two-masses", "--out", str(out), "--no-figures", *changes)
-    assert done.returncode == 4, done.stderr
+    assert done.returncode == 0, done.stderr
     assert done.stdout.count("compiling ") == 1
     again = tribocosim("run", "two-masses", "--out", str(out), "--no-figures", "--overwrite", *changes)
     assert "compiling " not in again.stdout

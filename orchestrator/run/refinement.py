@@ -1,0 +1,140 @@
+"""A reference by refinement, for systems whose equations are unknown: the run again with smaller macro steps.
+
+Where the error of a run with macro steps h is C h^p, three runs with h, h/2 and h/4 give p and the limit:
+
+    p = log2(|y_h - y_h/2| / |y_h/2 - y_h/4|)             by root mean squares over time
+    y = y_h/4 + (y_h/4 - y_h/2) / (2^p - 1)               Richardson's extrapolation
+
+The uncertainty is the larger of two differences: to the extrapolation from y_h and y_h/2, and to that with
+the nearest whole order. The reference sees the error of the coupling only: what the FMUs' own solvers miss is
+in all three runs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.core.quantities import Vector
+from models.monolithic.difference import Difference, difference, time_weights
+
+from ..engine.step import Step
+from ..errors import RunError
+from ..reporter import Reporter
+from .participants import build_participants
+from .plan import Plan
+from .simulation import simulate
+
+# Orders of convergence that are believed; the signals have orders 1 to 4.
+LOWEST, HIGHEST = 0.5, 6.0
+
+
+@dataclass(frozen=True)
+class Refined:
+    """The limit of all outputs (rows x outputs) at the records' times, the uncertainty of each output and the
+    order with which it converges; NaN where there is none."""
+
+    outputs: Vector
+    uncertainty: Mapping[str, Difference]
+    orders: Mapping[str, float]
+
+
+def refine(plan: Plan, times: Vector, coarse: Mapping[str, Vector], reporter: Reporter) -> Refined:
+    """Repeat the run, whose `coarse` outputs are at `times`, with half and with a quarter of its steps.
+
+    RunError if one of these runs fails.
+    """
+    half, quarter = (_repeat(plan, parts, times, reporter) for parts in (2, 4))
+    names, weights = plan.system.outputs.names, time_weights(times)
+    limit, uncertainty, orders = quarter.copy(), {}, {}
+    for i, (name, nominal) in enumerate(zip(names, plan.system.outputs.nominal, strict=True)):
+        extrapolated = extrapolate(coarse[name], half[:, i], quarter[:, i], weights)
+        limit[:, i], other, orders[name] = extrapolated
+        uncertainty[name] = difference(other, limit[:, i], nominal, weights)
+    return Refined(limit, uncertainty, orders)
+
+
+def extrapolate(
+    coarse: Vector, half: Vector, quarter: Vector, weights: Vector
+) -> tuple[Vector, Vector, float]:
+    """The limit, another estimate of it that is less exact, and the order of convergence.
+
+    Without a clear order (NaN) these are the finest and the coarsest run.
+    """
+    first, second = coarse - half, half - quarter
+    larger, smaller = (
+        math.sqrt(np.average(np.square(change), weights=weights)) for change in (first, second)
+    )
+    order = math.log2(larger / smaller) if larger > 0.0 and smaller > 0.0 else math.nan
+    if not LOWEST < order < HIGHEST:
+        return quarter, coarse, math.nan
+    gain, whole = 2.0**order - 1.0, 2.0 ** round(max(order, 1.0)) - 1.0
+    limit = quarter - second / gain
+    others = half - first / gain, quarter - second / whole
+    return (
+        limit,
+        max(others, key=lambda other: float(np.average((other - limit) ** 2, weights=weights))),
+        order,
+    )
+
+
+def describe_doubts(refined: Refined, tolerance: Mapping[str, float]) -> str:
+    """The end of a verdict: what such a reference does not see, and variables without a clear order whose runs
+    differ by more than a tenth of what is allowed."""
+    doubtful = [
+        name
+        for name, allowed in tolerance.items()
+        if math.isnan(refined.orders[name]) and refined.uncertainty[name].relative_rms > 0.1 * allowed
+    ]
+    unseen = "; the errors of the FMUs' own solvers are in all runs and not seen"
+    if not doubtful:
+        return unseen
+    return (
+        f"{unseen}; {', '.join(doubtful)}: the runs with smaller steps do not converge with a clear order, so the "
+        "error is only about the difference of the runs; reduce macro_step"
+    )
+
+
+def _repeat(plan: Plan, parts: int, times: Vector, reporter: Reporter) -> Vector:
+    """All outputs at `times` of a run with macro steps that many times smaller."""
+    step = plan.scenario.macro_step / parts
+    scenario = plan.scenario.model_copy(update={"macro_step": step})
+    samples = _Samples(times, step)
+    with reporter.stage(f"coupled run, macro steps of {step:g} s", scenario.stop_time) as bar:
+        participants = build_participants(scenario, plan.system, plan.fmus, lambda name, make: make())
+        try:
+            simulate(
+                plan.system,
+                participants,
+                scenario.build_master(),
+                scenario.build_steps(),
+                scenario.stop_time,
+                [samples, bar],
+            )
+        finally:
+            for participant in participants.values():
+                participant.close()
+    if len(samples.rows) < len(times):
+        raise RunError(f"no macro step of {step:g} s ends at t = {times[len(samples.rows)]:.9g} s")
+    return np.array(samples.rows)
+
+
+class _Samples:
+    """An observer that keeps all outputs at given times."""
+
+    def __init__(self, times: Vector, step: float) -> None:
+        self._times, self._slack = times, 1e-6 * step
+        self.rows: list[Vector] = []
+
+    def begin(self, names: Sequence[str]) -> None:
+        pass
+
+    def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        if len(self.rows) < len(self._times) and abs(time - self._times[len(self.rows)]) <= self._slack:
+            self.rows.append(outputs().copy())
+
+    def end(self, complete: bool, message: str) -> None:
+        pass
