@@ -82,8 +82,10 @@ def extrapolate(
 
 
 def describe_doubts(refined: Refined, tolerance: Mapping[str, float]) -> str:
-    """The end of a verdict: what such a reference does not see, and variables without a clear order whose runs
-    differ by more than a tenth of what is allowed."""
+    """The end of a verdict: what such a reference does not see, and variables without a clear order.
+
+    These are named if their runs differ by more than a tenth of what is allowed.
+    """
     doubtful = [
         name
         for name, allowed in tolerance.items()
@@ -93,8 +95,8 @@ def describe_doubts(refined: Refined, tolerance: Mapping[str, float]) -> str:
     if not doubtful:
         return unseen
     return (
-        f"{unseen}; {', '.join(doubtful)}: the runs with smaller steps do not converge with a clear order, so the "
-        "error is only about the difference of the runs; reduce macro_step"
+        f"{unseen}; {', '.join(doubtful)}: the runs with smaller steps do not converge with a clear order, "
+        "so the error is only about the difference of the runs; reduce macro_step"
     )
 
 
