@@ -31,14 +31,13 @@ def collect_sources(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]
     The name has the digest of the content, so that two versions in one process do not share modules.
     """
     root = Path(models.__file__).parent
-    module = Path(inspect.getfile(inspect.unwrap(factory)))
     files: dict[str, bytes] = {}
-    if module.is_relative_to(root):
-        begin = [module]
+    if _is_ours(factory):
+        begin = [root.parent / Path(*factory.__module__.split(".")).with_suffix(".py")]
     else:
+        module = Path(inspect.getfile(inspect.unwrap(factory)))
         text, begin = _relocate(module, root)
         files |= {f"models/{OWN}/{module.name}": text.encode(), f"models/{OWN}/__init__.py": b""}
-    # The slave needs the integrator, whatever the component imports.
     imported = {path for one in begin for path in find_imports(one, root)}
     files |= {f"models/{path.relative_to(root).as_posix()}": path.read_bytes() for path in imported}
     files |= {name: (Path(__file__).parent / name).read_bytes() for name in _SLAVE}
@@ -58,10 +57,14 @@ def collect_sources(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]
 
 def name_module(factory: Callable[..., Any]) -> str:
     """The module of the factory inside an FMU's package."""
-    module = Path(inspect.getfile(inspect.unwrap(factory)))
-    if module.is_relative_to(Path(models.__file__).parent):
+    if _is_ours(factory):
         return factory.__module__
-    return f"models.{OWN}.{module.stem}"
+    return f"models.{OWN}.{Path(inspect.getfile(inspect.unwrap(factory))).stem}"
+
+
+def _is_ours(factory: Callable[..., Any]) -> bool:
+    """Whether it is in `models`, not in a user's own file."""
+    return factory.__module__.startswith("models.")
 
 
 def _relocate(module: Path, root: Path) -> tuple[str, list[Path]]:

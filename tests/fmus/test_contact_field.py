@@ -48,6 +48,7 @@ def onwards(slave: Instance, first: int, last: int) -> list[list[float]]:
     return found
 
 
+@pytest.mark.long
 def test_a_solved_film_in_the_fmu_its_rates_and_its_saved_states_to_the_last_bit(slave: Instance) -> None:
     own = Reference("ehl_line_contact")
     for name, value in ROUGH.items():

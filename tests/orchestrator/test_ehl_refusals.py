@@ -62,7 +62,7 @@ def contact_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return build("ehl_line_contact", tmp_path_factory.mktemp("contact"), {"nodes": NODES})
 
 
-@pytest.fixture(params=["in-process", pytest.param("fmu", marks=pytest.mark.long)])
+@pytest.fixture(params=[pytest.param(kind, marks=pytest.mark.long) for kind in ("in-process", "fmu")])
 def rolling(
     request: pytest.FixtureRequest, falling: System, contact_file: Path
 ) -> Iterator[tuple[Alone, Alone]]:

@@ -309,6 +309,7 @@ walks = st.lists(
 )
 
 
+@pytest.mark.long
 @settings(max_examples=30)
 @given(walks, st.sampled_from([0.0, 1.0]), st.floats(5e-3, 0.2), st.sampled_from([0.0, 5e6]))
 def test_random_walks_are_made_step_by_step(
