@@ -12,6 +12,7 @@ pulls where a real contact would open.
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import replace
 
@@ -74,6 +75,7 @@ class AdherenceProblem:
     """The system's state, in which the follower's place is dependent, followed by energies."""
 
     guard_count = 0
+    next_event = math.inf
 
     def __init__(self, system: System, massless_spring: bool = False) -> None:
         camshaft = _find_only(system, "camshaft")

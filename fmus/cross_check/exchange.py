@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Mapping
-from ctypes import POINTER, c_double
 from pathlib import Path
 from typing import Any
 
@@ -23,13 +22,12 @@ from models.monolithic.march import march
 from models.monolithic.problem import Event
 from models.monolithic.reference import stiffness
 
+from ..fmi.model_exchange import EventError, ModelExchange
 from .files import CrossCheckError, Options, Table
 
 # Whole numbers among inputs are set at corners only, as events.
 _CONTINUOUS = ("Real", "Float64", "Float32")
 _INTEGERS = {"Enumeration": {"2.0": "Integer", "3": "Int64"}}
-# Event iterations after which an FMU is taken to be stuck.
-_MOST = 1000
 # An instant so near to another (s, over the time) is the same.
 _SAME = 1e-12
 
@@ -49,6 +47,8 @@ def integrate(
         fmu = instantiate_fmu(folder, described, "ModelExchange")
         try:
             return run(Hosted(fmu, described, inputs), described, options, instants, names, tolerance)
+        except EventError as error:
+            raise CrossCheckError(str(error)) from None
         finally:
             fmu.freeInstance()
     finally:
@@ -89,22 +89,19 @@ def run(
 class Hosted:
     """An FMU as a problem for the reference's solvers.
 
-    Its event indicators become guards, by the sign that they have after each event; the last guard is the
-    time left to the next time event. What a transition does is the FMU's event mode.
+    What a transition does is the FMU's event mode.
     """
 
     def __init__(self, fmu: Any, described: ModelDescription, inputs: Table | None) -> None:
         self.fmu = fmu
         self._second = described.fmiVersion == "2.0"
         self.size = int(described.numberOfContinuousStates)
-        self._indicators = int(described.numberOfEventIndicators)
-        self.guard_count = self._indicators + 1
+        indicators = int(described.numberOfEventIndicators)
+        self._exchange = ModelExchange(fmu, self._second, self.size, indicators)
+        self.guard_count = indicators
         self.nominal = np.ones(max(self.size, 1))
         self.whole = np.zeros(self.nominal.size, dtype=bool)
         self._rate = np.zeros(self.nominal.size)
-        self._values = np.ones(max(self._indicators, 1))
-        self._signs = np.ones(max(self._indicators, 1))
-        self._next = np.inf
         self._table = inputs
         self.corners = np.zeros(0) if inputs is None else np.unique(inputs.times)
         self._row = 0
@@ -120,58 +117,49 @@ class Hosted:
         self._enter(start)
         self._set_inputs(start, discrete=True)
         self.fmu.exitInitializationMode()
-        self._update()
-        if self.size:
-            self.fmu.getNominalsOfContinuousStates(_pointer(self.nominal), self.size)
+        self._exchange.settle()
+        self.nominal[: self.size] = self._exchange.nominal()
 
     def state(self) -> Vector:
         """The continuous states as they are."""
-        z = np.zeros(self.nominal.size)
-        if self.size:
-            self.fmu.getContinuousStates(_pointer(z), self.size)
-        return z
+        return self._exchange.states() if self.size else np.zeros(1)
 
     def rate(self, t: float, z: Vector) -> Vector:
         self._at(t, z)
-        get = self.fmu.getDerivatives if self._second else self.fmu.getContinuousStateDerivatives
-        if self.size:
-            get(_pointer(self._rate), self.size)
+        self._rate[: self.size] = self._exchange.rate()
         return self._rate
 
     def guards(self, t: float, z: Vector) -> Vector:
         self._at(t, z)
-        if self._indicators:
-            self.fmu.getEventIndicators(_pointer(self._values), self._indicators)
-        return np.append((self._signs * self._values)[: self._indicators], self._next - t)
+        return self._exchange.guards()
+
+    @property
+    def next_event(self) -> float:
+        """Of the FMU's time events."""
+        return self._exchange.next_event
 
     def transition(self, guard: int, t: float, z: Vector) -> Event:
         self._at(t, z)
-        self.fmu.enterEventMode()
-        self._update()
+        self._exchange.enter_events()
+        self._exchange.settle()
         z[:] = self.state()
         return Event(t, "", guard)
 
     def complete_step(self, t: float, z: Vector) -> None:
         """The solver has come to (t, z); the FMU may ask for an event."""
         self._at(t, z)
-        asks, ends = self.fmu.completedIntegratorStep()
-        if ends:
-            raise CrossCheckError(f"the FMU ends the simulation at t = {t:g} s")
-        if asks:
+        if self._exchange.complete_step():
             self.transition(0, t, z)
 
     def corner(self, t: float) -> None:
         """From here on inputs are those of the next piece: an event."""
-        self.fmu.enterEventMode()
+        self._exchange.enter_events()
         self._enter(t)
         self._set_inputs(t, discrete=True)
-        self._update()
+        self._exchange.settle()
 
     def _at(self, t: float, z: Vector) -> None:
-        self.fmu.setTime(t)
-        if self.size:
-            self._held = np.ascontiguousarray(z)
-            self.fmu.setContinuousStates(_pointer(self._held), self.size)
+        self._exchange.move(t, z[: self.size])
         self._set_inputs(t, discrete=False)
 
     def _enter(self, t: float) -> None:
@@ -197,23 +185,6 @@ class Hosted:
                 continue
             getattr(self.fmu, f"set{kind}")(references, values)
 
-    def _update(self) -> None:
-        """Event iteration, then the signs of the indicators and the next time event."""
-        for _ in range(_MOST):
-            update = self.fmu.newDiscreteStates if self._second else self.fmu.updateDiscreteStates
-            again, ends, _, _, known, at = update()
-            if ends:
-                raise CrossCheckError("the FMU ends the simulation in an event")
-            if not again:
-                break
-        else:
-            raise CrossCheckError(f"an event of the FMU takes more than {_MOST} iterations")
-        self.fmu.enterContinuousTimeMode()
-        self._next = float(at) if known else np.inf
-        if self._indicators:
-            self.fmu.getEventIndicators(_pointer(self._values), self._indicators)
-            self._signs = np.where(self._values < 0.0, -1.0, 1.0)
-
 
 def _groups(described: ModelDescription, inputs: Table | None) -> Mapping[str, tuple[list[str], list[int]]]:
     """Names and references of the inputs by the type whose function sets them."""
@@ -226,7 +197,3 @@ def _groups(described: ModelDescription, inputs: Table | None) -> Mapping[str, t
             names.append(variable.name)
             references.append(variable.valueReference)
     return groups
-
-
-def _pointer(values: Vector) -> Any:
-    return values.ctypes.data_as(POINTER(c_double))

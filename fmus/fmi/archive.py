@@ -53,9 +53,7 @@ def archive_faults(archive: zipfile.ZipFile) -> list[str]:
     """Entries that would be unpacked elsewhere, damage, and what is missing; a line each."""
     faults = [fault for entry in archive.infolist() if (fault := _entry_fault(entry))]
     names = [name for name in archive.namelist() if not name.endswith("/")]  # folders do no harm
-    faults += [
-        f"{name}: is in the archive twice" for name in sorted({n for n in names if names.count(n) > 1})
-    ]
+    faults += [f"{name}: is in the archive twice, with different content" for name in _ambiguous(archive)]
     unpacked = sum(entry.file_size for entry in archive.infolist())
     if unpacked > MAXIMUM_UNPACKED_BYTES:
         faults.append(f"{unpacked:.3g} bytes when unpacked: must be at most {MAXIMUM_UNPACKED_BYTES:.3g}")
@@ -71,6 +69,15 @@ def archive_faults(archive: zipfile.ZipFile) -> list[str]:
         return [f"{DESCRIPTION} is missing, so this is not an FMU"]
     fault = _version_fault(archive.read(DESCRIPTION))
     return [fault] if fault else []
+
+
+def _ambiguous(archive: zipfile.ZipFile) -> list[str]:
+    """The files of which there are several that differ."""
+    contents: dict[str, set[tuple[int, int]]] = {}
+    for entry in archive.infolist():
+        if not entry.is_dir():
+            contents.setdefault(entry.filename, set()).add((entry.CRC, entry.file_size))
+    return sorted(name for name, found in contents.items() if len(found) > 1)
 
 
 def compute_digest(files: Mapping[str, bytes]) -> str:

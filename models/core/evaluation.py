@@ -22,8 +22,11 @@ class Interpreted:
     """Evaluates instance after instance: for few instants, where compiling the whole would take longer.
 
     After `outputs(t, x)` or `derivative(t, x)`, `u` and `y` hold all inputs and outputs. ModelError where
-    Newton's method finds no values for the torn outputs of algebraic loops.
+    Newton's method finds no values for the torn outputs of algebraic loops, with slopes by differences over
+    `probe` times nominal.
     """
+
+    probe = 1.0
 
     def __init__(self, system: System) -> None:
         self.system = s = system
@@ -58,8 +61,8 @@ class Interpreted:
             columns = []
             for i, size in enumerate(self._nominal):
                 moved = self._guess.copy()
-                moved[i] += size
-                columns.append((self._residual(t, x, moved) - residual) / size)
+                moved[i] += self.probe * size
+                columns.append((self._residual(t, x, moved) - residual) / (self.probe * size))
             self._guess -= np.linalg.solve(np.column_stack(columns), residual)
             residual = self._residual(t, x, self._guess)
             if self._is_closed(residual):

@@ -54,6 +54,7 @@ class DrivenProblem:
         self.component, self.piece, self.p = component, piece, p
         self.nominal = component.state.nominal
         self.whole: NDArray[np.bool_] = np.array([f.quantity.discrete for f in component.state.fields])
+        self.next_event = math.inf
         self.guard_count = component.events.count if component.events else 0
         self._U = np.zeros((4, component.inputs.size))
         self._U[0], self._U[1] = piece.u, piece.du

@@ -9,10 +9,12 @@ import numpy as np
 
 from ..core.quantities import Vector
 from ..core.system import ModelError
-from .problem import Event, Problem
+from .problem import TIME_EVENT, Event, Problem
 
 # Events at one instant, or so close together that time stands still, after which a problem is given up.
 STALLED_EVENTS = 1000
+# What has fallen where an event was known in advance.
+TIME_EVENTS: tuple[int, ...] = (TIME_EVENT,)
 # Events are "at one instant" when nearer than this share of the largest time: some thousand roundings,
 # ten times what CVODE's shortest step needs.
 INSTANT = 1e-12
@@ -39,20 +41,27 @@ def march(
     t0: float,
     times: Vector,
     progress: Callable[[float], None] | None = None,
+    sample: Callable[[float, Vector], Vector] | None = None,
 ) -> tuple[Vector, list[Event]]:
-    """States at `times`, (n, size), and the events on the way. At an event's own instant: after it."""
+    """States at `times`, (n, size), and the events on the way. At an event's own instant: after it.
+
+    With `sample`(t, z) its results stand in the place of the states.
+    """
     end = float(times[-1])
     events: list[Event] = []
-    states = np.empty((times.size, z0.size))
+    rows = []
     t, z = t0, z0.copy()
     _settle(problem, t, z, (), events)
     begun, stalled, longest = False, 0, max(abs(t0), abs(end))
     for i, target in enumerate(times):
-        while t < target:
-            if not begun:
-                method.begin(t, z, end)
-                begun = True
-            reached, z, fallen = method.to(float(target))
+        while t < target or t >= problem.next_event:
+            if t >= problem.next_event:
+                reached, fallen = t, TIME_EVENTS
+            else:
+                if not begun:
+                    method.begin(t, z, min(end, problem.next_event))
+                    begun = True
+                reached, z, fallen = method.to(min(float(target), problem.next_event))
             if fallen:
                 stalled = stalled + 1 if reached - t <= INSTANT * longest else 0
                 _settle(problem, reached, z, fallen, events)
@@ -60,10 +69,10 @@ def march(
                     raise _too_many(events[-1])
                 begun = False
             t = reached
-        states[i] = z
+        rows.append(z.copy() if sample is None else sample(t, z))
         if progress is not None:
             progress((i + 1) / times.size)
-    return states, events
+    return np.array(rows), events
 
 
 def _settle(problem: Problem, t: float, z: Vector, fallen: tuple[int, ...], events: list[Event]) -> None:
@@ -71,7 +80,7 @@ def _settle(problem: Problem, t: float, z: Vector, fallen: tuple[int, ...], even
 
     A guard that fell at the same instant as another makes its transition unless the other's has lifted it.
     """
-    if problem.guard_count == 0:
+    if problem.guard_count == 0 and not fallen:
         return
     before = problem.guards(t, z).copy()
     for n, guard in enumerate(fallen):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -15,6 +16,9 @@ from ..core.evaluation import Evaluation
 from ..core.quantities import Vector
 from ..core.system import ModelError, System
 from .energy import QUADRATURES, Energies
+
+# The number of the guard of an event that is known in advance.
+TIME_EVENT = -1
 
 
 @dataclass(frozen=True)
@@ -30,11 +34,16 @@ class Problem(Protocol):
     """dz/dt = rate(t, z) between events; `nominal` is the size of z, `guard_count` may be zero.
 
     `whole` marks the elements of z that are whole numbers (modes, counts) and change in transitions only.
+    `next_event` is the time (s) of the next known event, infinite for none: no rate is asked for behind it,
+    and `transition` is called there for the guard TIME_EVENT.
     """
 
     nominal: Vector
     whole: NDArray[np.bool_]
     guard_count: int
+
+    @property
+    def next_event(self) -> float: ...
 
     def rate(self, t: float, z: Vector) -> Vector: ...
 
@@ -101,6 +110,8 @@ class SystemProblem:
 
     ModelError if a component is no ODE.
     """
+
+    next_event = math.inf
 
     def __init__(self, system: System) -> None:
         check_ode(system)

@@ -148,7 +148,7 @@ def _solve_implicit(
     methods: tuple[ImplicitMethod, ImplicitMethod] = Sdirk4(problem), Bdf3(problem)
     lengths = longest_step, BDF_SHARE * longest_step
     courses = [
-        march_implicit(problem, method, x, start, times, longest, progress and _half(progress, i))
+        march_implicit(problem, method, x, start, times, longest, progress and half(progress, i))
         for i, (method, longest) in enumerate(zip(methods, lengths, strict=True))
     ]
     first, second = courses
@@ -198,7 +198,7 @@ def solve_twice(
         RungeKutta(problem, sharp, stiff, longest),
     )
     for i, method in enumerate(methods):
-        share = None if progress is None else _half(progress, i)
+        share = None if progress is None else half(progress, i)
         states, found = march(problem, method, z0, t0, times, share)
         runs.append(states)
         events.append(found)
@@ -206,7 +206,8 @@ def solve_twice(
     return (runs[0], runs[1]), events[0], (names[0], names[1])
 
 
-def _half(progress: Callable[[float], None], i: int) -> Callable[[float], None]:
+def half(progress: Callable[[float], None], i: int) -> Callable[[float], None]:
+    """The progress of the first (i = 0) or second (i = 1) of two equal parts."""
     return lambda share: progress(0.5 * (i + share))
 
 

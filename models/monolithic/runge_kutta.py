@@ -108,11 +108,15 @@ def _may_dip(before: float, here: float, after: float) -> bool:
 def _root(value: Callable[[float], float], low: float, high: float) -> float:
     """Where `value` falls from >= 0 at `low` to below zero at `high`; `low` if it is below zero there.
 
-    `high` if it is not below zero when looked at again: an algebraic loop is solved from its last guess,
-    and a guard that depends on it may change sign in the last bits.
+    The value there is not above zero. `high` if it is not below zero when looked at again: an algebraic loop
+    is solved from its last guess, and a guard that depends on it may change sign in the last bits.
     """
     if value(low) <= 0.0:
         return float(low)
     if value(high) >= 0.0:
         return float(high)
-    return float(brentq(value, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
+    found = float(brentq(value, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
+    step = np.spacing(found)
+    while value(found) > 0.0 and found + step < high:
+        found, step = found + step, 2.0 * step
+    return found

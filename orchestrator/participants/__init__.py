@@ -10,9 +10,10 @@ from models.core.system import Instance
 
 from .capabilities import find_missing
 from .description import is_made_here
-from .fmu import FmuParticipant, FmuSettings
+from .fmu import FmuParticipant
 from .in_own_process import InOwnProcess
 from .in_process import InProcessParticipant as in_process
+from .opened_fmu import FmuSettings
 from .protocol import Participant
 from .third_party import ThirdPartyComponent, read_component
 from .transformed import Transformed as transformed

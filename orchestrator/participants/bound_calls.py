@@ -34,13 +34,13 @@ class ArrayLayout:
 
 
 class BoundCalls:
-    """The calls that FMI 2 and FMI 3 share, on fmpy's `_slave`."""
+    """The calls that FMI 2 and FMI 3 share, on fmpy's `slave`."""
 
-    _slave: Any
+    slave: Any
 
     def _bind(self, save: str, restore: str, release: str) -> None:
         """Bind the instance and its functions of states, by their names."""
-        slave = self._slave
+        slave = self.slave
         # A Python FMU runs in this interpreter: PyDLL keeps its lock, which the FMU would only take again.
         self._in_python = Path(slave.unzipDirectory, "resources", "slavemodule.txt").is_file()
         self._library = ctypes.PyDLL(None, handle=slave.dll._handle) if self._in_python else slave.dll

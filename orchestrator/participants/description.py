@@ -76,6 +76,15 @@ class Unit:
 
 
 @dataclass(frozen=True)
+class Exchange:
+    """What an FMU offers for model exchange: its library, and how many states and event indicators it has."""
+
+    identifier: str
+    states: int
+    indicators: int
+
+
+@dataclass(frozen=True)
 class Description:
     """Of an FMU for co-simulation.
 
@@ -85,6 +94,7 @@ class Description:
     steps, else 0; one that `returns_early` may of itself come back from a step before its end, one that
     `interpolates` takes derivatives of inputs by the standard's call, one that `gives_rates` gives those of
     outputs so. `start`, `stop` and `step` (s) are those of its default experiment; `tool` is what made it.
+    `exchange`: its model exchange; None if it has none.
     """
 
     version: str
@@ -108,6 +118,7 @@ class Description:
     start: float | None
     stop: float | None
     step: float | None
+    exchange: Exchange | None
 
     @property
     def is_own(self) -> bool:
@@ -176,11 +187,20 @@ def read_description(path: Path) -> Description:
         interpolates=bool(about.canInterpolateInputs) and found.fmiVersion == "2.0",
         gives_rates=int(about.maxOutputDerivativeOrder or 0) > 0,
         once_per_process=bool(about.canBeInstantiatedOnlyOncePerProcess),
+        exchange=_read_exchange(found),
         **{
             short: _parse_number(getattr(experiment, name, None))
             for short, name in {"start": "startTime", "stop": "stopTime", "step": "stepSize"}.items()
         },
     )
+
+
+def _read_exchange(found: Any) -> Exchange | None:
+    about = found.modelExchange
+    if about is None:
+        return None
+    counts = found.numberOfContinuousStates, found.numberOfEventIndicators
+    return Exchange(about.modelIdentifier, *(int(count or 0) for count in counts))
 
 
 def _read(path: Path) -> Any:

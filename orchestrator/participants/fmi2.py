@@ -44,9 +44,10 @@ class Fmi2(BoundCalls):
 
     real_types = ("Real",)
     warned = 0
+    interface: Any = FMU2Slave
 
     def __init__(self, name: str, description: Description, folder: str) -> None:
-        self._slave = FMU2Slave(
+        self.slave = self.interface(
             guid=description.token,
             unzipDirectory=folder,
             modelIdentifier=description.identifier,
@@ -62,59 +63,59 @@ class Fmi2(BoundCalls):
         callbacks.logger = _LOGGER
         environment = next(_environments)
         callbacks.componentEnvironment = environment
-        self._heard = environment, self._slave.instanceName.encode()
+        self._heard = environment, self.slave.instanceName.encode()
         _listeners.update(dict.fromkeys(self._heard, log))
         if formatting and self._formats:
             formatting(ctypes.byref(callbacks))
         callbacks.allocateMemory = defaultCallbacks.allocateMemory
         callbacks.freeMemory = defaultCallbacks.freeMemory
         try:
-            self._slave.instantiate(callbacks=callbacks, loggingOn=True)
+            self.slave.instantiate(callbacks=callbacks, loggingOn=True)
         except BaseException:
             self._forget()
             raise
         self._bind("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate")
 
     def set_up(self, start_time: float, stop_time: float) -> None:
-        self._slave.setupExperiment(startTime=start_time, stopTime=stop_time)
+        self.slave.setupExperiment(startTime=start_time, stopTime=stop_time)
 
     def enter_initialization(self, start_time: float, stop_time: float) -> None:
-        self._slave.enterInitializationMode()
+        self.slave.enterInitializationMode()
 
     def exit_initialization(self) -> None:
-        self._slave.exitInitializationMode()
+        self.slave.exitInitializationMode()
 
     def set(self, variables: Sequence[Variable], values: Iterable[float]) -> None:
         (first, *_), reference = variables, [v.reference for v in variables]
         if first.type == "Real":
-            self._slave.setReal(reference, [float(value) for value in values])
+            self.slave.setReal(reference, [float(value) for value in values])
         elif first.type in BOOLEANS:
-            self._slave.setBoolean(reference, [bool(value) for value in values])
+            self.slave.setBoolean(reference, [bool(value) for value in values])
         else:
-            self._slave.setInteger(reference, [int(value) for value in values])
+            self.slave.setInteger(reference, [int(value) for value in values])
 
     def set_string(self, variable: Variable, text: str) -> None:
-        self._slave.setString([variable.reference], [text])
+        self.slave.setString([variable.reference], [text])
 
     def get(self, variables: Sequence[Variable]) -> list[float]:
         (first, *_), reference = variables, [v.reference for v in variables]
         if first.type == "Real":
-            return list(self._slave.getReal(reference))
-        get = self._slave.getBoolean if first.type in BOOLEANS else self._slave.getInteger
+            return list(self.slave.getReal(reference))
+        get = self.slave.getBoolean if first.type in BOOLEANS else self.slave.getInteger
         return [float(value) for value in get(reference)]
 
     def serialise(self, state: ctypes.c_void_p) -> bytes:
-        return bytes(self._slave.serializeFMUstate(state))
+        return bytes(self.slave.serializeFMUstate(state))
 
     def deserialise(self, data: bytes) -> ctypes.c_void_p:
-        state: ctypes.c_void_p = self._slave.deSerializeFMUstate(data)
+        state: ctypes.c_void_p = self.slave.deSerializeFMUstate(data)
         return state
 
     def terminate(self) -> None:
-        self._slave.terminate()
+        self.slave.terminate()
 
     def free(self) -> None:
-        self._slave.freeInstance()
+        self.slave.freeInstance()
         self._forget()
 
     def _forget(self) -> None:
@@ -143,7 +144,7 @@ class Fmi2(BoundCalls):
 
     def differentiate(self, unknown: Sequence[Variable], known: Variable) -> list[float]:
         references = [v.reference for v in unknown]
-        return list(self._slave.getDirectionalDerivative(references, [known.reference], [1.0]))
+        return list(self.slave.getDirectionalDerivative(references, [known.reference], [1.0]))
 
     def bind_step(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:
         call, handle, yes = self._function("fmi2DoStep"), self._handle, ctypes.c_int(1)

@@ -36,9 +36,10 @@ class Fmi3(BoundCalls):
 
     real_types = ("Float64",)
     warned = 0
+    interface: Any = FMU3Slave
 
     def __init__(self, name: str, description: Description, folder: str) -> None:
-        self._slave = FMU3Slave(
+        self.slave = self.interface(
             guid=description.token,
             unzipDirectory=folder,
             modelIdentifier=description.identifier,
@@ -51,7 +52,7 @@ class Fmi3(BoundCalls):
         self.ended_in: list[float] = []
 
     def instantiate(self, log: Callable[[int, bytes], None]) -> None:
-        self._slave.instantiate(
+        self.slave.instantiate(
             loggingOn=True, logMessage=lambda environment, status, category, message: log(status, message)
         )
         self._bind("fmi3GetFMUState", "fmi3SetFMUState", "fmi3FreeFMUState")
@@ -60,23 +61,23 @@ class Fmi3(BoundCalls):
         pass
 
     def enter_initialization(self, start_time: float, stop_time: float) -> None:
-        self._slave.enterInitializationMode(startTime=start_time, stopTime=stop_time)
+        self.slave.enterInitializationMode(startTime=start_time, stopTime=stop_time)
 
     def exit_initialization(self) -> None:
-        self._slave.exitInitializationMode()
+        self.slave.exitInitializationMode()
 
     def set(self, variables: Sequence[Variable], values: Iterable[float]) -> None:
         make = float if variables[0].type in REALS else bool if variables[0].type in BOOLEANS else int
         references, memory, call = self._memory("fmi3Set", variables)
         memory[:] = [make(value) for value in values]
-        call(self._slave.component, references, len(references), memory, len(memory))
+        call(self.slave.component, references, len(references), memory, len(memory))
 
     def set_string(self, variable: Variable, text: str) -> None:
-        self._slave.setString([variable.reference], [text])
+        self.slave.setString([variable.reference], [text])
 
     def get(self, variables: Sequence[Variable]) -> list[float]:
         references, memory, call = self._memory("fmi3Get", variables)
-        call(self._slave.component, references, len(references), memory, len(memory))
+        call(self.slave.component, references, len(references), memory, len(memory))
         return [float(value) for value in memory]
 
     def _memory(self, prefix: str, variables: Sequence[Variable]) -> tuple[Any, Any, Callable[..., Any]]:
@@ -87,21 +88,21 @@ class Fmi3(BoundCalls):
         return (
             references,
             (getattr(fmi3, f"fmi3{kind}") * len(variables))(),
-            getattr(self._slave, prefix + kind),
+            getattr(self.slave, prefix + kind),
         )
 
     def serialise(self, state: ctypes.c_void_p) -> bytes:
-        return bytes(self._slave.serializeFMUState(state))
+        return bytes(self.slave.serializeFMUState(state))
 
     def deserialise(self, data: bytes) -> ctypes.c_void_p:
-        state: ctypes.c_void_p = self._slave.deserializeFMUState(data)
+        state: ctypes.c_void_p = self.slave.deserializeFMUState(data)
         return state
 
     def terminate(self) -> None:
-        self._slave.terminate()
+        self.slave.terminate()
 
     def free(self) -> None:
-        self._slave.freeInstance()
+        self.slave.freeInstance()
 
     def get_addresses(self) -> dict[str, int]:
         if self._early:  # which compiled code does not go on from
@@ -134,7 +135,7 @@ class Fmi3(BoundCalls):
         whole = ArrayLayout(unknown)
         seed = [float(place == known.place) for place in range(known.size)]
         references = list(whole.references)
-        found = self._slave.getDirectionalDerivative(references, [known.reference], seed, whole.size)
+        found = self.slave.getDirectionalDerivative(references, [known.reference], seed, whole.size)
         return [found[place] for place in whole.places]
 
     def bind_step(self, fail: Callable[[int, float, float], None]) -> Callable[[float, float], None]:

@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
-import shutil
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
-from fmpy import extract
 
 from models.core.quantities import Vector
 
-from ..errors import CannotSerializeError, ParticipantError, RefusedError
-from .binding import find_array
-from .bound_variables import BoundInputs, BoundOutputs, OpenFmu
+from ..errors import CannotSerializeError, ParticipantError
+from .bound_variables import BoundInputs, BoundOutputs
 from .capabilities import signal_degrees
 from .compiled import GET, RELEASE, SAVE, SET, STEP, CompiledCalls
-from .description import read_description
-from .failures import ErrorReporter
 from .fmi2 import Fmi2
 from .fmi3 import Fmi3
-from .fmi_instance import FmiInstance
+from .opened_fmu import FmuSettings, OpenedFmu
 from .protocol import BoundVariables
-from .staying import stay_in_folder
 
 FAILED_CALLS = {
     SET: "setting the inputs",
@@ -36,57 +28,21 @@ FAILED_CALLS = {
 }
 
 
-@dataclass(frozen=True)
-class FmuSettings:
-    """What a run wants of an FMU, by the names of its variables.
-
-    `outputs` are to be recorded. `values` are those of parameters and starts, `inputs` those of inputs that
-    nothing drives, `strings` those of parameters that are strings.
-    """
-
-    outputs: Sequence[str]
-    values: Mapping[str, float] = field(default_factory=dict)
-    inputs: Mapping[str, float] = field(default_factory=dict)
-    strings: Mapping[str, str] = field(default_factory=dict)
-
-
-class FmuParticipant:
-    """Implements `Participant` for the FMU at `path`; `close` deletes where it is unpacked (`folder`).
+class FmuParticipant(OpenedFmu):
+    """Implements `Participant` for the FMU at `path`.
 
     Which derivatives of inputs it takes, and which rates it gives, is in `bound_variables`. Inputs that it
     holds over a step get the mean of their signal there, and after it the value at its end. Integers and
     booleans are exchanged as the nearest number. After `connect`, `follows` marks the `inputs` that it takes.
     """
 
+    instances: ClassVar[Mapping[str, Any]] = {"2.0": Fmi2, "3.0": Fmi3}
+
     def __init__(self, name: str, path: Path, settings: FmuSettings, folder: Path | None = None) -> None:
-        self.name, self._settings = name, settings
-        self._errors = ErrorReporter(name)
-        self._instantiated = False
-        self._records: list[Any] = []
-        try:
-            description = read_description(path)
-            self._folder = extract(str(path), unzipdir=None if folder is None else str(folder))
-        except Exception as error:
-            raise ParticipantError(f"{name}: {path} {error}") from None
+        super().__init__(name, path, settings, folder)
+        description = self._fmu.description
         self.restorable = description.restorable
-        kind: Any = Fmi3 if description.version == "3.0" else Fmi2
-        try:
-            with stay_in_folder():
-                self._fmi: FmiInstance = kind(name, description, self._folder)
-                self._errors.fmi = self._fmi
-                self._fmi.instantiate(self._errors.log)
-            self._instantiated = True
-        except Exception as error:
-            self.close()
-            raise RefusedError(
-                f"{name}: instantiate: {self._errors.quote_messages() or error}; {path} cannot be used as it "
-                "is: its library may be damaged or not belong to its modelDescription.xml (guid, "
-                "instantiationToken), or lack what it needs on this machine; give another file"
-            ) from None
-        except BaseException:
-            self.close()
-            raise
-        self._fmu = OpenFmu(description, self._fmi, self._errors)
+        self._records: list[Any] = []
         self._step = self._fmi.bind_step(self._errors.fail_step)
         holds = 0 in signal_degrees(description, [v.name for v in description.list_variables("input")])
         # What runs in every step are such functions themselves, not methods around them.
@@ -132,30 +88,6 @@ class FmuParticipant:
             inputs.picked, inputs.held, self._ends, np.ones(count), np.full(count, -0.0), given, taken,
             outputs.rated, self._describe, self._raise_failed, self._errors.check_end, self._find_readable,
         )  # fmt: skip
-
-    def initialise(self, start_time: float, stop_time: float) -> None:
-        with self._errors.name_errors("initialise"):
-            self._fmi.set_up(start_time, stop_time)
-            self._assign(self._settings.values)
-            for name, text in self._settings.strings.items():
-                self._fmi.set_string(self._fmu.find(name), text)
-            self._fmi.enter_initialization(start_time, stop_time)
-            self._assign(self._settings.inputs)
-
-    def _assign(self, values: Mapping[str, float]) -> None:
-        """Set variables by name; of an array that is named in part the other elements start as they do."""
-        done: set[tuple[int, str]] = set()
-        for name in values:
-            variable = self._fmu.find(name)
-            if (key := (variable.reference, variable.type)) not in done:
-                done.add(key)
-                whole = find_array(self._fmu.description.variables, variable)
-                self._fmi.set(whole, [values.get(v.name, v.start or 0.0) for v in whole])
-
-    def finish_initialisation(self) -> None:
-        with self._errors.name_errors("initialise"):
-            self._fmi.exit_initialization()
-        self._fmu.stepping = True
 
     def set_inputs(self, values: Mapping[str, float]) -> None:
         with self._errors.name_errors("setting the inputs"):
@@ -240,13 +172,3 @@ class FmuParticipant:
         """How many there were, by status or by message, and the first message."""
         steps = self._fmi.warned + sum(int(record["warned"]) for record in self._records)
         return max(steps, self._errors.warnings), self._errors.first_warning
-
-    def close(self) -> None:
-        # After fmi2Fatal the standard allows no call at all; the instance is given up.
-        if self._instantiated and not self._errors.fatal:
-            with contextlib.suppress(Exception):
-                self._fmi.terminate()
-            with contextlib.suppress(Exception):
-                self._fmi.free()
-        self._instantiated = False
-        shutil.rmtree(getattr(self, "_folder", ""), ignore_errors=True)

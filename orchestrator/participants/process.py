@@ -12,15 +12,16 @@ import os
 import signal
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
 from models.core.quantities import Vector
 
 from ..errors import RunError
-from .fmu import FmuParticipant, FmuSettings
+from .fmu import FmuParticipant
 from .messages import ADVANCE, CALL, DONE, FAILED, READ, TIMES, receive, send
+from .opened_fmu import FmuSettings
 from .protocol import BoundVariables
 
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
@@ -112,7 +113,12 @@ class Server:
 
 
 def main() -> None:
-    """Serve until standard input ends."""
+    """Serve one FMU."""
+    serve(Server())
+
+
+def serve(server: Any) -> NoReturn:
+    """Answer messages by `server.carry_out` until standard input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGKILL)
@@ -121,7 +127,6 @@ def main() -> None:
     # The FMU must neither read the messages nor print among the answers.
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     os.dup2(2, 1)
-    server = Server()
     while True:
         try:
             kind, content = receive(asked)

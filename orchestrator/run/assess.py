@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 from models.core.quantities import Vector
 from models.core.system import System
@@ -16,16 +14,12 @@ from ..assessment.diagnosis import Diagnosis, Facts, diagnose_steps, read_writte
 from ..errors import RunError
 from ..reporter import Reporter
 from ..scenario import Scenario
-from ..scenario.capabilities import is_refined
 from ..store.result_file import ResultFile
 from .comparison import Errors, compare, largest_uncertainty, verdict
 from .plan import Plan, collect_output_quantities
 from .record import ENDS, NOT_COMPARED, OUTSIDE, WITHIN, Ending, Record, classify_ending
-from .refinement import describe_doubts, refine
+from .reference import MONOLITHIC, Solution, solve_reference
 from .witness import Testimony, hear_witness
-
-if TYPE_CHECKING:
-    from models.monolithic import Reference
 
 # Records compared with the reference (and drawn) at most: bounds memory, and is dense in any cycle.
 COMPARED_RECORDS = 100_000
@@ -48,7 +42,7 @@ class Report:
     verdict: str = "not compared"
     reference_time_s: float | None = None
     reference_uncertainty: float | None = None
-    reference_method: str = "monolithic"
+    reference_method: str = MONOLITHIC
     witness: Testimony | None = None
 
 
@@ -64,8 +58,6 @@ def assess(plan: Plan, record: Record, result: ResultFile, reporter: Reporter) -
             ending=Ending(True, False, "complete", WITHIN),
         )
     try:
-        if is_refined(plan.scenario):
-            return _refine(plan, result, reporter, report)
         return _compare(plan, result, reporter, report)
     except ENDS as error:
         return replace(report, ending=classify_ending(error, result.path.parent))
@@ -95,72 +87,53 @@ def _diagnose(scenario: Scenario, record: Record, result: ResultFile, report: Re
 def _compare(plan: Plan, result: ResultFile, reporter: Reporter, report: Report) -> Report:
     """Solve the reference, add it to the result, and compare."""
     scenario, system = plan.scenario, plan.system
-    names = _select_compared(scenario, system)
-    every = -(-result.length("coupled") // COMPARED_RECORDS)
-    coupled = result.read("coupled", ["time", *names], slice(None, None, every))
-    reference = _solve_reference(scenario, system, coupled.pop("time"), reporter)
-    quantities = collect_output_quantities(system)
-    result.write("reference", reference.times, quantities, reference.outputs)
-    result.attribute("reference", "tolerance", scenario.reference.tolerance)
-    columns = {name: reference.outputs[:, system.outputs.names.index(name)] for name in names}
-    nominal = {name: quantities[name].nominal for name in names}
-    errors = compare(reference.times, coupled, columns, reference.uncertainty, nominal, scenario.tolerance)
-    for name, error in errors.items():
-        result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
-    within, text = verdict(errors)
-    return replace(
-        report,
-        ending=Ending(True, False, "complete", WITHIN if within else OUTSIDE),
-        errors=errors,
-        verdict=text if within else text + _advise_on_events(scenario, report.contacts),
-        reference_time_s=reference.wall_time_s,
-        reference_uncertainty=largest_uncertainty(errors),
-        witness=_hear_witness(plan, coupled, reference, reporter),
-    )
-
-
-def _refine(plan: Plan, result: ResultFile, reporter: Reporter, report: Report) -> Report:
-    """Repeat the run with smaller steps, add its limit to the result, and compare."""
-    scenario, system, began = plan.scenario, plan.system, clock.perf_counter()
     every = -(-result.length("coupled") // COMPARED_RECORDS)
     coupled = result.read("coupled", ["time", *system.outputs.names], slice(None, None, every))
-    times = coupled.pop("time")
     try:
-        refined = refine(plan, times, coupled, reporter)
+        solution = solve_reference(plan, coupled.pop("time"), coupled, reporter)
     except RunError as failure:
         return replace(
             report,
-            verdict=f"not compared: a run with smaller steps failed: {failure}",
+            verdict=f"not compared: the reference failed: {failure}",
             ending=Ending(True, False, "complete", NOT_COMPARED),
         )
     quantities = collect_output_quantities(system)
-    result.write("reference", times, quantities, refined.outputs)
+    result.write("reference", solution.times, quantities, solution.outputs)
+    if solution.method == MONOLITHIC:
+        result.attribute("reference", "tolerance", scenario.reference.tolerance)
     names = _select_compared(scenario, system)
-    columns = {name: refined.outputs[:, system.outputs.names.index(name)] for name in names}
-    nominal = {name: quantities[name].nominal for name in names}
-    chosen = {name: coupled[name] for name in names}
-    errors = compare(times, chosen, columns, refined.uncertainty, nominal, scenario.tolerance, refined.orders)
+    errors = compare(
+        solution.times,
+        {name: coupled[name] for name in names},
+        {name: solution.outputs[:, system.outputs.names.index(name)] for name in names},
+        solution.uncertainty,
+        {name: quantities[name].nominal for name in names},
+        scenario.tolerance,
+        solution.orders,
+    )
     for name, error in errors.items():
         result.attribute(f"reference/{name}", "uncertainty_rms", error.uncertainty.rms)
     within, text = verdict(errors)
+    advice = "" if within else _advise_on_events(scenario, report.contacts)
     return replace(
         report,
         ending=Ending(True, False, "complete", WITHIN if within else OUTSIDE),
         errors=errors,
-        reference_method="refinement",
-        verdict=text + describe_doubts(refined, scenario.tolerance),
-        reference_time_s=clock.perf_counter() - began,
+        verdict=text + advice + solution.doubts,
+        reference_time_s=solution.wall_time_s,
         reference_uncertainty=largest_uncertainty(errors),
+        reference_method=solution.method,
+        witness=_hear_witness(plan, coupled, solution, reporter),
     )
 
 
 def _hear_witness(
-    plan: Plan, coupled: Mapping[str, Vector], reference: Reference, reporter: Reporter
+    plan: Plan, coupled: Mapping[str, Vector], solution: Solution, reporter: Reporter
 ) -> Testimony | None:
-    if plan.scenario.reference.witness == "none":
+    if plan.scenario.reference.witness == "none" or solution.reference is None:
         return None
     with reporter.stage("multibody witness"):
-        return hear_witness(plan.system, reference, coupled)
+        return hear_witness(plan.system, solution.reference, coupled)
 
 
 def _advise_on_events(scenario: Scenario, contacts: ContactSummaries) -> str:
@@ -178,18 +151,3 @@ def _select_compared(scenario: Scenario, system: System) -> list[str]:
     """All connected outputs, and those with a tolerance."""
     connected = {str(connection.source) for connection in system.connections}
     return [name for name in system.outputs.names if name in connected or name in scenario.tolerance]
-
-
-def _solve_reference(scenario: Scenario, system: System, times: Vector, reporter: Reporter) -> Reference:
-    from models.monolithic import LONGEST_STEP, solve
-
-    table = scenario.reference
-    with reporter.stage("monolithic reference", scenario.stop_time) as bar:
-        return solve(
-            system,
-            times,
-            tolerance=table.tolerance,
-            x0=system.x0,
-            progress=bar.show,
-            longest_step=table.step or LONGEST_STEP,
-        )

@@ -18,11 +18,12 @@ WHOLE_STEPS = 1e-6
 def check_third_party(scenario: Scenario) -> None:
     """ScenarioError where a monolithic reference or an equilibrium is wanted but the equations are not known,
     and where refinement, which does without them, is not possible."""
-    unknown = describe_unknown(scenario)
-    if unknown and scenario.start == "equilibrium":
-        raise ScenarioError(f"start = 'equilibrium': {unknown}; set start = 'given'")
+    foreign = list_foreign(scenario)
+    if foreign and scenario.start == "equilibrium":
+        raise ScenarioError(f"start = 'equilibrium': {foreign[0]}; set start = 'given'")
     if not scenario.reference.enabled:
         return
+    unknown = describe_unsolvable(scenario)
     if unknown and scenario.reference.method == "monolithic":
         raise ScenarioError(
             f"reference.method = 'monolithic': {unknown}; set reference.method = 'refinement'"
@@ -41,18 +42,42 @@ def check_third_party(scenario: Scenario) -> None:
 def is_refined(scenario: Scenario) -> bool:
     """Whether the reference is by refinement."""
     method = scenario.reference.method
-    return method == "refinement" or (method == "auto" and bool(describe_unknown(scenario)))
+    return method == "refinement" or (method == "auto" and bool(describe_unsolvable(scenario)))
 
 
-def describe_unknown(scenario: Scenario) -> str:
-    """What of the system's equations is not known, in words; empty if all are."""
-    third_party = [name for name, table in scenario.components.items() if table.third_party]
-    if third_party:
-        return f"{', '.join(third_party)}: third-party FMUs, whose equations are unknown"
-    for line in map(parse_line, scenario.connections):
-        if line.factor is not None or line.offset is not None:
-            return f"the connection {str(line)!r} changes values, which the equations do not know"
+def is_solved_by_parts(scenario: Scenario) -> bool:
+    """Whether the monolithic reference has to take FMUs, or connections that change values, as they are."""
+    return not is_refined(scenario) and bool(list_foreign(scenario))
+
+
+def describe_unsolvable(scenario: Scenario) -> str:
+    """Why no monolithic reference can be solved, in words; empty if one can."""
+    closed = [
+        name
+        for name, table in scenario.components.items()
+        if table.third_party and read_description(Path(table.participant)).exchange is None
+    ]
+    if closed:
+        return f"{', '.join(closed)}: third-party FMUs without model exchange, whose equations are unknown"
+    implicit = [
+        name
+        for name, table in scenario.components.items()
+        if not table.third_party and not table.resolve().ode
+    ]
+    foreign = list_foreign(scenario)
+    if implicit and foreign:
+        return f"{', '.join(implicit)}: no ordinary differential equations, beside {foreign[0]}"
     return ""
+
+
+def list_foreign(scenario: Scenario) -> list[str]:
+    """What of the system is not in the equations of our components, in words."""
+    third_party = [name for name, table in scenario.components.items() if table.third_party]
+    found = [f"{', '.join(third_party)}: third-party FMUs"] if third_party else []
+    changing = [
+        line for line in map(parse_line, scenario.connections) if (line.factor, line.offset) != (None, None)
+    ]
+    return found + [f"the connection {str(line)!r} changes values" for line in changing]
 
 
 def check_capabilities(scenario: Scenario) -> None:

@@ -11,7 +11,7 @@ from models.core.system import System, suggestion
 
 from ..engine.energy.bonds import find_exchanged_bonds
 from ..participants import find_missing
-from .capabilities import check_capabilities, check_third_party, is_refined
+from .capabilities import check_capabilities, check_third_party, is_refined, is_solved_by_parts
 from .scenario import Scenario, ScenarioError
 
 
@@ -33,7 +33,7 @@ def check_scenario(scenario: Scenario, system: System) -> None:
 
 def check_reference(scenario: Scenario, system: System) -> None:
     """Raise ModelError where the scenario asks for a reference that cannot be solved."""
-    if scenario.reference.enabled and not is_refined(scenario):
+    if scenario.reference.enabled and not is_refined(scenario) and not is_solved_by_parts(scenario):
         from models.monolithic import check_solvable
 
         check_solvable(system)

@@ -39,8 +39,9 @@ class ReferenceTable(Table):
     enabled: bool = Field(True, description="Compare the coupled run with it")
     method: Literal["auto", "monolithic", "refinement"] = Field(
         "auto",
-        description="All equations solved together, or the run repeated with half and a quarter of its macro "
-        "steps and extrapolated; auto: the first where all equations are known",
+        description="All equations solved together (third-party FMUs by their model exchange), or the run "
+        "repeated with half and a quarter of its macro steps and extrapolated; auto: the first where all "
+        "FMUs have equations",
     )
     tolerance: Annotated[Tolerance, Field(lt=1.0)] = Field(
         1e-10, description="Relative tolerance of the reference's solvers"

@@ -1,0 +1,106 @@
+"""An FMU that is unpacked and instantiated: what its participants of each kind share."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar
+
+from fmpy import extract
+
+from ..errors import ParticipantError, RefusedError
+from .binding import find_array
+from .bound_variables import OpenFmu
+from .description import read_description
+from .failures import ErrorReporter
+from .fmi_instance import FmiInstance
+from .staying import stay_in_folder
+
+
+@dataclass(frozen=True)
+class FmuSettings:
+    """What a run wants of an FMU, by the names of its variables.
+
+    `outputs` are to be recorded. `values` are those of parameters and starts, `inputs` those of inputs that
+    nothing drives, `strings` those of parameters that are strings.
+    """
+
+    outputs: Sequence[str]
+    values: Mapping[str, float] = field(default_factory=dict)
+    inputs: Mapping[str, float] = field(default_factory=dict)
+    strings: Mapping[str, str] = field(default_factory=dict)
+
+
+class OpenedFmu:
+    """The FMU at `path`; `close` deletes where it is unpacked (`folder`).
+
+    `instances` are the classes of its instance, by the version of FMI.
+    """
+
+    instances: ClassVar[Mapping[str, Any]]
+
+    def __init__(self, name: str, path: Path, settings: FmuSettings, folder: Path | None = None) -> None:
+        self.name, self._settings = name, settings
+        self._errors = ErrorReporter(name)
+        self._instantiated = False
+        try:
+            description = read_description(path)
+            self._folder = extract(str(path), unzipdir=None if folder is None else str(folder))
+        except Exception as error:
+            raise ParticipantError(f"{name}: {path} {error}") from None
+        try:
+            with stay_in_folder():
+                self._fmi: FmiInstance = self.instances[description.version](name, description, self._folder)
+                self._errors.fmi = self._fmi
+                self._fmi.instantiate(self._errors.log)
+            self._instantiated = True
+        except Exception as error:
+            self.close()
+            raise RefusedError(
+                f"{name}: instantiate: {self._errors.quote_messages() or error}; {path} cannot be used as it "
+                "is: its library may be damaged or not belong to its modelDescription.xml (guid, "
+                "instantiationToken), or lack what it needs on this machine; give another file"
+            ) from None
+        except BaseException:
+            self.close()
+            raise
+        self._fmu = OpenFmu(description, self._fmi, self._errors)
+
+    def initialise(self, start_time: float, stop_time: float) -> None:
+        """Enter initialisation mode, with all values that the settings have."""
+        with self._errors.name_errors("initialise"):
+            self._fmi.set_up(start_time, stop_time)
+            self._assign(self._settings.values)
+            for name, text in self._settings.strings.items():
+                self._fmi.set_string(self._fmu.find(name), text)
+            self._fmi.enter_initialization(start_time, stop_time)
+            self._assign(self._settings.inputs)
+
+    def finish_initialisation(self) -> None:
+        """Leave initialisation mode."""
+        with self._errors.name_errors("initialise"):
+            self._fmi.exit_initialization()
+        self._fmu.stepping = True
+
+    def _assign(self, values: Mapping[str, float]) -> None:
+        """Set variables by name; of an array that is named in part the other elements start as they do."""
+        done: set[tuple[int, str]] = set()
+        for name in values:
+            variable = self._fmu.find(name)
+            if (key := (variable.reference, variable.type)) not in done:
+                done.add(key)
+                whole = find_array(self._fmu.description.variables, variable)
+                self._fmi.set(whole, [values.get(v.name, v.start or 0.0) for v in whole])
+
+    def close(self) -> None:
+        # After fmi2Fatal the standard allows no call at all; the instance is given up.
+        if self._instantiated and not self._errors.fatal:
+            with contextlib.suppress(Exception):
+                self._fmi.terminate()
+            with contextlib.suppress(Exception):
+                self._fmi.free()
+        self._instantiated = False
+        shutil.rmtree(getattr(self, "_folder", ""), ignore_errors=True)
